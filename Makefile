@@ -1,0 +1,45 @@
+# One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
+.DEFAULT_GOAL := help
+.PHONY: help demo test check bench wheel-check clean
+
+BIN := .venv/bin
+READY := .venv/ready
+CACHE := .numba_cache
+SOURCES := $(shell find src -name '*.py' 2>/dev/null)
+ARGS ?=
+
+# Tests and figures must not depend on how many cores the machine has.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1 \
+    OPENCV_FOR_THREADS_NUM=1
+export NUMBA_CACHE_DIR := $(CURDIR)/$(CACHE)
+
+help:  ## say what can be made
+	@grep -E '^[a-z-]+:.*  ## ' Makefile | sed -E 's/^([a-z-]+):[^#]*## /make \1\t/' | expand -t 20
+
+demo: $(READY) $(CACHE)/fresh  ## render a clip, track the ball in it, compare with the truth; no camera needed
+	$(BIN)/matchset demo $(ARGS)
+
+test: $(READY) $(CACHE)/fresh  ## run the tests (ARGS="-k video" for some of them)
+	$(ONE_THREAD) $(BIN)/python -m pytest $(ARGS)
+
+check: $(READY) wheel-check  ## lint, format, types, and the wheel
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(READY) $(CACHE)/fresh  ## measure speed and accuracy (some minutes)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
+
+wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels for a Raspberry Pi
+	$(BIN)/python .ci/wheels.py
+
+clean:  ## remove everything that was made, the virtual environment included
+	rm -rf .venv $(CACHE) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(READY): pyproject.toml .ci/setup
+	.ci/setup
+
+# Numba does not notice an edit in a kernel that lives in another file: start anew when a source changes.
+$(CACHE)/fresh: $(SOURCES)
+	rm -rf $(CACHE) && mkdir $(CACHE) && touch $@

@@ -1,0 +1,93 @@
+"""Measure everything and write `benchmarks/RESULTS.md`: `python -m benchmarks`, or `make bench`."""
+
+import importlib
+import os
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from benchmarks.finding import Section
+from benchmarks.machine import Machine
+from benchmarks.options import UNSEEN, Options, parse_seeds
+from benchmarks.report import json_line, page, show
+from benchmarks.workers import one_thread
+
+HERE = Path(__file__).resolve().parent
+# What is timed comes first, while the machine is cool and nothing else runs.
+NAMES = (
+    "speed",
+    "startup",
+    "memory",
+    "accuracy",
+    "covariance",
+    "reacquisition",
+    "false_locks",
+    "real",
+)
+
+
+def chosen(only: str) -> list[str]:
+    """Read "speed,accuracy"; all of them if it is empty."""
+    names = [name.strip().replace("-", "_") for name in only.split(",") if name.strip()]
+    unknown = [name for name in names if name not in NAMES]
+    if unknown:
+        raise typer.BadParameter(f"{', '.join(unknown)}: choose from {', '.join(NAMES)}")
+    return [name for name in NAMES if not names or name in names]
+
+
+def main(
+    only: Annotated[str, typer.Option(help=f"Some of {', '.join(NAMES)}.")] = "",
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer frames: a first impression.")] = False,
+    seeds: Annotated[str, typer.Option(help='Seeds of the sequences, as "100-103,200".')] = "",
+    data: Annotated[Path, typer.Option(help="Real clips with truth.")] = HERE.parents[1] / "shared" / "data",
+    jobs: Annotated[int, typer.Option(help="Processes for what is not timed.")] = min(2, os.cpu_count() or 1),
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Page of results.")] = None,
+    false_frames: Annotated[Path | None, typer.Option(help="Folder for frames with a false lock.")] = None,
+) -> None:
+    """Measure matchset. A full run writes benchmarks/RESULTS.md; the last line is one JSON document."""
+    names = chosen(only)
+    full = not only and not quick
+    target = output or (HERE / "RESULTS.md" if full else None)
+    options = Options(
+        seeds=_seeds(seeds),
+        quick=quick,
+        data=data if data.is_dir() else None,
+        jobs=jobs,
+        pictures=target.parent / "pictures" if target else None,
+        false_frames=false_frames,
+    )
+    sections = measure(names, options)
+    machine = Machine.here()
+    show(sections, Console())
+    if target is not None:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(page(sections, machine), encoding="utf-8")
+        typer.echo(f"written: {target}")
+    typer.echo(json_line(sections, machine))
+
+
+def measure(names: list[str], options: Options) -> list[Section]:
+    """Run the benchmarks of these names, one after the other."""
+    one_thread()
+    console = Console(stderr=True)
+    sections = []
+    for name in names:
+        begin = time.perf_counter()
+        with console.status(f"{name} ..."):
+            sections.append(importlib.import_module(f"benchmarks.{name}").run(options))
+        console.print(f"{name}: {time.perf_counter() - begin:.0f} s", highlight=False)
+    return sections
+
+
+def _seeds(text: str) -> tuple[int, ...]:
+    try:
+        return parse_seeds(text) if text else UNSEEN
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+if __name__ == "__main__":
+    typer.run(main)

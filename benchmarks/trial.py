@@ -1,0 +1,161 @@
+"""One tracker, one sequence, one click: `follow`."""
+
+import functools
+import math
+
+import msgspec
+import numpy as np
+
+import matchset as ms
+from benchmarks.options import Options
+from benchmarks.sequences import FRAMES, QUICK_FRAMES, sequence
+from benchmarks.workers import spread
+from matchset.app.score import Circle3, error_px
+from matchset.app.truth import Truth
+from matchset.sim.clip import Clip
+from matchset.sim.truth import Truth as ClipTruth
+
+LOWCONF_BELOW = 0.5
+"""Where less of the disc than this can be seen, the frame is left out of tight scores."""
+
+
+class Trial(msgspec.Struct, frozen=True):
+    """How a tracker did on one sequence.
+
+    Parameters
+    ----------
+    seed : int
+        Of the sequence.
+    truths : list of Truth
+        Where the ball is, frame by frame.
+    answers : list of (x, y, radius) or None
+        Where the tracker saw it, px.
+    squares : list of float or None
+        Normalized error squared, ``e' P^-1 e``, of the answered tight frames.
+    """
+
+    seed: int
+    truths: list[Truth]
+    answers: list[Circle3 | None]
+    squares: list[float | None]
+
+    @property
+    def errors(self) -> list[float]:
+        """Error of each frame, Eq. 10, px; NaN where it was not answered or is not tight."""
+        return [
+            error_px(answer, truth.circle) if answer and truth.tight and truth.circle else math.nan
+            for answer, truth in zip(self.answers, self.truths, strict=True)
+        ]
+
+
+class Task(msgspec.Struct, frozen=True):
+    """Which sequence to follow: its name, seed and length."""
+
+    name: str
+    seed: int
+    frames: int
+
+
+def trials(name: str, options: Options) -> list[Trial]:
+    """Follow a sequence once for each seed; asked again, the same results are returned.
+
+    Parameters
+    ----------
+    name : str
+        Of the sequence, see `sequence`.
+    options : Options
+
+    Returns
+    -------
+    list of Trial
+    """
+    frames = QUICK_FRAMES if options.quick else FRAMES
+    seeds = options.seeds[:2] if options.quick else options.seeds
+    return _trials(name, seeds, frames, options.jobs)
+
+
+@functools.cache
+def _trials(name: str, seeds: tuple[int, ...], frames: int, jobs: int) -> list[Trial]:
+    return spread(run_task, [Task(name, seed, frames) for seed in seeds], jobs)
+
+
+def run_task(task: Task) -> Trial:
+    """Follow the sequence of a task."""
+    return follow(sequence(task.name, task.seed, task.frames))
+
+
+def follow(clip: Clip) -> Trial:
+    """Click once on the ball in the first frame and follow it, with no help from the truth after that.
+
+    Parameters
+    ----------
+    clip : Clip
+        The sequence.
+
+    Returns
+    -------
+    Trial
+    """
+    tracker: ms.Tracker[ms.Circle] | None = None
+    result = Trial(clip.seed, [], [], [])
+    for frame, seen in clip:
+        tracker = tracker or clicked(frame, clip.first_click)
+        answer = tracker.update(frame)
+        truth = as_truth(seen)
+        found = isinstance(answer, ms.Track)
+        result.truths.append(truth)
+        result.answers.append(circle(answer.shape) if isinstance(answer, ms.Track) else None)
+        tight = found and truth.tight
+        result.squares.append(normalized_square(answer, truth) if tight else None)
+    return result
+
+
+def clicked(frame: ms.Frame, click: tuple[float, float]) -> ms.Tracker[ms.Circle]:
+    """Make a tracker with default settings from one click.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame that was clicked at.
+    click : tuple of 2 floats
+        x, y, px.
+
+    Returns
+    -------
+    Tracker
+    """
+    return ms.Tracker(ms.Circle, ms.ColorModel.pick(frame.image, *click), start=click)
+
+
+def as_truth(seen: ClipTruth) -> Truth:
+    """Turn what a rendered frame shows into the truth that scores take."""
+    known = None if seen.circle is None else circle(seen.circle)
+    return Truth(seen.index, known, lowconf=seen.share < LOWCONF_BELOW)
+
+
+def circle(shape: ms.Circle) -> Circle3:
+    """Return x, y and radius, px."""
+    return shape.x, shape.y, shape.radius
+
+
+def normalized_square(answer: ms.Track[ms.Circle] | ms.Lost[ms.Circle], truth: Truth) -> float | None:
+    """Error squared in units of the covariance that the tracker claims, ``e' P^-1 e``.
+
+    Parameters
+    ----------
+    answer : Track or Lost
+    truth : Truth
+
+    Returns
+    -------
+    float or None
+        Infinite where the covariance is not positive definite; None without an answer or a truth.
+    """
+    if not isinstance(answer, ms.Track) or truth.circle is None:
+        return None
+    error = np.subtract(circle(answer.shape), truth.circle)
+    try:
+        half = np.linalg.solve(np.linalg.cholesky(answer.covariance), error)
+    except np.linalg.LinAlgError:
+        return math.inf
+    return float(half @ half)

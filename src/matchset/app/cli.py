@@ -1,0 +1,208 @@
+"""The command line: `matchset track`, `learn`, `score` and `demo`.
+
+Heavy imports wait inside the commands, so that `matchset --help` answers at once.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
+
+app = typer.Typer(
+    name="matchset",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=EXIT_CODES,
+)
+
+Source = Annotated[
+    str, typer.Argument(help="A video file, a picture, a folder of pictures, a camera's number, or a URL.")
+]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite what exists.")]
+
+
+@app.callback(invoke_without_command=True)
+def matchset(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    """Find a ball of known color in bad video, from one click, thousands of times a second."""
+    if version:
+        from importlib.metadata import version as installed
+
+        print("matchset", installed("matchset"))
+        raise typer.Exit
+
+
+TRACK_EPILOG = f"""
+[bold]Examples[/bold]
+
+  matchset track ball.mp4 --pick 427,146@60 --video out.mp4
+
+  matchset track ball.mp4 --candidate 1
+
+  matchset track 0 --color ball.npz --print | my_program
+
+  matchset track red.mp4 --hsv 170,120,80:10,255,255
+
+Without -o everything goes to a new folder, runs/0001-track and so on. tracks.csv holds one row a frame:
+frame, time, found, x, y, radius, their standard deviations, support, and why it was lost.
+
+{EXIT_CODES}
+"""
+
+
+@app.command(epilog=TRACK_EPILOG)
+def track(
+    source: Source,
+    pick: Annotated[
+        str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")
+    ] = None,
+    candidate: Annotated[
+        str | None, typer.Option(metavar="N[@FRAME]", help="The ball-like thing that 'learn' numbered N.")
+    ] = None,
+    color: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="A color that 'learn' saved; several are joined."),
+    ] = None,
+    hsv: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LOW:HIGH",
+            help="OpenCV's HSV range H,S,V:H,S,V; a low hue above the high one wraps at red.",
+        ),
+    ] = None,
+    video: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.mp4", help="Write the annotated video: .mp4 (VP9), or .webm (20 times as fast)."
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")] = None,
+    jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False,
+    to_stdout: Annotated[
+        bool,
+        typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there."),
+    ] = False,
+    force: Force = False,
+    points: Annotated[
+        int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")
+    ] = 64,
+) -> None:
+    """Follow a ball through a video, or before a camera, and write its circle for every frame."""
+    with errors_in_one_line():
+        from matchset.app import track_command
+        from matchset.app.target import Wish
+
+        wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()))
+        options = track_command.TrackOptions(source, wish, out, video, jsonl, to_stdout, force, points)
+        code = track_command.track(options)
+    raise typer.Exit(code)
+
+
+LEARN_EPILOG = f"""
+[bold]Examples[/bold]
+
+  matchset learn ball.mp4
+
+  matchset learn ball.mp4 --frame 60 --pick 427,146 -o ball.npz
+
+{EXIT_CODES}
+"""
+
+
+@app.command(epilog=LEARN_EPILOG)
+def learn(
+    source: Source,
+    frame: Annotated[
+        int | None,
+        typer.Option(min=0, help="The frame to look at; without it one that shows a ball is chosen."),
+    ] = None,
+    pick: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball: learn its color and save it."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", metavar="FILE", help="The color file (.npz); without a pick, the picture."),
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Show where the ball is, in a picture with a pixel grid; with a pick, learn its color and save it."""
+    with errors_in_one_line():
+        from matchset.app import learn_command
+
+        options = learn_command.LearnOptions(source, frame, pick, out, force)
+        code = learn_command.learn(options)
+    raise typer.Exit(code)
+
+
+SCORE_EPILOG = """
+[bold]Definitions[/bold]
+
+The error of an answer is |x - x*| + |y - y*| + |r - r*| in px; rows of the truth marked lowconf are left out.
+Valid: error below 5 px, among all frames with the ball visible and not lowconf. Lost: visible, not answered.
+False lock: answered while the ball is absent, or with a center farther than r from the true one.
+Trembling: mean over consecutive frames of the change of the error, |de_x| + |de_y| + |de_r|; jitter: rms of
+its second difference. Both need truth in consecutive frames; where there is none they are "-" (JSON: null).
+"""
+
+
+@app.command(epilog=SCORE_EPILOG)
+def score(
+    tracks: Annotated[Path, typer.Argument(help="tracks.csv of 'matchset track'.")],
+    truth: Annotated[Path, typer.Argument(help="Truth: video,frame,x,y,r,visible,method.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print one line of JSON.")] = False,
+    start: Annotated[
+        int, typer.Option("--from", min=0, metavar="FRAME", help="Score from this frame on.")
+    ] = 0,
+    video: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which video's rows, if the truth holds several.")
+    ] = None,
+) -> None:
+    """Measure tracks against the truth."""
+    with errors_in_one_line():
+        from matchset.app.score_command import score_files
+
+        score_files(tracks, truth, start, video, as_json)
+
+
+@app.command()
+def demo(
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for what it writes.")] = None,
+    frames: Annotated[int, typer.Option(min=10, max=100_000, help="Length of the clip.")] = 300,
+    force: Force = False,
+) -> None:
+    """Track a rendered clip with exact truth: no camera, no network, under a minute."""
+    with errors_in_one_line():
+        from matchset.app.demo import run_demo
+
+        code = run_demo(out, frames, force)
+    raise typer.Exit(code)
+
+
+def main() -> None:
+    """Run the command line; the console script `matchset`."""
+    try:
+        code = app(standalone_mode=False)
+    except Exception as error:
+        # Typer's own errors (a wrong option) know how to say themselves; anything else is a bug and shows its
+        # trace. Help asked for by typing nothing is no error to speak of.
+        words = getattr(error, "format_message", None)
+        if words is None:
+            raise
+        if type(error).__name__ != "NoArgsIsHelpError":
+            say_error(words())
+        code = getattr(error, "exit_code", 2)
+    with errors_in_one_line():
+        sys.stdout.flush()
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,140 @@
+"""What the tracker saw, drawn into the frame: `annotate`."""
+
+import math
+from typing import Any
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.row import Row
+from matchset.app.text import draw_text, text_width
+from matchset.image.frame import Frame
+from matchset.tracking.track import Lost, Track
+
+Picture = npt.NDArray[np.uint8]
+
+OUTLINE = (190, 40, 255)
+"""Color of what was found, BGR: a pink that neither balls nor rooms have."""
+POINT = (255, 255, 255)
+COASTING = (60, 190, 255)
+_SHIFT = 4
+
+
+def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: Row) -> Picture:
+    """Draw the answer into a copy of its frame.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    answer : Track or Lost
+        What the tracker said about it.
+    row : Row
+        The same as it stands in the table; the caption is written from it.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 3), uint8
+        BGR, with the outline and its match-set, or dashed the outline where the shape should be by now, and a
+        line of text below.
+    """
+    image = as_color(frame.image)
+    if isinstance(answer, Track):
+        draw_points(image, answer.match_set)
+        draw_circle(image, answer.shape)
+    elif answer.predicted is not None:
+        draw_circle(image, answer.predicted, COASTING, dashed=True)
+    caption(image, describe(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
+    return image
+
+
+def as_color(image: Picture) -> Picture:
+    """Copy a picture, gray or color, to BGR."""
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), np.uint8) if image.ndim == 2 else image.copy()
+
+
+def draw_circle(
+    image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False
+) -> None:
+    """Draw a circle's outline, to a sixteenth of a pixel.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8
+        The picture, changed in place.
+    shape : Circle
+        The circle.
+    color : tuple of three ints
+        BGR.
+    dashed : bool
+        Whether to draw dashes, for what is only supposed.
+    """
+    thickness = 2 if min(image.shape[:2]) > 900 else 1
+    if math.hypot(shape.x, shape.y) + shape.radius > 2**20:
+        return
+    center, radius = (_fixed(shape.x), _fixed(shape.y)), max(_fixed(shape.radius), 1)
+    if not dashed:
+        cv2.circle(image, center, radius, color, thickness, cv2.LINE_AA, _SHIFT)
+        return
+    for start in range(0, 360, 20):
+        cv2.ellipse(
+            image, center, (radius, radius), 0.0, start, start + 11, color, thickness, cv2.LINE_AA, _SHIFT
+        )
+
+
+def draw_points(image: Picture, points: npt.NDArray[np.float64]) -> None:
+    """Draw a match-set as small dots, (m, 2) px."""
+    radius = _fixed(2.0 if min(image.shape[:2]) > 900 else 1.0)
+    for x, y in np.round(points * (1 << _SHIFT)).astype(int).tolist():
+        cv2.circle(image, (x, y), radius, POINT, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+
+
+def describe(row: Row) -> str:
+    """Say a row in one line: ``x 426.8 ±0.1   y 145.8 ±0.1   radius 28.8 ±0.1 px   support 93 %``."""
+    if row.shape is None:
+        return f"Lost: {row.reason}"
+    std = row.std or {}
+    numbers = [
+        f"{name} {value:.1f}" + (f" ±{std[name]:.2f}" if name in std else "")
+        for name, value in row.shape.items()
+    ]
+    support = "" if row.support is None else f"   support {100.0 * row.support:.0f} %"
+    return "   ".join(numbers) + " px" + support
+
+
+def caption(image: Picture, left: str, right: str = "", bad: bool = False) -> None:
+    """Darken the lower edge of a picture and write two texts on it, as far as they fit.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8
+        The picture, changed in place.
+    left, right : str
+        The texts.
+    bad : bool
+        Whether the left text tells of a loss; a bar at its side says so in color too.
+    """
+    height, width = image.shape[:2]
+    size = min(max(11, round(height / 36)), 28)
+    strip = image[-round(1.9 * size) :]
+    strip //= 3
+    middle = height - 0.95 * size
+    cv2.rectangle(
+        strip, (0, 0), (max(2, size // 4), strip.shape[0]), COASTING if bad else OUTLINE, cv2.FILLED
+    )
+    draw_text(image, left, (0.9 * size, middle), size)
+    room = width - text_width(left, size) - text_width(right, size) - 3.0 * size
+    if right and room > 0:
+        at = width - text_width(right, size) - 0.7 * size
+        draw_text(image, right, (at, middle), size, (190, 190, 190))
+
+
+def _fixed(value: float) -> int:
+    return round(value * (1 << _SHIFT))
+
+
+def shape_names(shape: type[msgspec.Struct]) -> tuple[str, ...]:
+    """Return the names of a shape's parameters, in order."""
+    return shape.__struct_fields__

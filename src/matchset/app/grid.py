@@ -1,0 +1,138 @@
+"""A frame with a pixel grid and numbered candidates, to read coordinates from: `grid_picture`."""
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.candidates import Candidate
+from matchset.app.draw import OUTLINE, as_color
+from matchset.app.text import draw_text, text_width
+
+Picture = npt.NDArray[np.uint8]
+
+_PAPER = (250, 250, 250)
+_INK = (70, 70, 70)
+_BADGE_PX = 20
+_SHIFT = 4
+
+
+def grid_picture(image: Picture, candidates: Sequence[Candidate]) -> Picture:
+    """Lay a grid over a frame, label it in the frame's own pixels, and number the candidates.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+        The frame.
+    candidates : sequence of Candidate
+        Ball-like things, best first.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 3), uint8
+        BGR, with a margin that holds the labels; small frames are enlarged, but labels count the
+        frame's pixels.
+    """
+    zoom = min(max(1, 1300 // max(image.shape[:2])), 4)
+    canvas, at = _framed(image, zoom)
+    step = _step(max(image.shape[:2]))
+    _lines(canvas, image, at, zoom, step)
+    _mark(canvas, candidates, at, zoom)
+    return canvas
+
+
+def _framed(image: Picture, zoom: int) -> tuple[Picture, tuple[int, int]]:
+    height, width = image.shape[:2]
+    size = _font_size(image, zoom)
+    left, top = text_width("0000", size) + size, 2 * size
+    canvas = np.full((height * zoom + top + size, width * zoom + left + size, 3), _PAPER, np.uint8)
+    large = cv2.resize(as_color(image), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_CUBIC)
+    canvas[top : top + height * zoom, left : left + width * zoom] = large
+    return canvas, (left, top)
+
+
+def _lines(canvas: Picture, image: Picture, at: tuple[int, int], zoom: int, step: int) -> None:
+    height, width = image.shape[:2]
+    left, top = at
+    size = _font_size(image, zoom)
+    inside = canvas[top : top + height * zoom, left : left + width * zoom]
+    for value in range(0, width, step):
+        column = _middle(value, zoom)
+        _shade(inside[:, column], strong=value % _strong(step) == 0)
+        label = str(value)
+        draw_text(canvas, label, (left + column - text_width(label, size) / 2, top - 0.8 * size), size, _INK)
+    for value in range(0, height, step):
+        row = _middle(value, zoom)
+        _shade(inside[row], strong=value % _strong(step) == 0)
+        label = str(value)
+        draw_text(canvas, label, (left - text_width(label, size) - 0.4 * size, top + row), size, _INK)
+
+
+def _shade(line: Picture, strong: bool) -> None:
+    """Make a line of pixels visible on any ground: darker where it is light, lighter where it is dark."""
+    share = 0.32 if strong else 0.14
+    toward = np.where(line.mean(axis=-1, keepdims=True) > 110.0, 0.0, 255.0)
+    line[:] = np.round(line + (toward - line) * share).astype(np.uint8)
+
+
+def _mark(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int], zoom: int) -> None:
+    badges: list[tuple[float, float]] = []
+    for candidate in candidates:
+        x, y = (
+            offset + zoom * (value + 0.5) - 0.5
+            for offset, value in zip(at, (candidate.x, candidate.y), strict=True)
+        )
+        center, radius = (round(x * 16), round(y * 16)), round(candidate.radius * zoom * 16)
+        cv2.circle(canvas, center, radius, (255, 255, 255), 4, cv2.LINE_AA, _SHIFT)
+        cv2.circle(canvas, center, radius, OUTLINE, 2, cv2.LINE_AA, _SHIFT)
+        badges.append(_badge_place(canvas, (x, y, candidate.radius * zoom), badges))
+    for number, (x, y) in enumerate(badges, start=1):
+        spot = round(x * 16), round(y * 16)
+        cv2.circle(
+            canvas, spot, round(0.72 * _BADGE_PX * 16), (255, 255, 255), cv2.FILLED, cv2.LINE_AA, _SHIFT
+        )
+        cv2.circle(canvas, spot, round(0.62 * _BADGE_PX * 16), OUTLINE, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+        label = str(number)
+        draw_text(canvas, label, (x - text_width(label, _BADGE_PX) / 2 + 1, y), _BADGE_PX)
+
+
+def _badge_place(
+    canvas: Picture, circle: tuple[float, float, float], taken: Sequence[tuple[float, float]]
+) -> tuple[float, float]:
+    """Choose a place beside a circle, in the picture, as far as need be from the other badges."""
+    x, y, radius = circle
+    height, width = canvas.shape[:2]
+    places = []
+    for turn in (-0.125, 0.125, -0.375, 0.375, 0.0, -0.25, 0.25, 0.5):
+        angle = 2.0 * math.pi * turn
+        reach = radius + 0.9 * _BADGE_PX
+        place = (
+            min(max(x + reach * math.cos(angle), _BADGE_PX), width - _BADGE_PX),
+            min(max(y + reach * math.sin(angle), _BADGE_PX), height - _BADGE_PX),
+        )
+        places.append((min((math.dist(place, other) for other in taken), default=math.inf), place))
+    free = [place for distance, place in places if distance > 1.5 * _BADGE_PX]
+    return free[0] if free else max(places)[1]
+
+
+def _step(side: int) -> int:
+    """Distance of the grid's lines, px: about twenty to the longer side, in round numbers."""
+    for step in (5, 10, 20, 25, 50, 100, 200):
+        if side <= 26 * step:
+            return step
+    return 500
+
+
+def _strong(step: int) -> int:
+    """Distance of the stronger lines, px."""
+    return 4 * step if step == 25 else 5 * step
+
+
+def _font_size(image: Picture, zoom: int) -> int:
+    return int(min(max(12, round(zoom * max(image.shape[:2]) / 85)), 20))
+
+
+def _middle(value: int, zoom: int) -> int:
+    return value * zoom + zoom // 2

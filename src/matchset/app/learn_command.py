@@ -1,0 +1,162 @@
+"""`matchset learn`: shows where the ball is, or learns its color and saves it."""
+
+import shlex
+from pathlib import Path
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app import ending
+from matchset.app.candidates import Candidate, find_candidates
+from matchset.app.draw import as_color
+from matchset.app.grid import grid_picture
+from matchset.app.runs import output_file, output_folder
+from matchset.app.still import ball_like_frame, frame_at
+from matchset.app.target import parse_pick
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.image.video import Video
+
+
+class LearnOptions(msgspec.Struct, frozen=True):
+    """The options of `matchset learn`, as typed."""
+
+    source: str
+    frame: int | None = None
+    pick: str | None = None
+    out: Path | None = None
+    force: bool = False
+
+
+def learn(options: LearnOptions) -> int:
+    """Run the command.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    if options.pick is None:
+        return _show(options)
+    x, y, at = parse_pick(options.pick)
+    if at is not None and options.frame not in (None, at):
+        raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
+    if options.out is not None and options.out.suffix.lower() != ".npz":
+        raise ValueError(f"a color file's name must end in .npz, got {str(options.out)!r}")
+    with Video(options.source) as video:
+        frame = frame_at(video, options.frame or at or 0)
+    color = ColorModel.pick(frame.image, x, y)
+    if options.out is None:
+        path = output_folder(None, "learn") / "ball.npz"
+    else:
+        path = output_file(options.out, options.force)
+    picture = output_file(path.with_name(path.stem + "-mask.png"), options.force)
+    color.save(path)
+    write_picture(picture, mask_picture(frame.image, color))
+    print(f"color saved:  {path}")
+    print(f"look at it:   {picture}")
+    print("The ball should be bright, all else dark. Then type:\n")
+    print(f"  {command('track', options.source, '--color', str(path))}")
+    return ending.FOUND
+
+
+def _show(options: LearnOptions) -> int:
+    if options.out is not None and options.out.suffix.lower() not in (".png", ".jpg"):
+        raise ValueError(f"without --pick, -o names a picture (.png or .jpg), got {str(options.out)!r}")
+    with Video(options.source) as video:
+        if options.frame is None:
+            frame, found = ball_like_frame(video)
+        else:
+            frame = frame_at(video, options.frame)
+            found = find_candidates(frame.image)
+        live = video.live
+    if options.out is None:
+        path = output_folder(None, "learn") / f"frame-{frame.index}.png"
+    else:
+        path = output_file(options.out, options.force)
+    write_picture(path, grid_picture(frame.image, found))
+    print(f"frame {frame.index} with a pixel grid: {path}\n")
+    if found:
+        _list(found)
+    else:
+        print("nothing ball-like was found in it")
+    if live:
+        _next_for_camera(options, frame, found, path)
+    else:
+        _next(options.source, frame, found)
+    return ending.FOUND if found else ending.NOT_FOUND
+
+
+def _list(found: list[Candidate]) -> None:
+    print("ball-like:    x      y  radius")
+    for number, candidate in enumerate(found, start=1):
+        print(f"  {number}    {candidate.x:6.0f} {candidate.y:6.0f} {candidate.radius:7.0f}")
+
+
+def _next(source: str, frame: Frame, found: list[Candidate]) -> None:
+    if found:
+        print("\nIf the ball is number 1, type:\n")
+        print(f"  {command('track', source, '--candidate', f'1@{frame.index}')}")
+        print("\nIf it has no number, read a pixel on it from the grid and put it in:\n")
+    else:
+        print("\nRead a pixel on the ball from the grid and put it in:\n")
+    height, width = frame.image.shape[:2]
+    x, y = found[0].pick if found else (width // 2, height // 2)
+    print(f"  {command('track', source, '--pick', f'{x},{y}@{frame.index}')}")
+
+
+def _next_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate], path: Path) -> None:
+    """Save the frame, and the color of every candidate: when a command is typed, the ball is elsewhere."""
+    still = output_file(path.with_name(f"{path.stem}-still.png"), options.force)
+    write_picture(still, frame.image)
+    for number, candidate in enumerate(found, start=1):
+        try:
+            color = ColorModel.pick(frame.image, *candidate.pick)
+        except ValueError:
+            continue
+        file = output_file(path.with_name(f"candidate-{number}.npz"), options.force)
+        color.save(file)
+        if number == 1:
+            print("\nIf the ball is number 1, type (the others' colors are saved beside it):\n")
+            print(f"  {command('track', options.source, '--color', str(file))}")
+    print("\nIf it has no number, read a pixel on it from the grid and learn its color:\n")
+    x, y = found[0].pick if found else (frame.image.shape[1] // 2, frame.image.shape[0] // 2)
+    print(f"  {command('learn', str(still), '--pick', f'{x},{y}')}")
+
+
+def command(*words: str) -> str:
+    """Return a command of matchset as it can be pasted into a shell."""
+    return shlex.join(("matchset", *words))
+
+
+def mask_picture(image: npt.NDArray[np.uint8], color: ColorModel) -> npt.NDArray[np.uint8]:
+    """Darken what does not look like the target.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+        A picture.
+    color : ColorModel
+        The target's color.
+
+    Returns
+    -------
+    ndarray of shape (h, 2 w, 3), uint8
+        The picture, and beside it the picture with only the target bright.
+    """
+    plain = as_color(image)
+    masked = np.where(color.mask(image)[..., None] > 0, plain, plain // 6).astype(np.uint8)
+    return np.hstack([plain, masked])
+
+
+def write_picture(path: Path, image: npt.NDArray[np.uint8]) -> None:
+    """Write a picture; ValueError where it cannot be."""
+    good, packed = cv2.imencode(path.suffix, image)
+    if not good:
+        raise ValueError(f"cannot write a picture as {path.suffix}")
+    try:
+        path.write_bytes(packed.tobytes())
+    except OSError as error:
+        raise ValueError(f"cannot write {path}: {error.strerror}") from error

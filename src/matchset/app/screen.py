@@ -1,0 +1,136 @@
+"""What a person sees while a video is tracked: a bar for files, a live line for cameras; on stderr."""
+
+import time
+from types import TracebackType
+from typing import Protocol, Self
+
+from rich.console import Console
+from rich.live import Live
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
+from rich.text import Text
+
+from matchset.app.row import Row
+from matchset.image.video import Video
+
+_SMOOTHING = 0.05
+
+
+class Screen(Protocol):
+    """Something that is told of each frame."""
+
+    def show(self, row: Row) -> None:
+        """Take note of a frame's row."""
+        ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+class Rate:
+    """Frames per second of the last moments."""
+
+    def __init__(self) -> None:
+        self._last: float | None = None
+        self._period: float | None = None
+
+    def tick(self, now: float) -> float | None:
+        """Count a frame at the time `now`, s; return the rate, None at first."""
+        if self._last is not None:
+            step = now - self._last
+            old = self._period
+            self._period = step if old is None else old + _SMOOTHING * (step - old)
+        self._last = now
+        return 1.0 / self._period if self._period else None
+
+
+def live_line(row: Row, rate: float | None, age: float, dropped: int) -> Text:
+    """Say a live frame in one line.
+
+    Parameters
+    ----------
+    row : Row
+        The answer.
+    rate : float or None
+        Frames per second.
+    age : float
+        Time since the frame was captured, s.
+    dropped : int
+        Frames that were skipped so far because newer ones had come.
+    """
+    line = Text(no_wrap=True, overflow="ellipsis")
+    speed = "    -" if rate is None else f"{rate:5.1f}"
+    line.append(f"{speed} frames/s   age {1000.0 * age:4.0f} ms   dropped {dropped:<4d}   ", style="dim")
+    if row.shape is None:
+        line.append(f"Lost: {row.reason}", style="yellow")
+    else:
+        named = zip(("x", "y", "r"), row.shape.values(), strict=False)
+        line.append("  ".join(f"{name} {value:6.1f}" for name, value in named), style="bold")
+    return line
+
+
+class LiveLine:
+    """The live line of a camera."""
+
+    def __init__(self, video: Video, console: Console) -> None:
+        self._video, self._rate = video, Rate()
+        self._live = Live(console=console, refresh_per_second=15, transient=True)
+
+    def show(self, row: Row) -> None:
+        """Show a frame's row."""
+        now = time.monotonic()
+        self._live.update(live_line(row, self._rate.tick(now), now - row.time, self._video.dropped))
+
+    def __enter__(self) -> Self:
+        self._live.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.__exit__(kind, error, trace)
+
+
+class _Speed(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text("" if speed is None else f"{speed:.0f} frames/s", style="cyan")
+
+
+class Bar:
+    """The progress bar of a file."""
+
+    def __init__(self, words: str, length: int | None, console: Console, visible: bool) -> None:
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _Speed())
+        self._progress = Progress(*columns, console=console, disable=not visible, transient=True)
+        self._task = self._progress.add_task(words, total=length)
+
+    def show(self, row: Row) -> None:  # noqa: ARG002 - counted, not looked at
+        """Count a frame."""
+        self._progress.advance(self._task)
+
+    def __enter__(self) -> Self:
+        self._progress.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.__exit__(kind, error, trace)
+
+
+def counting(words: str, length: int | None) -> Bar:
+    """Make a progress bar, shown only on a terminal."""
+    console = Console(stderr=True, highlight=False)
+    return Bar(words, length, console, console.is_terminal)
+
+
+def screen_for(video: Video, quiet: bool) -> Screen:
+    """Choose what to show for a video: nothing if `quiet` or if stderr is no terminal."""
+    console = Console(stderr=True, highlight=False)
+    if video.live and console.is_terminal and not quiet:
+        return LiveLine(video, console)
+    visible = console.is_terminal and not quiet and not video.live
+    return Bar("tracking", video.length, console, visible)

@@ -1,0 +1,120 @@
+"""How a color follows the light: a little learning on every well-fitted frame.
+
+The log-odds L of the color cell of a pixel inside the outline moves up by ``rate * (1 - s(L))``, of one outside down by
+``rate * s(L)``, with the sigmoid s: online logistic regression, which leaves alone what it already tells apart. Cells
+next to it in color move by half as much. No cell may leave its first value by more than `LEASH`, and a pixel inside
+that looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.shapes.jit import kernel
+
+Floats = npt.NDArray[np.float64]
+
+LEASH = np.float32(3.0)  # how far a cell's log-odds may drift from what was learned at first
+FOREIGN = np.float32(-2.0)  # log-odds below which a pixel inside is something in front of the target
+LIMIT, WHITE = np.float32(4.0), np.float32(127.0)
+FAR = 6.0  # px: beyond the blur of an edge
+SHIFT = 1 << 24
+ROUND = SHIFT + 0.5
+
+
+@kernel
+def _cell(image, x, y):
+    """Color cell of the pixel at (x, y), or -1 outside the picture."""
+    column, row = int(x + ROUND) - SHIFT, int(y + ROUND) - SHIFT
+    if row < 0 or column < 0 or row >= image.shape[0] or column >= image.shape[1]:
+        return -1
+    if image.shape[2] == 1:
+        return np.int64(image[row, column, 0])
+    b, g, r = np.int64(image[row, column, 0]), np.int64(image[row, column, 1]), np.int64(image[row, column, 2])
+    return (b >> 3) << 10 | (g >> 3) << 5 | r >> 3
+
+
+@kernel
+def _nudge(cell, amount, log_odds, first, table):
+    """Move one cell, toward target for a positive amount, toward background for a negative one."""
+    old = log_odds[cell]
+    belief = np.float32(0.5) + np.float32(0.5) * old / (np.float32(1.0) + abs(old))
+    new = old + amount * (np.float32(1.0) - belief if amount > 0 else belief)
+    new = min(max(new, first[cell] - LEASH, -LIMIT), first[cell] + LEASH, LIMIT)
+    log_odds[cell] = new
+    table[cell] = np.int8(np.rint(WHITE * np.tanh(np.float32(0.5) * new)))
+
+
+@kernel
+def _teach(cell, amount, log_odds, first, table):
+    """Move a cell and, half as much, its neighbors in color."""
+    _nudge(cell, amount, log_odds, first, table)
+    half = np.float32(0.5) * amount
+    shift = 1
+    while shift < log_odds.size:
+        place = (cell // shift) & 31 if log_odds.size > 256 else cell
+        if place > 0:
+            _nudge(cell - shift, half, log_odds, first, table)
+        if place < (31 if log_odds.size > 256 else 255):
+            _nudge(cell + shift, half, log_odds, first, table)
+        shift = shift * 32 if log_odds.size > 256 else log_odds.size
+
+
+@kernel
+def count_inside(image, table, points, shares, x, y):
+    """Look at one pixel per outline point, at its share of the way from the center (x, y).
+
+    Parameters
+    ----------
+    image : (h, w, 3) or (h, w, 1) uint8
+    table : (32768,) or (256,) int8
+    points : (n, 2)
+        Outline, px.
+    shares : (n,)
+        0 at the center, 1 on the outline.
+    x, y : float
+        Center, px.
+
+    Returns
+    -------
+    inside, core : float
+        Share of the pixels seen that look like the target: of all, and of those nearer to the center than to the
+        outline; -1 where less than four are seen.
+    """
+    hits, seen, core_hits, core_seen = 0, 0, 0, 0
+    for i in range(points.shape[0]):
+        cell = _cell(image, x + shares[i] * (points[i, 0] - x), y + shares[i] * (points[i, 1] - y))
+        if cell >= 0:
+            hit = table[cell] > 0
+            seen += 1
+            hits += hit
+            if shares[i] < 0.5:
+                core_seen += 1
+                core_hits += hit
+    return hits / seen if seen > 3 else -1.0, core_hits / core_seen if core_seen > 3 else -1.0
+
+
+@kernel
+def adapt_table(image, log_odds, first, table, points, shares, x, y, begin, rate):
+    """Learn from every fourth outline point: one pixel inside, one `FAR` px outside.
+
+    Parameters
+    ----------
+    image, points, shares, x, y
+        As for `count_inside`.
+    log_odds, first : (32768,) or (256,) float32
+        The log-odds, written, and what they were at first.
+    table : the same shape, int8, written
+    begin : int
+        The first outline point that takes part.
+    rate : float
+        Speed of learning.
+    """
+    for i in range(begin, points.shape[0], 4):
+        dx, dy = points[i, 0] - x, points[i, 1] - y
+        cell = _cell(image, x + shares[i] * dx, y + shares[i] * dy)
+        if cell >= 0 and log_odds[cell] > FOREIGN:
+            _teach(cell, np.float32(rate), log_odds, first, table)
+        beyond = 1.0 + FAR / max(np.sqrt(dx * dx + dy * dy), 1.0)
+        cell = _cell(image, x + beyond * dx, y + beyond * dy)
+        if cell >= 0:
+            _teach(cell, np.float32(-rate), log_odds, first, table)

@@ -1,0 +1,259 @@
+"""What the target's color is: `ColorModel`, a table from pixel value to how much it looks like the target.
+
+A model knows log-odds L = ``ln p(pixel | target) / p(pixel | background)``; its table holds the whiteness tanh(L / 2),
+from -127 (surely background) to 127 (surely target), so Eq. 1 of Epstein & Feldman reads the same with graded
+whiteness: white inside minus white outside. BGR pixels are told apart by their 5 upper bits (32 x 32 x 32),
+gray ones by their value; a pixel costs one read whatever taught the table.
+"""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.chroma import chroma, density, look_up
+from matchset.image.frame import check_image
+from matchset.image.region import calm, grow, surroundings
+
+LIMIT = 4.0  # largest log-odds: one pixel can be wrong
+WHITE = 127  # table value of a pixel that is surely target
+VERSION = 1
+UNKNOWN = 0.06, 0.12  # shares of target and background that may have any color at all
+
+
+def bin_centers() -> npt.NDArray[np.float32]:
+    """BGR value in the middle of each of the 32 x 32 x 32 cells, (32768, 3)."""
+    level = np.arange(32, dtype=np.float32) * 8.0 + 3.5
+    return np.stack(np.meshgrid(level, level, level, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+class ColorModel:
+    """How much a pixel looks like the target.
+
+    Parameters
+    ----------
+    log_odds : ndarray of shape (32768,) or (256,), float32
+        Log-odds of target against background of each BGR cell ``(b >> 3) << 10 | (g >> 3) << 5 | r >> 3``, or of each
+        gray value; clipped to +-4.
+
+    Raises
+    ------
+    ValueError
+        If the table has another size or holds numbers that are not finite.
+    """
+
+    def __init__(self, log_odds: npt.NDArray[np.float32]) -> None:
+        values = np.array(log_odds, np.float32)
+        if values.shape not in ((32768,), (256,)) or not np.isfinite(values).all():
+            raise ValueError(f"a color table has 32768 or 256 finite numbers, got shape {values.shape}")
+        self.log_odds = np.clip(values, -LIMIT, LIMIT)
+        self.table = np.rint(WHITE * np.tanh(0.5 * self.log_odds)).astype(np.int8)
+
+    @property
+    def channels(self) -> int:
+        """3 for color pictures, 1 for gray ones."""
+        return 3 if self.table.size == 32768 else 1
+
+    @classmethod
+    def learn(cls, image: npt.NDArray[np.uint8], region: tuple[int, int, int, int]) -> "ColorModel":
+        """Learn the color from a box inside the target; the rest of the picture teaches the background.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, 3) or (h, w), uint8
+        region : tuple of int
+            x, y, width, height, px, inside the target.
+
+        Raises
+        ------
+        ValueError
+            If the box is empty or not wholly in the picture, or its color cannot be told from the background.
+        """
+        check_image(image)
+        x, y, width, height = (round(value) for value in region)
+        rows, columns = image.shape[:2]
+        if not (width > 0 and height > 0 and x >= 0 and y >= 0 and x + width <= columns and y + height <= rows):
+            raise ValueError(f"region {region} does not lie in the {columns} x {rows} picture")
+        seed = np.zeros((rows, columns), bool)
+        seed[y : y + height, x : x + width] = True
+        return cls._taught(image, grow(image, seed), f"region {region}")
+
+    @classmethod
+    def pick(cls, image: npt.NDArray[np.uint8], x: float, y: float) -> "ColorModel":
+        """Learn the color from one click on the target.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, 3) or (h, w), uint8
+        x, y : float
+            A point on the target, px.
+
+        Raises
+        ------
+        ValueError
+            If the point is not in the picture, or its color cannot be told from the background.
+        """
+        check_image(image)
+        rows, columns = image.shape[:2]
+        if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
+            raise ValueError(f"pick ({x}, {y}) does not lie in the {columns} x {rows} picture")
+        return cls._taught(image, grow(image, calm(image, x, y)), f"pick ({x:g}, {y:g})")
+
+    @classmethod
+    def _taught(
+        cls, image: npt.NDArray[np.uint8], target: npt.NDArray[np.bool_], origin: str
+    ) -> "ColorModel":
+        outside = surroundings(target)
+        if not outside.any():
+            raise ValueError(f"{origin}: no background is left to learn from")
+        learn = _learned_color if image.ndim == 3 else _learned_gray
+        model = cls(learn(image[target], image[outside]))
+        hits = np.mean(model._scores(image)[target] > 0)
+        if hits < 0.5:
+            raise ValueError(
+                f"{origin}: its color cannot be told from the background ({100 * hits:.0f} % of it stands out)"
+            )
+        return model
+
+    @classmethod
+    def hsv(cls, low: tuple[int, int, int], high: tuple[int, int, int]) -> "ColorModel":
+        """Color from OpenCV's HSV ranges; a low hue above the high one wraps around red.
+
+        Parameters
+        ----------
+        low, high : tuple of int
+            Hue 0 ... 179, saturation and value 0 ... 255, both ends included.
+
+        Raises
+        ------
+        ValueError
+            If a number is out of its range, or a low saturation or value lies above the high one.
+        """
+        top = (179, 255, 255)
+        for bound in (low, high):
+            if len(bound) != 3 or not all(0 <= value <= limit for value, limit in zip(bound, top, strict=True)):
+                raise ValueError(f"HSV values run from (0, 0, 0) to (179, 255, 255), got {tuple(bound)}")
+        if low[1] > high[1] or low[2] > high[2]:
+            raise ValueError(f"low {tuple(low)} lies above high {tuple(high)} in saturation or value")
+        share = np.zeros(32768, np.float32)
+        for corner in np.ndindex(3, 3, 3):
+            inner = bin_centers() - 2.5 + 2.5 * np.array(corner, np.float32)
+            pixels = np.round(inner).astype(np.uint8).reshape(-1, 1, 3)
+            h, s, v = cv2.split(cv2.cvtColor(pixels, cv2.COLOR_BGR2HSV))
+            hue = (h >= low[0]) & (h <= high[0]) if low[0] <= high[0] else (h >= low[0]) | (h <= high[0])
+            share += (hue & (s >= low[1]) & (s <= high[1]) & (v >= low[2]) & (v <= high[2])).ravel()
+        return cls(3.0 * (2.0 * share / 27.0 - 1.0))
+
+    def __or__(self, other: "ColorModel") -> "ColorModel":
+        """Either color: the larger log-odds of the two (Epstein & Feldman, Section 4, filter a)."""
+        if not isinstance(other, ColorModel):
+            return NotImplemented
+        if self.channels != other.channels:
+            raise ValueError("a color and a gray model cannot be joined")
+        return ColorModel(np.maximum(self.log_odds, other.log_odds))
+
+    def copy(self) -> "ColorModel":
+        """A model of its own, so that adapting it leaves this one alone."""
+        return ColorModel(self.log_odds)
+
+    def _scores(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
+        if image.ndim == 2:
+            return self.table[image]
+        cells = image.astype(np.int32) >> 3
+        return self.table[cells[..., 0] << 10 | cells[..., 1] << 5 | cells[..., 2]]
+
+    def mask(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+        """Picture of what looks like the target; to look at, the tracking loop never makes one.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, 3) or (h, w), uint8
+
+        Returns
+        -------
+        ndarray of shape (h, w), uint8
+            255 where target, 0 elsewhere.
+
+        Raises
+        ------
+        ValueError
+            If the picture is gray and the model is not, or the other way around.
+        """
+        check_image(image)
+        self.check(image)
+        return np.where(self._scores(image) > 0, 255, 0).astype(np.uint8)
+
+    def check(self, image: npt.NDArray[np.uint8]) -> None:
+        """Refuse a picture of another kind than the one that was learned (ValueError)."""
+        if (3 if image.ndim == 3 else 1) != self.channels:
+            kinds = {3: "color", 1: "gray"}
+            raise ValueError(
+                f"the model was learned on {kinds[self.channels]} pictures, this one is {kinds[4 - self.channels]}"
+            )
+
+    def save(self, path: str | Path) -> None:
+        """Write the model as a NumPy archive, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where; the name is taken as it is.
+        """
+        path = Path(path)
+        partial = path.with_name(path.name + ".part")
+        with partial.open("wb") as file:
+            np.savez_compressed(file, matchset_color=np.int64(VERSION), log_odds=self.log_odds)
+        partial.replace(path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> "ColorModel":
+        """Read a model that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Raises
+        ------
+        ValueError
+            If there is no such file, it is not a color model, or it is of another version.
+        """
+        try:
+            with np.load(Path(path), allow_pickle=False) as archive:
+                version, log_odds = int(archive["matchset_color"]), archive["log_odds"]
+        except FileNotFoundError:
+            raise ValueError(f"no such color file: {path}") from None
+        except Exception as error:  # whatever NumPy and zipfile make of a foreign file
+            raise ValueError(f"not a color file: {path} ({type(error).__name__})") from error
+        if version != VERSION:
+            raise ValueError(f"color file {path} has version {version}, this matchset reads version {VERSION}")
+        return cls(log_odds)
+
+
+def _learned_color(
+    target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]
+) -> npt.NDArray[np.float32]:
+    """Log-odds of the BGR cells: chroma counts, lightness only where the background says so."""
+    inside = chroma(target)
+    width = np.clip(inside[:, :2].std(axis=0) * len(inside) ** (-1 / 6), 0.018, 0.06)
+    wanted = density(inside, (float(width[0]), float(width[1]), 0.9))
+    other = density(chroma(background), (0.02, 0.02, 0.3))
+    cells = chroma(bin_centers())
+    uniform = 1.0 / (0.25 * wanted.size)
+    odds = (look_up(wanted, cells) * (1 - UNKNOWN[0]) + UNKNOWN[0] * uniform) / (
+        look_up(other, cells) * (1 - UNKNOWN[1]) + UNKNOWN[1] * uniform
+    )
+    return np.log(odds).astype(np.float32)
+
+
+def _learned_gray(
+    target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]
+) -> npt.NDArray[np.float32]:
+    """Log-odds of the 256 gray values."""
+    shares = []
+    for pixels, unknown in zip((target, background), UNKNOWN, strict=True):
+        counts = np.bincount(pixels.ravel(), minlength=256).astype(np.float32)
+        smooth = cv2.GaussianBlur(counts.reshape(1, -1), (0, 0), 6.0, borderType=cv2.BORDER_REPLICATE).ravel()
+        shares.append(smooth / smooth.sum() * (1 - unknown) + unknown / 256.0)
+    return np.log(shares[0] / shares[1]).astype(np.float32)

@@ -1,0 +1,133 @@
+"""A camera or a stream: a thread keeps its newest picture."""
+
+import threading
+from collections.abc import Mapping
+from time import monotonic
+
+import cv2
+
+from matchset.image.capture import hushed, open_capture, unpack
+from matchset.image.device import LinkError
+from matchset.image.frame import Frame
+from matchset.image.settings import apply
+
+WARM_UP = 10.0  # s that the first picture may take: cameras start slowly, streams wait for a key frame
+RETRY = 0.01  # s between attempts while a device delivers nothing
+# With one V4L2 buffer the driver has nowhere to write while a picture is unpacked, and every other frame is
+# lost. A second one adds no age: the thread empties the queue faster than it fills.
+BUFFERS = 2
+
+
+class Live:
+    """A live source, read by a thread of its own; the newest frame wins, the others are counted as dropped.
+
+    The time of a frame is the moment of its capture on the clock of `time.monotonic`: V4L2's own stamp (when
+    the camera began to send it) where there is one that makes sense, otherwise the moment it arrived. Its
+    index counts all captured frames, so gaps in it are dropped or broken ones.
+
+    Parameters
+    ----------
+    device : int or str
+        Camera number, device path or URL.
+    name : str
+        What to call it in messages.
+    timeout : float
+        Longest silence, s.
+    wishes : mapping of str to float
+        Settings to ask for.
+
+    Raises
+    ------
+    LinkError
+        If it cannot be opened or delivers no first picture.
+    """
+
+    live = True
+    length: int | None = None
+
+    def __init__(self, device: int | str, name: str, timeout: float, wishes: Mapping[str, float]) -> None:
+        self.name, self.timeout, self.dropped, self.broken = name, timeout, 0, 0
+        self.warnings: list[str] = []
+        is_stream = isinstance(device, str) and "://" in device
+        self._capture = open_capture(device, max(timeout, WARM_UP) if is_stream else None)
+        if not self._capture.isOpened():
+            raise LinkError(f"cannot open {name}")
+        with hushed:
+            self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
+            self.settings = apply(self._capture, wishes)
+            rate = self._capture.get(cv2.CAP_PROP_FPS)
+        self.fps = rate if 0 < rate <= 1000 else None
+        self._stamped = self._capture.getBackendName() == "V4L2"
+        self._captured, self._last = 0, 0.0
+        self._newest: Frame | None = None
+        self._failure = ""
+        self._stop, self._news = threading.Event(), threading.Condition()
+        self._thread = threading.Thread(target=self._run, name=f"matchset {name}", daemon=True)
+        self._thread.start()
+        try:
+            self.shape = self._await(max(timeout, WARM_UP)).image.shape
+        except BaseException:
+            self.close()
+            raise
+
+    def read(self) -> Frame:
+        """Newest frame not yet read; waits for one."""
+        with self._news:
+            frame = self._await(self.timeout)
+            self._newest = None
+            return frame
+
+    def _await(self, limit: float) -> Frame:
+        with self._news:
+            self._news.wait_for(lambda: self._newest is not None or self._stop.is_set(), limit)
+            if self._newest is not None:
+                return self._newest
+        if self._failure:
+            raise LinkError(f"{self.name} failed: {self._failure}")
+        if self._stop.is_set():
+            raise ValueError(f"{self.name} is closed")
+        raise LinkError(f"{self.name} has delivered no picture for {limit:g} s")
+
+    def _run(self) -> None:
+        # From here on the thread alone touches the capture: OpenCV crashes when another one releases it.
+        try:
+            while not self._stop.is_set():
+                if self._capture.grab():
+                    self._keep(self._moment())
+                else:
+                    self._stop.wait(RETRY)
+        except Exception as error:  # whatever a driver or OpenCV raises belongs to the reader
+            self._failure = " ".join(str(error).split()) or type(error).__name__
+        finally:
+            self._stop.set()
+            self._capture.release()
+            with self._news:
+                self._news.notify_all()
+
+    def _moment(self) -> float:
+        """When the picture just grabbed was captured, s."""
+        moment = now = monotonic()
+        if self._stamped:
+            stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+            if 0.0 <= now - stamp < 1.0:  # another clock, or none, is far off
+                moment = stamp
+        self._last = max(moment, self._last + 1e-6)
+        return self._last
+
+    def _keep(self, moment: float) -> None:
+        image = unpack(self._capture)
+        with self._news:
+            index, self._captured = self._captured, self._captured + 1
+            if image is None:
+                self.broken += 1
+                return
+            self.dropped += self._newest is not None
+            self._newest = Frame(image, moment, index)
+            self._news.notify_all()
+
+    def close(self) -> None:
+        """Stop the thread and wait for it; one stuck in the driver lets go of the device once it returns."""
+        self._stop.set()
+        with self._news:
+            self._news.notify_all()
+        self._thread.join(self.timeout)

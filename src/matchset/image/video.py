@@ -1,0 +1,199 @@
+"""Where frames come from: `Video`, a file, a folder of pictures, a camera or a stream."""
+
+import math
+import os
+import re
+import weakref
+from pathlib import Path
+from types import TracebackType
+
+from matchset.image.frame import Frame
+from matchset.image.live import Live
+from matchset.image.pictures import Pictures, is_picture
+from matchset.image.recording import Recording
+from matchset.image.settings import Settings, differences
+
+
+class Video:
+    """Frames of a file, a folder of pictures, a camera or a stream, one after the other.
+
+    A file or folder delivers every frame, in decode order. A live source delivers the newest frame and drops
+    those that came while the caller was busy. Like an open file, a video is read once, `next(video)` takes
+    one frame, and leaving its `with` block lets go of the device.
+
+    Parameters
+    ----------
+    source : int, str or Path
+        Path of a video file, a picture or a folder of pictures (in natural order, 2 before 10); number of a
+        camera, also as a string; URL of a stream (``rtsp://``, ``http://``, ``udp://``, ...).
+    exposure : float, optional
+        Exposure to hold a camera at, in its driver's unit (V4L2: 0.1 ms). Left alone by default.
+    white_balance : float, optional
+        White balance to hold a camera at, K. Left alone by default.
+    fps : float, optional
+        Frames per second. Asked of a camera; for files and folders it fixes the times, index / fps. By
+        default a file's own time stamps count, and a folder has 30.
+    timeout : float, default 2.0
+        Longest silence of a live source, s.
+
+    Attributes
+    ----------
+    width, height : int
+        Size of the pictures, px.
+    channels : int
+        3 for color, 1 for gray.
+    fps : float or None
+        Frames per second as far as known.
+    length : int or None
+        Number of frames that a file announces or a folder holds; None when live or unknown.
+    live : bool
+        Whether frames come from a camera or a stream. Then the time of a frame is the moment of its capture
+        on the clock of `time.monotonic`, so its age is ``time.monotonic() - frame.time``, and its index
+        counts the captured frames. Otherwise time starts near 0. It always runs forward.
+    dropped : int
+        Frames of a live source that were replaced by a newer one before they were asked for.
+    broken : int
+        Frames that did not decode and were skipped; they keep their place in the numbering.
+    settings : dict of str to (float, float or None)
+        Each setting that was asked for, with what the driver says it is: None where there is no such setting.
+    warnings : list of str
+        What is not as it should be, so far, one sentence each.
+
+    Raises
+    ------
+    ValueError
+        If the source is missing, cannot be read or holds no frame that decodes; later, if the pictures
+        change in size or in channels, or the video is read after it was closed.
+    LinkError
+        If a camera or stream cannot be opened or stops delivering.
+
+    Examples
+    --------
+    >>> with Video("flight.mp4") as video:  # doctest: +SKIP
+    ...     for frame in video:
+    ...         print(frame.index, frame.time)
+    """
+
+    def __init__(
+        self,
+        source: int | str | Path,
+        *,
+        exposure: float | None = None,
+        white_balance: float | None = None,
+        fps: float | None = None,
+        timeout: float = 2.0,
+    ) -> None:
+        wishes = {"exposure": exposure, "white_balance": white_balance, "fps": fps}
+        asked = {name: _finite(name, value) for name, value in wishes.items() if value is not None}
+        for name, value in (("fps", fps), ("timeout", timeout)):
+            if value is not None and not 0.0 < value < math.inf:
+                raise ValueError(f"{name} must be positive, got {value}")
+        self._name, self._closed, self._ended = _name(source), False, False
+        self._source = _open(source, self._name, timeout, asked)
+        self.settings: Settings
+        if isinstance(self._source, Live):
+            self.settings = self._source.settings
+        else:  # reported, not refused: what ran live can be replayed from a file as it stands
+            self.settings = {name: (value, None) for name, value in asked.items() if name != "fps"}
+        self._shape = self._source.shape
+        self._seen = 0
+        self.height, self.width = self._shape[:2]
+        self.channels = 3 if len(self._shape) == 3 else 1
+        self.fps, self.length, self.live = self._source.fps, self._source.length, self._source.live
+        self._finalizer = weakref.finalize(self, self._source.close)
+
+    @property
+    def dropped(self) -> int:
+        """Frames of a live source that nobody asked for in time."""
+        return self._source.dropped
+
+    @property
+    def broken(self) -> int:
+        """Frames that did not decode."""
+        return self._source.broken
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is not as it should be, so far."""
+        words = differences(self.settings) + self._source.warnings
+        if self.broken:
+            words.append(f"{self.broken} broken frame{'s' * (self.broken > 1)} skipped")
+        return words
+
+    def __iter__(self) -> "Video":
+        if self._closed:
+            raise ValueError(f"{self._name} is closed")
+        return self
+
+    def __next__(self) -> Frame:
+        if self._closed:
+            raise ValueError(f"{self._name} is closed")
+        frame = None if self._ended else self._source.read()
+        if frame is None:
+            self._ended = True
+            self._source.close()
+            raise StopIteration
+        if frame.image.shape != self._shape:
+            found, before = _described(frame.image.shape), _described(self._shape)
+            raise ValueError(f"{self._name}: frame {frame.index} is {found}, those before it are {before}")
+        self._seen = frame.index + 1
+        return frame
+
+    def __length_hint__(self) -> int:
+        return NotImplemented if self.length is None else max(self.length - self._seen, 0)
+
+    def close(self) -> None:
+        """Let go of the file or device; its thread has ended afterwards. More than once does no harm."""
+        self._closed = True
+        self._finalizer()
+
+    def __enter__(self) -> "Video":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _finite(name: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError(f"{name} must be finite, got {value}")
+    return float(value)
+
+
+def _name(source: int | str | Path) -> str:
+    """Name the source in messages, without the password a URL may hold."""
+    if isinstance(source, bool) or not isinstance(source, int | str | os.PathLike) or source == "":
+        raise ValueError(f"a video is a path, a camera number or a URL, got {source!r}")
+    text = str(source)
+    if isinstance(source, int) or _is_number(text):
+        return f"camera {int(text)}"
+    return re.sub(r"://[^/]*@", "://", text)
+
+
+def _is_number(text: str) -> bool:
+    return re.fullmatch(r"[0-9]+", text) is not None
+
+
+def _open(
+    source: int | str | Path, name: str, timeout: float, asked: dict[str, float]
+) -> Live | Pictures | Recording:
+    """Choose the kind of source."""
+    text = str(source)
+    if isinstance(source, int) and source < 0:
+        raise ValueError(f"a camera number must not be negative, got {source}")
+    if isinstance(source, int) or (isinstance(source, str) and _is_number(text)):
+        return Live(int(text), name, timeout, asked)
+    if isinstance(source, str) and re.match(r"(?!file:)[A-Za-z][A-Za-z0-9+.-]*://", text):
+        return Live(text, name, timeout, asked)
+    path = Path(source)
+    if path.is_char_device():
+        return Live(text, name, timeout, asked)
+    if path.is_dir() or (path.is_file() and is_picture(path)):
+        return Pictures(path, asked.get("fps"))
+    return Recording(path, asked.get("fps"))
+
+
+def _described(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]} x {shape[0]} in {'color' if len(shape) == 3 else 'gray'}"

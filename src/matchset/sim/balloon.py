@@ -1,0 +1,40 @@
+"""What the camera looks for: `Balloon`, a blue sphere with a purple marker."""
+
+import math
+
+import msgspec
+
+Color = tuple[float, float, float]
+Vector = tuple[float, float, float]
+
+
+class Balloon(msgspec.Struct, frozen=True, kw_only=True):
+    """A sphere with one round marker painted on it.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the sphere, m.
+    marker : tuple of 3 floats or None
+        Unit direction from the center of the sphere to the marker, camera frame. None: always toward the
+        camera.
+    marker_radius : float
+        Half the straight distance across the marker, m. The marker is a spherical cap: it does not change
+        the outline. 0: no marker.
+    color, marker_color : tuple of 3 floats
+        BGR, 0 ... 255, of the surface in full diffuse light.
+    """
+
+    radius: float = 0.14
+    marker: Vector | None = None
+    marker_radius: float = 0.03
+    color: Color = (205.0, 72.0, 22.0)
+    marker_color: Color = (165.0, 36.0, 150.0)
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.radius < math.inf:
+            raise ValueError(f"a balloon's radius must be positive, got {self.radius} m")
+        if not 0.0 <= self.marker_radius < self.radius:
+            raise ValueError(f"a marker must be smaller than its balloon, got {self.marker_radius} m")
+        if self.marker is not None and abs(math.hypot(*self.marker) - 1.0) > 1e-6:
+            raise ValueError(f"a marker's direction must have length 1, got {self.marker}")

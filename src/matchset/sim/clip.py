@@ -1,0 +1,289 @@
+"""A scripted sequence with exact truth: `Clip`, an iterable of (Frame, Truth)."""
+
+import math
+from collections.abc import Iterator
+
+import cv2
+import msgspec
+import numpy as np
+
+from matchset.image.frame import Frame
+from matchset.localization.camera_model import CameraModel
+from matchset.sim.balloon import Balloon
+from matchset.sim.occluder import Occluder, bar_over, board_over, visible_share
+from matchset.sim.outline import Outline, mean_circle, sphere_outline
+from matchset.sim.pal import PRESETS, Pal, degrade
+from matchset.sim.path import BallPath
+from matchset.sim.renderer import Picture, Rows, draw_balloon, draw_occluder
+from matchset.sim.scene import Scene, viewpoint
+from matchset.sim.shutter import channel_gain, fields, sub_exposures
+from matchset.sim.truth import Truth
+
+__all__ = ["Clip", "Truth"]
+
+_LIMITS = {
+    "exposure": (0.0, 1.0),
+    "occluder": (0.0, 0.8),
+    "gain_swing": (1.0, 100.0),
+    "white_balance_drift": (0.0, 1.0),
+    "fps": (1e-6, 1e6),
+    "speed": (0.0, 100.0),
+    "seed": (0, 2**62),
+    "scene_seed": (0, 2**62),
+    "shrink_to": (0.5, 1e6),
+    "jpeg": (1, 100),
+}
+
+
+class Clip(msgspec.Struct, frozen=True, kw_only=True):
+    """A balloon that flies through a room before a camera at rest: `for frame, truth in Clip(...)`.
+
+    Everything follows from the parameters: the same clip gives the same bytes.
+
+    Parameters
+    ----------
+    frames : int
+        Length.
+    width, height : int
+        Size of the picture, px.
+    fps : float
+        Frames per second.
+    seed : int
+        Decides path and noise.
+    scene_seed : int or None
+        Decides the room; None: `seed`.
+    scene_frames : int
+        A new room every so many frames; 0: one room.
+    preset : str or Pal or None
+        "clean", "typical", "bad", a link of your own, or None: only rounded to bytes.
+    exposure : float
+        Share of the frame's period during which the shutter is open, 0 ... 1: motion blur. Each field of an
+        interlaced frame has an exposure of its own, of this length.
+    ball : bool
+        False: the room without the ball.
+    balloon : Balloon
+        What flies.
+    occluder : float
+        Share of the disc that a gray stick hides, 0 (no stick) ... 0.8.
+    clutter : bool
+        Other blue things in the background: posters, bars, rims; never a filled disc.
+    gain_swing : float
+        Largest over smallest brightness; it swings in 4 s about 1. 1: steady, 2: 0.71 ... 1.41.
+    white_balance_drift : float
+        Share by which blue rises while red falls, and back, in 9 s. 0: steady.
+    jpeg : int or None
+        Quality of a JPEG step at the end, 1 ... 100.
+    fov : float
+        Horizontal field of view, rad.
+    radii : tuple of 2 floats
+        Smallest and largest radius in the picture, px; equal: fixed.
+    shrink_to : float or None
+        The radius goes from radii[1] down to this over the clip, px.
+    speed : float
+        Factor on all motion: 1 is up to about 10 px per frame in x and in y, 1.85 px in r.
+    away : tuple of (int, int)
+        Windows [from, to) of frames in which the ball is outside the picture; it leaves and returns in the
+        24 frames beside.
+    hidden : tuple of (int, int)
+        Windows [from, to) of frames in which a board hides the whole ball.
+    """
+
+    frames: int = 300
+    width: int = 640
+    height: int = 480
+    fps: float = 30.0
+    seed: int = 0
+    scene_seed: int | None = None
+    scene_frames: int = 0
+    preset: str | Pal | None = "typical"
+    exposure: float = 0.0
+    ball: bool = True
+    balloon: Balloon = Balloon()
+    occluder: float = 0.0
+    clutter: bool = False
+    gain_swing: float = 1.0
+    white_balance_drift: float = 0.0
+    jpeg: int | None = None
+    fov: float = 1.07
+    radii: tuple[float, float] = (20.0, 120.0)
+    shrink_to: float | None = None
+    speed: float = 1.0
+    away: tuple[tuple[int, int], ...] = ()
+    hidden: tuple[tuple[int, int], ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.frames < 0 or self.width < 16 or self.height < 16:
+            raise ValueError(f"a clip cannot have {self.frames} frames of {self.width} x {self.height} px")
+        if isinstance(self.preset, str) and self.preset not in PRESETS:
+            raise ValueError(f"a preset is one of {', '.join(PRESETS)}, got {self.preset!r}")
+        if not 0.0 < self.radii[0] <= self.radii[1] < min(self.width, self.height) / 2.2:
+            raise ValueError(f"radii must rise and fit the picture, got {self.radii} px")
+        for name, (low, high) in _LIMITS.items():
+            value = getattr(self, name)
+            if value is not None and not low <= value <= high:
+                raise ValueError(f"{name} of a clip lies in {low:g} ... {high:g}, got {value}")
+
+    @classmethod
+    def hard(cls, **changes: object) -> "Clip":
+        """Build the hard sequence of the benchmark.
+
+        `typical` with a stick over a fifth of the disc, other blue things, brightness swinging by a factor
+        of two, half a frame of motion blur, and JPEG 40.
+
+        Parameters
+        ----------
+        **changes
+            Parameters of `Clip` that differ.
+
+        Returns
+        -------
+        Clip
+        """
+        settings: dict[str, object] = {
+            "preset": "typical",
+            "occluder": 0.2,
+            "clutter": True,
+            "gain_swing": 2.0,
+            "exposure": 0.5,
+            "jpeg": 40,
+        }
+        return cls(**(settings | changes))  # type: ignore[arg-type]
+
+    @property
+    def camera(self) -> CameraModel:
+        """The camera that films the clip."""
+        return CameraModel.from_fov(self.width, self.height, self.fov)
+
+    @property
+    def link(self) -> Pal:
+        """The analog link that `preset` names."""
+        if isinstance(self.preset, Pal):
+            return self.preset
+        return Pal() if self.preset is None else PRESETS[self.preset]
+
+    @property
+    def first_click(self) -> tuple[float, float]:
+        """A pixel on the blue of the ball in the first frame, beside the marker: (x - r/2, y), px."""
+        circle = self.truth(0).circle
+        if circle is None:
+            raise ValueError("the ball is not seen in the first frame: there is nothing to click at")
+        return circle.x - 0.5 * circle.radius, circle.y
+
+    def __len__(self) -> int:
+        return self.frames
+
+    def __iter__(self) -> Iterator[tuple[Frame, Truth]]:
+        background, room = None, -1
+        for index in range(self.frames):
+            wanted = index // self.scene_frames if self.scene_frames > 0 else 0
+            if background is None or wanted != room:
+                background, room = self.background(wanted), wanted
+            yield self.render(index, background), self.truth(index)
+
+    def background(self, room: int = 0) -> Picture:
+        """Render the room without the ball.
+
+        Parameters
+        ----------
+        room : int
+            Which of the clip's rooms.
+
+        Returns
+        -------
+        ndarray of shape (h, w, 3), float32
+            BGR, 0 ... 255.
+        """
+        seed = (self.seed if self.scene_seed is None else self.scene_seed) + 7919 * room
+        return Scene.room(seed, clutter=self.clutter).render(self.camera, *viewpoint(seed))
+
+    def render(self, index: int, background: Picture) -> Frame:
+        """Render one frame.
+
+        Parameters
+        ----------
+        index : int
+            Which frame.
+        background : ndarray of shape (h, w, 3), float32
+            The room, see `background`; unchanged.
+
+        Returns
+        -------
+        Frame
+            Its time is the middle of its exposure, index / fps.
+        """
+        picture = background.copy()
+        if self.ball:
+            for rows, time in fields(index, self.link.interlaced):
+                self._draw_ball(picture, rows, time, index)
+        gain = channel_gain(index / self.fps, self.gain_swing, self.white_balance_drift)
+        image = degrade(picture, self.link, self.seed * 1_000_003 + index, gain)
+        if self.jpeg is not None:
+            _, packed = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg])
+            image = np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), dtype=np.uint8)
+        return Frame(image, index / self.fps, index)
+
+    def truth(self, index: int) -> Truth:
+        """Truth of one frame, without rendering it.
+
+        Parameters
+        ----------
+        index : int
+            Which frame.
+
+        Returns
+        -------
+        Truth
+        """
+        if not self.ball:
+            return Truth(index=index, circle=None, visible=False, share=0.0, outline=None, position=None)
+        outlines = [self._outline(time) for _, time in fields(index, self.link.interlaced)]
+        shares = [visible_share(o, self.camera, self._occluders(o, index)) for o in outlines]
+        share = sum(shares) / len(shares)
+        x, y, z = self._path.position(float(index)).tolist()
+        return Truth(
+            index=index,
+            circle=mean_circle([o.circle() for o in outlines]) if share > 0.0 else None,
+            visible=share > 0.0,
+            share=share,
+            outline=self._outline(float(index)),
+            position=(x, y, z),
+        )
+
+    @property
+    def _path(self) -> BallPath:
+        return BallPath(
+            camera=self.camera,
+            ball_radius=self.balloon.radius,
+            radii=self.radii,
+            shrink_to=self.shrink_to,
+            frames=self.frames,
+            step=10.0 * self.speed,
+            radius_step=1.85 * self.speed,
+            away=self.away,
+            seed=self.seed,
+        )
+
+    def _outline(self, time: float) -> Outline:
+        return sphere_outline(self.camera, self._path.position(time), self.balloon.radius)
+
+    def _occluders(self, outline: Outline, index: int) -> list[Occluder]:
+        if self._is_hidden(index):
+            return [board_over(outline)]
+        if self.occluder <= 0.0:
+            return []
+        angle = 1.9 + 0.35 * math.sin(0.05 * index + self.seed)
+        return [bar_over(outline, self.occluder, angle)]
+
+    def _is_hidden(self, index: int) -> bool:
+        return any(begin <= index < end for begin, end in self.hidden)
+
+    def _draw_ball(self, picture: Picture, rows: Rows, time: float, index: int) -> None:
+        begin, end = self._outline(time - self.exposure / 2.0), self._outline(time + self.exposure / 2.0)
+        smear = math.hypot(end.x - begin.x, end.y - begin.y) + abs(end.a - begin.a)
+        times = sub_exposures(time, self.exposure, smear)
+        if not self._is_hidden(index):
+            positions = [self._path.position(t) for t in times]
+            draw_balloon(picture, self.camera, self.balloon, positions, rows=rows)
+        places = [self._occluders(self._outline(t), index) for t in times]
+        if places[0]:
+            draw_occluder(picture, [o[0] for o in places], rows)

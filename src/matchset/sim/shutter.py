@@ -1,0 +1,74 @@
+"""What the camera of a clip does in time: fields, sub-exposures, brightness."""
+
+import math
+
+from matchset.sim.renderer import Rows
+
+_SWING_PERIOD = 4.0  # s
+_DRIFT_PERIOD = 9.0
+_STEP_PX = 1.5
+_MOST = 16
+
+
+def fields(index: int, interlaced: bool) -> list[tuple[Rows, float]]:
+    """Rows that are exposed together, and the middle of their exposure.
+
+    Parameters
+    ----------
+    index : int
+        The frame's index.
+    interlaced : bool
+        Even rows a quarter of a frame before the frame's time, odd rows a quarter after it: at 30 frames per
+        second the fields are 1/60 s apart.
+
+    Returns
+    -------
+    list of (Rows, float)
+        The time is in frames.
+    """
+    if not interlaced:
+        return [(Rows(), float(index))]
+    return [(Rows(0, 2), index - 0.25), (Rows(1, 2), index + 0.25)]
+
+
+def sub_exposures(time: float, exposure: float, smear: float) -> list[float]:
+    """Choose times whose pictures, averaged, are one exposure; their mean is its middle.
+
+    Parameters
+    ----------
+    time : float
+        Middle of the exposure, frames.
+    exposure : float
+        Its length, frames.
+    smear : float
+        How far the ball moves in it, px: one sub-exposure per 1.5 px, at most 16.
+
+    Returns
+    -------
+    list of float
+        Frames.
+    """
+    count = min(max(math.ceil(smear / _STEP_PX), 1), _MOST)
+    return [time + exposure * ((i + 0.5) / count - 0.5) for i in range(count)]
+
+
+def channel_gain(seconds: float, swing: float, drift: float) -> tuple[float, float, float]:
+    """Gain of B, G and R at some time.
+
+    Parameters
+    ----------
+    seconds : float
+        Time in the clip, s.
+    swing : float
+        Largest over smallest brightness, in a sine wave (of its logarithm) of 4 s.
+    drift : float
+        Share by which blue rises and red falls, in a sine wave of 9 s.
+
+    Returns
+    -------
+    tuple of 3 floats
+        1 is unchanged.
+    """
+    level = swing ** (0.5 * math.sin(2.0 * math.pi * seconds / _SWING_PERIOD))
+    tint = drift * math.sin(2.0 * math.pi * seconds / _DRIFT_PERIOD)
+    return level * (1.0 + tint), level, level * (1.0 - tint)

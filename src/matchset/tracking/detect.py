@@ -1,0 +1,196 @@
+"""First sight: from the whole frame to shapes, best first (Epstein & Feldman, Alg. 2)."""
+
+import math
+from collections.abc import Iterator
+from typing import Generic, TypeVar
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.shapes.shape import Shape
+from matchset.tracking import detect_grid
+from matchset.tracking.judge import Judge
+from matchset.tracking.matcher import Matcher
+from matchset.tracking.track import Track
+
+S = TypeVar("S", bound=Shape)
+BORDER = 12  # cells of radius up to which votes are counted finely
+Floats = npt.NDArray[np.float64]
+
+
+class SearchParameters(msgspec.Struct, frozen=True):
+    """How the whole frame is searched.
+
+    Parameters
+    ----------
+    cells : int
+        The grid has about this many columns, of 4 to 8 px each: more finds smaller shapes and takes longer.
+    votes : float
+        Least votes of a candidate; a full circle collects about 2 pi = 6.3.
+    share : float
+        Least share of a candidate's outline that boundary cells must confirm.
+    candidates : int
+        How many candidates are looked at in the picture itself.
+    """
+
+    cells: int = 160
+    votes: float = 1.6
+    share: float = 0.25
+    candidates: int = 16
+
+
+class Searcher:
+    """The grids of a search, made once per picture size.
+
+    Parameters
+    ----------
+    width, height : int
+        Size of the picture, px.
+    parameters : SearchParameters
+    """
+
+    def __init__(self, width: int, height: int, parameters: SearchParameters | None = None) -> None:
+        self.parameters = parameters or SearchParameters()
+        self.size = width, height
+        self.stride = min(max(width // self.parameters.cells, 2), 8)
+        rows, columns = max(height // self.stride, 3), max(width // self.stride, 3)
+        self.fits = height >= 3 * self.stride and width >= 3 * self.stride
+        self.grid, self.sums, self.smooth = (np.zeros((rows, columns), np.int32) for _ in range(3))
+        half = (rows + 1) // 2, (columns + 1) // 2
+        self.near, self.far = (
+            [np.zeros(shape, np.float32) for _ in range(3)] for shape in ((rows, columns), half)
+        )
+        self.edges = np.zeros((max(rows * columns // 3, 64), 4))
+        self.peaks = np.zeros((self.parameters.candidates // 2, 5))
+        self.longest = int(0.6 * max(rows, columns))
+
+    def candidates(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Floats:
+        """Rough circles, most of whose outline is confirmed first.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+
+        Returns
+        -------
+        ndarray of shape (k, 4), float64
+            x, y, radius, px; share of the outline that boundary cells confirm.
+        """
+        if not self.fits:
+            return np.zeros((0, 4))
+        detect_grid.sample_grid(image, color.table, self.stride, self.grid)
+        detect_grid.smooth_grid(self.grid, self.sums, self.smooth)
+        detect_grid.smooth_grid(self.smooth, self.sums, self.grid)
+        self.smooth, self.grid = self.grid, self.smooth
+        count = detect_grid.find_edges(self.smooth, self.edges)
+        near = self._peaks(count, self.near, 1, BORDER, 1)
+        far = self._peaks(count, self.far, BORDER - 3, self.longest, 2)
+        rough = np.concatenate((near, far))
+        rough = rough[rough[:, 3] >= self.parameters.share]
+        rough = rough[np.argsort(-rough[:, 3], kind="stable")]
+        rough[:, :3] *= self.stride
+        rough[:, 0] += 0.25 * self.stride
+        rough[:, 1] += 0.5 * self.stride
+        return rough
+
+    def _peaks(self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int) -> Floats:
+        """Candidates with radii between two numbers of cells: x, y, radius (cells), share."""
+        votes, runs, spread = grids
+        votes[:] = 0.0
+        detect_grid.vote(self.smooth, self.edges, count, nearest, farthest, fold, votes)
+        detect_grid.spread_votes(votes, runs, spread)
+        least = self.parameters.votes
+        found = detect_grid.pick_peaks(spread, self.edges, count, farthest, least, fold, self.peaks)
+        return self.peaks[:found, :4].copy()
+
+
+class Finder(Generic[S]):
+    """Search of one picture size for one family: candidates, fitted and judged.
+
+    Parameters
+    ----------
+    matcher : Matcher
+        Fits the candidates.
+    judge : Judge
+        Says which of them are confirmed.
+    searcher : Searcher
+    """
+
+    def __init__(self, matcher: Matcher[S], judge: Judge, searcher: Searcher) -> None:
+        self.matcher, self.judge, self.searcher = matcher, judge, searcher
+
+    def sightings(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[tuple[Floats, float]]:
+        """Confirmed shapes of a picture, likeliest candidate first: state and merit; the matcher holds the rest.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        """
+        seen: list[tuple[float, float, float]] = []
+        for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
+            if _covered(seen, x, y, radius):
+                continue
+            start = self.matcher.family.from_coarse(x, y, radius).state
+            reach = max(2.0 * self.searcher.stride, 0.2 * radius)
+            if not self.matcher.settle(image, color, start, reach):
+                continue
+            self.matcher.review(image, color)
+            state = self.matcher.state
+            size = self.matcher.family.half_width(state)
+            if _covered(seen, float(state[0]), float(state[1]), size):
+                continue
+            if not self.judge.first_sight(self.matcher):
+                seen.append((float(state[0]), float(state[1]), size))
+                yield state, self.judge.merit(self.matcher)
+
+
+def _covered(seen: list[tuple[float, float, float]], x: float, y: float, size: float) -> bool:
+    """Whether this is one of the shapes already seen."""
+    return any(
+        math.hypot(x - sx, y - sy) < 0.5 * min(size, ss) and 0.6 < size / ss < 1.7 for sx, sy, ss in seen
+    )
+
+
+def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) -> list[Track[S]]:
+    """Find all shapes of a family and color in a frame, without knowing where they were.
+
+    Parameters
+    ----------
+    frame : Frame
+    family : type
+        The family of shapes: `Circle`.
+    color : ColorModel
+    limit : int
+        How many at most.
+
+    Returns
+    -------
+    list of Track
+        Best first: the largest share of outline and inside confirmed.
+
+    Raises
+    ------
+    ValueError
+        If the limit is not positive, or the color was learned on another kind of picture.
+    """
+    if limit < 1:
+        raise ValueError(f"detect needs a limit of at least 1, got {limit}")
+    color.check(frame.image)
+    image = channels_last(frame.image)
+    matcher = Matcher(family, 64)
+    judge = Judge()
+    finder = Finder(matcher, judge, Searcher(image.shape[1], image.shape[0]))
+    found = [(merit, judge.track(matcher, frame.time)) for _, merit in finder.sightings(image, color)]
+    found.sort(key=lambda pair: -pair[0])
+    return [track for _, track in found[:limit]]
+
+
+def channels_last(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """View of a picture as (h, w, channels) in one piece; only a picture that is not in one piece is copied."""
+    whole = image if image.flags.c_contiguous else np.ascontiguousarray(image)
+    return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

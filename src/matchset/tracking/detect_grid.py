@@ -1,0 +1,210 @@
+"""Where shapes may be: a coarse grid of scores, its boundary, and votes for centers (Epstein & Feldman, Alg. 2).
+
+The paper tries every circle and keeps the one with the largest match-set. Here each boundary point of the coarse grid
+votes for the centers it could belong to, along its inward normal, with weight 1/distance, so that every full circle
+collects about 2 pi whatever its size; only the winners are then matched in the picture itself.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.shapes.jit import kernel
+
+Floats = npt.NDArray[np.float64]
+MOST_EDGES = 1500  # boundary cells that may vote; more are thinned out evenly
+
+
+@kernel
+def sample_grid(image, table, stride, grid):
+    """Sum of the scores of two pixels in every cell of `stride` x `stride` pixels."""
+    half = stride // 2
+    color = table.size > 256
+    for i in range(grid.shape[0]):
+        row = np.uintp(i * stride + half)
+        for j in range(grid.shape[1]):
+            total = 0
+            for offset in (0, half):
+                column = np.uintp(j * stride + offset)
+                cell = np.uint32(image[row, column, 0])
+                if color:
+                    g, r = np.uint32(image[row, column, 1]), np.uint32(image[row, column, 2])
+                    cell = (cell >> np.uint32(3)) << np.uint32(10) | (g >> np.uint32(3)) << np.uint32(5) | r >> np.uint32(3)
+                total += table[np.uintp(cell)]
+            grid[i, j] = total
+
+
+@kernel
+def smooth_grid(grid, rows, smooth):
+    """Sum over 3 x 3 cells; beyond the picture the border repeats."""
+    height, width = grid.shape
+    for i in range(height):
+        rows[i, 0] = 2 * grid[i, 0] + grid[i, 1]
+        for j in range(1, width - 1):
+            rows[i, j] = grid[i, j - 1] + grid[i, j] + grid[i, j + 1]
+        rows[i, width - 1] = grid[i, width - 2] + 2 * grid[i, width - 1]
+    for i in range(height):
+        above, below = max(i - 1, 0), min(i + 1, height - 1)
+        for j in range(width):
+            smooth[i, j] = rows[above, j] + rows[i, j] + rows[below, j]
+
+
+@kernel
+def find_edges(smooth, edges):
+    """Boundary of the positive region: x, y and outward normal, in cells; returns how many there are."""
+    height, width = smooth.shape
+    count = 0
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            s = smooth[i, j]
+            if s <= 0 or (
+                smooth[i, j - 1] > 0 and smooth[i, j + 1] > 0 and smooth[i - 1, j] > 0 and smooth[i + 1, j] > 0
+            ):
+                continue
+            gx = float(smooth[i, j + 1] - smooth[i, j - 1]) * 2.0
+            gx += float(smooth[i - 1, j + 1] - smooth[i - 1, j - 1] + smooth[i + 1, j + 1] - smooth[i + 1, j - 1])
+            gy = float(smooth[i + 1, j] - smooth[i - 1, j]) * 2.0
+            gy += float(smooth[i + 1, j - 1] - smooth[i - 1, j - 1] + smooth[i + 1, j + 1] - smooth[i - 1, j + 1])
+            steep = math.sqrt(gx * gx + gy * gy)
+            if steep <= 0.0 or count >= edges.shape[0]:
+                continue
+            nx, ny = -gx / steep, -gy / steep
+            beyond = min(8.0 * s / steep, 1.0)
+            edges[count, 0], edges[count, 1] = j + beyond * nx, i + beyond * ny
+            edges[count, 2], edges[count, 3] = nx, ny
+            count += 1
+    return count
+
+
+@kernel
+def vote(smooth, edges, count, nearest, farthest, fold, votes):
+    """Add 1/distance along the inward normal of every boundary point, as long as the way is mostly target.
+
+    Only distances from `nearest` to `farthest` (cells) vote; `fold` cells of the grid share one of the votes, since far
+    votes are spread wider.
+    """
+    height, width = smooth.shape
+    every = 1 + count // MOST_EDGES
+    for i in range(0, count, every):
+        x, y, nx, ny = edges[i, 0], edges[i, 1], edges[i, 2], edges[i, 3]
+        foreign = 0
+        for distance in range(1, farthest + 1):
+            column, row = int(x - nx * distance + 0.5), int(y - ny * distance + 0.5)
+            if column < 0 or row < 0 or column >= width or row >= height:
+                break
+            foreign += smooth[row, column] <= 0
+            if foreign > 2 + 0.3 * distance:
+                break
+            if distance >= nearest:
+                votes[row // fold, column // fold] += every / np.float32(distance + 0.5)
+
+
+@kernel
+def spread_votes(votes, rows, total):
+    """Sum the votes over 5 x 5 cells: normals on a coarse grid are off by a few degrees."""
+    height, width = votes.shape
+    for i in range(height):
+        run = np.float32(0.0)
+        for j in range(min(2, width)):
+            run += votes[i, j]
+        for j in range(width):
+            if j + 2 < width:
+                run += votes[i, j + 2]
+            if j > 2:
+                run -= votes[i, j - 3]
+            rows[i, j] = run
+    for i in range(height):
+        for j in range(width):
+            total[i, j] = np.float32(0.0)
+        for k in range(max(i - 2, 0), min(i + 3, height)):
+            for j in range(width):
+                total[i, j] += rows[k, j]
+
+
+@kernel
+def pick_peaks(total, edges, count, longest, least, fold, peaks):
+    """Strongest maxima of the votes, each with the circle its boundary points agree on; returns how many.
+
+    A row of `peaks` is x, y, radius (cells), the share of the circle that boundary points confirm, the votes.
+    """
+    height, width = total.shape
+    found = 0
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            v = total[i, j]
+            if v < least or v < total[i, j - 1] or v < total[i - 1, j] or v <= total[i, j + 1] or v <= total[i + 1, j]:
+                continue
+            found = _insert(peaks, found, fold * (j + 0.5) - 0.5, fold * (i + 0.5) - 0.5, v, 3.0 * fold)
+    for k in range(found):
+        _radius(edges, count, peaks, k, longest)
+        for _ in range(4):
+            _circle(edges, count, peaks, k)
+    return found
+
+
+@kernel
+def _insert(peaks, found, x, y, v, apart):
+    """Keep the peaks sorted by votes; of peaks less than `apart` cells from each other only the strongest."""
+    for k in range(found):
+        if abs(peaks[k, 0] - x) < apart and abs(peaks[k, 1] - y) < apart:
+            if v <= peaks[k, 4]:
+                return found
+            for m in range(k, found - 1):
+                peaks[m, 0], peaks[m, 1], peaks[m, 4] = peaks[m + 1, 0], peaks[m + 1, 1], peaks[m + 1, 4]
+            found -= 1
+            break
+    if found == peaks.shape[0] and v <= peaks[found - 1, 4]:
+        return found
+    found = min(found + 1, peaks.shape[0])
+    k = found - 1
+    while k > 0 and v > peaks[k - 1, 4]:
+        peaks[k, 0], peaks[k, 1], peaks[k, 4] = peaks[k - 1, 0], peaks[k - 1, 1], peaks[k - 1, 4]
+        k -= 1
+    peaks[k, 0], peaks[k, 1], peaks[k, 4] = x, y, v
+    return found
+
+
+@kernel
+def _radius(edges, count, peaks, k, longest):
+    """Distance at which the share of the circle that boundary points confirm is largest."""
+    x, y = peaks[k, 0], peaks[k, 1]
+    votes = np.zeros(longest + 3)
+    for i in range(count):
+        dx, dy = edges[i, 0] - x, edges[i, 1] - y
+        distance = math.sqrt(dx * dx + dy * dy)
+        if distance < longest and dx * edges[i, 2] + dy * edges[i, 3] > 0.8 * distance:
+            votes[int(distance + 0.5)] += 1.0 / (distance + 0.5)
+    best, share = 1, 0.0
+    for m in range(1, longest + 1):
+        near = votes[m - 1] + votes[m] + votes[m + 1]
+        if near > share:
+            share, best = near, m
+    peaks[k, 2], peaks[k, 3] = best, share / (2.0 * math.pi)
+
+
+@kernel
+def _circle(edges, count, peaks, k):
+    """One step of a robust circle fit to the boundary points near the present circle."""
+    x, y, radius = peaks[k, 0], peaks[k, 1], peaks[k, 2]
+    a00 = a01 = a02 = a11 = a12 = a22 = b0 = b1 = b2 = 0.0
+    width = 1.0 + 0.15 * radius
+    for i in range(count):
+        dx, dy = edges[i, 0] - x, edges[i, 1] - y
+        distance = math.sqrt(dx * dx + dy * dy) + 1e-9
+        e = (distance - radius) / width
+        if e * e >= 1.0 or dx * edges[i, 2] + dy * edges[i, 3] < 0.7 * distance:
+            continue
+        w, e = (1.0 - e * e) ** 2, e * width
+        ux, uy = dx / distance, dy / distance
+        a00, a01, a02 = a00 + w * ux * ux, a01 + w * ux * uy, a02 + w * ux
+        a11, a12, a22 = a11 + w * uy * uy, a12 + w * uy, a22 + w
+        b0, b1, b2 = b0 + w * ux * e, b1 + w * uy * e, b2 + w * e
+    a00, a11, a22 = a00 + 0.1, a11 + 0.1, a22 + 0.1
+    c0, c1, c2 = a11 * a22 - a12 * a12, a02 * a12 - a01 * a22, a01 * a12 - a02 * a11
+    det = a00 * c0 + a01 * c1 + a02 * c2
+    sx = (c0 * b0 + c1 * b1 + c2 * b2) / det
+    sy = (c1 * b0 + (a00 * a22 - a02 * a02) * b1 + (a01 * a02 - a00 * a12) * b2) / det
+    sr = (c2 * b0 + (a01 * a02 - a00 * a12) * b1 + (a00 * a11 - a01 * a01) * b2) / det
+    peaks[k, 0], peaks[k, 1], peaks[k, 2] = x + sx, y + sy, max(radius + sr, 0.7)
+    peaks[k, 3] = (a22 - 0.1) / (2.0 * math.pi * max(peaks[k, 2], 1.0))

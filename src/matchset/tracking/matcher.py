@@ -1,0 +1,225 @@
+"""From a rough state to the shape: trace the outline, find its match-set, fit, again until nothing moves."""
+
+import math
+from typing import Generic, TypeVar
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.adapt import count_inside
+from matchset.image.color import WHITE, ColorModel
+from matchset.shapes.shape import Shape
+from matchset.tracking.fit import fit_lines
+from matchset.tracking.match_set import Lines, match_lines
+from matchset.tracking.review import gather_points, review_lines
+
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+S = TypeVar("S", bound=Shape)
+
+
+class MatchParameters(msgspec.Struct, frozen=True):
+    """What makes an edge point and a fit; all else follows from the size of the shape and the noise of the picture.
+
+    Parameters
+    ----------
+    margin : int
+        Most pixels that Eq. 1 counts on each side of an edge. Noisy pictures use them all, sharp ones two, small shapes
+        a quarter of their half-width: more is steadier in noise and blur, less is more exact and tells stripes apart.
+    threshold : float
+        The paper's nabla, as a share of a step from surely background to surely target: below it there is no edge.
+        Slightly negative, since a pale stripe of the target may look more like background than what it lies before.
+    enough : float
+        Share beyond which a larger step is no better, and the contrast alone decides where the edge is.
+    clear : float
+        Contrast, in standard deviations of the noise, that an edge point without a step in color must have.
+    floor : float
+        Least noise of an edge point that is believed, px: smaller, and a chance agreement of few points wins.
+    tolerance : float
+        How near an edge point must be to the outline to confirm it, in half-widths, between 1.2 and 3 px.
+    turns : int
+        How often the outline is traced anew at most.
+    """
+
+    margin: int = 4
+    threshold: float = -0.05
+    enough: float = 0.6
+    clear: float = 5.0
+    floor: float = 0.4
+    tolerance: float = 0.06
+    turns: int = 4
+
+
+class Matcher(Generic[S]):
+    """Fits shapes of one family to pictures; the working memory of a tracker.
+
+    Parameters
+    ----------
+    family : type
+        The family of shapes, `Circle` for one.
+    points : int
+        Number of lines across the outline: the size of the match-set.
+    parameters : MatchParameters
+
+    Attributes
+    ----------
+    state : ndarray of shape (s,), float64
+        The state that the last `settle` reached.
+    noise : float
+        Standard deviation of an edge point there, px; 0 where nothing was fitted.
+    grain : float
+        Standard deviation of the pixels' noise, gray levels, over the last frames.
+    seen, confirmed, agreement, evidence, wave, corners
+        What the last fit rests on, see `review_lines`.
+    inside, core : float
+        Share of the pixels inside, and of those near the center, that look like the target, 0 ... 1.
+    """
+
+    def __init__(self, family: type[S], points: int, parameters: MatchParameters | None = None) -> None:
+        self.family, self.points = family, points
+        self.parameters = parameters or MatchParameters()
+        self.count = len(family.__struct_fields__)
+        self.state = family.from_coarse(0.0, 0.0, 1.0).state
+        angles = 2.0 * math.pi * (np.arange(points) + 0.5) / points
+        self.turns = np.column_stack((np.cos(angles), np.sin(angles)))
+        total = len(self.state) + 2  # the last two say how far the fields of an interlaced picture lie apart
+        self.outline, self.normals = np.zeros((points, 2)), np.zeros((points, 2))
+        self.jacobian, self.lines = np.zeros((points, total)), Lines(points)
+        self.step, self.full_covariance = np.zeros(total), np.zeros((total, total))
+        self.residual, self.weight = np.zeros(points), np.zeros(points)
+        self.chosen = np.zeros(points, np.int64)
+        self.shares = 0.88 * np.sqrt((np.arange(points) * 0.6180339887) % 1.0)
+        self.free = np.zeros(self.count)
+        self.noise, self.grain = 0.0, 2.0
+        self.seen, self.confirmed = 0, 0
+        self.agreement, self.evidence, self.wave, self.corners = 0.0, 0.0, 0.0, 0.0
+        self.inside, self.core = 0.0, 0.0
+
+    def settle(
+        self,
+        image: Image,
+        color: ColorModel,
+        start: Floats,
+        reach: float,
+        speed: float = 0.0,
+        sigma: float = 0.0,
+        spread: Floats | None = None,
+    ) -> bool:
+        """Fit the shape near a state.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        start : ndarray of shape (s,), float64
+            Where to begin.
+        reach : float
+            How far the outline may be from there, px.
+        speed : float
+            How fast the shape moves, px per frame: by as much the two fields of an interlaced picture may disagree.
+        sigma : float
+            How far the edge points are expected from the start, px; 0 for a third of the reach.
+        spread : ndarray of shape (p,), float64, optional
+            How far each parameter may be from the start; without it they are free.
+
+        Returns
+        -------
+        bool
+            Whether there are edge points to fit at all; whether they are enough is for the caller to judge.
+        """
+        self.state = start.copy()
+        sigma = sigma or max(reach / 3.0, 1.0)
+        before, self.noise = self.noise, 0.0
+        for _ in range(self.parameters.turns):
+            size = self.family.half_width(self.state)
+            if not 2.0 < size < 1e5:
+                self.seen = 0
+                return False
+            self._match(image, color, size, reach)
+            moved = self._fit(start, spread, size, speed, before, sigma)
+            if self.noise == 0.0:
+                self.seen = int(np.count_nonzero(self.lines.runs[:, 4]))
+                return False
+            if moved * moved < 0.04 * size:
+                break
+            before, reach, sigma = self.noise, max(4.0, 2.0 + 0.5 * speed), 1.0
+        return 2.0 < self.family.half_width(self.state) < 1e5
+
+    def _match(self, image: Image, color: ColorModel, size: float, reach: float) -> None:
+        """Trace the outline of the state and find the edge points across it."""
+        limits, lines = self.parameters, self.lines
+        margin = max(min(int(0.25 * size), max(int(1.5 + 0.4 * self.grain), 2), limits.margin), 1)
+        self.family.trace(self.state, self.turns, self.outline, self.normals, self.jacobian)
+        grain = match_lines(
+            image,
+            color.table,
+            self.outline,
+            self.normals,
+            self.jacobian,
+            reach,
+            margin,
+            2.0 * WHITE * limits.threshold * margin,
+            2.0 * WHITE * limits.enough * margin,
+            6.0 * margin * (limits.clear * max(self.grain, 1.0)) ** 2,
+            lines.offsets,
+            lines.quality,
+            lines.whiteness,
+            lines.runs,
+            lines.starts,
+            lines.pixels,
+            lines.sums,
+        )
+        self.grain += 0.1 * (grain - self.grain)
+
+    def _fit(
+        self, expected: Floats, spread: Floats | None, size: float, speed: float, before: float, sigma: float
+    ) -> float:
+        """Fit the edge points; by how much the state moved."""
+        lines = self.lines
+        self.noise, moved = fit_lines(
+            self.jacobian,
+            lines.offsets,
+            lines.quality,
+            self.state,
+            expected,
+            self.free if spread is None else spread,
+            size,
+            speed,
+            before,
+            sigma,
+            self.parameters.floor,
+            self.step,
+            self.full_covariance,
+            self.residual,
+            self.weight,
+            self.chosen,
+        )
+        return moved
+
+    def review(self, image: Image, color: ColorModel) -> None:
+        """Look at what the last fit rests on: its edge points and its inside."""
+        size = self.family.half_width(self.state)
+        tolerance = min(max(self.parameters.tolerance * size, 1.2), 3.0)
+        lines = self.lines
+        self.seen, self.confirmed, self.agreement, self.evidence, self.wave, self.corners = review_lines(
+            self.residual, self.chosen, lines.whiteness, lines.runs, self.turns, tolerance
+        )
+        x, y = float(self.state[0]), float(self.state[1])
+        self.inside, self.core = count_inside(image, color.table, self.outline, self.shares, x, y)
+
+    @property
+    def bent(self) -> float:
+        """Size of the modes that are held near zero, in half-widths."""
+        modes = self.state[self.count :].tolist()
+        return math.hypot(*modes) / self.family.half_width(self.state)
+
+    def match_set(self) -> Floats:
+        """Edge points of the last fit that are no gross outliers, (m, 2), px (Epstein & Feldman, Eq. 4).
+
+        Kept is what lies within 4 standard deviations of the fitted outline, which may be an ellipse.
+        """
+        points: Floats = gather_points(
+            self.outline, self.normals, self.lines.offsets, self.chosen, self.residual, 4.0 * max(self.noise, 0.4)
+        )
+        return points

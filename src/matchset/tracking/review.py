@@ -1,0 +1,111 @@
+"""What a fit rests on: how many lines agree with the outline, and which edge points are the match-set."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.shapes.jit import kernel
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+LEAST = 0.3  # px: edge points are never judged to be more exact than this
+
+
+@kernel
+def review_lines(
+    residual: Floats, chosen: Ints, whiteness: Floats, runs: Ints, turns: Floats, tolerance: float
+) -> tuple[int, int, float, float, float, float]:
+    """How well the lines agree with the fitted outline.
+
+    Parameters
+    ----------
+    residual : (n,)
+        Distance of each line's edge point from the outline, px; infinite where there is none.
+    chosen, whiteness, runs
+        Which of a line's edge points that is, and see `Lines`.
+    turns : (n, 2)
+        Cosine and sine of the angle of each line around the shape.
+    tolerance : float
+        A line confirms the shape if its edge point is this near to the outline, px.
+
+    Returns
+    -------
+    seen, confirmed : int
+        Lines that lie in the picture, and those of them that confirm the shape.
+    agreement : float
+        Mean over the lines seen of ``1 - (residual / tolerance)^2``, 0 where not confirmed: 1 is perfect.
+    evidence : float
+        The same, but a line without a step in color counts half.
+    wave : float
+        Correlation of the residuals of neighboring lines: near 0 for the right shape, near 1 for another.
+    corners : float
+        Third or fourth harmonic of the residuals around the outline, in standard deviations: that of a triangle or a
+        square stands out.
+    """
+    seen, confirmed, wide = 0, 0, 0
+    agreement = evidence = square = product = spread = 0.0
+    c3 = s3 = c4 = s4 = 0.0
+    before = math.inf
+    for i in range(residual.shape[0]):
+        if runs[i, 4] == 0:
+            before = math.inf
+            continue
+        seen += 1
+        e = residual[i]
+        if abs(e) <= tolerance:
+            confirmed += 1
+            near = 1.0 - (e / tolerance) ** 2
+            agreement += near
+            evidence += near * (0.5 + 0.5 * whiteness[i, chosen[i]])
+            square += e * e
+            product += e * before if abs(before) <= tolerance else 0.0
+        if abs(e) <= 2.0 * tolerance:
+            c, s = turns[i, 0], turns[i, 1]
+            c2, s2 = c * c - s * s, 2.0 * c * s
+            c3, s3 = c3 + e * (c2 * c - s2 * s), s3 + e * (s2 * c + c2 * s)
+            c4, s4 = c4 + e * (c2 * c2 - s2 * s2), s4 + e * 2.0 * c2 * s2
+            spread += e * e
+            wide += 1
+        before = e
+    largest = math.sqrt(max(c3 * c3 + s3 * s3, c4 * c4 + s4 * s4))
+    corners = largest / math.sqrt(0.5 * (spread + wide * LEAST * LEAST) + 1e-9)
+    wave = product / (square + confirmed * LEAST * LEAST + 1e-9)
+    whole = max(seen, 1)
+    return seen, confirmed, agreement / whole, evidence / whole, wave, corners
+
+
+@kernel
+def gather_points(
+    points: Floats, normals: Floats, offsets: Floats, chosen: Ints, residual: Floats, outlier: float
+) -> Floats:
+    """Edge points that are no gross outliers (Epstein & Feldman, Eq. 4).
+
+    Parameters
+    ----------
+    points, normals : (n, 2)
+        The outline that was traced, px.
+    offsets : (n, 3)
+    chosen : (n,)
+        Which edge point of each line the fit took.
+    residual : (n,)
+        Its distance from the fitted outline, px; infinite where there is none.
+    outlier : float
+        Distance from which an edge point is left out, px.
+
+    Returns
+    -------
+    (m, 2), px
+    """
+    count = 0
+    for i in range(points.shape[0]):
+        count += abs(residual[i]) < outlier
+    kept = np.empty((count, 2))
+    count = 0
+    for i in range(points.shape[0]):
+        if abs(residual[i]) < outlier:
+            d = offsets[i, chosen[i]]
+            kept[count, 0], kept[count, 1] = points[i, 0] + d * normals[i, 0], points[i, 1] + d * normals[i, 1]
+            count += 1
+    return kept

@@ -1,0 +1,321 @@
+"""Follow a shape from frame to frame: `Tracker` (Epstein & Feldman, Alg. 1 and 3)."""
+
+import math
+from typing import Generic, TypeVar
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.adapt import adapt_table
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.shapes.shape import Shape
+from matchset.tracking.detect import Finder, Searcher, channels_last
+from matchset.tracking.doubt import BETTER, alternatives, doubtful, worth
+from matchset.tracking.judge import Judge
+from matchset.tracking.matcher import Matcher
+from matchset.tracking.motion import Motion
+from matchset.tracking.track import Lost, Track
+
+S = TypeVar("S", bound=Shape)
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
+
+class TrackerParameters(msgspec.Struct, frozen=True):
+    """How a shape is followed.
+
+    Parameters
+    ----------
+    least_reach, most_reach : float
+        Shortest and longest look-out on each side of the predicted outline, px; it grows with the surprises of the
+        motion.
+    trust : float
+        How far a shape may be from its prediction, in recent surprises: less is steadier where edges are few, more
+        follows sudden motion sooner.
+    coast : float
+        How long a shape that is not seen is expected near its prediction, s; after that it may appear anywhere.
+    jump : float
+        How far from its prediction a shape may be found again while coasting, in half-widths per missed frame.
+    growth : float
+        Largest change of size per missed frame, as a factor.
+    adapt_rate : float
+        Speed at which the color follows the light, log-odds per look: 0 keeps the color as it was learned.
+    adapt_support, adapt_inside : float
+        Least share of the outline that must be confirmed, and of the inside that must look like the target, before a
+        frame may teach the color.
+    """
+
+    least_reach: float = 3.0
+    most_reach: float = 24.0
+    trust: float = 0.5
+    coast: float = 0.35
+    jump: float = 2.0
+    growth: float = 1.5
+    adapt_rate: float = 0.15
+    adapt_support: float = 0.8
+    adapt_inside: float = 0.6
+
+
+class Tracker(Generic[S]):
+    """Follows one shape; a tracker belongs to one thread, any number of them may run side by side.
+
+    Parameters
+    ----------
+    family : type
+        The family of shapes: `Circle`.
+    color : ColorModel
+        What the target looks like; the tracker adapts a copy of its own, `tracker.color`.
+    points : int
+        Size of the match-set: the number of lines across the outline. More is more exact and slower.
+    start : tuple of float, optional
+        A point (x, y), px: the first search prefers the candidate that holds it.
+    parameters : TrackerParameters, optional
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 16 or more than 4096 points, or the start is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, matchset as ms
+    >>> rows, columns = np.indices((120, 160))
+    >>> image = np.full((120, 160, 3), 90, np.uint8)
+    >>> image[np.hypot(columns - 70, rows - 50) < 25] = (200, 60, 30)
+    >>> tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 70, 50))
+    >>> track = tracker.update(ms.Frame(image, 0.0, 0))
+    >>> round(track.shape.x), round(track.shape.y), round(track.shape.radius)
+    (70, 50, 25)
+    """
+
+    def __init__(
+        self,
+        family: type[S],
+        color: ColorModel,
+        points: int = 64,
+        start: tuple[float, float] | None = None,
+        parameters: TrackerParameters | None = None,
+    ) -> None:
+        if not 16 <= points <= 4096:
+            raise ValueError(f"a match-set needs 16 to 4096 points, got {points}")
+        if start is not None and not all(math.isfinite(value) for value in start):
+            raise ValueError(f"start must be finite, got {start}")
+        self.parameters = parameters or TrackerParameters()
+        self.color = color.copy()
+        self._learned = self.color.log_odds.copy()
+        self._family = family
+        self._matcher: Matcher[S] = Matcher(family, points)
+        self._judge = Judge()
+        self._wish = start
+        self._motion: Motion | None = None
+        self._finder: Finder[S] | None = None
+        self._kind: tuple[int, ...] | None = None
+        self._time, self._interval = -math.inf, 1.0 / 30.0
+        self._frames = 0
+        self._usual = 0.0  # half-width over the last well-confirmed frames, px
+        self._compile()
+
+    def _compile(self) -> None:
+        """Run every kernel once on a small picture of a disc, so that no frame waits for the compiler."""
+        color = ColorModel(np.linspace(-4.0, 4.0, self.color.table.size, dtype=np.float32))
+        image = np.zeros((64, 64, color.channels), np.uint8)
+        cells = np.arange(64) - 31.5
+        image[np.hypot(cells[:, None], cells[None, :]) < 20.0] = 255
+        matcher: Matcher[S] = Matcher(self._family, 16)
+        state = self._family.from_coarse(31.5, 31.5, 20.0).state
+        matcher.settle(image, color, state, 6.0)
+        matcher.review(image, color)
+        self._judge.track(matcher, 0.0)
+        Motion(state, 0.0, 1.0, matcher.count).correct(state, 1.0)
+        Searcher(64, 64).candidates(image, color)
+        self._adapt(image, matcher, color, 0.0)
+
+    def start(self, shape: S) -> None:
+        """Begin at this shape in the next frame, without a search.
+
+        Parameters
+        ----------
+        shape : S
+            Where the shape is, roughly.
+
+        Raises
+        ------
+        ValueError
+            If it is not of the family that is followed.
+        """
+        if not isinstance(shape, self._family):
+            raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
+        spread = 3.0 + 0.1 * self._family.half_width(shape.state)
+        self._motion = Motion(shape.state, self._time, spread, self._matcher.count)
+
+    def update(self, frame: Frame) -> Track[S] | Lost[S]:
+        """Follow the shape into `frame`: predict, match, fit; search the whole frame only when lost.
+
+        Parameters
+        ----------
+        frame : Frame
+            The next picture, later than the one before.
+
+        Returns
+        -------
+        Track or Lost
+            A `Track` only if this frame's own pixels confirm it; while the shape is not seen a `Lost` that says why,
+            and for a while where the motion would have it.
+
+        Raises
+        ------
+        ValueError
+            If the time does not run forward, the size or the channels of the picture changed on the way, or the
+            color was learned on another kind of picture.
+        """
+        image = self._admit(frame)
+        if self._motion is None:
+            return self._search(image, "nothing of this color and shape is in the picture")
+        reason = self._follow(image, self._motion)
+        return self._search(image, reason) if reason else self._confirm(image, self._motion)
+
+    def _admit(self, frame: Frame) -> Image:
+        """Check a frame against those before it; its picture as (h, w, channels)."""
+        if frame.image.shape != self._kind:
+            if self._kind is not None:
+                raise ValueError(
+                    f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {self._kind}"
+                )
+            self.color.check(frame.image)
+            self._kind = frame.image.shape
+        if not frame.time > self._time:
+            raise ValueError(
+                f"time must run forward: frame {frame.index} is at {frame.time} s, the one before at {self._time} s"
+            )
+        if math.isfinite(self._time):
+            self._interval = min(frame.time - self._time, 1.0)
+        if self._motion is not None and not math.isfinite(self._motion.time):
+            self._motion.time = frame.time - self._interval
+        self._time = frame.time
+        self._frames += 1
+        return channels_last(frame.image)
+
+    def _missed(self, motion: Motion) -> float:
+        """How many frames have passed since the last sighting, at least 1."""
+        return max((self._time - motion.time) / self._interval, 1.0)
+
+    def _follow(self, image: Image, motion: Motion) -> str:
+        """Fit near the prediction; why it failed, empty if it did not."""
+        limits, matcher = self.parameters, self._matcher
+        expected, missed = motion.predict(self._time), self._missed(motion)
+        speed = self._interval * math.hypot(motion.velocity[0], motion.velocity[1])
+        surprise = motion.surprise * missed
+        reach = min(limits.least_reach + 2.0 * surprise, limits.most_reach)
+        spread = missed * (limits.trust * motion.spread + 0.3)
+        reason = self._try(image, expected, reach, speed, max(surprise, 1.0), spread)
+        if reason and reach < limits.most_reach:
+            reason = self._try(image, expected, limits.most_reach, speed)
+        if doubtful(matcher):
+            reason = self._look_again(image, reason, speed)
+        if not reason and not self._expected(matcher.state, expected, motion):
+            reason = self._judge.first_sight(matcher)
+            if not reason and not self._plausible(matcher.state, expected, missed):
+                reason = "it would have jumped or changed its size faster than it can"
+        return reason
+
+    def _try(
+        self,
+        image: Image,
+        state: Floats,
+        reach: float,
+        speed: float,
+        sigma: float = 0.0,
+        spread: Floats | None = None,
+    ) -> str:
+        """Fit near a state; why it is not confirmed, empty if it is."""
+        matcher = self._matcher
+        if not matcher.settle(image, self.color, state, reach, speed, sigma, spread):
+            gone = matcher.seen < 0.3 * matcher.points
+            return "it left the picture" if gone else "no edges of the target's color where it should be"
+        matcher.review(image, self.color)
+        return self._judge.following(matcher)
+
+    def _look_again(self, image: Image, reason: str, speed: float) -> str:
+        """Go on with the best of the shapes around a doubtful one; why it is not confirmed, empty if it is."""
+        matcher = self._matcher
+        best, most = matcher.state, -math.inf if reason else worth(matcher, self._usual) + BETTER
+        for start in list(alternatives(matcher)):
+            if not self._try(image, start, 5.0, speed, 2.0) and worth(matcher, self._usual) > most:
+                best, most = matcher.state, worth(matcher, self._usual)
+        return self._try(image, best, 3.0, speed, 1.0)
+
+    def _expected(self, state: Floats, expected: Floats, motion: Motion) -> bool:
+        """Whether a shape is so near to its prediction that it needs no other proof."""
+        size, before = self._family.half_width(state), self._family.half_width(expected)
+        far = math.hypot(state[0] - expected[0], state[1] - expected[1])
+        return abs(size - before) <= 0.1 * before + 1.0 and far <= 0.3 * before + 2.0 * motion.surprise
+
+    def _plausible(self, state: Floats, expected: Floats, missed: float) -> bool:
+        """Whether a shape can have come from where it was expected."""
+        limits = self.parameters
+        size, before = self._family.half_width(state), self._family.half_width(expected)
+        ratio = max(size, before) / max(min(size, before), 1e-9)
+        far = math.hypot(state[0] - expected[0], state[1] - expected[1])
+        return ratio <= limits.growth**missed and far <= limits.jump * max(size, before) * missed + 10.0
+
+    def _confirm(self, image: Image, motion: Motion) -> Track[S]:
+        """Take in what the matcher holds, learn the color from it, and answer."""
+        matcher, limits = self._matcher, self.parameters
+        motion.correct(matcher.state, self._time)
+        if matcher.agreement > 0.75:
+            size = self._family.half_width(matcher.state)
+            self._usual += 0.1 * (size - self._usual) if self._usual > 0.0 else size
+        whole = matcher.seen == matcher.points
+        good = whole and matcher.confirmed >= limits.adapt_support * matcher.seen
+        if good and limits.adapt_rate > 0.0 and matcher.inside >= limits.adapt_inside:
+            self._adapt(image, matcher, self.color, limits.adapt_rate)
+        return self._judge.track(matcher, self._time)
+
+    def _adapt(self, image: Image, matcher: Matcher[S], color: ColorModel, rate: float) -> None:
+        """Teach the color a quarter of the outline's surroundings, another one in every frame."""
+        x, y = float(matcher.state[0]), float(matcher.state[1])
+        begin = self._frames % 4
+        adapt_table(
+            image, color.log_odds, self._learned, color.table, matcher.outline, matcher.shares, x, y, begin, rate
+        )
+
+    def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
+        """Look through the whole frame; while coasting only what can be the lost shape counts."""
+        motion = self._motion
+        if motion is not None and self._time - motion.time > self.parameters.coast:
+            motion = self._motion = None
+        expected = None if motion is None else motion.predict(self._time)
+        best = self._choose(image, expected)
+        if best is not None:
+            self._try(image, best, 4.0, 0.0)
+            if motion is None:
+                spread = 0.25 * self._family.half_width(best)
+                self._motion = motion = Motion(self._matcher.state, self._time, spread, self._matcher.count)
+            self._wish = None
+            return self._confirm(image, motion)
+        return Lost(reason, self._time, None if expected is None else self._shape(expected))
+
+    def _shape(self, state: Floats) -> S | None:
+        """Shape of an extrapolated state, None where it has shrunk to nothing."""
+        try:
+            return self._family.from_state(state)
+        except ValueError:
+            return None
+
+    def _choose(self, image: Image, expected: Floats | None) -> Floats | None:
+        """State of the sighting to go on with, or None."""
+        if self._finder is None:
+            self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
+        missed = self._missed(self._motion) if self._motion is not None else 1.0
+        best, most = None, 0.0
+        for state, merit in self._finder.sightings(image, self.color):
+            if expected is not None and not self._plausible(state, expected, missed):
+                continue
+            if expected is None and self._wish is not None:
+                far = math.hypot(state[0] - self._wish[0], state[1] - self._wish[1])
+                merit += 2.0 * (far < self._family.half_width(state))
+            if merit > most:
+                best, most = state, merit
+        return best

@@ -1,0 +1,125 @@
+import json
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import cv2
+import pytest
+from blue_ball import Matchset
+from typer.testing import CliRunner
+
+from matchset.app.cli import app
+from matchset.app.patience import if_slow
+from matchset.app.row import Row
+from matchset.app.screen import Rate, live_line
+
+TRUTH = "video,frame,x,y,r,visible,method\nv,0,10,10,5,1,eye\nv,1,10,10,5,1,eye\nv,2,,,,0,eye:absent\n"
+TRACKS = (
+    "frame,time,found,x,y,radius,support,reason\n0,0,1,10,10,5,1,\n1,0.1,1,11,10,5,1,\n2,0.2,0,,,,,gone\n"
+)
+
+
+@pytest.mark.parametrize("command", [(), ("track",), ("learn",), ("score",), ("demo",)])
+def test_every_command_has_help(command: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(app, [*command, "--help"])
+    assert result.exit_code == 0
+    assert "Usage" in result.output
+
+
+def test_the_version_is_printed(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
+    assert matchset("--version") == 0
+    assert capsys.readouterr().out.startswith("matchset 0")
+
+
+def test_help_needs_no_heavy_imports() -> None:
+    code = (
+        "import sys, matchset.app.cli as cli\n"
+        "sys.argv = ['matchset', '--help']\n"
+        "try: cli.main()\n"
+        "except SystemExit: pass\n"
+        "heavy = 'matplotlib', 'PIL', 'matchset.app.track_command', 'matchset.sim.clip'\n"
+        "print([name for name in heavy if name in sys.modules])\n"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert out.splitlines()[-1] == "[]"
+
+
+def test_a_score_is_printed_as_a_table_and_as_json(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("tracks.csv").write_text(TRACKS)
+    Path("truth.csv").write_text(TRUTH)
+    assert matchset("score", "tracks.csv", "truth.csv") == 0
+    out = capsys.readouterr().out
+    for words in ("mean error", "0.500 px", "100.0 %", "trembling", "1.000 px"):
+        assert words in out
+    assert matchset("score", "tracks.csv", "truth.csv", "--json", "--from", "1") == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["mean_error_px"] == 1.0
+    assert result["trembling_px"] is None
+    assert result["false_locks"] == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("none.csv", "truth.csv"), "cannot read none.csv"),
+        (("truth.csv", "truth.csv"), "there is no column found, radius"),
+        (("tracks.csv", "truth.csv", "--video", "w"), "no rows of the video 'w'"),
+        (("tracks.csv", "truth.csv", "--from", "9"), "holds no frames from frame 9 on"),
+        (("tracks.csv",), "truth"),
+    ],
+)
+def test_a_bad_score_is_one_line(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], words: str
+) -> None:
+    Path("tracks.csv").write_text(TRACKS)
+    Path("truth.csv").write_text(TRUTH)
+    assert matchset("score", *options) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+    assert words in line
+
+
+def test_the_demo_needs_nothing_and_leaves_everything(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("demo", "--frames", "24") == 0
+    out = capsys.readouterr().out
+    assert "mean error" in out
+    folder = Path("runs/0001-demo")
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "demo.webm",
+        "sheet.png",
+        "tracks.csv",
+        "truth.csv",
+    ]
+    sheet = cv2.imread(str(folder / "sheet.png"))
+    assert sheet is not None
+    assert sheet.shape[0] > 1000
+    assert matchset("score", folder / "tracks.csv", folder / "truth.csv", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["valid_percent"] > 90.0
+    assert matchset("demo", "--frames", "24", "-o", folder) == 2
+
+
+def test_the_live_line_says_what_matters() -> None:
+    found = Row(3, 1.0, {"x": 12.34, "y": 5.0, "radius": 9.0})
+    words = " ".join(live_line(found, 29.97, 0.0123, 4).plain.split())
+    assert words == "30.0 frames/s age 12 ms dropped 4 x 12.3 y 5.0 r 9.0"
+    assert live_line(Row(3, 1.0, reason="gone"), None, 0.5, 0).plain.endswith("Lost: gone")
+
+
+def test_the_rate_is_that_of_the_frames() -> None:
+    rate = Rate()
+    assert rate.tick(0.0) is None
+    assert [rate.tick(0.1 * step) for step in range(1, 5)] == pytest.approx([10.0] * 4)
+
+
+def test_only_what_is_slow_is_announced(capsys: pytest.CaptureFixture[str]) -> None:
+    with if_slow("quick", after=30.0):
+        pass
+    said = threading.Event()
+    with if_slow("slow", after=0.0):
+        said.wait(0.2)
+    assert capsys.readouterr().err == "slow\n"

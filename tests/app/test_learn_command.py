@@ -1,0 +1,154 @@
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+from blue_ball import Matchset, ball_picture
+
+from matchset.app import learn_command
+from matchset.app.candidates import find_candidates
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.sim.clip import Clip
+
+DATA = Path(__file__).parents[3] / "shared" / "data"
+
+
+def commands(capsys: pytest.CaptureFixture[str]) -> list[list[str]]:
+    lines = capsys.readouterr().out.splitlines()
+    return [shlex.split(line)[1:] for line in lines if line.startswith("  matchset ")]
+
+
+def test_the_printed_commands_work_as_they_stand(
+    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("learn", ball_video) == 0
+    shown = commands(capsys)
+    assert [words[0] for words in shown] == ["track", "track"]
+    for words in shown:
+        assert str(ball_video) in words
+        assert matchset(*words) == 0
+    picture = cv2.imread("runs/0001-learn/frame-0.png")
+    assert picture is not None
+    assert picture.shape[1] > 160
+
+
+def test_a_pick_saves_a_color_and_a_mask(
+    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("learn", ball_video, "--frame", "3", "--pick", "56,60", "-o", "my colors/ball.npz") == 0
+    mask = ColorModel.load("my colors/ball.npz").mask(ball_picture((56.0, 60.0)))
+    assert mask[60, 56] == 255
+    assert mask[5, 5] == 0
+    assert Path("my colors/ball-mask.png").is_file()
+    (words,) = commands(capsys)
+    assert matchset(*words) == 0
+    assert matchset("learn", ball_video, "--pick", "56,60@3", "-o", "my colors/ball.npz") == 2
+    assert "exists: choose another name" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--pick", "56,60@3", "--frame", "4"), "--pick says frame 3, --frame says 4"),
+        (("--pick", "560,60"), "does not lie in"),
+        (("--pick", "56,60", "-o", "ball.txt"), "must end in .npz"),
+        (("-o", "ball.npz"), "names a picture"),
+        (("--frame", "99"), "there is no frame 99"),
+    ],
+)
+def test_misuse_is_one_line(
+    matchset: Matchset,
+    ball_video: Path,
+    capsys: pytest.CaptureFixture[str],
+    options: tuple[str, ...],
+    words: str,
+) -> None:
+    assert matchset("learn", ball_video, *options) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+    assert words in line
+
+
+def test_a_picture_without_a_ball_ends_with_one(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cv2.imwrite("wall.png", ball_picture(None))
+    assert matchset("learn", "wall.png") == 1
+    assert "nothing ball-like" in capsys.readouterr().out
+    assert Path("runs/0001-learn/frame-0.png").is_file()
+
+
+class FakeCamera:
+    """A camera before which the ball lies still."""
+
+    live, length, warnings = True, None, ()
+
+    def __init__(self, _source: str) -> None:
+        self.index = -1
+
+    def __iter__(self) -> Iterator[Frame]:
+        return self
+
+    def __next__(self) -> Frame:
+        self.index += 1
+        return Frame(ball_picture((56.0, 60.0)), 0.1 * self.index, self.index)
+
+    def __enter__(self) -> "FakeCamera":
+        return self
+
+    def __exit__(self, *error: Any) -> None: ...
+
+
+def test_before_a_camera_the_candidates_colors_are_saved(
+    matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(learn_command, "Video", FakeCamera)
+    assert matchset("learn", "0") == 0
+    track, learn = commands(capsys)
+    assert track == ["track", "0", "--color", "runs/0001-learn/candidate-1.npz"]
+    assert ColorModel.load(track[-1]).mask(ball_picture((56.0, 60.0)))[60, 56] == 255
+    assert learn[:2] == ["learn", "runs/0001-learn/frame-15-still.png"]
+    assert Path(learn[1]).is_file()
+
+
+@pytest.mark.parametrize("preset", ["clean", "typical", "bad"])
+def test_the_ball_of_a_rendered_room_is_among_nine(preset: str) -> None:
+    clip = Clip(frames=300, seed=4, preset=preset)
+    background = clip.background()
+    for index in (0, 150, 299):
+        circle = clip.truth(index).circle
+        assert circle is not None
+        found = find_candidates(clip.render(index, background).image)
+        assert 1 <= len(found) <= 9
+        assert any(
+            np.hypot(c.x - circle.x, c.y - circle.y) < 0.3 * circle.radius
+            and 0.7 < c.radius / circle.radius < 1.4
+            for c in found
+        )
+
+
+def test_the_same_picture_gives_the_same_numbers() -> None:
+    image = Clip(preset="bad").render(0, Clip(preset="bad").background()).image
+    assert find_candidates(image) == find_candidates(image.copy())
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 3), (3, 2000), (40, 40), (7, 9, 3)])
+def test_candidates_of_odd_pictures(shape: tuple[int, ...]) -> None:
+    assert find_candidates(np.zeros(shape, np.uint8)) == []
+    noise: npt.NDArray[Any] = np.random.default_rng(0).integers(0, 255, shape, np.uint8)
+    find_candidates(noise)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="real footage is not here: ../shared/data")
+def test_the_real_ball_is_number_one() -> None:
+    video = cv2.VideoCapture(str(DATA / "green_ball_hand" / "video.mp4"))
+    for _ in range(60):
+        video.grab()
+    best = find_candidates(np.asarray(video.read()[1], np.uint8))[0]
+    assert np.hypot(best.x - 426.75, best.y - 145.82) < 5.0
+    assert best.radius == pytest.approx(28.8, abs=4.0)

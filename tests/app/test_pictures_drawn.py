@@ -1,0 +1,104 @@
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from matchset.app.draw import annotate, describe, draw_circle
+from matchset.app.grid import grid_picture
+from matchset.app.row import Row, row_of
+from matchset.app.sheet import WIDTH_PX, Shot, picture_sheet, rim_tile
+from matchset.app.text import draw_text, text_width
+from matchset.image.frame import Frame
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Lost, Track
+
+
+def circle_track(x: float, y: float, radius: float) -> Track[Circle]:
+    angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+    points = np.column_stack([x + radius * np.cos(angles), y + radius * np.sin(angles)])
+    return Track(Circle(x, y, radius), np.eye(3) * 0.01, 0.95, points, 1.0)
+
+
+def test_a_circle_is_drawn_where_it_is_to_a_fraction_of_a_pixel() -> None:
+    image = np.zeros((200, 200, 3), np.uint8)
+    draw_circle(image, Circle(80.3, 101.7, 40.5), (255, 255, 255))
+    weight = image[..., 0].astype(float)
+    rows, columns = np.indices(weight.shape)
+    assert (weight * columns).sum() / weight.sum() == pytest.approx(80.3, abs=0.1)
+    assert (weight * rows).sum() / weight.sum() == pytest.approx(101.7, abs=0.1)
+    radius = np.hypot(columns - 80.3, rows - 101.7)
+    assert (weight * radius).sum() / weight.sum() == pytest.approx(40.5, abs=0.1)
+
+
+@pytest.mark.parametrize("shape", [(120, 160, 3), (120, 160), (31, 40, 3), (1200, 1600, 3)])
+def test_annotating_leaves_the_frame_alone(shape: tuple[int, ...]) -> None:
+    frame = Frame(np.full(shape, 90, np.uint8), 1.0, 3)
+    for answer in (
+        circle_track(20.0, 15.0, 9.0),
+        Lost("it left the picture", 1.0, Circle(5.0, 5.0, 50.0)),
+        Lost("x" * 500, 1.0),
+    ):
+        picture = annotate(frame, answer, row_of(3, answer))
+        assert picture.shape == (*shape[:2], 3)
+        assert (picture != 90).any()
+        assert (frame.image == 90).all()
+
+
+def test_a_circle_far_outside_is_not_drawn() -> None:
+    image = np.zeros((50, 50, 3), np.uint8)
+    draw_circle(image, Circle(1e12, 0.0, 5.0))
+    assert not image.any()
+
+
+def test_a_row_reads_as_a_line() -> None:
+    row = row_of(0, circle_track(12.34, 56.78, 9.0))
+    assert describe(row) == "x 12.3 ±0.10   y 56.8 ±0.10   radius 9.0 ±0.10 px   support 95 %"
+    assert describe(Row(0, 0.0, reason="it left the picture")) == "Lost: it left the picture"
+
+
+def test_text_is_cut_off_at_the_edges() -> None:
+    for at in ((-30.0, 10.0), (90.0, 10.0), (10.0, -2.0), (10.0, 52.0), (500.0, 500.0), (-500.0, 10.0)):
+        image = np.zeros((50, 100, 3), np.uint8)
+        draw_text(image, "± 20°", at, 16)
+        assert image.shape == (50, 100, 3)
+    draw_text(image, "", (10.0, 10.0))
+    assert text_width("±0.25", 20) > text_width("±0.25", 10) > 10
+
+
+def test_the_grid_is_labelled_and_the_frame_is_inside() -> None:
+    image = np.full((480, 640, 3), (10, 200, 30), np.uint8)
+    picture = grid_picture(image, [])
+    assert picture.shape[0] > 960
+    assert picture.shape[1] > 1280
+    assert (picture == (10, 200, 30)).all(axis=2).mean() > 0.6
+    for odd in ((33, 21, 3), (20, 3000), (1, 1, 3)):
+        grid_picture(np.zeros(odd, np.uint8), [])
+
+
+def test_the_enlarged_rim_lies_where_the_ball_is() -> None:
+    image = np.zeros((200, 200, 3), np.uint8)
+    cv2.circle(image, (round(80.5 * 16), round(90.25 * 16)), 30 * 16, (255, 0, 0), cv2.FILLED, cv2.LINE_AA, 4)
+    track = circle_track(80.5, 90.25, 30.0)
+    bare = Track(track.shape, track.covariance, 1.0, np.empty((0, 2)), 0.0)
+    tile = rim_tile(Shot(Frame(image), bare), 400)[:400]
+    blue = (tile[..., 0] > 128) & (tile[..., 2] < 60)
+    rows, columns = np.nonzero(blue)
+    assert columns.mean() == pytest.approx(199.5, abs=0.7)
+    assert rows.mean() == pytest.approx(199.5, abs=0.7)
+
+
+def test_a_sheet_takes_any_answer() -> None:
+    frame = Frame(np.full((48, 64, 3), 90, np.uint8))
+    shots = [Shot(frame, circle_track(2.0, 15.0, 9.0), 0.5), Shot(frame, Lost("gone", 0.0))] * 3
+    sheet = picture_sheet("title", "subtitle", shots, np.zeros((100, WIDTH_PX, 3), np.uint8))
+    assert sheet.shape[1] == WIDTH_PX
+
+
+def test_a_plot_has_the_size_asked_for(tmp_path: Path) -> None:
+    from matchset.app.plot import error_plot
+
+    nan = float("nan")
+    for error in ([0.1, nan, 0.3], [nan, nan, nan], []):
+        times = [0.0, 0.1, 0.2][: len(error)]
+        assert error_plot(times, error, error, (800, 300)).shape == (300, 800, 3)

@@ -1,0 +1,193 @@
+import csv
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
+
+from matchset.app import track_command
+from matchset.app.follow import UNDECODED
+from matchset.app.table import read_tracks
+from matchset.image.device import LinkError
+from matchset.image.frame import Frame
+
+
+def test_one_click_gives_a_circle_in_every_frame(
+    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("track", ball_video, "--pick", "50,60", "--jsonl", "--video", "out.webm") == 0
+    rows = read_tracks("runs/0001-track/tracks.csv")
+    assert [row.frame for row in rows] == list(range(len(CENTERS)))
+    for row, (x, y) in zip(rows, CENTERS, strict=True):
+        assert row.shape is not None
+        assert [row.shape[name] for name in ("x", "y", "radius")] == pytest.approx([x, y, RADIUS], abs=1.0)
+    assert len(Path("runs/0001-track/tracks.jsonl").read_text().splitlines()) == len(rows)
+    assert frames_of(Path("out.webm")) == len(rows)
+    out = capsys.readouterr().out
+    assert "found in 30 of 30 frames (100.0 %)" in out
+    assert "runs/0001-track/tracks.csv" in out
+
+
+def frames_of(path: Path) -> int:
+    video = cv2.VideoCapture(str(path))
+    return next(count for count in range(100_000) if not video.grab())
+
+
+def test_nothing_is_overwritten(
+    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = "track", ball_video, "--pick", "50,60", "-o", "out"
+    assert matchset(*command) == 0
+    before = Path("out/tracks.csv").stat().st_mtime_ns
+    capsys.readouterr()
+    assert matchset(*command) == 2
+    assert one_error(capsys) == "the folder out is not empty: choose another, or overwrite with --force"
+    assert Path("out/tracks.csv").stat().st_mtime_ns == before
+    assert matchset(*command, "--force") == 0
+    assert matchset("track", ball_video, "--pick", "50,60") == 0
+    assert matchset("track", ball_video, "--pick", "50,60") == 0
+    assert sorted(path.name for path in Path("runs").iterdir()) == ["0001-track", "0002-track"]
+
+
+def one_error(capsys: pytest.CaptureFixture[str]) -> str:
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1, lines
+    assert lines[0].startswith("error: ")
+    return lines[0].removeprefix("error: ")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((), "say what to follow"),
+        (("--pick", "1,2", "--candidate", "1"), "not several"),
+        (("--pick", "50"), "--pick is X,Y or X,Y@FRAME, as in 427,146@60, got '50'"),
+        (("--pick", "50,600"), "does not lie in the 160 x 120 picture"),
+        (("--pick", "5,5@99"), "there is no frame 99: the video has frames 0 ... 29"),
+        (("--candidate", "one"), "--candidate is N or N@FRAME"),
+        (("--candidate", "8@0"), "there is no candidate 8 in frame 0"),
+        (("--hsv", "1,2,3"), "--hsv is LOW:HIGH"),
+        (("--hsv", "1,2,3:4,5,999"), "999"),
+        (("--color", "none.npz"), "none.npz"),
+        (("--pick", "50,60", "--video", "out.gif"), "must end in .mp4, .webm, .avi"),
+        (("--pick", "50,60", "--points", "3"), "--points"),
+        (("--frob",), "--frob"),
+    ],
+)
+def test_misuse_is_one_line_and_leaves_nothing(
+    matchset: Matchset,
+    ball_video: Path,
+    capsys: pytest.CaptureFixture[str],
+    options: tuple[str, ...],
+    words: str,
+) -> None:
+    assert matchset("track", ball_video, *options) == 2
+    assert words in one_error(capsys)
+    assert list(Path().iterdir()) == []
+
+
+def test_bad_sources_are_one_line(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("text.mp4").write_text("this is no video")
+    Path("empty").mkdir()
+    for source in ("none.mp4", "text.mp4", "empty"):
+        assert matchset("track", source, "--hsv", "1,1,1:9,9,9") == 2
+        assert source in one_error(capsys)
+    assert matchset("track", "97", "--hsv", "1,1,1:9,9,9") == 3
+    assert "camera 97" in one_error(capsys)
+
+
+def test_a_ball_that_is_never_found_ends_with_one(matchset: Matchset, ball_video: Path) -> None:
+    assert matchset("track", ball_video, "--hsv", "50,200,200:60,255,255") == 1
+    rows = read_tracks("runs/0001-track/tracks.csv")
+    assert len(rows) == len(CENTERS)
+    assert all(row.reason for row in rows)
+
+
+def test_a_candidate_is_a_click(matchset: Matchset, ball_video: Path) -> None:
+    assert matchset("track", ball_video, "--candidate", "1@3", "-o", "a") == 0
+    assert matchset("track", ball_video, "--candidate", "1", "-o", "b") == 0
+    assert all(row.found for row in read_tracks("a/tracks.csv") + read_tracks("b/tracks.csv"))
+
+
+def test_a_broken_frame_has_a_row_that_says_so(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("frames").mkdir()
+    for index in range(6):
+        cv2.imwrite(f"frames/{index}.png", ball_picture((50.0, 60.0)))
+    Path("frames/2.png").write_bytes(b"\x89PNG broken")
+    assert matchset("track", "frames", "--pick", "50,60", "-o", "out", "--video", "out.webm") == 0
+    rows = read_tracks("out/tracks.csv")
+    assert [row.frame for row in rows] == list(range(6))
+    assert [row.reason for row in rows if not row.found] == [UNDECODED]
+    assert [row.time for row in rows] == sorted({row.time for row in rows})
+    assert "1 broken frame skipped" in capsys.readouterr().err
+
+
+def test_print_writes_json_alone_to_stdout(
+    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("track", ball_video, "--pick", "50,60", "--print", "-o", "out") == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["frame"] for line in lines] == list(range(30))
+    with Path("out/tracks.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert [float(row["x"]) for row in table] == [line["x"] for line in lines]
+
+
+class FakeCamera:
+    """A camera that drops every other frame and is pulled out after some."""
+
+    live, fps, length, broken, warnings = True, 30.0, None, 0, ()
+    width, height = SIZE
+
+    def __init__(self, _source: str) -> None:
+        self.dropped = 0
+
+    def __iter__(self) -> Iterator[Frame]:
+        return self
+
+    def __next__(self) -> Frame:
+        if self.dropped == 10:
+            raise LinkError("camera 0 went away")
+        self.dropped += 1
+        return Frame(ball_picture((50.0, 60.0)), time.monotonic(), 2 * self.dropped)
+
+    def __enter__(self) -> "FakeCamera":
+        return self
+
+    def __exit__(self, *error: Any) -> None: ...
+
+
+def test_a_camera_that_goes_away_leaves_whole_files(
+    matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(track_command, "Video", FakeCamera)
+    assert matchset("track", "0", "--pick", "50,60", "--print", "-o", "out", "--video", "out.webm") == 3
+    captured = capsys.readouterr()
+    lines = [json.loads(line) for line in captured.out.splitlines()]
+    assert [line["frame"] for line in lines] == list(range(2, 22, 2))  # no rows for dropped frames
+    assert all(0.0 <= line["age_ms"] < 10_000.0 for line in lines)
+    assert lines[-1]["dropped"] == 10
+    assert all(line["found"] for line in lines)
+    assert "error: camera 0 went away" in captured.err
+    assert len(read_tracks("out/tracks.csv")) == 10
+    assert frames_of(Path("out.webm")) == 10
+
+
+def test_a_click_counts_in_its_own_frame(matchset: Matchset) -> None:
+    """Two equal balls: the one that was clicked is followed from its frame on."""
+    Path("frames").mkdir()
+    for index in range(8):
+        both = np.minimum(ball_picture((40.0, 60.0)), ball_picture((120.0, 60.0)))
+        both[..., 0] = np.where(both[..., 2] < 100, 190, both[..., 0])
+        cv2.imwrite(f"frames/{index}.png", both)
+    for x in (40.0, 120.0):
+        assert matchset("track", "frames", "--pick", f"{x},60@4", "-o", f"out{x}") == 0
+        shapes = [row.shape for row in read_tracks(f"out{x}/tracks.csv")]
+        assert all(shape is not None and abs(shape["x"] - x) < 2.0 for shape in shapes[4:])

@@ -1,0 +1,51 @@
+import json
+import math
+
+from benchmarks.finding import Figure, Finding, Goal, Picture, Section
+from benchmarks.machine import Machine
+from benchmarks.report import json_line, page
+
+MACHINE = Machine(
+    "2026-11-21 12:00 UTC", "abc1234", "A processor", 2, "Linux", "3.11", {"numpy": "2"}, "bench"
+)
+SECTIONS = [
+    Section(
+        "Accuracy",
+        [
+            Finding(
+                name="clean",
+                what="rendered `clean`",
+                figures=(Figure("mean", 0.08, "px"), Figure("longest", math.inf)),
+                bar=(Goal("mean", high=0.25),),
+                prize=(Goal("mean", high=0.1),),
+            ),
+            Finding(name="bad", what="`bad`", figures=(Figure("mean", None),), bar=(Goal("mean", high=1.2),)),
+        ],
+        "How it was measured.",
+        (Picture("error.png", "Error"),),
+    ),
+    Section("Real", [Finding(name="real", what="skipped", figures=())]),
+]
+
+
+def test_the_page_holds_machine_rows_pictures_and_text() -> None:
+    text = page(SECTIONS, MACHINE)
+    assert "commit abc1234. A processor, 2 cores" in text
+    assert "1 of 2 bars held, 1 prizes won." in text
+    assert "| rendered `clean` | mean 0.08 px, longest inf | mean ≤ 0.25 px | mean ≤ 0.1 px | prize |" in text
+    assert "| `bad` | mean - | mean ≤ 1.2 | - | **missed** |" in text
+    assert "| skipped | - | - | - | - |" in text
+    assert "![Error](pictures/error.png)\n\nHow it was measured." in text
+
+
+def test_the_json_line_is_one_line_without_infinities() -> None:
+    line = json_line(SECTIONS, MACHINE)
+    document = json.loads(line, parse_constant=lambda name: pytest_fail(name))
+    assert "\n" not in line
+    assert document["machine"]["commit"] == "abc1234"
+    assert document["findings"]["clean"]["figures"] == {"mean": 0.08, "longest": None}
+    assert document["findings"]["clean"]["verdict"] == "prize"
+
+
+def pytest_fail(name: str) -> None:
+    raise AssertionError(f"{name} is not JSON")

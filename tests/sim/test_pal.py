@@ -1,0 +1,153 @@
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from matchset.sim.pal import BAD, CLEAN, PRESETS, TYPICAL, Pal, degrade, noise_gain, pole
+
+PIXEL_TIME = 81e-9
+
+
+def waves(frequency: float, width: int = 640) -> npt.NDArray[np.float32]:
+    """Gray sine of a frequency in Hz along the lines."""
+    x = np.arange(width)
+    line = 128.0 + 60.0 * np.sin(2.0 * math.pi * frequency * PIXEL_TIME * 640 / width * x)
+    return np.repeat(np.tile(line, (64, 1))[..., None], 3, axis=2).astype(np.float32)
+
+
+def flat(color: tuple[float, float, float] = (128.0, 128.0, 128.0)) -> npt.NDArray[np.float32]:
+    return np.full((480, 640, 3), color, np.float32)
+
+
+def channels(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.float64]:
+    """Y, Cb, Cr."""
+    blue, green, red = np.moveaxis(image.astype(float), 2, 0)
+    luma = 0.114 * blue + 0.587 * green + 0.299 * red
+    return np.stack((luma, 0.564 * (blue - luma), 0.713 * (red - luma)))
+
+
+@pytest.mark.parametrize("bandwidth", [2e6, 3e6])
+def test_luma_is_3_db_down_at_its_bandwidth_with_zero_phase(bandwidth: float) -> None:
+    source = waves(bandwidth)
+    image = degrade(source, Pal(luma_bandwidth=bandwidth), 0)
+    inner = slice(40, -40)
+    x = np.arange(640)[inner]
+    phase = np.exp(-2j * math.pi * bandwidth * PIXEL_TIME * x)
+    before, after = (((p[5, inner, 1].astype(float) - 128.0) * phase).sum() for p in (source, image))
+    assert 20.0 * math.log10(abs(after / before)) == pytest.approx(-3.01, abs=0.1)
+    assert np.angle(after / before) == pytest.approx(0.0, abs=0.01)
+
+
+def test_chroma_is_3_db_down_at_its_bandwidth_with_zero_phase_and_luma_untouched() -> None:
+    bandwidth = 0.6e6
+    x = np.arange(640)
+    wave = 40.0 * np.sin(2.0 * math.pi * bandwidth * PIXEL_TIME * x)
+    luma_free = np.stack((1.773 * wave, -0.3444 * wave, 0.0 * wave), axis=1)
+    source = (128.0 + np.tile(luma_free, (64, 1, 1))).astype(np.float32)
+    image = degrade(source, Pal(chroma_bandwidth=bandwidth), 0)
+    inner = slice(60, -60)
+    phase = np.exp(-2j * math.pi * bandwidth * PIXEL_TIME * x[inner])
+    after = (channels(image)[1, 5, inner] * phase).sum()
+    before = (wave[inner] * phase).sum()
+    assert 20.0 * math.log10(abs(after / before)) == pytest.approx(-3.01, abs=0.15)
+    assert np.angle(after / before) == pytest.approx(0.0, abs=0.02)
+    assert channels(image)[0].std() < 0.6
+
+
+def test_the_filter_keeps_an_edge_in_its_place() -> None:
+    source = flat((40.0, 40.0, 40.0))[:64]
+    source[:, 300:] = 200.0
+    line = degrade(source, Pal(luma_bandwidth=2e6), 0)[10, :, 1].astype(float)
+    assert np.interp(120.0, line[290:310], np.arange(290, 310)) == pytest.approx(299.5, abs=0.02)
+
+
+def test_chroma_averaging_moves_nothing_up_or_down() -> None:
+    rows = np.zeros((480, 640, 3), np.float32)
+    rows[:] = (90.0, 130.0, 90.0)
+    rows[200:240] = (220.0, 90.0, 60.0)
+    image = degrade(rows, Pal(interlaced=True, chroma_lines=True), 0)
+    blue = channels(image)[1, :, 320]
+    weight = blue - blue[0]
+    assert (weight * np.arange(480)).sum() / weight.sum() == pytest.approx(219.5, abs=0.05)
+
+
+@pytest.mark.parametrize(("pal", "luma", "chroma"), [(TYPICAL, 6.0, 8.0), (BAD, 15.0, 20.0)])
+def test_noise_in_the_picture_has_the_stated_deviation(pal: Pal, luma: float, chroma: float) -> None:
+    quiet = Pal(
+        **{f: getattr(pal, f) for f in pal.__struct_fields__} | {"lost_lines": 0.0, "line_jitter": 0.0}
+    )
+    y, cb, cr = channels(degrade(flat(), quiet, 3))
+    assert y.std() == pytest.approx(luma, rel=0.05)
+    assert cb.std() == pytest.approx(chroma, rel=0.06)
+    assert cr.std() == pytest.approx(chroma, rel=0.06)
+    assert abs(y.mean() - 128.0) < 0.3
+
+
+def test_noise_is_as_coarse_as_the_band_is_narrow() -> None:
+    _, cb, _ = channels(degrade(flat(), TYPICAL, 3))
+    neighbors = np.corrcoef(cb[:, :-1].ravel(), cb[:, 1:].ravel())[0, 1]
+    assert neighbors > 0.8
+
+
+def test_clean_is_a_little_blur_and_white_noise() -> None:
+    image = degrade(flat(), CLEAN, 1).astype(float)
+    assert image.std() == pytest.approx(2.0, rel=0.03)
+    assert abs(np.corrcoef(image[:, :-1, 0].ravel(), image[:, 1:, 0].ravel())[0, 1]) < 0.02
+    assert abs(np.corrcoef(image[..., 0].ravel(), image[..., 1].ravel())[0, 1]) < 0.02
+    spot = flat((0.0, 0.0, 0.0))
+    spot[100, 100] = 255.0
+    expected = cv2.GaussianBlur(spot, (9, 9), 0.5)[100, 100, 0]
+    assert degrade(spot, Pal(blur=0.5), 0)[100, 100, 0] == pytest.approx(expected, abs=1.0)
+
+
+def test_lines_jitter_by_a_normal_deviate() -> None:
+    source = flat((40.0, 40.0, 40.0))
+    source[:, 300:] = 200.0
+    source = np.asarray(cv2.GaussianBlur(source, (0, 0), 2.0), np.float32)
+    image = degrade(source, Pal(line_jitter=1.0), 5)[..., 1].astype(float)
+    places = [np.interp(120.0, line[285:315], np.arange(285, 315)) for line in image]
+    assert np.std(places) == pytest.approx(1.0, rel=0.12)
+    assert np.mean(places) == pytest.approx(299.5, abs=0.15)
+
+
+def test_lost_lines_are_noise_without_color() -> None:
+    image = degrade(flat((200.0, 60.0, 20.0)), Pal(lost_lines=0.2), 2).astype(float)
+    lost = np.ptp(image[..., 0], axis=1) > 20.0
+    assert lost.mean() == pytest.approx(0.2, abs=0.06)
+    assert np.ptp(image[lost], axis=2).max() == 0.0
+    assert image[lost].std() > 50.0
+
+
+def test_gain_saturates_at_white() -> None:
+    image = degrade(flat((200.0, 100.0, 50.0)), Pal(), 0, (1.5, 1.5, 0.5))
+    assert image[0, 0].tolist() == [255, 150, 25]
+
+
+def test_the_same_seed_gives_the_same_bytes() -> None:
+    for pal in PRESETS.values():
+        first, again, other = (degrade(flat(), pal, seed) for seed in (7, 7, 8))
+        np.testing.assert_array_equal(first, again)
+        assert (first != other).any()
+
+
+def test_the_filter_follows_from_its_bandwidth() -> None:
+    assert pole(0.0, 640) == 0.0
+    assert pole(20e6, 640) == 0.0
+    assert 0.0 < pole(3e6, 640) < pole(3e6, 3840) < 1.0
+    assert noise_gain(0.0) == 1.0
+    p = pole(0.6e6, 640)
+    response = (1.0 - p) / (1.0 + p) * p ** np.abs(np.arange(-500, 501))
+    assert noise_gain(p) == pytest.approx(math.sqrt((response**2).sum()))
+
+
+def test_misuse() -> None:
+    with pytest.raises(ValueError, match="-1"):
+        Pal(luma_noise=-1.0)
+    with pytest.raises(ValueError, match=r"1\.5"):
+        Pal(lost_lines=1.5)
+    with pytest.raises(ValueError, match="uint8"):
+        degrade(np.zeros((4, 4, 3), np.uint8), CLEAN, 0)
+    with pytest.raises(ValueError, match="sensor_noise"):
+        degrade(flat(), Pal(sensor_noise=1.0, luma_noise=1.0), 0)

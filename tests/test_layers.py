@@ -1,0 +1,115 @@
+"""The rules of the house, read from the source: who may import whom, and who may touch the world outside."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "src" / "matchset"
+LAYERS = ["shapes", "image", "tracking", "localization", "control", "sim", "links", "app"]
+FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
+
+OUTSIDE = {"datetime", "glob", "io", "os", "pathlib", "shutil", "socket", "subprocess", "tempfile", "time"}
+MAY_TOUCH_OUTSIDE = {
+    "image/capture.py",  # OpenCV's log level is set in the environment
+    "image/color.py",
+    "image/live.py",
+    "image/pictures.py",
+    "image/recording.py",
+    "image/video.py",
+    "localization/calibrate.py",
+    "localization/camera_model.py",
+}
+READS_OR_WRITES = {"fromfile", "imread", "imwrite", "load", "loadtxt", "open", "save", "savez", "tofile"}
+FOR_PEOPLE = {"matplotlib", "PIL", "rich", "typer"}
+SHOWS = {"print", "putText", "arrowedLine", "drawMarker"}
+LONGEST = 300  # lines
+
+
+def tree(name: str) -> ast.Module:
+    return ast.parse((PACKAGE / name).read_text(encoding="utf-8"), name)
+
+
+def imported(name: str) -> Iterator[str]:
+    """Full names of the modules a file imports, wherever in it the import stands."""
+    for node in ast.walk(tree(name)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name}:{node.lineno}: relative import"
+            module = node.module or ""
+            if module == "matchset":  # from matchset import shapes
+                yield from (f"matchset.{alias.name}" for alias in node.names)
+            else:
+                yield module
+
+
+def called(name: str) -> Iterator[str]:
+    """Names of the functions and methods a file calls, without what stands before the dot."""
+    for node in ast.walk(tree(name)):
+        if isinstance(node, ast.Call):
+            if isinstance(node.func, ast.Name):
+                yield node.func.id
+            elif isinstance(node.func, ast.Attribute):
+                yield node.func.attr
+
+
+def layer(name: str) -> str:
+    """Layer of a file; of `reference.py`, which stands beside them, its own name."""
+    return name.split("/")[0].removesuffix(".py")
+
+
+def allowed(name: str) -> set[str]:
+    """Layers a file may import from."""
+    if name == "__init__.py":
+        return {*LAYERS, "reference"}
+    if layer(name) == "reference":
+        return {"shapes"}
+    return set(LAYERS[: LAYERS.index(layer(name)) + 1])
+
+
+def test_there_are_only_the_layers_of_the_design() -> None:
+    assert {layer(name) for name in FILES} <= {*LAYERS, "reference", "__init__"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_layer_imports_only_from_those_above_it(name: str) -> None:
+    parts = [module.split(".") for module in imported(name) if module.split(".")[0] == "matchset"]
+    foreign = {".".join(path) for path in parts if len(path) < 2 or path[1] not in allowed(name)}
+    assert not foreign, f"{name} imports {foreign}"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_only_the_jit_policy_imports_numba(name: str) -> None:
+    roots = {module.split(".")[0] for module in imported(name)}
+    assert name == "shapes/jit.py" or not roots & {"numba", "llvmlite"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_and_clocks_are_touched_only_where_the_design_says(name: str) -> None:
+    if layer(name) in ("links", "app") or name in MAY_TOUCH_OUTSIDE:
+        return
+    modules = {module.split(".")[0] for module in imported(name)} & OUTSIDE
+    calls = set(called(name)) & READS_OR_WRITES
+    assert not modules | calls, f"{name} uses {modules | calls}"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_only_the_app_prints_and_draws(name: str) -> None:
+    if layer(name) == "app":
+        return
+    modules = {module.split(".")[0] for module in imported(name)} & FOR_PEOPLE
+    calls = set(called(name)) & SHOWS
+    assert not modules | calls, f"{name} uses {modules | calls}"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_nothing_opens_a_window(name: str) -> None:
+    assert not set(called(name)) & {"imshow", "namedWindow", "waitKey", "selectROI"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_are_short(name: str) -> None:
+    lines = (PACKAGE / name).read_text(encoding="utf-8").count("\n")
+    assert lines <= LONGEST, f"{name} has {lines} lines: one idea per file"

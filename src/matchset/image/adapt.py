@@ -16,6 +16,7 @@ Floats = npt.NDArray[np.float64]
 LEASH = np.float32(3.0)  # how far a cell's log-odds may drift from what was learned at first
 FOREIGN = np.float32(-2.0)  # log-odds below which a pixel inside is something in front of the target
 LIMIT, WHITE = np.float32(4.0), np.float32(127.0)
+SURE = 2.5  # log-odds beyond which a cell needs no more teaching
 FAR = 6.0  # px: beyond the blur of an edge
 SHIFT = 1 << 24
 ROUND = SHIFT + 0.5
@@ -41,12 +42,15 @@ def _nudge(cell, amount, log_odds, first, table):
     new = old + amount * (np.float32(1.0) - belief if amount > 0 else belief)
     new = min(max(new, first[cell] - LEASH, -LIMIT), first[cell] + LEASH, LIMIT)
     log_odds[cell] = new
-    table[cell] = np.int8(np.rint(WHITE * np.tanh(np.float32(0.5) * new)))
+    half = np.float32(0.5) * new
+    table[cell] = np.int8(np.rint(WHITE * np.tanh(half)))
 
 
 @kernel
 def _teach(cell, amount, log_odds, first, table):
-    """Move a cell and, half as much, its neighbors in color."""
+    """Move a cell that is not sure yet and, half as much, its neighbors in color."""
+    if log_odds[cell] * (1.0 if amount > 0.0 else -1.0) > SURE:
+        return
     _nudge(cell, amount, log_odds, first, table)
     half = np.float32(0.5) * amount
     shift = 1
@@ -67,8 +71,8 @@ def count_inside(image, table, points, shares, x, y):
     ----------
     image : (h, w, 3) or (h, w, 1) uint8
     table : (32768,) or (256,) int8
-    points : (n, 2)
-        Outline, px.
+    points : (n, >= 2)
+        Outline: x and y, px, first.
     shares : (n,)
         0 at the center, 1 on the outline.
     x, y : float
@@ -79,18 +83,31 @@ def count_inside(image, table, points, shares, x, y):
     inside, core : float
         Share of the pixels seen that look like the target: of all, and of those nearer to the center than to the
         outline; -1 where less than four are seen.
+    hollow : float
+        Foreign share halfway out minus twice the foreign share near the rim: what stands in front of a disc crosses
+        its rim, but a ring is empty inside while its rim is whole.
     """
-    hits, seen, core_hits, core_seen = 0, 0, 0, 0
+    hits = seen = core_hits = core_seen = 0
+    middle_foreign = middle_seen = rim_foreign = rim_seen = 0
     for i in range(points.shape[0]):
-        cell = _cell(image, x + shares[i] * (points[i, 0] - x), y + shares[i] * (points[i, 1] - y))
+        share = shares[i]
+        cell = _cell(image, x + share * (points[i, 0] - x), y + share * (points[i, 1] - y))
         if cell >= 0:
             hit = table[cell] > 0
             seen += 1
             hits += hit
-            if shares[i] < 0.5:
+            if share < 0.5:
                 core_seen += 1
                 core_hits += hit
-    return hits / seen if seen > 3 else -1.0, core_hits / core_seen if core_seen > 3 else -1.0
+            if 0.35 < share < 0.62:
+                middle_seen += 1
+                middle_foreign += not hit
+            if share > 0.75:
+                rim_seen += 1
+                rim_foreign += not hit
+    hollow = middle_foreign / max(middle_seen, 1) - 2.0 * rim_foreign / max(rim_seen, 1)
+    inside = hits / seen if seen > 3 else -1.0
+    return inside, core_hits / core_seen if core_seen > 3 else -1.0, hollow
 
 
 @kernel

@@ -17,20 +17,21 @@ Floats = npt.NDArray[np.float64]
 
 
 @kernel
-def _trace(state: Floats, turns: Floats, points: Floats, normals: Floats, jacobian: Floats) -> None:
-    """Outline of the state at the given (cos, sin): points, outward normals, d(offset)/d(state)."""
+def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
+    """Outline of the state at the given (cos, sin); see `Shape.trace`."""
     x, y, radius, c, s = state[0], state[1], state[2], state[3], state[4]
-    for i in range(points.shape[0]):
+    for line in range(outline.shape[0]):
+        i = np.uintp(line)
         ux, uy = turns[i, 0], turns[i, 1]
         c2, s2 = ux * ux - uy * uy, 2.0 * ux * uy
         rho = radius + c * c2 + s * s2
         slope = 2.0 * (s * c2 - c * s2) / rho
         along = 1.0 / math.sqrt(1.0 + slope * slope)
         nx, ny = along * (ux + slope * uy), along * (uy - slope * ux)
-        points[i, 0], points[i, 1] = x + rho * ux, y + rho * uy
-        normals[i, 0], normals[i, 1] = nx, ny
-        jacobian[i, 0], jacobian[i, 1], jacobian[i, 2] = nx, ny, along
-        jacobian[i, 3], jacobian[i, 4] = along * c2, along * s2
+        outline[i, 0], outline[i, 1] = x + rho * ux, y + rho * uy
+        outline[i, 2], outline[i, 3] = nx, ny
+        outline[i, 4], outline[i, 5], outline[i, 6] = nx, ny, along
+        outline[i, 7], outline[i, 8] = along * c2, along * s2
 
 
 class Circle(msgspec.Struct, frozen=True):

@@ -19,14 +19,14 @@ class Shape(Protocol):
     Attributes
     ----------
     trace : callable
-        ``trace(state, turns, points, normals, jacobian)``, compiled, writes the outline of a state at n places: from
-        turns (n, 2), the cosine and sine of angles around the shape, to points (n, 2), px, outward unit normals (n, 2),
-        and jacobian (n, >= s), by how much the outline moves along its normal per unit of each number of the state.
-        It must neither raise nor allocate.
+        ``trace(state, turns, outline)``, compiled, writes the outline of a state at n places: from turns (n, 2), the
+        cosine and sine of angles around the shape, to the rows of outline (n, >= 4 + s): x and y, px, the outward unit
+        normal, and by how much the outline moves along it per unit of each number of the state. It must neither raise
+        nor allocate.
     """
 
     __struct_fields__: ClassVar[tuple[str, ...]]
-    trace: ClassVar[Callable[[Floats, Floats, Floats, Floats, Floats], None]]
+    trace: ClassVar[Callable[[Floats, Floats, Floats], None]]
 
     @property
     def state(self) -> Floats:

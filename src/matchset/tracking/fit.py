@@ -17,13 +17,13 @@ import numpy.typing as npt
 from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
-ROUNDS = 10  # at most; five are typical
+ROUNDS = 8  # at most; five are typical
 CUT, INNER_CUT = 4.0, 3.0  # the biweight is 0 beyond so many standard deviations outside and inside the outline
 WEAK_WEIGHT = 0.2  # strength, in typical ones, at which an edge point has half its full weight
 CHOICE = 2.0  # how much, in squared deviations, an e times stronger edge point of the same line is preferred
 MODE, MODE_DRIFT = 0.02, 0.004  # standard deviation of a mode, and of its change per frame, in half-widths
+COARSE = 2.0  # in floors: from this noise on the fit is coarse
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
 
@@ -108,54 +108,44 @@ def _hold(
 
 @kernel
 def _weigh(
-    jacobian: Floats,
-    offsets: Floats,
-    quality: Floats,
+    outline: Floats,
+    edges: Floats,
     penalty: Floats,
     typical: float,
     step: Floats,
     sigma: float,
-    residual: Floats,
-    weight: Floats,
-    chosen: Ints,
+    found: Floats,
     p: int,
 ) -> float:
     """Choose an edge point on every line and weigh it at the present step; returns the sum of weights."""
     total = 0.0
-    for i in range(jacobian.shape[0]):
-        weight[i] = 0.0
-        residual[i] = math.inf
-        if quality[i, 0] <= 0.0:
+    unit, outer, inner = 1.0 / sigma, 1.0 / (CUT * sigma), 1.0 / (INNER_CUT * sigma)
+    for line in range(outline.shape[0]):
+        i = np.uintp(line)  # unsigned indices spare Numba's check for negative ones
+        found[i, 0], found[i, 1] = math.inf, 0.0
+        if edges[i, 0, 1] <= 0.0:
             continue
         predicted = 0.0
         for k in range(p):
-            predicted += jacobian[i, k] * step[k]
+            predicted += outline[i, np.uintp(k + 4)] * step[np.uintp(k)]
         best, cost = 0, math.inf
-        for j in range(quality.shape[1]):
-            e = (offsets[i, j] - predicted) / sigma
-            if quality[i, j] > 0.0 and e * e + penalty[i, j] < cost:
+        for j in range(edges.shape[1]):
+            e = (edges[i, j, 0] - predicted) * unit
+            if edges[i, j, 1] > 0.0 and e * e + penalty[i, j] < cost:
                 best, cost = j, e * e + penalty[i, j]
-        e = offsets[i, best] - predicted
-        residual[i], chosen[i] = e, best
-        z = e / ((CUT if e > 0.0 else INNER_CUT) * sigma)
+        e = edges[i, best, 0] - predicted
+        found[i, 0], found[i, 2] = e, best
+        z = e * (outer if e > 0.0 else inner)
         if z * z < 1.0:
-            q = quality[i, best]
-            weight[i] = (1.0 - z * z) * (1.0 - z * z) * q / (q + typical)
-            total += weight[i]
+            q = edges[i, best, 1]
+            found[i, 1] = (1.0 - z * z) * (1.0 - z * z) * q / (q + typical)
+            total += found[i, 1]
     return total
 
 
 @kernel
 def _solve(
-    jacobian: Floats,
-    offsets: Floats,
-    chosen: Ints,
-    weight: Floats,
-    held: Floats,
-    a: Floats,
-    b: Floats,
-    step: Floats,
-    p: int,
+    outline: Floats, edges: Floats, found: Floats, held: Floats, a: Floats, b: Floats, step: Floats, p: int
 ) -> bool:
     """Weighted least squares with the priors; False where there is no unique answer."""
     for k in range(p):
@@ -163,14 +153,17 @@ def _solve(
         for m in range(k):
             a[k, m] = 0.0
         a[k, k] = held[k, 0]
-    for i in range(jacobian.shape[0]):
-        if weight[i] > 0.0:
-            d = offsets[i, chosen[i]]
-            for k in range(p):
-                jk = weight[i] * jacobian[i, k]
+    for line in range(outline.shape[0]):
+        i = np.uintp(line)
+        w = found[i, 1]
+        if w > 0.0:
+            d = edges[i, int(found[i, 2]), 0]
+            for row in range(p):
+                k = np.uintp(row)
+                jk = w * outline[i, np.uintp(row + 4)]
                 b[k] += jk * d
-                for m in range(k + 1):
-                    a[k, m] += jk * jacobian[i, m]
+                for column in range(row + 1):
+                    a[k, np.uintp(column)] += jk * outline[i, np.uintp(column + 4)]
     if not _factor(a, p):
         return False
     _substitute(a, b, step, p)
@@ -178,10 +171,34 @@ def _solve(
 
 
 @kernel
+def _penalize(edges: Floats, penalty: Floats) -> tuple[float, int]:
+    """How much less likely the weaker edge points of each line are; the typical strength, and how many lines have one."""
+    typical, count = 0.0, 0
+    for i in range(edges.shape[0]):
+        if edges[i, 0, 1] > 0.0:
+            typical += math.sqrt(edges[i, 0, 1])
+            count += 1
+            for j in range(1, edges.shape[1]):
+                if edges[i, j, 1] > 0.0:
+                    penalty[i, j] = CHOICE * math.log(edges[i, 0, 1] / edges[i, j, 1])
+    return (typical / max(count, 1)) ** 2, count
+
+
+@kernel
+def _scale(found: Floats, order: Floats) -> float:
+    """Noise of the edge points from the median of their absolute residuals, which outliers hardly move."""
+    count = 0
+    for i in range(found.shape[0]):
+        if found[i, 0] < math.inf:
+            order[count] = abs(found[i, 0])
+            count += 1
+    return 1.4826 * _median(order, count) if count else 0.0
+
+
+@kernel
 def fit_lines(
-    jacobian: Floats,
-    offsets: Floats,
-    quality: Floats,
+    outline: Floats,
+    edges: Floats,
     state: Floats,
     expected: Floats,
     spread: Floats,
@@ -190,21 +207,16 @@ def fit_lines(
     noise: float,
     start: float,
     floor: float,
-    step: Floats,
     covariance: Floats,
-    residual: Floats,
-    weight: Floats,
-    chosen: Ints,
+    found: Floats,
 ) -> tuple[float, float]:
     """Fit the step of the state that explains the edge points best, and take it.
 
     Parameters
     ----------
-    jacobian : (n, s + 2)
-        By how much the outline moves along the normal of each line per unit of each number of the state, and of the
-        distance between the fields.
-    offsets, quality : (n, 3)
-        The edge points, see `Lines`.
+    outline : (n, 4 + s + 2)
+    edges : (n, 3, 3)
+        The lines and their edge points, see `Lines`.
     state : (s,), written
         Where the outline was traced; moved by the step.
     expected : (s,)
@@ -217,9 +229,10 @@ def fit_lines(
         Noise of an edge point in the last fit, px.
     start, floor : float
         Noise to begin with, and the least that is believed, px.
-    step : (s + 2,), written
-    covariance : (s + 2, s + 2), written
-    residual, weight, chosen : (n,), written
+    covariance : (p, s + 2), written
+    found : (n, 3), written
+        Per line the residual of the edge point the fit took, px, infinite where there is none; its weight; which of
+        the line's edge points it is.
 
     Returns
     -------
@@ -228,45 +241,37 @@ def fit_lines(
     moved : float
         Largest change of a number of the state.
     """
-    n, s = jacobian.shape[0], state.shape[0]
+    n, s, free = outline.shape[0], state.shape[0], spread.shape[0]
     p = s + 2 if speed > 0.5 else s
-    a, b, held, order = np.empty((p, p)), np.empty(p), np.empty((s + 2, 2)), np.empty(n)
-    penalty = np.zeros(quality.shape)
-    typical, count = 0.0, 0
-    for i in range(n):
-        if quality[i, 0] > 0.0:
-            typical += math.sqrt(quality[i, 0])
-            count += 1
-            for j in range(1, quality.shape[1]):
-                if quality[i, j] > 0.0:
-                    penalty[i, j] = CHOICE * math.log(quality[i, 0] / quality[i, j])
+    a, b, step = np.empty((p, p)), np.empty(p), np.zeros(p)
+    held, order, penalty = np.empty((s + 2, 2)), np.empty(n), np.zeros((n, edges.shape[1]))
+    typical, count = _penalize(edges, penalty)
     if count < p:
         return 0.0, 0.0
-    typical = WEAK_WEIGHT * (typical / count) ** 2
     _hold(held, state, expected, spread, size, speed, noise)
-    step[:] = 0.0
     sigma, scale, total = start, start, 0.0
+    coarse = start > COARSE * floor  # while far off only the parameters are fitted, not the modes and the fields
     for _ in range(ROUNDS):
-        total = _weigh(jacobian, offsets, quality, penalty, typical, step, sigma, residual, weight, chosen, p)
+        now = free if coarse else p
+        total = _weigh(outline, edges, penalty, WEAK_WEIGHT * typical, step, sigma, found, now)
         x, y, z = step[0], step[1], step[2]
-        if total < 2.0 or not _solve(jacobian, offsets, chosen, weight, held, a, b, step, p):
+        if total < 2.0 or not _solve(outline, edges, found, held, a, b, step, now):
             return 0.0, 0.0
-        count = 0
-        for i in range(n):
-            if residual[i] < math.inf:
-                order[count] = abs(residual[i])
-                count += 1
-        scale = 1.4826 * _median(order, count)
+        scale = _scale(found, order)
         tight = max(floor, min(scale, sigma))
-        if sigma <= 1.05 * tight and abs(step[0] - x) + abs(step[1] - y) + abs(step[2] - z) < 0.01:
+        settled = sigma <= 1.05 * tight
+        if settled and not coarse and abs(step[0] - x) + abs(step[1] - y) + abs(step[2] - z) < 0.03:
             break
+        coarse = coarse and not settled and sigma > COARSE * floor
         sigma = max(tight, 0.5 * sigma)
+    if coarse:
+        return 0.0, 0.0
     noise = max(scale * math.sqrt(total / max(total - p, 1.0)), 0.05)
-    moved = 0.0
-    for j in range(p):
+    for j in range(free):
         b[:] = 0.0
         b[j] = noise * noise
         _substitute(a, b, covariance[j], p)
+    moved = 0.0
     for k in range(s):
         state[k] += step[k]
         moved = max(moved, abs(step[k]))

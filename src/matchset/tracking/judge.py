@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from matchset.shapes.shape import Shape
 from matchset.tracking.matcher import Matcher
+from matchset.tracking.review import conclude
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
@@ -23,11 +24,11 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     ----------
     support : float
         Least share of the outline (as far as it is in the picture) that edge points must confirm while following.
-    agreement, least_agreement : float
-        Least agreement of the edge points with the outline: at first sight, when no motion speaks for it, and while
-        following.
-    small : float
-        Half-width below which chance makes shapes easily, px: there the agreement must be `small_agreement`.
+    least_agreement : float
+        Least agreement of the edge points with the outline while following.
+    evidence, small_evidence, tiny_evidence : float
+        At first sight, when no motion speaks for it: least evidence of the edge points for half-widths from 24 px on,
+        at 12 px and up to 8 px. Chance makes small shapes easily.
     inside, first_inside : float
         Least share of the inside that must look like the target, while following and at first sight: a marker, a
         highlight and things in front of it do not.
@@ -35,9 +36,9 @@ class JudgeParameters(msgspec.Struct, frozen=True):
         The same for the middle alone, which a ring does not fill.
     in_picture : float
         Least share of the outline that must be in the picture.
-    wave, corners : float
-        Largest correlation of neighboring residuals and largest harmonic of a corner: above them the outline is of
-        another shape.
+    wave, corners, hollow : float
+        Largest correlation of neighboring residuals, harmonic of a corner and emptiness of the middle: above them it
+        is another shape.
     bent : float
         Largest modes, in half-widths: 0.1 is an ellipse of axis ratio 1.22.
     inflation : float
@@ -47,18 +48,19 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     """
 
     support: float = 0.42
-    agreement: float = 0.55
     least_agreement: float = 0.25
-    small: float = 8.0
-    small_agreement: float = 0.75
+    evidence: float = 0.5
+    small_evidence: float = 0.7
+    tiny_evidence: float = 0.8
     inside: float = 0.4
     first_inside: float = 0.5
     core: float = 0.12
     first_core: float = 0.25
     in_picture: float = 0.3
-    wave: float = 0.45
+    wave: float = 0.5
     corners: float = 4.0
-    bent: float = 0.13
+    hollow: float = 0.28
+    bent: float = 0.1
     inflation: float = 1.8
     center_floor: float = 0.04
     size_floor: float = 0.09
@@ -91,9 +93,10 @@ class Judge:
         limits = self.parameters
         if matcher.seen < limits.in_picture * matcher.points:
             return "most of it is outside the picture"
-        small = matcher.family.half_width(matcher.state) < limits.small
-        if matcher.agreement < (limits.small_agreement if small else limits.agreement):
-            return f"only {100.0 * matcher.agreement:.0f} % of the outline agrees"
+        size = matcher.family.half_width(matcher.state)
+        least = limits.evidence, limits.small_evidence, limits.tiny_evidence
+        if matcher.evidence < np.interp(size, (8.0, 12.0, 24.0), least[::-1]):
+            return f"only {100.0 * matcher.evidence:.0f} % of the outline speaks for it"
         if self._other_shape(matcher, 1.0):
             return "its outline has another shape"
         return self._content(matcher, limits.first_inside, limits.first_core)
@@ -104,6 +107,7 @@ class Judge:
             matcher.wave > limits.wave * leeway
             or matcher.corners > limits.corners * leeway
             or matcher.bent > limits.bent * leeway
+            or matcher.hollow > limits.hollow * leeway
         )
 
     def _content(self, matcher: Matcher[S], inside: float, core: float) -> str:
@@ -113,23 +117,25 @@ class Judge:
         return ""
 
     def merit(self, matcher: Matcher[S]) -> float:
-        """How good a confirmed shape is, to rank candidates: agreement of the outline times share of the inside."""
-        return matcher.agreement * matcher.seen / matcher.points * matcher.inside
-
-    def covariance(self, matcher: Matcher[S]) -> Floats:
-        """Covariance of the shape's parameters: of the edge points, enlarged, and the floor, (p, p)."""
-        limits, p = self.parameters, matcher.count
-        result: Floats = limits.inflation * matcher.full_covariance[:p, :p]
-        for k in range(p):
-            result[k, k] += (limits.center_floor if k < 2 else limits.size_floor) ** 2
-        return result
+        """How good a confirmed shape is, to rank candidates: evidence of the outline times share of the inside."""
+        return matcher.evidence * matcher.seen / matcher.points * matcher.inside
 
     def track(self, matcher: Matcher[S], time: float) -> Track[S]:
-        """The answer for a confirmed shape."""
-        return Track(
-            matcher.family.from_state(matcher.state),
-            self.covariance(matcher),
-            matcher.confirmed / matcher.seen,
-            matcher.match_set(),
-            time,
+        """The answer for a confirmed shape.
+
+        Its match-set is what lies within 4 standard deviations of the fitted outline, which may be an ellipse; its
+        covariance that of the edge points, enlarged, and the floor.
+        """
+        limits = self.parameters
+        points, covariance = conclude(
+            matcher.lines.outline,
+            matcher.lines.edges,
+            matcher.found,
+            4.0 * max(matcher.noise, 0.4),
+            matcher.full_covariance,
+            limits.inflation,
+            limits.center_floor**2,
+            limits.size_floor**2,
         )
+        shape = matcher.family.from_state(matcher.state)
+        return Track(shape, covariance, matcher.confirmed / matcher.seen, points, time)

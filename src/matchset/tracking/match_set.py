@@ -24,7 +24,7 @@ Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
 
 CANDIDATES = 3  # edge points kept per line, strongest first
-LONGEST = 1024  # pixels a line can have
+LONGEST = 160  # pixels a line can have; few, so that the working arrays stay in the cache
 WEAK = np.float32(0.4)  # strength that an edge point without a step in color has, of one with a full step
 FIRM = np.float32(0.35)  # share of a full step in color from which the contrast need not stand out of the noise
 SHIFT = 1 << 24  # makes places positive, so that cutting off the fraction is rounding down
@@ -39,10 +39,15 @@ class Lines:
     ----------
     n : int
         Number of lines.
+    states : int
+        How many numbers the state of the shape has.
 
     Attributes
     ----------
-    offsets, quality, whiteness : ndarray of shape (n, 3), float64
+    outline : ndarray of shape (n, 4 + s + 2), float64
+        Where each line crosses the outline: x, y, px, the outward unit normal, and by how much the outline moves along
+        it per unit of each number of the state, and of the distance between the fields.
+    edges : ndarray of shape (n, 3, 3), float64
         Edge points of each line, strongest first: offset along the outward normal, px; strength, 0 where there is
         none; step in color, as a share of a full one.
     runs : ndarray of shape (n, 5), int64
@@ -50,8 +55,8 @@ class Lines:
         last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.
     """
 
-    def __init__(self, n: int) -> None:
-        self.offsets, self.quality, self.whiteness = (np.zeros((n, CANDIDATES)) for _ in range(3))
+    def __init__(self, n: int, states: int) -> None:
+        self.outline, self.edges = np.zeros((n, 4 + states + 2)), np.zeros((n, CANDIDATES, 3))
         self.runs, self.starts = np.zeros((n, 5), np.int64), np.zeros((n, 2))
         self.pixels = np.zeros((n, LONGEST, 3), np.uint8)
         self.sums = np.zeros((6, LONGEST + 1), np.float32)
@@ -59,8 +64,7 @@ class Lines:
 
 @kernel
 def _place(
-    points: Floats,
-    normals: Floats,
+    outline: Floats,
     i: int,
     reach: float,
     margin: int,
@@ -70,7 +74,7 @@ def _place(
     starts: Floats,
 ) -> None:
     """Where line i runs, the offset of its first pixel and its offset per pixel."""
-    x, y, nx, ny = points[i, 0], points[i, 1], normals[i, 0], normals[i, 1]
+    x, y, nx, ny = outline[i, 0], outline[i, 1], outline[i, 2], outline[i, 3]
     runs[i, 4] = 0
     if not (-1e6 < x < 1e6 and -1e6 < y < 1e6):
         return
@@ -98,9 +102,9 @@ def _read(image: Bytes, runs: Ints, i: int, pixels: Bytes) -> None:
     """Copy the pixels of line i, inside first."""
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
     color = image.shape[2] == 3
-    for k in range(runs[i, 4]):
+    for place in range(runs[i, 4]):
         row, column = (fixed, position) if across else (position, fixed)
-        r, c = np.uintp(row), np.uintp(column)  # unsigned: spares Numba's check for negative indices
+        k, r, c = np.uintp(place), np.uintp(row), np.uintp(column)
         pixels[i, k, 0] = image[r, c, 0]
         if color:
             pixels[i, k, 1] = image[r, c, 1]
@@ -122,7 +126,8 @@ def _sum(
     """Running sums of scores and values along line i: s[k] covers the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
     color = table.size > 256
-    for k in range(length):
+    for place in range(length):
+        k, after = np.uintp(place), np.uintp(place + 1)
         b = np.uint32(pixels[i, k, 0])
         t0 += b
         if color:
@@ -132,7 +137,7 @@ def _sum(
             ts += table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)]
         else:
             ts += table[np.uintp(b)]
-        s0[k + 1], s1[k + 1], s2[k + 1], s3[k + 1] = ts, t0, t1, t2
+        s0[after], s1[after], s2[after], s3[after] = ts, t0, t1, t2
 
 
 @kernel
@@ -174,63 +179,58 @@ def _keep_best(
     i: int,
     starts: Floats,
     enough: float,
-    offsets: Floats,
-    quality: Floats,
-    whiteness: Floats,
+    edges: npt.NDArray[np.float64],
 ) -> None:
     """The strongest peaks of the contrast among the edge points, to a fraction of a pixel, as offsets of line i."""
     for j in range(CANDIDATES):
-        quality[i, j] = offsets[i, j] = whiteness[i, j] = 0.0
-    for k in range(margin, length - margin):
-        before, c, after = contrast[k - 1], contrast[k], contrast[k + 1]
-        if white[k] > 0.0 and c > 0.0 and c >= before and c > after:
+        edges[i, j, 1] = 0.0
+    for place in range(margin, length - margin):
+        k = np.uintp(place)
+        if white[k] == 0.0:
+            continue
+        before, c, after = contrast[np.uintp(place - 1)], contrast[k], contrast[np.uintp(place + 1)]
+        if c > 0.0 and c >= before and c > after:
             q = float(c) * white[k]
-            if q <= quality[i, CANDIDATES - 1]:
+            if q <= edges[i, CANDIDATES - 1, 1]:
                 continue
-            peak = float(k)
+            peak = float(place)
             if before > 0.0 and after > 0.0:
                 peak += 0.5 * (after - before) / (2.0 * c - before - after)
             j = CANDIDATES - 1
-            while j > 0 and q > quality[i, j - 1]:
-                quality[i, j], offsets[i, j] = quality[i, j - 1], offsets[i, j - 1]
-                whiteness[i, j] = whiteness[i, j - 1]
+            while j > 0 and q > edges[i, j - 1, 1]:
+                for m in range(3):
+                    edges[i, j, m] = edges[i, j - 1, m]
                 j -= 1
-            quality[i, j], offsets[i, j] = q, starts[i, 0] + peak * starts[i, 1]
-            whiteness[i, j] = white[k] / enough
+            edges[i, j, 0], edges[i, j, 1] = starts[i, 0] + peak * starts[i, 1], q
+            edges[i, j, 2] = white[k] / enough
 
 
 @kernel
 def match_lines(
     image: Bytes,
     table: npt.NDArray[np.int8],
-    points: Floats,
-    normals: Floats,
-    jacobian: Floats,
+    outline: Floats,
     reach: float,
     margin: int,
     threshold: float,
     enough: float,
     plain: float,
-    offsets: Floats,
-    quality: Floats,
-    whiteness: Floats,
+    edges: npt.NDArray[np.float64],
     runs: Ints,
     starts: Floats,
     pixels: Bytes,
     sums: Singles,
 ) -> float:
-    """Find the edge points on the lines through `points` along `normals`.
+    """Find the edge points on the lines across an outline.
 
     Parameters
     ----------
     image : (h, w, 3) or (h, w, 1) uint8
     table : (32768,) or (256,) int8
         Score of each BGR cell or gray value, see `ColorModel`.
-    points, normals : (n, 2)
-        Where the outline is expected, px, and its outward unit normals.
-    jacobian : (n, s + 2), the last two columns written
-        By how much an edge moves along its normal if the even rows of an interlaced picture lie (dx, dy) / 2 ahead of
-        the mean and its odd rows behind.
+    outline : (n, 4 + s + 2), the last two columns written
+        See `Lines`. What is written: by how much an edge moves along its normal if the even rows of an interlaced
+        picture lie (dx, dy) / 2 ahead of the mean and its odd rows behind.
     reach : float
         How far the edge may be from there along the normal, px.
     margin : int
@@ -241,7 +241,7 @@ def match_lines(
         Difference beyond which more whiteness is no better and contrast alone decides, table units.
     plain : float
         Squared contrast that noise alone can have: an edge point without a firm step in color must stand out of it.
-    offsets, quality, whiteness, runs, starts, pixels, sums
+    edges, runs, starts, pixels, sums
         Working arrays of `Lines`.
 
     Returns
@@ -250,19 +250,21 @@ def match_lines(
         Standard deviation of the noise of the pixels inside the shape, gray levels.
     """
     s0, s1, s2, s3, contrast, white = sums
-    fields = jacobian.shape[1] - 2
-    for i in range(points.shape[0]):
-        _place(points, normals, i, reach, margin, image.shape[0], image.shape[1], runs, starts)
+    fields = outline.shape[1] - 2
+    for index in range(outline.shape[0]):
+        i = np.uintp(index)  # unsigned indices spare Numba's check for negative ones
+        _place(outline, i, reach, margin, image.shape[0], image.shape[1], runs, starts)
         _read(image, runs, i, pixels)
     rough, count, c = 0.0, 0, min(1, image.shape[2] - 1)
-    for i in range(points.shape[0]):
+    for index in range(outline.shape[0]):
+        i = np.uintp(index)
         length = runs[i, 4]
         if length > 2:
             rough += abs(float(pixels[i, 0, c]) - 2.0 * float(pixels[i, 1, c]) + float(pixels[i, 2, c]))
             count += 1
         half = 0.5 - (runs[i, 1] & 1) if runs[i, 0] else 0.0
-        jacobian[i, fields], jacobian[i, fields + 1] = half * normals[i, 0], half * normals[i, 1]
+        outline[i, fields], outline[i, fields + 1] = half * outline[i, 2], half * outline[i, 3]
         _sum(pixels, i, length, table, s0, s1, s2, s3)
         _judge(s0, s1, s2, s3, length, margin, threshold, enough, plain, contrast, white)
-        _keep_best(contrast, white, length, margin, i, starts, enough, offsets, quality, whiteness)
+        _keep_best(contrast, white, length, margin, i, starts, enough, edges)
     return rough / (1.95 * max(count, 1))  # E|a - 2b + c| of unit noise

@@ -12,7 +12,7 @@ from matchset.image.color import WHITE, ColorModel
 from matchset.shapes.shape import Shape
 from matchset.tracking.fit import fit_lines
 from matchset.tracking.match_set import Lines, match_lines
-from matchset.tracking.review import gather_points, review_lines
+from matchset.tracking.review import review_lines
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -72,8 +72,8 @@ class Matcher(Generic[S]):
         Standard deviation of the pixels' noise, gray levels, over the last frames.
     seen, confirmed, agreement, evidence, wave, corners
         What the last fit rests on, see `review_lines`.
-    inside, core : float
-        Share of the pixels inside, and of those near the center, that look like the target, 0 ... 1.
+    inside, core, hollow : float
+        What the pixels inside look like, see `count_inside`.
     """
 
     def __init__(self, family: type[S], points: int, parameters: MatchParameters | None = None) -> None:
@@ -83,18 +83,15 @@ class Matcher(Generic[S]):
         self.state = family.from_coarse(0.0, 0.0, 1.0).state
         angles = 2.0 * math.pi * (np.arange(points) + 0.5) / points
         self.turns = np.column_stack((np.cos(angles), np.sin(angles)))
-        total = len(self.state) + 2  # the last two say how far the fields of an interlaced picture lie apart
-        self.outline, self.normals = np.zeros((points, 2)), np.zeros((points, 2))
-        self.jacobian, self.lines = np.zeros((points, total)), Lines(points)
-        self.step, self.full_covariance = np.zeros(total), np.zeros((total, total))
-        self.residual, self.weight = np.zeros(points), np.zeros(points)
-        self.chosen = np.zeros(points, np.int64)
+        self.lines = Lines(points, len(self.state))
+        self.found = np.zeros((points, 3))
+        self.full_covariance = np.zeros((self.count, len(self.state) + 2))
         self.shares = 0.88 * np.sqrt((np.arange(points) * 0.6180339887) % 1.0)
         self.free = np.zeros(self.count)
         self.noise, self.grain = 0.0, 2.0
         self.seen, self.confirmed = 0, 0
         self.agreement, self.evidence, self.wave, self.corners = 0.0, 0.0, 0.0, 0.0
-        self.inside, self.core = 0.0, 0.0
+        self.inside, self.core, self.hollow = 0.0, 0.0, 0.0
 
     def settle(
         self,
@@ -128,7 +125,7 @@ class Matcher(Generic[S]):
         bool
             Whether there are edge points to fit at all; whether they are enough is for the caller to judge.
         """
-        self.state = start.copy()
+        self.state = start.copy()  # a new array: callers keep states
         sigma = sigma or max(reach / 3.0, 1.0)
         before, self.noise = self.noise, 0.0
         for _ in range(self.parameters.turns):
@@ -150,21 +147,17 @@ class Matcher(Generic[S]):
         """Trace the outline of the state and find the edge points across it."""
         limits, lines = self.parameters, self.lines
         margin = max(min(int(0.25 * size), max(int(1.5 + 0.4 * self.grain), 2), limits.margin), 1)
-        self.family.trace(self.state, self.turns, self.outline, self.normals, self.jacobian)
+        self.family.trace(self.state, self.turns, lines.outline)
         grain = match_lines(
             image,
             color.table,
-            self.outline,
-            self.normals,
-            self.jacobian,
+            lines.outline,
             reach,
             margin,
             2.0 * WHITE * limits.threshold * margin,
             2.0 * WHITE * limits.enough * margin,
             6.0 * margin * (limits.clear * max(self.grain, 1.0)) ** 2,
-            lines.offsets,
-            lines.quality,
-            lines.whiteness,
+            lines.edges,
             lines.runs,
             lines.starts,
             lines.pixels,
@@ -176,11 +169,9 @@ class Matcher(Generic[S]):
         self, expected: Floats, spread: Floats | None, size: float, speed: float, before: float, sigma: float
     ) -> float:
         """Fit the edge points; by how much the state moved."""
-        lines = self.lines
         self.noise, moved = fit_lines(
-            self.jacobian,
-            lines.offsets,
-            lines.quality,
+            self.lines.outline,
+            self.lines.edges,
             self.state,
             expected,
             self.free if spread is None else spread,
@@ -189,11 +180,8 @@ class Matcher(Generic[S]):
             before,
             sigma,
             self.parameters.floor,
-            self.step,
             self.full_covariance,
-            self.residual,
-            self.weight,
-            self.chosen,
+            self.found,
         )
         return moved
 
@@ -203,23 +191,13 @@ class Matcher(Generic[S]):
         tolerance = min(max(self.parameters.tolerance * size, 1.2), 3.0)
         lines = self.lines
         self.seen, self.confirmed, self.agreement, self.evidence, self.wave, self.corners = review_lines(
-            self.residual, self.chosen, lines.whiteness, lines.runs, self.turns, tolerance
+            self.found, lines.edges, lines.runs, self.turns, tolerance
         )
         x, y = float(self.state[0]), float(self.state[1])
-        self.inside, self.core = count_inside(image, color.table, self.outline, self.shares, x, y)
+        self.inside, self.core, self.hollow = count_inside(image, color.table, lines.outline, self.shares, x, y)
 
     @property
     def bent(self) -> float:
         """Size of the modes that are held near zero, in half-widths."""
         modes = self.state[self.count :].tolist()
         return math.hypot(*modes) / self.family.half_width(self.state)
-
-    def match_set(self) -> Floats:
-        """Edge points of the last fit that are no gross outliers, (m, 2), px (Epstein & Feldman, Eq. 4).
-
-        Kept is what lies within 4 standard deviations of the fitted outline, which may be an ellipse.
-        """
-        points: Floats = gather_points(
-            self.outline, self.normals, self.lines.offsets, self.chosen, self.residual, 4.0 * max(self.noise, 0.4)
-        )
-        return points

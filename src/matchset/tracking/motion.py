@@ -12,6 +12,7 @@ Floats = npt.NDArray[np.float64]
 TRUST = 0.7  # share of the latest change that the velocity follows: 1 is quick and noisy, 0 never learns
 MEMORY = 0.8  # share of the spread that a frame as predicted leaves
 FADE = 0.25  # s after which a velocity without a sighting has faded to 1/e
+LEAST = 0.3  # px: no prediction is trusted to be better
 PROMPT = 0.05  # s without a sighting from which it fades
 
 
@@ -26,6 +27,25 @@ def _correct(state: Floats, velocity: Floats, spread: Floats, seen: Floats, pass
                 spread[k] = max(abs(missed), MEMORY * spread[k] + (1.0 - MEMORY) * abs(missed))
         state[k] = seen[k]
     spread[0] = spread[1] = max(spread[0], spread[1])
+
+
+@kernel
+def _predict(
+    state: Floats,
+    velocity: Floats,
+    spread: Floats,
+    ahead: float,
+    missed: float,
+    trust: float,
+    expected: Floats,
+    room: Floats,
+) -> tuple[float, float]:
+    """Extrapolate by `ahead` seconds; returns the speed, px/s, and the surprise, px."""
+    for k in range(state.shape[0]):
+        expected[k] = state[k] + ahead * velocity[k]
+    for k in range(spread.shape[0]):
+        room[k] = missed * (trust * spread[k] + LEAST)
+    return math.hypot(velocity[0], velocity[1]), spread[0]
 
 
 class Motion:
@@ -48,6 +68,10 @@ class Motion:
         Per second.
     spread : ndarray of shape (count,), float64
         By how much the predictions of the parameters have lately missed.
+    room : ndarray of shape (count,), float64
+        How far each parameter may be from the last prediction.
+    speed, surprise : float
+        Speed of the center at the last prediction, px/s, and by how much it has lately missed, px.
     """
 
     def __init__(self, state: Floats, time: float, spread: float, count: int) -> None:
@@ -55,29 +79,33 @@ class Motion:
         self.time = time
         self.velocity = np.zeros_like(state)
         self.spread = np.full(count, spread)
+        self.expected, self.room = state.copy(), np.zeros(count)
+        self.speed, self.surprise = 0.0, spread
 
-    @property
-    def surprise(self) -> float:
-        """By how much the center was lately not where it was predicted, px."""
-        return float(self.spread[0])
-
-    def predict(self, time: float) -> Floats:
+    def predict(self, time: float, missed: float, trust: float) -> Floats:
         """State at a time, extrapolated; the velocity fades while nothing is seen.
 
         Parameters
         ----------
         time : float
             s, not before the last sighting.
+        missed : float
+            Frames since then.
+        trust : float
+            How many recent surprises each parameter may be off: written to `room`.
 
         Returns
         -------
         ndarray of shape (s,), float64
+            Valid until the next prediction.
         """
         ahead = time - self.time
         if ahead > PROMPT:
             ahead = FADE * (1.0 - math.exp(-ahead / FADE))
-        predicted: Floats = self.state + ahead * self.velocity
-        return predicted
+        self.speed, self.surprise = _predict(
+            self.state, self.velocity, self.spread, ahead, missed, trust, self.expected, self.room
+        )
+        return self.expected
 
     def correct(self, state: Floats, time: float) -> None:
         """Take in a sighting.

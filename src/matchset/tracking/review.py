@@ -15,16 +15,16 @@ LEAST = 0.3  # px: edge points are never judged to be more exact than this
 
 @kernel
 def review_lines(
-    residual: Floats, chosen: Ints, whiteness: Floats, runs: Ints, turns: Floats, tolerance: float
+    found: Floats, edges: Floats, runs: Ints, turns: Floats, tolerance: float
 ) -> tuple[int, int, float, float, float, float]:
     """How well the lines agree with the fitted outline.
 
     Parameters
     ----------
-    residual : (n,)
-        Distance of each line's edge point from the outline, px; infinite where there is none.
-    chosen, whiteness, runs
-        Which of a line's edge points that is, and see `Lines`.
+    found : (n, 3)
+        What the fit took on each line, see `fit_lines`.
+    edges, runs
+        See `Lines`.
     turns : (n, 2)
         Cosine and sine of the angle of each line around the shape.
     tolerance : float
@@ -48,17 +48,17 @@ def review_lines(
     agreement = evidence = square = product = spread = 0.0
     c3 = s3 = c4 = s4 = 0.0
     before = math.inf
-    for i in range(residual.shape[0]):
+    for i in range(found.shape[0]):
         if runs[i, 4] == 0:
             before = math.inf
             continue
         seen += 1
-        e = residual[i]
+        e = found[i, 0]
         if abs(e) <= tolerance:
             confirmed += 1
             near = 1.0 - (e / tolerance) ** 2
             agreement += near
-            evidence += near * (0.5 + 0.5 * whiteness[i, chosen[i]])
+            evidence += near * (0.5 + 0.5 * edges[i, int(found[i, 2]), 2])
             square += e * e
             product += e * before if abs(before) <= tolerance else 0.0
         if abs(e) <= 2.0 * tolerance:
@@ -77,35 +77,53 @@ def review_lines(
 
 
 @kernel
-def gather_points(
-    points: Floats, normals: Floats, offsets: Floats, chosen: Ints, residual: Floats, outlier: float
-) -> Floats:
-    """Edge points that are no gross outliers (Epstein & Feldman, Eq. 4).
+def conclude(
+    outline: Floats,
+    edges: Floats,
+    found: Floats,
+    outlier: float,
+    covariance: Floats,
+    inflation: float,
+    center_floor: float,
+    size_floor: float,
+) -> tuple[Floats, Floats]:
+    """Match-set and covariance of a fit.
 
     Parameters
     ----------
-    points, normals : (n, 2)
-        The outline that was traced, px.
-    offsets : (n, 3)
-    chosen : (n,)
-        Which edge point of each line the fit took.
-    residual : (n,)
-        Its distance from the fitted outline, px; infinite where there is none.
+    outline, edges : (n, 4 + s + 2), (n, 3, 3)
+        See `Lines`.
+    found : (n, 3)
+        See `fit_lines`.
     outlier : float
-        Distance from which an edge point is left out, px.
+        Distance from the outline from which an edge point is left out, px.
+    covariance : (p, >= p)
+        That of the fit.
+    inflation : float
+        By how much it is enlarged.
+    center_floor, size_floor : float
+        Least variance of the first two parameters and of the others.
 
     Returns
     -------
-    (m, 2), px
+    points : (m, 2)
+        Edge points that are no gross outliers, px (Epstein & Feldman, Eq. 4).
+    covariance : (p, p)
     """
     count = 0
-    for i in range(points.shape[0]):
-        count += abs(residual[i]) < outlier
-    kept = np.empty((count, 2))
+    for i in range(found.shape[0]):
+        count += abs(found[i, 0]) < outlier
+    points = np.empty((count, 2))
     count = 0
-    for i in range(points.shape[0]):
-        if abs(residual[i]) < outlier:
-            d = offsets[i, chosen[i]]
-            kept[count, 0], kept[count, 1] = points[i, 0] + d * normals[i, 0], points[i, 1] + d * normals[i, 1]
+    for i in range(found.shape[0]):
+        if abs(found[i, 0]) < outlier:
+            d = edges[i, int(found[i, 2]), 0]
+            points[count, 0], points[count, 1] = outline[i, 0] + d * outline[i, 2], outline[i, 1] + d * outline[i, 3]
             count += 1
-    return kept
+    p = covariance.shape[0]
+    wide = np.empty((p, p))
+    for j in range(p):
+        for k in range(p):
+            wide[j, k] = inflation * 0.5 * (covariance[j, k] + covariance[k, j])
+        wide[j, j] += center_floor if j < 2 else size_floor
+    return points, wide

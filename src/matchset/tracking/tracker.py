@@ -204,12 +204,11 @@ class Tracker(Generic[S]):
     def _follow(self, image: Image, motion: Motion) -> str:
         """Fit near the prediction; why it failed, empty if it did not."""
         limits, matcher = self.parameters, self._matcher
-        expected, missed = motion.predict(self._time), self._missed(motion)
-        speed = self._interval * math.hypot(motion.velocity[0], motion.velocity[1])
-        surprise = motion.surprise * missed
+        missed = self._missed(motion)
+        expected = motion.predict(self._time, missed, limits.trust)
+        speed, surprise = self._interval * motion.speed, motion.surprise * missed
         reach = min(limits.least_reach + 2.0 * surprise, limits.most_reach)
-        spread = missed * (limits.trust * motion.spread + 0.3)
-        reason = self._try(image, expected, reach, speed, max(surprise, 1.0), spread)
+        reason = self._try(image, expected, reach, speed, max(surprise, 1.0), motion.room)
         if reason and reach < limits.most_reach:
             reason = self._try(image, expected, limits.most_reach, speed)
         if doubtful(matcher):
@@ -278,7 +277,16 @@ class Tracker(Generic[S]):
         x, y = float(matcher.state[0]), float(matcher.state[1])
         begin = self._frames % 4
         adapt_table(
-            image, color.log_odds, self._learned, color.table, matcher.outline, matcher.shares, x, y, begin, rate
+            image,
+            color.log_odds,
+            self._learned,
+            color.table,
+            matcher.lines.outline,
+            matcher.shares,
+            x,
+            y,
+            begin,
+            rate,
         )
 
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
@@ -286,7 +294,7 @@ class Tracker(Generic[S]):
         motion = self._motion
         if motion is not None and self._time - motion.time > self.parameters.coast:
             motion = self._motion = None
-        expected = None if motion is None else motion.predict(self._time)
+        expected = None if motion is None else motion.predict(self._time, 1.0, self.parameters.trust).copy()
         best = self._choose(image, expected)
         if best is not None:
             self._try(image, best, 4.0, 0.0)

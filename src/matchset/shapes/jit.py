@@ -1,17 +1,30 @@
 """The one Numba policy: every kernel of the library is compiled with `kernel`, nothing else imports Numba.
 
-`cache=True` keeps the machine code on disk, so only the first run on a machine compiles. Numba does not notice an edit
-in a kernel that lives in another file: kernels that call each other share a file. `nogil=True` lets trackers run in
-threads. `error_model="numpy"` drops the zero-division checks, so kernels guard their divisions themselves. There is no
-`fastmath`: results are the same, bit for bit, from run to run.
+The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
+to see whether that code is still good; here it must be of the same `SOURCES` too, so that kernels may call kernels of
+other files. `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the zero-division checks, so kernels
+guard their divisions themselves. There is no `fastmath`: results are the same, bit for bit, from run to run.
 """
 
+import zlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+def _checksum() -> int:
+    """Checksum of all source files of the package."""
+    total = 0
+    for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
+        total = zlib.crc32(path.read_bytes(), total)
+    return total
+
+
+SOURCES = _checksum()
 
 
 def kernel(function: F) -> F:
@@ -27,5 +40,9 @@ def kernel(function: F) -> F:
     callable
         The compiled function; it has the same signature.
     """
-    compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    return compiled
+    compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    if file is not None:
+        file._source_stamp = (file._source_stamp, SOURCES)
+    result: F = compiled
+    return result

@@ -123,13 +123,17 @@ class Finder(Generic[S]):
     def __init__(self, matcher: Matcher[S], judge: Judge, searcher: Searcher) -> None:
         self.matcher, self.judge, self.searcher = matcher, judge, searcher
 
-    def sightings(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[tuple[Floats, float]]:
+    def sightings(
+        self, image: npt.NDArray[np.uint8], color: ColorModel, expected: bool = False
+    ) -> Iterator[tuple[Floats, float]]:
         """Confirmed shapes of a picture, likeliest candidate first: state and merit; the matcher holds the rest.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
+        expected : bool
+            Whether only shapes near a prediction will be taken.
         """
         seen: list[tuple[float, float, float]] = []
         for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
@@ -139,12 +143,11 @@ class Finder(Generic[S]):
             reach = max(2.0 * self.searcher.stride, 0.2 * radius)
             if not self.matcher.settle(image, color, start, reach):
                 continue
-            self.matcher.review(image, color)
             state = self.matcher.state
             size = self.matcher.family.half_width(state)
             if _covered(seen, float(state[0]), float(state[1]), size):
                 continue
-            if not self.judge.first_sight(self.matcher):
+            if not self.judge.first_sight(self.matcher, expected):
                 seen.append((float(state[0]), float(state[1]), size))
                 yield state, self.judge.merit(self.matcher)
 

@@ -22,7 +22,8 @@ ROUNDS = 8  # at most; five are typical
 CUT, INNER_CUT = 4.0, 3.0  # the biweight is 0 beyond so many standard deviations outside and inside the outline
 WEAK_WEIGHT = 0.2  # strength, in typical ones, at which an edge point has half its full weight
 CHOICE = 2.0  # how much, in squared deviations, an e times stronger edge point of the same line is preferred
-MODE, MODE_DRIFT = 0.02, 0.004  # standard deviation of a mode, and of its change per frame, in half-widths
+MODE, MODE_DRIFT = 0.01, 0.002  # standard deviation of a mode, and of its change per frame, in half-widths
+FINAL = 2  # rounds at most once the noise is known
 COARSE = 2.0  # in floors: from this noise on the fit is coarse
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
@@ -249,7 +250,7 @@ def fit_lines(
     if count < p:
         return 0.0, 0.0
     _hold(held, state, expected, spread, size, speed, noise)
-    sigma, scale, total = start, start, 0.0
+    sigma, scale, total, final = start, start, 0.0, 0
     coarse = start > COARSE * floor  # while far off only the parameters are fitted, not the modes and the fields
     for _ in range(ROUNDS):
         now = free if coarse else p
@@ -259,9 +260,11 @@ def fit_lines(
             return 0.0, 0.0
         scale = _scale(found, order)
         tight = max(floor, min(scale, sigma))
-        settled = sigma <= 1.05 * tight
-        if settled and not coarse and abs(step[0] - x) + abs(step[1] - y) + abs(step[2] - z) < 0.03:
-            break
+        settled = sigma <= 1.2 * tight
+        if settled and not coarse:
+            final += 1
+            if final == FINAL or abs(step[0] - x) + abs(step[1] - y) + abs(step[2] - z) < 0.03:
+                break
         coarse = coarse and not settled and sigma > COARSE * floor
         sigma = max(tight, 0.5 * sigma)
     if coarse:

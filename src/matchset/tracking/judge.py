@@ -29,6 +29,8 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     evidence, small_evidence, tiny_evidence : float
         At first sight, when no motion speaks for it: least evidence of the edge points for half-widths from 24 px on,
         at 12 px and up to 8 px. Chance makes small shapes easily.
+    expected : float
+        Factor on that evidence for a shape that is expected about here.
     inside, first_inside : float
         Least share of the inside that must look like the target, while following and at first sight: a marker, a
         highlight and things in front of it do not.
@@ -52,6 +54,7 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     evidence: float = 0.5
     small_evidence: float = 0.7
     tiny_evidence: float = 0.8
+    expected: float = 0.8
     inside: float = 0.4
     first_inside: float = 0.5
     core: float = 0.12
@@ -88,14 +91,18 @@ class Judge:
             return "its outline has another shape"
         return self._content(matcher, limits.inside, limits.core)
 
-    def first_sight(self, matcher: Matcher[S]) -> str:
-        """Why a shape found by a search is not confirmed, in words; empty if it is."""
+    def first_sight(self, matcher: Matcher[S], expected: bool = False) -> str:
+        """Why a shape found by a search is not confirmed, in words; empty if it is.
+
+        A shape that is `expected` about here needs less evidence than one that may be anywhere.
+        """
         limits = self.parameters
         if matcher.seen < limits.in_picture * matcher.points:
             return "most of it is outside the picture"
         size = matcher.family.half_width(matcher.state)
         least = limits.evidence, limits.small_evidence, limits.tiny_evidence
-        if matcher.evidence < np.interp(size, (8.0, 12.0, 24.0), least[::-1]):
+        leeway = limits.expected if expected else 1.0
+        if matcher.evidence < leeway * np.interp(size, (8.0, 12.0, 24.0), least[::-1]):
             return f"only {100.0 * matcher.evidence:.0f} % of the outline speaks for it"
         if self._other_shape(matcher, 1.0):
             return "its outline has another shape"

@@ -29,6 +29,7 @@ WEAK = np.float32(0.4)  # strength that an edge point without a step in color ha
 FIRM = np.float32(0.35)  # share of a full step in color from which the contrast need not stand out of the noise
 SHIFT = 1 << 24  # makes places positive, so that cutting off the fraction is rounding down
 ROUND = SHIFT + 0.5
+ONE, TWO = np.uintp(1), np.uintp(2)
 B3, B5, B10 = np.uint32(3), np.uint32(5), np.uint32(10)
 
 
@@ -98,18 +99,20 @@ def _place(
 
 
 @kernel
-def _read(image: Bytes, runs: Ints, i: int, pixels: Bytes) -> None:
+def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: int, pixels: Bytes) -> None:
     """Copy the pixels of line i, inside first."""
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
-    color = image.shape[2] == 3
-    for place in range(runs[i, 4]):
-        row, column = (fixed, position) if across else (position, fixed)
-        k, r, c = np.uintp(place), np.uintp(row), np.uintp(column)
-        pixels[i, k, 0] = image[r, c, 0]
-        if color:
-            pixels[i, k, 1] = image[r, c, 1]
-            pixels[i, k, 2] = image[r, c, 2]
-        position += step
+    start = (fixed * width + position if across else position * width + fixed) * channels
+    stride = (step if across else step * width) * channels
+    if channels == 3:
+        for place in range(runs[i, 4]):
+            k, at = np.uintp(place), np.uintp(start + place * stride)
+            pixels[i, k, 0] = flat[at]
+            pixels[i, k, 1] = flat[at + ONE]
+            pixels[i, k, 2] = flat[at + TWO]
+    else:
+        for place in range(runs[i, 4]):
+            pixels[i, np.uintp(place), 0] = flat[np.uintp(start + place * stride)]
 
 
 @kernel
@@ -125,19 +128,21 @@ def _sum(
 ) -> None:
     """Running sums of scores and values along line i: s[k] covers the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
-    color = table.size > 256
-    for place in range(length):
-        k, after = np.uintp(place), np.uintp(place + 1)
-        b = np.uint32(pixels[i, k, 0])
-        t0 += b
-        if color:
-            g, r = np.uint32(pixels[i, k, 1]), np.uint32(pixels[i, k, 2])
+    if table.size > 256:
+        for place in range(length):
+            k, after = np.uintp(place), np.uintp(place + 1)
+            b, g, r = np.uint32(pixels[i, k, 0]), np.uint32(pixels[i, k, 1]), np.uint32(pixels[i, k, 2])
+            ts += table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)]
+            t0 += b
             t1 += g
             t2 += r
-            ts += table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)]
-        else:
-            ts += table[np.uintp(b)]
-        s0[after], s1[after], s2[after], s3[after] = ts, t0, t1, t2
+            s0[after], s1[after], s2[after], s3[after] = ts, t0, t1, t2
+    else:
+        for place in range(length):
+            k, after = np.uintp(place), np.uintp(place + 1)
+            ts += table[np.uintp(pixels[i, k, 0])]
+            t0 += pixels[i, k, 0]
+            s0[after], s1[after], s2[after], s3[after] = ts, t0, t1, t2
 
 
 @kernel
@@ -250,12 +255,13 @@ def match_lines(
         Standard deviation of the noise of the pixels inside the shape, gray levels.
     """
     s0, s1, s2, s3, contrast, white = sums
-    fields = outline.shape[1] - 2
+    height, width, channels = image.shape
+    flat, fields = image.reshape(-1), outline.shape[1] - 2
     for index in range(outline.shape[0]):
         i = np.uintp(index)  # unsigned indices spare Numba's check for negative ones
-        _place(outline, i, reach, margin, image.shape[0], image.shape[1], runs, starts)
-        _read(image, runs, i, pixels)
-    rough, count, c = 0.0, 0, min(1, image.shape[2] - 1)
+        _place(outline, i, reach, margin, height, width, runs, starts)
+        _read(flat, width, channels, runs, i, pixels)
+    rough, count, c = 0.0, 0, min(1, channels - 1)
     for index in range(outline.shape[0]):
         i = np.uintp(index)
         length = runs[i, 4]

@@ -7,16 +7,18 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.adapt import count_inside
-from matchset.image.color import WHITE, ColorModel
+from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape
-from matchset.tracking.fit import fit_lines
-from matchset.tracking.match_set import Lines, match_lines
-from matchset.tracking.review import review_lines
+from matchset.tracking.match_set import Lines
+from matchset.tracking.measure import measure
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 S = TypeVar("S", bound=Shape)
+
+INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it blur mixes with the background
+NEAR = 0.04  # px: a square move below so much of the half-width leaves the lines where they are
+GOLDEN = 0.6180339887  # spreads the places inside evenly
 
 
 class MatchParameters(msgspec.Struct, frozen=True):
@@ -82,11 +84,12 @@ class Matcher(Generic[S]):
         self.count = len(family.__struct_fields__)
         self.state = family.from_coarse(0.0, 0.0, 1.0).state
         angles = 2.0 * math.pi * (np.arange(points) + 0.5) / points
-        self.turns = np.column_stack((np.cos(angles), np.sin(angles)))
+        shares = INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)
+        self.rays = np.column_stack((np.cos(angles), np.sin(angles), shares))
+        self.limits = np.array(msgspec.structs.astuple(self.parameters)[:6], np.float64)
         self.lines = Lines(points, len(self.state))
         self.found = np.zeros((points, 3))
         self.full_covariance = np.zeros((self.count, len(self.state) + 2))
-        self.shares = 0.88 * np.sqrt((np.arange(points) * 0.6180339887) % 1.0)
         self.free = np.zeros(self.count)
         self.noise, self.grain = 0.0, 2.0
         self.seen, self.confirmed = 0, 0
@@ -127,74 +130,56 @@ class Matcher(Generic[S]):
         """
         self.state = start.copy()  # a new array: callers keep states
         sigma = sigma or max(reach / 3.0, 1.0)
-        before, self.noise = self.noise, 0.0
+        lines, noise, self.noise = self.lines, self.noise, 0.0
         for _ in range(self.parameters.turns):
             size = self.family.half_width(self.state)
             if not 2.0 < size < 1e5:
                 self.seen = 0
                 return False
-            self._match(image, color, size, reach)
-            moved = self._fit(start, spread, size, speed, before, sigma)
-            if self.noise == 0.0:
-                self.seen = int(np.count_nonzero(self.lines.runs[:, 4]))
+            self.family.trace(self.state, self.rays, lines.outline)
+            (
+                noise,
+                moved,
+                self.grain,
+                self.seen,
+                self.confirmed,
+                self.agreement,
+                self.evidence,
+                self.wave,
+                self.corners,
+                self.inside,
+                self.core,
+                self.hollow,
+            ) = measure(
+                image,
+                color.table,
+                lines.outline,
+                lines.edges,
+                lines.runs,
+                lines.starts,
+                lines.pixels,
+                lines.sums,
+                self.rays,
+                self.limits,
+                self.state,
+                start,
+                self.free if spread is None else spread,
+                self.full_covariance,
+                self.found,
+                size,
+                reach,
+                speed,
+                noise,
+                sigma,
+                self.grain,
+            )
+            if noise == 0.0:
                 return False
-            if moved * moved < 0.04 * size:
+            if moved * moved < NEAR * size:
                 break
-            before, reach, sigma = self.noise, max(4.0, 2.0 + 0.5 * speed), 1.0
+            reach, sigma = max(4.0, 2.0 + 0.5 * speed), 1.0
+        self.noise = noise
         return 2.0 < self.family.half_width(self.state) < 1e5
-
-    def _match(self, image: Image, color: ColorModel, size: float, reach: float) -> None:
-        """Trace the outline of the state and find the edge points across it."""
-        limits, lines = self.parameters, self.lines
-        margin = max(min(int(0.25 * size), max(int(1.5 + 0.4 * self.grain), 2), limits.margin), 1)
-        self.family.trace(self.state, self.turns, lines.outline)
-        grain = match_lines(
-            image,
-            color.table,
-            lines.outline,
-            reach,
-            margin,
-            2.0 * WHITE * limits.threshold * margin,
-            2.0 * WHITE * limits.enough * margin,
-            6.0 * margin * (limits.clear * max(self.grain, 1.0)) ** 2,
-            lines.edges,
-            lines.runs,
-            lines.starts,
-            lines.pixels,
-            lines.sums,
-        )
-        self.grain += 0.1 * (grain - self.grain)
-
-    def _fit(
-        self, expected: Floats, spread: Floats | None, size: float, speed: float, before: float, sigma: float
-    ) -> float:
-        """Fit the edge points; by how much the state moved."""
-        self.noise, moved = fit_lines(
-            self.lines.outline,
-            self.lines.edges,
-            self.state,
-            expected,
-            self.free if spread is None else spread,
-            size,
-            speed,
-            before,
-            sigma,
-            self.parameters.floor,
-            self.full_covariance,
-            self.found,
-        )
-        return moved
-
-    def review(self, image: Image, color: ColorModel) -> None:
-        """Look at what the last fit rests on: its edge points and its inside."""
-        size = self.family.half_width(self.state)
-        tolerance = min(max(self.parameters.tolerance * size, 1.2), 3.0)
-        lines = self.lines
-        self.seen, self.confirmed, self.agreement, self.evidence, self.wave, self.corners = review_lines(
-            self.found, lines.edges, lines.runs, self.turns, tolerance
-        )
-        x, y = float(self.state[0]), float(self.state[1])
-        self.inside, self.core, self.hollow = count_inside(image, color.table, lines.outline, self.shares, x, y)
 
     @property
     def bent(self) -> float:

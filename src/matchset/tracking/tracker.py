@@ -22,6 +22,8 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+TEACH = 3  # every so many frames the color may learn: light changes slowly
+
 
 class TrackerParameters(msgspec.Struct, frozen=True):
     """How a shape is followed.
@@ -53,7 +55,7 @@ class TrackerParameters(msgspec.Struct, frozen=True):
     coast: float = 0.35
     jump: float = 2.0
     growth: float = 1.5
-    adapt_rate: float = 0.15
+    adapt_rate: float = 0.4
     adapt_support: float = 0.8
     adapt_inside: float = 0.6
 
@@ -126,7 +128,6 @@ class Tracker(Generic[S]):
         matcher: Matcher[S] = Matcher(self._family, 16)
         state = self._family.from_coarse(31.5, 31.5, 20.0).state
         matcher.settle(image, color, state, 6.0)
-        matcher.review(image, color)
         self._judge.track(matcher, 0.0)
         Motion(state, 0.0, 1.0, matcher.count).correct(state, 1.0)
         Searcher(64, 64).candidates(image, color)
@@ -233,7 +234,6 @@ class Tracker(Generic[S]):
         if not matcher.settle(image, self.color, state, reach, speed, sigma, spread):
             gone = matcher.seen < 0.3 * matcher.points
             return "it left the picture" if gone else "no edges of the target's color where it should be"
-        matcher.review(image, self.color)
         return self._judge.following(matcher)
 
     def _look_again(self, image: Image, reason: str, speed: float) -> str:
@@ -268,21 +268,22 @@ class Tracker(Generic[S]):
             self._usual += 0.1 * (size - self._usual) if self._usual > 0.0 else size
         whole = matcher.seen == matcher.points
         good = whole and matcher.confirmed >= limits.adapt_support * matcher.seen
-        if good and limits.adapt_rate > 0.0 and matcher.inside >= limits.adapt_inside:
+        due = self._frames % TEACH == 0 and limits.adapt_rate > 0.0
+        if due and good and matcher.inside >= limits.adapt_inside:
             self._adapt(image, matcher, self.color, limits.adapt_rate)
         return self._judge.track(matcher, self._time)
 
     def _adapt(self, image: Image, matcher: Matcher[S], color: ColorModel, rate: float) -> None:
         """Teach the color a quarter of the outline's surroundings, another one in every frame."""
         x, y = float(matcher.state[0]), float(matcher.state[1])
-        begin = self._frames % 4
+        begin = self._frames // TEACH % 4
         adapt_table(
             image,
             color.log_odds,
             self._learned,
             color.table,
             matcher.lines.outline,
-            matcher.shares,
+            matcher.rays[:, 2],
             x,
             y,
             begin,
@@ -318,7 +319,7 @@ class Tracker(Generic[S]):
             self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
         missed = self._missed(self._motion) if self._motion is not None else 1.0
         best, most = None, 0.0
-        for state, merit in self._finder.sightings(image, self.color):
+        for state, merit in self._finder.sightings(image, self.color, expected is not None):
             if expected is not None and not self._plausible(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:

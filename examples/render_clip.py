@@ -1,0 +1,9 @@
+"""Render a balloon that flies through a room: ball.mp4, and ball.csv with the true circle of every frame."""
+
+from pathlib import Path
+
+from matchset.sim.clip import Clip
+from matchset.sim.export import write_clip
+
+write_clip(Clip(frames=300), Path("ball.mp4"))
+print("written: ball.mp4, ball.csv")

@@ -1,0 +1,80 @@
+"""Every example runs as it stands, in an empty folder."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from matchset.sim.clip import Clip
+from matchset.sim.export import write_clip
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+LONGEST = 40  # lines
+
+
+def run(folder: Path, name: str, *words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, str(EXAMPLES / name), *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def lines_of(result: subprocess.CompletedProcess[str]) -> list[str]:
+    assert result.returncode == 0, result.stderr
+    return result.stdout.splitlines()
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_examples_are_short_and_tested(path: Path) -> None:
+    assert path.read_text(encoding="utf-8").count("\n") <= LONGEST
+    assert f'"{path.name}"' in Path(__file__).read_text(encoding="utf-8")
+
+
+def test_a_rendered_balloon_is_tracked(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "track_rendered.py"))
+    assert len(lines) == 30
+    assert all("±" in line for line in lines)
+
+
+def test_a_clip_is_rendered(tmp_path: Path) -> None:
+    lines_of(run(tmp_path, "render_clip.py"))
+    assert (tmp_path / "ball.mp4").stat().st_size > 0
+    assert (tmp_path / "ball.csv").read_text().startswith("video,frame,x,y,r")
+
+
+def test_a_video_is_tracked(tmp_path: Path) -> None:
+    write_clip(Clip(frames=10), tmp_path / "ball.mp4")
+    lines = lines_of(run(tmp_path, "track_video.py", "ball.mp4", "346", "151"))
+    assert len(lines) == 10
+    assert all("radius" in line for line in lines)
+
+
+def test_a_missing_video_is_one_line(tmp_path: Path) -> None:
+    result = run(tmp_path, "track_video.py", "nothing.mp4", "1", "1")
+    assert (result.returncode, result.stderr) == (1, "error: no such file: nothing.mp4\n")
+
+
+def test_the_balls_of_a_picture_are_found(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "detect_picture.py"))
+    found = sorted(float(x) for x in re.findall(r"x ([\d.]+)", "\n".join(lines)))
+    assert found == pytest.approx([150.0, 420.0, 500.0], abs=0.3)
+
+
+def test_colors_are_given_as_hsv(tmp_path: Path) -> None:
+    red, blue, either = lines_of(run(tmp_path, "color_from_hsv.py"))
+    assert "(100.0, 120.0)" in red and "(230.0, 120.0)" not in red
+    assert "(230.0, 120.0)" in blue and "(100.0, 120.0)" not in blue
+    assert "(100.0, 120.0)" in either and "(230.0, 120.0)" in either
+
+
+def test_without_a_camera_the_reason_is_said(tmp_path: Path) -> None:
+    result = run(tmp_path, "own_loop_camera.py", "99")
+    assert result.returncode == 1
+    assert result.stderr.startswith("cannot open camera 99")
+    assert "Traceback" not in result.stderr

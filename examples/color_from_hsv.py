@@ -1,4 +1,4 @@
-"""Give the color as HSV ranges, as in OpenCV; red needs a low hue above the high one. Save it, load it again."""
+"""Give the color as OpenCV's HSV ranges; for red the low hue lies above the high one. Save it, load it."""
 
 import tempfile
 from pathlib import Path
@@ -23,4 +23,5 @@ with tempfile.TemporaryDirectory() as folder:
 
 for name, color in (("red", red), ("blue", blue), ("either", loaded)):
     found = ms.detect(ms.Frame(picture), ms.Circle, color)
-    print(f"{name}: {np.count_nonzero(color.mask(picture))} px,", [f"({t.shape.x:.1f}, {t.shape.y:.1f})" for t in found])
+    places = ", ".join(f"({track.shape.x:.1f}, {track.shape.y:.1f})" for track in found)
+    print(f"{name}: {np.count_nonzero(color.mask(picture))} px in the mask, found at {places}")

@@ -5,7 +5,8 @@ from matchset.sim.clip import Clip
 
 clip = Clip(frames=30)
 frames = [frame for frame, _ in clip]
-tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(frames[0].image, *clip.first_click), start=clip.first_click)
+color = ms.ColorModel.pick(frames[0].image, *clip.first_click)
+tracker = ms.Tracker(ms.Circle, color, start=clip.first_click)
 for frame in frames:
     track = tracker.update(frame)
     if isinstance(track, ms.Lost):

@@ -1,4 +1,4 @@
-"""Follow a ball through a video: python examples/track_video.py ball.mp4 346 151 (a pixel on it in frame 0)."""
+"""Follow a ball through a video: python examples/track_video.py VIDEO X Y (a pixel on it in frame 0)."""
 
 import sys
 

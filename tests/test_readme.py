@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from matchset.app.export import write_clip
 from matchset.sim.clip import Clip
-from matchset.sim.export import write_clip
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

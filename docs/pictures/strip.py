@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
@@ -43,7 +42,7 @@ def shots(clip: Clip, wanted: tuple[int, ...]) -> list[Shot]:
 def column(shot: Shot) -> npt.NDArray[np.uint8]:
     """Show the whole frame, and below it the enlarged ball with its match-set."""
     tile = np.vstack([whole_tile(shot, TILE), rim_tile(shot, TILE)])
-    return cv2.copyMakeBorder(tile, GAP, 0, GAP, GAP, cv2.BORDER_CONSTANT, value=(255, 255, 255)).astype(np.uint8)
+    return np.pad(tile, ((GAP, 0), (GAP, GAP), (0, 0)), constant_values=255)
 
 
 def main() -> None:

@@ -21,7 +21,7 @@ def wall(seed: int = 0, shape: tuple[int, ...] = (HEIGHT, WIDTH, 3)) -> Picture:
 
 
 def with_ball(
-    image: Picture, x: float, y: float, radius: float, color: tuple[int, ...] | int = BLUE
+    image: Picture, x: float, y: float, radius: float, color: tuple[float, ...] | float = BLUE
 ) -> Picture:
     """The picture with a disc drawn on it, each pixel mixed by how much of it the disc covers."""
     rows, columns = np.indices(image.shape[:2])

@@ -6,6 +6,8 @@ are held near zero. What a user gets is the least-squares circle of that outline
 """
 
 import math
+from collections.abc import Callable
+from typing import ClassVar
 
 import msgspec
 import numpy as np
@@ -92,4 +94,4 @@ class Circle(msgspec.Struct, frozen=True):
         """Mean radius of a state, px."""
         return float(state[2])
 
-    trace = staticmethod(_trace)
+    trace: ClassVar[Callable[[Floats, Floats, Floats], None]] = staticmethod(_trace)

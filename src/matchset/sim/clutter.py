@@ -10,6 +10,9 @@ from matchset.sim.paint import Random, Texture
 from matchset.sim.room import BACK, HALF_WIDTH
 from matchset.sim.surface import Surface
 
+TRIES = 12  # places tried for a thing before it is left out
+CLEAR = 1.1  # share of the two half-widths that must lie between a hoop and anything else
+
 
 def clutter(rng: Random) -> list[Surface]:
     """Build blue cards, bars and hoops that hang between the furniture and the far wall.
@@ -22,14 +25,34 @@ def clutter(rng: Random) -> list[Surface]:
     Returns
     -------
     list of Surface
-        From far to near; their pictures have transparent parts.
+        From far to near; their pictures have transparent parts. Nothing hangs before or behind a hoop: a hoop filled
+        with a card is a blue disc to the eye, and there is to be none.
     """
-    things: list[tuple[Texture, float]] = []
+    things: list[tuple[Texture, float, bool]] = []
     for kind, most in ((_card, 7), (_bar, 5), (_rim, 5)):
-        things.extend(kind(rng) for _ in range(rng.integers(most // 2, most)))
+        things.extend((*kind(rng), kind is _rim) for _ in range(rng.integers(most // 2, most)))
     depths = np.sort(rng.uniform(4.2, BACK - 0.1, len(things)))[::-1]
     order = rng.permutation(len(things))
-    return [_hang(rng, things[i], float(depth)) for i, depth in zip(order, depths, strict=True)]
+    hung: list[tuple[Surface, bool]] = []
+    for i, depth in zip(order, depths, strict=True):
+        picture, size, is_rim = things[i]
+        for _ in range(TRIES):
+            surface = _hang(rng, (picture, size), float(depth))
+            if not any((is_rim or was_rim) and _overlap(surface, other) for other, was_rim in hung):
+                hung.append((surface, is_rim))
+                break
+    return [surface for surface, _ in hung]
+
+
+def _overlap(one: Surface, other: Surface) -> bool:
+    """Whether the circles around two pictures overlap, seen from about the middle of the room."""
+    places = []
+    for surface in (one, other):
+        middle = surface.origin + 0.5 * (surface.u + surface.v)
+        half = 0.5 * float(np.linalg.norm(surface.v))
+        places.append((middle[:2] / middle[2], half / middle[2]))
+    (a, reach), (b, more) = places
+    return float(np.linalg.norm(a - b)) < CLEAR * (reach + more)
 
 
 def _hang(rng: Random, thing: tuple[Texture, float], depth: float) -> Surface:

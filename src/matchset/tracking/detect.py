@@ -1,8 +1,9 @@
 """First sight: from the whole frame to shapes, best first (Epstein & Feldman, Alg. 2)."""
 
 import math
+import threading
 from collections.abc import Iterator
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import msgspec
 import numpy as np
@@ -17,6 +18,7 @@ from matchset.tracking.matcher import Matcher
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
+HOPELESS = 0.25  # agreement below which a candidate is given up at once
 BORDER = 12  # cells of radius up to which votes are counted finely
 Floats = npt.NDArray[np.float64]
 
@@ -39,7 +41,7 @@ class SearchParameters(msgspec.Struct, frozen=True):
     cells: int = 160
     votes: float = 1.6
     share: float = 0.25
-    candidates: int = 16
+    candidates: int = 12
 
 
 class Searcher:
@@ -141,7 +143,7 @@ class Finder(Generic[S]):
                 continue
             start = self.matcher.family.from_coarse(x, y, radius).state
             reach = max(2.0 * self.searcher.stride, 0.2 * radius)
-            if not self.matcher.settle(image, color, start, reach):
+            if not self.matcher.settle(image, color, start, reach, least=HOPELESS):
                 continue
             state = self.matcher.state
             size = self.matcher.family.half_width(state)
@@ -185,12 +187,30 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
         raise ValueError(f"detect needs a limit of at least 1, got {limit}")
     color.check(frame.image)
     image = channels_last(frame.image)
-    matcher = Matcher(family, 64)
-    judge = Judge()
-    finder = Finder(matcher, judge, Searcher(image.shape[1], image.shape[0]))
-    found = [(merit, judge.track(matcher, frame.time)) for _, merit in finder.sightings(image, color)]
+    finder = _finder(family, image.shape[1], image.shape[0])
+    found = [
+        (merit, finder.judge.track(finder.matcher, frame.time)) for _, merit in finder.sightings(image, color)
+    ]
     found.sort(key=lambda pair: -pair[0])
     return [track for _, track in found[:limit]]
+
+
+class _Memory(threading.local):
+    """The finder that a thread used last: its working memory takes longer to make than a search takes."""
+
+    finder: Finder[Any] | None = None
+
+
+_memory = _Memory()
+
+
+def _finder(family: type[S], width: int, height: int) -> Finder[S]:
+    """Working memory for a search in this thread."""
+    finder = _memory.finder
+    if finder is None or finder.matcher.family is not family or finder.searcher.size != (width, height):
+        finder = _memory.finder = Finder(Matcher(family, 64), Judge(), Searcher(width, height))
+    finder.matcher.forget()
+    return finder
 
 
 def channels_last(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:

@@ -138,7 +138,7 @@ def pick_peaks(total, edges, count, longest, least, fold, peaks):
             found = _insert(peaks, found, fold * (j + 0.5) - 0.5, fold * (i + 0.5) - 0.5, v, 3.0 * fold)
     for k in range(found):
         _radius(edges, count, peaks, k, longest)
-        for _ in range(4):
+        for _ in range(3):
             _circle(edges, count, peaks, k)
     return found
 

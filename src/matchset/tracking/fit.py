@@ -22,8 +22,10 @@ ROUNDS = 8  # at most; five are typical
 CUT, INNER_CUT = 4.0, 3.0  # the biweight is 0 beyond so many standard deviations outside and inside the outline
 WEAK_WEIGHT = 0.2  # strength, in typical ones, at which an edge point has half its full weight
 CHOICE = 2.0  # how much, in squared deviations, an e times stronger edge point of the same line is preferred
-MODE, MODE_DRIFT = 0.01, 0.002  # standard deviation of a mode, and of its change per frame, in half-widths
+MODE = 0.01  # standard deviation of a mode, in half-widths
+MODE_DRIFT = 0.002  # of its change per frame
 FINAL = 2  # rounds at most once the noise is known
+STIFF = 1e6  # weight that keeps a mode still
 COARSE = 2.0  # in floors: from this noise on the fit is coarse
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
@@ -91,7 +93,7 @@ def _median(values: Floats, count: int) -> float:
 def _hold(
     held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, speed: float, noise: float
 ) -> None:
-    """Write the priors: inverse variance in units of the noise's variance, and the step to their mean."""
+    """Write the priors: inverse variance in units of the noise's variance, and the step to their mean (third: free)."""
     s, free, noise = state.shape[0], spread.shape[0], max(noise, CONFUSED)
     for k in range(s):
         held[k, 0] = held[k, 1] = 0.0
@@ -153,7 +155,7 @@ def _solve(
         b[k] = held[k, 0] * held[k, 1]
         for m in range(k):
             a[k, m] = 0.0
-        a[k, k] = held[k, 0]
+        a[k, k] = held[k, 0] + held[k, 2]
     for line in range(outline.shape[0]):
         i = np.uintp(line)
         w = found[i, 1]
@@ -245,18 +247,19 @@ def fit_lines(
     n, s, free = outline.shape[0], state.shape[0], spread.shape[0]
     p = s + 2 if speed > 0.5 else s
     a, b, step = np.empty((p, p)), np.empty(p), np.zeros(p)
-    held, order, penalty = np.empty((s + 2, 2)), np.empty(n), np.zeros((n, edges.shape[1]))
+    held, order, penalty = np.zeros((s + 2, 3)), np.empty(n), np.zeros((n, edges.shape[1]))
     typical, count = _penalize(edges, penalty)
     if count < p:
         return 0.0, 0.0
     _hold(held, state, expected, spread, size, speed, noise)
     sigma, scale, total, final = start, start, 0.0, 0
-    coarse = start > COARSE * floor  # while far off only the parameters are fitted, not the modes and the fields
+    coarse = start > COARSE * floor  # while far off the modes keep still
     for _ in range(ROUNDS):
-        now = free if coarse else p
-        total = _weigh(outline, edges, penalty, WEAK_WEIGHT * typical, step, sigma, found, now)
+        total = _weigh(outline, edges, penalty, WEAK_WEIGHT * typical, step, sigma, found, p)
+        for k in range(free, s):
+            held[k, 2] = STIFF if coarse else 0.0
         x, y, z = step[0], step[1], step[2]
-        if total < 2.0 or not _solve(outline, edges, found, held, a, b, step, now):
+        if total < 2.0 or not _solve(outline, edges, found, held, a, b, step, p):
             return 0.0, 0.0
         scale = _scale(found, order)
         tight = max(floor, min(scale, sigma))

@@ -14,6 +14,7 @@ from matchset.tracking.track import Track
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 
+CERTAIN = 0.85  # evidence from which neighbors may err together, as on an ellipse
 FOLLOWING = 1.5  # leeway of the limits on another shape while motion speaks for it
 
 
@@ -111,7 +112,7 @@ class Judge:
     def _other_shape(self, matcher: Matcher[S], leeway: float) -> bool:
         limits = self.parameters
         return (
-            matcher.wave > limits.wave * leeway
+            (matcher.wave > limits.wave * leeway and matcher.evidence < CERTAIN)
             or matcher.corners > limits.corners * leeway
             or matcher.bent > limits.bent * leeway
             or matcher.hollow > limits.hollow * leeway

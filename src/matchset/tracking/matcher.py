@@ -18,6 +18,7 @@ S = TypeVar("S", bound=Shape)
 
 INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it blur mixes with the background
 NEAR = 0.04  # px: a square move below so much of the half-width leaves the lines where they are
+FIRST_GRAIN = 2.0  # noise that is assumed before the first look, gray levels
 GOLDEN = 0.6180339887  # spreads the places inside evenly
 
 
@@ -91,7 +92,7 @@ class Matcher(Generic[S]):
         self.found = np.zeros((points, 3))
         self.full_covariance = np.zeros((self.count, len(self.state) + 2))
         self.free = np.zeros(self.count)
-        self.noise, self.grain = 0.0, 2.0
+        self.noise, self.grain = 0.0, FIRST_GRAIN
         self.seen, self.confirmed = 0, 0
         self.agreement, self.evidence, self.wave, self.corners = 0.0, 0.0, 0.0, 0.0
         self.inside, self.core, self.hollow = 0.0, 0.0, 0.0
@@ -105,6 +106,7 @@ class Matcher(Generic[S]):
         speed: float = 0.0,
         sigma: float = 0.0,
         spread: Floats | None = None,
+        least: float = 0.0,
     ) -> bool:
         """Fit the shape near a state.
 
@@ -122,6 +124,8 @@ class Matcher(Generic[S]):
             How far the edge points are expected from the start, px; 0 for a third of the reach.
         spread : ndarray of shape (p,), float64, optional
             How far each parameter may be from the start; without it they are free.
+        least : float
+            Agreement below which it gives up.
 
         Returns
         -------
@@ -173,13 +177,17 @@ class Matcher(Generic[S]):
                 sigma,
                 self.grain,
             )
-            if noise == 0.0:
+            if noise == 0.0 or self.agreement < least:
                 return False
             if moved * moved < NEAR * size:
                 break
             reach, sigma = max(4.0, 2.0 + 0.5 * speed), 1.0
         self.noise = noise
         return 2.0 < self.family.half_width(self.state) < 1e5
+
+    def forget(self) -> None:
+        """Begin anew: nothing is left of earlier pictures."""
+        self.noise, self.grain = 0.0, FIRST_GRAIN
 
     @property
     def bent(self) -> float:

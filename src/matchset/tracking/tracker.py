@@ -259,6 +259,14 @@ class Tracker(Generic[S]):
         far = math.hypot(state[0] - expected[0], state[1] - expected[1])
         return ratio <= limits.growth**missed and far <= limits.jump * max(size, before) * missed + 10.0
 
+    def _may_be(self, state: Floats, expected: Floats, missed: float) -> bool:
+        """Whether a sighting can be the lost shape: near its prediction, or farther off with full evidence."""
+        size, before = self._family.half_width(state), self._family.half_width(expected)
+        far = math.hypot(state[0] - expected[0], state[1] - expected[1])
+        if 0.8 < size / before < 1.25 and far < 0.5 * before:
+            return True
+        return not self._judge.first_sight(self._matcher) and self._plausible(state, expected, missed)
+
     def _confirm(self, image: Image, motion: Motion) -> Track[S]:
         """Take in what the matcher holds, learn the color from it, and answer."""
         matcher, limits = self._matcher, self.parameters
@@ -320,7 +328,7 @@ class Tracker(Generic[S]):
         missed = self._missed(self._motion) if self._motion is not None else 1.0
         best, most = None, 0.0
         for state, merit in self._finder.sightings(image, self.color, expected is not None):
-            if expected is not None and not self._plausible(state, expected, missed):
+            if expected is not None and not self._may_be(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:
                 far = math.hypot(state[0] - self._wish[0], state[1] - self._wish[1])

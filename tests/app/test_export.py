@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from matchset.sim.clip import Clip
-from matchset.sim.export import write_clip
+from matchset.app.export import write_clip
 
 CLIP = Clip(frames=3, width=160, height=120, radii=(8.0, 30.0), hidden=((1, 2),))
 

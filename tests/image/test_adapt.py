@@ -1,0 +1,121 @@
+"""Adaptation: it follows the light, and learns neither from what is in front nor without end."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from kernels import adapt, look_inside
+from matchset.image.adapt import LEASH
+from matchset.image.color import ColorModel
+from matchset.shapes.circle import Circle
+
+Picture = npt.NDArray[np.uint8]
+CIRCLE = Circle(80.0, 60.0, 30.0)
+WALL, BALL, FINGER = (140, 140, 140), (190, 80, 40), (110, 140, 200)
+ROWS, COLUMNS = np.indices((120, 160))
+INSIDE = np.hypot(COLUMNS - CIRCLE.x, ROWS - CIRCLE.y) <= CIRCLE.radius
+
+
+def picture(ball: tuple[float, ...] = BALL, finger: bool = False, seed: int = 0) -> Picture:
+    image = np.tile(np.array(WALL, float), (120, 160, 1))
+    image[INSIDE] = ball
+    if finger:
+        image[INSIDE & (COLUMNS > CIRCLE.x + 5)] = FINGER
+    image += np.random.default_rng(seed).normal(0.0, 5.0, image.shape)
+    return np.rint(image).clip(0, 255).astype(np.uint8)
+
+
+def learned() -> ColorModel:
+    return ColorModel.pick(picture(), CIRCLE.x, CIRCLE.y)
+
+
+def whiteness(color: ColorModel, pixel: tuple[float, ...]) -> float:
+    """Share of pixels of this color, with noise, that look like the target."""
+    noise = np.random.default_rng(9).normal(0.0, 5.0, (40, 40, 3))
+    patch = np.rint(np.array(pixel) + noise).clip(0, 255).astype(np.uint8)
+    return float((color.mask(patch) == 255).mean())
+
+
+def drift(share: float) -> tuple[float, ...]:
+    """From the ball's blue to a gray-blue that the first model does not know."""
+    return tuple(np.array(BALL) + share * np.array([-45.0, 15.0, 30.0]))
+
+
+def test_it_follows_a_drift_that_the_first_model_loses() -> None:
+    color, first = learned(), learned()
+    for k in range(120):
+        adapt(picture(drift(k / 119), seed=k), color, first.log_odds, CIRCLE, 0.15)
+    assert whiteness(first, drift(1.0)) < 0.5
+    assert whiteness(color, drift(1.0)) > 0.9
+    assert whiteness(color, WALL) < 0.02
+
+
+@pytest.mark.parametrize("gain", [0.5, 1.3])
+def test_it_keeps_through_a_swing_of_the_light(gain: float) -> None:
+    color, first = learned(), learned()
+    for k in range(120):
+        light = 1.0 + (gain - 1.0) * 0.5 * (1.0 - np.cos(2.0 * np.pi * k / 60))
+        image = np.rint(light * picture(seed=k)).clip(0, 255).astype(np.uint8)
+        adapt(image, color, first.log_odds, CIRCLE, 0.15)
+        if k % 30 == 0:
+            inside, core, _ = look_inside(image, color, CIRCLE)
+            assert inside > 0.9
+            assert core > 0.9
+    assert whiteness(color, BALL) > 0.95
+    assert whiteness(color, WALL) < 0.02
+
+
+def test_what_is_in_front_never_becomes_target() -> None:
+    color, first = learned(), learned()
+    assert whiteness(color, FINGER) < 0.02
+    for k in range(300):
+        adapt(picture(finger=True, seed=k), color, first.log_odds, CIRCLE, 0.15)
+    assert whiteness(color, FINGER) < 0.02
+    assert whiteness(color, BALL) > 0.95
+
+
+def test_no_cell_leaves_its_leash() -> None:
+    rng = np.random.default_rng(1)
+    first = rng.uniform(-1.5, 1.5, 32768).astype(np.float32)
+    color = ColorModel(first)
+    for seed in range(60):
+        image = np.random.default_rng(seed % 3).integers(0, 256, (120, 160, 3), np.uint8)
+        adapt(image, color, first, CIRCLE, 5.0)
+    change = color.log_odds - first
+    assert np.abs(change).max() == pytest.approx(LEASH)
+    assert np.isfinite(color.log_odds).all()
+    np.testing.assert_array_equal(color.table, ColorModel(color.log_odds).table)
+
+
+@pytest.mark.parametrize("size", [256, 32768])
+def test_a_wrong_outline_far_outside_changes_nothing(size: int) -> None:
+    color = ColorModel(np.zeros(size, np.float32))
+    image = picture() if size == 32768 else picture()[:, :, 0]
+    adapt(image, color, color.log_odds.copy(), Circle(-400.0, -400.0, 30.0), 0.15)
+    assert not color.log_odds.any()
+    assert look_inside(image, color, Circle(-400.0, -400.0, 30.0))[:2] == (-1.0, -1.0)
+
+
+def test_gray_learns_too() -> None:
+    color = ColorModel(np.zeros(256, np.float32))
+    image = np.where(INSIDE, 60, 180).astype(np.uint8)
+    for _ in range(40):
+        adapt(image, color, np.zeros(256, np.float32), CIRCLE, 0.15)
+    assert color.log_odds[60] > 1.0
+    assert color.log_odds[180] < -1.0
+    assert 0.0 < color.log_odds[61] < color.log_odds[60]
+
+
+def test_the_inside_is_counted() -> None:
+    blue = learned()
+    assert look_inside(picture(), blue, CIRCLE)[:2] == (1.0, 1.0)
+    inside, core, hollow = look_inside(picture(finger=True), blue, CIRCLE)
+    assert 0.45 < inside < 0.75
+    assert 0.4 < core < 0.9
+    assert hollow < 0.28  # a finger is no ring
+    ring = picture()
+    ring[np.hypot(COLUMNS - CIRCLE.x, ROWS - CIRCLE.y) < 0.7 * CIRCLE.radius] = WALL
+    inside, core, hollow = look_inside(ring, blue, CIRCLE)
+    assert core == 0.0
+    assert hollow > 0.28
+    assert look_inside(picture(WALL), blue, CIRCLE)[0] < 0.05

@@ -67,9 +67,7 @@ def main() -> None:
     if foreign:
         sys.exit(f"no wheel for aarch64: {', '.join(foreign)}")
     native = sum(name.endswith("aarch64.whl") for name in names)
-    print(
-        f"{wheel.name} is pure Python; on aarch64 it needs {len(names)} wheels, all there ({native} compiled)"
-    )
+    print(f"{wheel.name} is pure Python; on aarch64 it needs {len(names)} wheels, all there ({native} compiled)")
 
 
 if __name__ == "__main__":

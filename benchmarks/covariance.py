@@ -19,15 +19,13 @@ def run(options: Options) -> Section:
     findings = [_finding(name, trials(name, options)) for name in SEQUENCES]
     head = ["sequence", *(figure.name for figure in findings[0].figures)]
     rows = [
-        [name, *(figure.text for figure in finding.figures)]
-        for name, finding in zip(SEQUENCES, findings, strict=True)
+        [name, *(figure.text for figure in finding.figures)] for name, finding in zip(SEQUENCES, findings, strict=True)
     ]
     text = (
         "e = answer - truth, P the covariance of the answer: eᵀP⁻¹e of an honest tracker follows chi-square "
         f"with {FREEDOM} degrees of freedom: 95 % lie below {chi2.ppf(LEVEL, FREEDOM):.2f}, the mean is 3, "
         f"the median {chi2.median(FREEDOM):.2f}. Over all answered frames of the sequences of *Accuracy*; "
-        "nothing is asked of `hard`, where an occluder and motion blur break the model.\n\n"
-        + table(head, rows)
+        "nothing is asked of `hard`, where an occluder and motion blur break the model.\n\n" + table(head, rows)
     )
     return Section("Covariance", [finding for finding in findings if finding.bar], text)
 

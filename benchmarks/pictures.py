@@ -75,9 +75,7 @@ def error_histogram(errors: Mapping[str, Sequence[float]], path: Path) -> None:
     _save(figure, path)
 
 
-def times_over_radius(
-    radii: Floats, times: Floats, levels: Mapping[str, float], name: str, path: Path
-) -> None:
+def times_over_radius(radii: Floats, times: Floats, levels: Mapping[str, float], name: str, path: Path) -> None:
     """Draw what a frame costs against how large the ball is in it.
 
     Parameters
@@ -115,9 +113,7 @@ def times_over_radius(
     _save(figure, path)
 
 
-def _figure(
-    rows: int, size: tuple[float, float], heights: tuple[int, ...] = (1,)
-) -> tuple[Figure, list[Axes]]:
+def _figure(rows: int, size: tuple[float, float], heights: tuple[int, ...] = (1,)) -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=size, dpi=110, layout="constrained")
     axes = figure.subplots(rows, 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0].tolist()
     for each in axes:

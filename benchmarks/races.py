@@ -44,8 +44,7 @@ def fixed_radii(options: Options) -> Result:
     """Race trackers of balls of fixed radii, each with frames of its own, and the conversion."""
     count = 40 if options.quick else 100
     pools = {
-        f"r = {r}": Pool.render(sequence("typical", options.seeds[0], count, radii=(float(r), float(r))))
-        for r in RADII
+        f"r = {r}": Pool.render(sequence("typical", options.seeds[0], count, radii=(float(r), float(r)))) for r in RADII
     }
     contenders = [rivals.update(name, pool) for name, pool in pools.items()]
     middle = pools[f"r = {RADII[len(RADII) // 2]}"]

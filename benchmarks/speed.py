@@ -40,9 +40,7 @@ def run(options: Options) -> Section:
     return Section("Speed", findings, "\n".join([_method(pool), *tables]), pictures)
 
 
-def against(
-    name: str, what: str, result: Result, pair: tuple[str, str], most: tuple[float, float] | None
-) -> Finding:
+def against(name: str, what: str, result: Result, pair: tuple[str, str], most: tuple[float, float] | None) -> Finding:
     """Compare the first of a pair with the second: ratio of medians, of minima, and both medians.
 
     Parameters
@@ -65,9 +63,7 @@ def against(
         Figure("minimum", ours.least_us, "µs", 1, aside=True),
         Figure("missed", 100.0 * ours.misses / len(ours.ns), "%", 2, aside=True),
     )
-    return Finding(
-        name=name, what=f"{what}, against {pair[1]}", figures=figures, bar=goals[0], prize=goals[1]
-    )
+    return Finding(name=name, what=f"{what}, against {pair[1]}", figures=figures, bar=goals[0], prize=goals[1])
 
 
 def radius_finding(result: Result) -> Finding:

@@ -50,9 +50,7 @@ def start(cache: str) -> list[float]:
     """Start a process and return the durations of its stages and of all of it, s."""
     environment = os.environ | {"NUMBA_CACHE_DIR": cache}
     begin = time.time()
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"the first call failed:\n{done.stderr}")
     marks = [begin, *msgspec.json.decode(done.stdout, type=list[float])]

@@ -104,9 +104,7 @@ def test_edge_difference_turns_with_the_picture(image: Mask, margin: int) -> Non
 def test_opposite_edges_are_disjoint_and_within_the_margin(image: Mask, margin: int) -> None:
     for direction, difference in reference.edge_difference(image, margin).items():
         assert np.abs(difference).max() <= margin
-        np.testing.assert_array_equal(
-            difference, -reference.edge_difference(image, margin)[OPPOSITE[direction]]
-        )
+        np.testing.assert_array_equal(difference, -reference.edge_difference(image, margin)[OPPOSITE[direction]])
 
 
 def test_whatever_is_not_zero_is_white() -> None:

@@ -81,9 +81,7 @@ def test_init_circle_of_a_picture_without_edges_is_none(image: npt.NDArray[np.fl
     st.floats(-1, 1),
 )  # fmt: skip
 @settings(max_examples=40, deadline=None)
-def test_track_circle_follows_a_disc(
-    x: float, y: float, radius: float, way: float, step: float, growth: float
-) -> None:
+def test_track_circle_follows_a_disc(x: float, y: float, radius: float, way: float, step: float, growth: float) -> None:
     last = Circle(x, y, radius)
     truth = Circle(x + step * np.cos(way), y + step * np.sin(way), radius + growth)
     shape = (96, 96)

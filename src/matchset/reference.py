@@ -159,10 +159,7 @@ def arc_segments(E: Edges, p: Center) -> Mask:
 def _facing(E: Edges, x: Image, y: Image, p: Center) -> Mask:
     """Join the four cases of Eq. 3, each of which appears in two of them, for pixels at `x`, `y`."""
     facing: Mask = (
-        (E["left"] & (x <= p[0]))
-        | (E["right"] & (x >= p[0]))
-        | (E["upper"] & (y <= p[1]))
-        | (E["lower"] & (y >= p[1]))
+        (E["left"] & (x <= p[0])) | (E["right"] & (x >= p[0])) | (E["upper"] & (y <= p[1])) | (E["lower"] & (y >= p[1]))
     )
     return facing
 

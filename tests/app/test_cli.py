@@ -15,9 +15,7 @@ from matchset.app.row import Row
 from matchset.app.screen import Rate, live_line
 
 TRUTH = "video,frame,x,y,r,visible,method\nv,0,10,10,5,1,eye\nv,1,10,10,5,1,eye\nv,2,,,,0,eye:absent\n"
-TRACKS = (
-    "frame,time,found,x,y,radius,support,reason\n0,0,1,10,10,5,1,\n1,0.1,1,11,10,5,1,\n2,0.2,0,,,,,gone\n"
-)
+TRACKS = "frame,time,found,x,y,radius,support,reason\n0,0,1,10,10,5,1,\n1,0.1,1,11,10,5,1,\n2,0.2,0,,,,,gone\n"
 
 
 @pytest.mark.parametrize("command", [(), ("track",), ("learn",), ("score",), ("demo",)])
@@ -45,9 +43,7 @@ def test_help_needs_no_heavy_imports() -> None:
     assert out.splitlines()[-1] == "[]"
 
 
-def test_a_score_is_printed_as_a_table_and_as_json(
-    matchset: Matchset, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_score_is_printed_as_a_table_and_as_json(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     Path("tracks.csv").write_text(TRACKS)
     Path("truth.csv").write_text(TRUTH)
     assert matchset("score", "tracks.csv", "truth.csv") == 0
@@ -82,9 +78,7 @@ def test_a_bad_score_is_one_line(
     assert words in line
 
 
-def test_the_demo_needs_nothing_and_leaves_everything(
-    matchset: Matchset, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_demo_needs_nothing_and_leaves_everything(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     assert matchset("demo", "--frames", "24") == 0
     out = capsys.readouterr().out
     assert "mean error" in out

@@ -74,9 +74,7 @@ def test_misuse_is_one_line(
     assert words in line
 
 
-def test_a_picture_without_a_ball_ends_with_one(
-    matchset: Matchset, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_picture_without_a_ball_ends_with_one(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     cv2.imwrite("wall.png", ball_picture(None))
     assert matchset("learn", "wall.png") == 1
     assert "nothing ball-like" in capsys.readouterr().out
@@ -126,8 +124,7 @@ def test_the_ball_of_a_rendered_room_is_among_nine(preset: str) -> None:
         found = find_candidates(clip.render(index, background).image)
         assert 1 <= len(found) <= 9
         assert any(
-            np.hypot(c.x - circle.x, c.y - circle.y) < 0.3 * circle.radius
-            and 0.7 < c.radius / circle.radius < 1.4
+            np.hypot(c.x - circle.x, c.y - circle.y) < 0.3 * circle.radius and 0.7 < c.radius / circle.radius < 1.4
             for c in found
         )
 

@@ -44,12 +44,8 @@ def test_a_hand_worked_example() -> None:
 
 def test_what_cannot_be_told_is_none() -> None:
     nothing = score({}, [])
-    assert (
-        nothing.mean_error_px is nothing.valid_percent is nothing.lost_percent is nothing.trembling_px is None
-    )
-    sparse = score(
-        {0: (1.0, 1.0, 1.0), 9: (1.0, 1.0, 1.0)}, [Truth(0, (1.0, 1.0, 1.0)), Truth(9, (1.0, 1.0, 1.0))]
-    )
+    assert nothing.mean_error_px is nothing.valid_percent is nothing.lost_percent is nothing.trembling_px is None
+    sparse = score({0: (1.0, 1.0, 1.0), 9: (1.0, 1.0, 1.0)}, [Truth(0, (1.0, 1.0, 1.0)), Truth(9, (1.0, 1.0, 1.0))])
     assert sparse.mean_error_px == 0.0
     assert sparse.trembling_px is sparse.jitter_px is None
 
@@ -72,9 +68,7 @@ def test_rows_become_answers() -> None:
 
 small = st.integers(-3, 3).map(float)
 truth_circles = st.none() | st.tuples(small, small, st.integers(1, 4).map(float))
-tables = st.dictionaries(
-    st.integers(0, 12), st.tuples(truth_circles, st.booleans(), truth_circles, st.booleans())
-)
+tables = st.dictionaries(st.integers(0, 12), st.tuples(truth_circles, st.booleans(), truth_circles, st.booleans()))
 
 
 @given(tables)
@@ -86,9 +80,7 @@ def test_score_agrees_with_a_naive_twin(
     _assert_like_the_naive_one(score(answers, truths), answers, truths)
 
 
-def _assert_like_the_naive_one(
-    result: Score, answers: dict[int, Circle3 | None], truths: list[Truth]
-) -> None:
+def _assert_like_the_naive_one(result: Score, answers: dict[int, Circle3 | None], truths: list[Truth]) -> None:
     errors, offsets = [], {}
     valid = tight = visible = lost = locks = 0
     for truth in truths:
@@ -108,9 +100,7 @@ def _assert_like_the_naive_one(
         errors.append(sum(abs(d) for d in offsets[truth.frame]))
         valid += errors[-1] < 5
     steps = [
-        sum(abs(b - a) for a, b in zip(offsets[f], offsets[f + 1], strict=True))
-        for f in offsets
-        if f + 1 in offsets
+        sum(abs(b - a) for a, b in zip(offsets[f], offsets[f + 1], strict=True)) for f in offsets if f + 1 in offsets
     ]
     bends = [
         sum((a - 2 * b + c) ** 2 for a, b, c in zip(offsets[f], offsets[f + 1], offsets[f + 2], strict=True))

@@ -75,7 +75,5 @@ def test_a_reader_that_leaves_ends_the_run_quietly(tracking: subprocess.Popen[st
 
 def test_head_of_a_short_output_is_quiet(long_video: Path, tmp_path: Path) -> None:
     command = f"{sys.executable} -m matchset.app.cli learn '{long_video}' | true"
-    done = subprocess.run(
-        ["bash", "-o", "pipefail", "-c", command], cwd=tmp_path, capture_output=True, text=True
-    )
+    done = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")

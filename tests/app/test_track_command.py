@@ -38,9 +38,7 @@ def frames_of(path: Path) -> int:
     return next(count for count in range(100_000) if not video.grab())
 
 
-def test_nothing_is_overwritten(
-    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nothing_is_overwritten(matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]) -> None:
     command = "track", ball_video, "--pick", "50,60", "-o", "out"
     assert matchset(*command) == 0
     before = Path("out/tracks.csv").stat().st_mtime_ns
@@ -114,9 +112,7 @@ def test_a_candidate_is_a_click(matchset: Matchset, ball_video: Path) -> None:
     assert all(row.found for row in read_tracks("a/tracks.csv") + read_tracks("b/tracks.csv"))
 
 
-def test_a_broken_frame_has_a_row_that_says_so(
-    matchset: Matchset, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_broken_frame_has_a_row_that_says_so(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     Path("frames").mkdir()
     for index in range(6):
         cv2.imwrite(f"frames/{index}.png", ball_picture((50.0, 60.0)))

@@ -50,9 +50,7 @@ def test_figures_and_goals_in_words() -> None:
     assert Goal("below", low=88.0, high=99.0).words("%") == "below 88 … 99 %"
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(None, "-"), (math.nan, "-"), (math.inf, "inf µs"), (2.0, "2.0 µs")]
-)
+@pytest.mark.parametrize(("value", "text"), [(None, "-"), (math.nan, "-"), (math.inf, "inf µs"), (2.0, "2.0 µs")])
 def test_a_quantity_in_words(value: float | None, text: str) -> None:
     assert quantity(value, "µs", 1) == text
 

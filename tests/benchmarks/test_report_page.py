@@ -5,9 +5,7 @@ from benchmarks.finding import Figure, Finding, Goal, Picture, Section
 from benchmarks.machine import Machine
 from benchmarks.report import json_line, page
 
-MACHINE = Machine(
-    "2026-11-21 12:00 UTC", "abc1234", "A processor", 2, "Linux", "3.11", {"numpy": "2"}, "bench"
-)
+MACHINE = Machine("2026-11-21 12:00 UTC", "abc1234", "A processor", 2, "Linux", "3.11", {"numpy": "2"}, "bench")
 SECTIONS = [
     Section(
         "Accuracy",

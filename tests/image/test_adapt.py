@@ -20,7 +20,7 @@ def picture(ball: tuple[float, ...] = BALL, finger: bool = False, seed: int = 0)
     image = np.tile(np.array(WALL, float), (120, 160, 1))
     image[INSIDE] = ball
     if finger:
-        image[INSIDE & (COLUMNS > CIRCLE.x + 5)] = FINGER
+        image[INSIDE & (CIRCLE.x + 5 < COLUMNS)] = FINGER
     image += np.random.default_rng(seed).normal(0.0, 5.0, image.shape)
     return np.rint(image).clip(0, 255).astype(np.uint8)
 

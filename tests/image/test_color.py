@@ -201,7 +201,9 @@ def test_a_region_outside_the_picture(region: tuple[int, int, int, int]) -> None
     assert str(region) in str(caught.value)
 
 
-@pytest.mark.parametrize(("x", "y"), [(-0.6, 5.0), (219.5, 5.0), (5.0, -0.6), (5.0, 179.5), (np.nan, 5.0), (np.inf, 1.0)])
+@pytest.mark.parametrize(
+    ("x", "y"), [(-0.6, 5.0), (219.5, 5.0), (5.0, -0.6), (5.0, 179.5), (np.nan, 5.0), (np.inf, 1.0)]
+)
 def test_a_click_outside_the_picture(x: float, y: float) -> None:
     with pytest.raises(ValueError, match=r"does not lie in the 220 x 180 picture") as caught:
         ms.ColorModel.pick(picture(), x, y)

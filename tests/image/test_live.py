@@ -171,9 +171,7 @@ def test_a_camera_that_does_not_open_is_a_broken_link(camera: Camera) -> None:
         Video(3)
 
 
-def test_a_camera_without_a_first_picture_is_closed_again(
-    camera: Camera, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_camera_without_a_first_picture_is_closed_again(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("matchset.image.live.WARM_UP", 0.02)
     camera._pictures.clear()
     camera.unplug()
@@ -193,9 +191,7 @@ def test_a_negative_camera_number_is_refused() -> None:
         Video(-1)
 
 
-@pytest.mark.parametrize(
-    "url", ["rtsp://me:secret@drone.local/live", "http://h/a@b.mjpg", "udp://0.0.0.0:11111"]
-)
+@pytest.mark.parametrize("url", ["rtsp://me:secret@drone.local/live", "http://h/a@b.mjpg", "udp://0.0.0.0:11111"])
 def test_a_url_is_live_and_messages_hide_its_password(camera: Camera, url: str) -> None:
     camera.backend = "FFMPEG"
     video = Video(url, timeout=0.02)
@@ -246,9 +242,7 @@ def test_settings_are_set_read_back_and_reported(camera: Camera) -> None:
     shut(video, camera)
 
 
-def test_a_setting_the_camera_does_not_have_is_reported(
-    camera: Camera, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_setting_the_camera_does_not_have_is_reported(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(camera, "set", lambda *_: False)
     video = Video(0, exposure=20)
     assert video.settings == {"exposure": (20.0, None)}

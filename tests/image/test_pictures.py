@@ -51,9 +51,7 @@ def test_gray_pictures_stay_gray(tmp_path: Path) -> None:
         assert next(video).image.shape == (HEIGHT, WIDTH)
 
 
-def test_broken_pictures_in_a_folder_are_skipped_and_counted(
-    folder: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_broken_pictures_in_a_folder_are_skipped_and_counted(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (folder / "view0.png").write_bytes(b"")
     (folder / "view5.png").write_bytes(b"no picture at all" * 10)
     (folder / "view6.png").unlink()

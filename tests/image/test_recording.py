@@ -60,9 +60,7 @@ def avi(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return written(tmp_path_factory.mktemp("avi") / "clip.avi", "MJPG")
 
 
-@pytest.mark.parametrize(
-    ("name", "codec"), [("clip.avi", "MJPG"), ("clip.mp4", "mp4v"), ("clip.mp4", "vp09")]
-)
+@pytest.mark.parametrize(("name", "codec"), [("clip.avi", "MJPG"), ("clip.mp4", "mp4v"), ("clip.mp4", "vp09")])
 def test_a_file_delivers_every_frame_in_order(tmp_path: Path, name: str, codec: str) -> None:
     with Video(written(tmp_path / name, codec)) as video:
         assert (video.width, video.height, video.channels) == (WIDTH, HEIGHT, 3)
@@ -156,12 +154,8 @@ def test_time_runs_forward_whatever_the_file_says(
     assert frames[0].image.shape == (4, 6)
 
 
-def test_a_picture_that_was_grabbed_but_does_not_unpack_is_broken(
-    avi: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        "matchset.image.recording.open_capture", lambda _: Stamps([0, 100, 200, 300], failures=2)
-    )
+def test_a_picture_that_was_grabbed_but_does_not_unpack_is_broken(avi: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("matchset.image.recording.open_capture", lambda _: Stamps([0, 100, 200, 300], failures=2))
     with Video(avi) as video:
         assert [(frame.index, frame.time) for frame in video] == [(2, 0.2), (3, 0.3)]
     assert video.broken == 2

@@ -99,9 +99,7 @@ def test_truth_is_at_the_middle_of_the_exposure() -> None:
 
 def test_absent_hidden_and_away_frames_say_so() -> None:
     empty = small(frames=2, ball=False)
-    assert empty.truth(1) == Truth(
-        index=1, circle=None, visible=False, share=0.0, outline=None, position=None
-    )
+    assert empty.truth(1) == Truth(index=1, circle=None, visible=False, share=0.0, outline=None, position=None)
     hidden = small(frames=9, hidden=((3, 6),), exposure=0.5, preset=None)
     assert [hidden.truth(i).visible for i in range(9)] == [True] * 3 + [False] * 3 + [True] * 3
     background = hidden.background()
@@ -170,9 +168,7 @@ def test_jpeg_is_the_last_step() -> None:
     raw, packed = (small(frames=1, preset=None, jpeg=q) for q in (None, 40))
     image = raw.render(0, raw.background()).image
     _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 40])
-    np.testing.assert_array_equal(
-        packed.render(0, packed.background()).image, cv2.imdecode(data, cv2.IMREAD_COLOR)
-    )
+    np.testing.assert_array_equal(packed.render(0, packed.background()).image, cv2.imdecode(data, cv2.IMREAD_COLOR))
 
 
 def test_equal_radius_in_a_larger_picture() -> None:

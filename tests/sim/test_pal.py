@@ -75,9 +75,7 @@ def test_chroma_averaging_moves_nothing_up_or_down() -> None:
 
 @pytest.mark.parametrize(("pal", "luma", "chroma"), [(TYPICAL, 6.0, 8.0), (BAD, 15.0, 20.0)])
 def test_noise_in_the_picture_has_the_stated_deviation(pal: Pal, luma: float, chroma: float) -> None:
-    quiet = Pal(
-        **{f: getattr(pal, f) for f in pal.__struct_fields__} | {"lost_lines": 0.0, "line_jitter": 0.0}
-    )
+    quiet = Pal(**{f: getattr(pal, f) for f in pal.__struct_fields__} | {"lost_lines": 0.0, "line_jitter": 0.0})
     y, cb, cr = channels(degrade(flat(), quiet, 3))
     assert y.std() == pytest.approx(luma, rel=0.05)
     assert cb.std() == pytest.approx(chroma, rel=0.06)

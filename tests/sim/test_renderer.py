@@ -83,9 +83,7 @@ def test_a_marker_can_point_away() -> None:
 def test_a_stick_covers_the_share_it_is_built_for(share: float) -> None:
     outline = sphere_outline(CAMERA, (0.2, 0.1, 1.3), BALLOON.radius)
     assert visible_share(outline, CAMERA, []) == 1.0
-    assert visible_share(outline, CAMERA, [bar_over(outline, share, 1.9)]) == pytest.approx(
-        1.0 - share, abs=0.012
-    )
+    assert visible_share(outline, CAMERA, [bar_over(outline, share, 1.9)]) == pytest.approx(1.0 - share, abs=0.012)
     picture = blank()
     draw_occluder(picture, [bar_over(outline, share, 1.9)])
     covered = coverage([(0.2, 0.1, 1.3)])

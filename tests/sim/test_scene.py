@@ -45,9 +45,7 @@ def test_the_camera_can_move() -> None:
 
 def test_a_surface_lands_where_the_camera_projects_it() -> None:
     texture = np.full((4, 4, 4), 255, np.uint8)
-    card = Surface(
-        origin=np.array([0.1, -0.2, 2.0]), u=np.array([0.5, 0, 0]), v=np.array([0, 0.4, 0]), texture=texture
-    )
+    card = Surface(origin=np.array([0.1, -0.2, 2.0]), u=np.array([0.5, 0, 0]), v=np.array([0, 0.4, 0]), texture=texture)
     covered = Scene([card]).render(CAMERA, samples=4)[..., 0] / 255.0
     y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
     scale = CAMERA.fx / 2.0

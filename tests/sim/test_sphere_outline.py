@@ -45,12 +45,8 @@ def off_ellipse(outline: Outline, points: npt.NDArray[np.float64]) -> npt.NDArra
 
 
 @settings(deadline=None, max_examples=200)
-@given(
-    x=st.floats(-0.7, 0.7), y=st.floats(-0.7, 0.7), depth=st.floats(0.4, 20.0), radius=st.floats(0.01, 0.25)
-)
-def test_the_outline_is_the_projection_of_the_tangent_circle(
-    x: float, y: float, depth: float, radius: float
-) -> None:
+@given(x=st.floats(-0.7, 0.7), y=st.floats(-0.7, 0.7), depth=st.floats(0.4, 20.0), radius=st.floats(0.01, 0.25))
+def test_the_outline_is_the_projection_of_the_tangent_circle(x: float, y: float, depth: float, radius: float) -> None:
     center = np.array([x * depth, y * depth, depth])
     outline = sphere_outline(CAMERA, center, radius)
     assert outline.a >= outline.b > 0.0

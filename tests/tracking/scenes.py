@@ -20,9 +20,7 @@ def wall(seed: int = 0, shape: tuple[int, ...] = (HEIGHT, WIDTH, 3)) -> Picture:
     return np.rint(noise).clip(0, 255).astype(np.uint8)
 
 
-def with_ball(
-    image: Picture, x: float, y: float, radius: float, color: tuple[float, ...] | float = BLUE
-) -> Picture:
+def with_ball(image: Picture, x: float, y: float, radius: float, color: tuple[float, ...] | float = BLUE) -> Picture:
     """The picture with a disc drawn on it, each pixel mixed by how much of it the disc covers."""
     rows, columns = np.indices(image.shape[:2])
     cover = np.clip(radius - np.hypot(columns - x, rows - y) + 0.5, 0.0, 1.0)

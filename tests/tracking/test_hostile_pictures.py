@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scenes import Answer, Picture, at, blue, run, scene
 
 import matchset as ms
-from scenes import Answer, Picture, at, blue, run, scene
 
 SHAPES = [(1, 1), (1, 7), (3, 3), (5, 1000), (1000, 5), (17, 23), (64, 64), (96, 128)]
 MODELS = {

@@ -5,9 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scenes import HEIGHT, WIDTH, at, blue, off, run, scene, wall
 
 import matchset as ms
-from scenes import HEIGHT, WIDTH, at, blue, off, run, scene, wall
 
 BALL = (150.0, 110.0, 30.0)
 GRAY = ms.ColorModel(np.linspace(-4.0, 4.0, 256, dtype=np.float32))

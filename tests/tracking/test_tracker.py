@@ -7,11 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run, scene, wall, with_ball
 
 import matchset as ms
 from matchset.sim.clip import Clip
 from matchset.tracking.tracker import TrackerParameters
-from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run, scene, wall, with_ball
 
 MOVING = [(60.0 + 4.0 * k, 80.0 + 1.5 * k, 25.0) for k in range(12)]
 

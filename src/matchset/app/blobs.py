@@ -88,9 +88,7 @@ def _hough(lab: npt.NDArray[np.float32]) -> list[CircleTuple]:
     light = (255.0 / max(float(lightness.max()), 1.0) * lightness).astype(np.uint8)
     low, high = (round(radius) for radius in _RADII_PX)
     light = cv2.GaussianBlur(light, (0, 0), 1.5)
-    found = cv2.HoughCircles(
-        light, cv2.HOUGH_GRADIENT, 2, 12, param1=100, param2=50, minRadius=2 * low, maxRadius=high
-    )
+    found = cv2.HoughCircles(light, cv2.HOUGH_GRADIENT, 2, 12, param1=100, param2=50, minRadius=2 * low, maxRadius=high)
     if found is None:
         return []
     return [(float(x), float(y), float(radius)) for x, y, radius in found.reshape(-1, 3)[:40]]

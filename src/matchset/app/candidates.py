@@ -67,9 +67,7 @@ def find_candidates(image: Gray, limit: int = 9) -> list[Candidate]:
         Most ball-like first.
     """
     scale = min(1.0, WORK_SIDE_PX / max(image.shape[:2]))
-    small = (
-        cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
-    )
+    small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
     lab = _lab(small)
     judged = sorted(((_score(lab, circle), circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []

@@ -79,9 +79,7 @@ def track(
     ] = None,
     video: Annotated[
         Path | None,
-        typer.Option(
-            metavar="OUT.mp4", help="Write the annotated video: .mp4 (VP9), or .webm (20 times as fast)."
-        ),
+        typer.Option(metavar="OUT.mp4", help="Write the annotated video: .mp4 (VP9), or .webm (20 times as fast)."),
     ] = None,
     out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")] = None,
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False,
@@ -158,9 +156,7 @@ def score(
     tracks: Annotated[Path, typer.Argument(help="tracks.csv of 'matchset track'.")],
     truth: Annotated[Path, typer.Argument(help="Truth: video,frame,x,y,r,visible,method.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print one line of JSON.")] = False,
-    start: Annotated[
-        int, typer.Option("--from", min=0, metavar="FRAME", help="Score from this frame on.")
-    ] = 0,
+    start: Annotated[int, typer.Option("--from", min=0, metavar="FRAME", help="Score from this frame on.")] = 0,
     video: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which video's rows, if the truth holds several.")
     ] = None,

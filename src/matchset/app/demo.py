@@ -62,9 +62,7 @@ def run_demo(out: Path | None, frames: int, force: bool) -> int:
     console = Console(highlight=False)
     folder = output_folder(out, "demo", force)
     clip = Clip(frames=frames, preset="typical")
-    console.print(
-        f"A balloon in a room, {clip.width} x {clip.height}, {frames} frames over an analog radio link."
-    )
+    console.print(f"A balloon in a room, {clip.width} x {clip.height}, {frames} frames over an analog radio link.")
     console.print("It is tracked from one click in the first frame.\n")
     tally = Tally()
     with StopRequest() as stop:

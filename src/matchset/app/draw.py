@@ -55,9 +55,7 @@ def as_color(image: Picture) -> Picture:
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), np.uint8) if image.ndim == 2 else image.copy()
 
 
-def draw_circle(
-    image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False
-) -> None:
+def draw_circle(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False) -> None:
     """Draw a circle's outline, to a sixteenth of a pixel.
 
     Parameters
@@ -79,9 +77,7 @@ def draw_circle(
         cv2.circle(image, center, radius, color, thickness, cv2.LINE_AA, _SHIFT)
         return
     for start in range(0, 360, 20):
-        cv2.ellipse(
-            image, center, (radius, radius), 0.0, start, start + 11, color, thickness, cv2.LINE_AA, _SHIFT
-        )
+        cv2.ellipse(image, center, (radius, radius), 0.0, start, start + 11, color, thickness, cv2.LINE_AA, _SHIFT)
 
 
 def draw_points(image: Picture, points: npt.NDArray[np.float64]) -> None:
@@ -97,8 +93,7 @@ def describe(row: Row) -> str:
         return f"Lost: {row.reason}"
     std = row.std or {}
     numbers = [
-        f"{name} {value:.1f}" + (f" ±{std[name]:.2f}" if name in std else "")
-        for name, value in row.shape.items()
+        f"{name} {value:.1f}" + (f" ±{std[name]:.2f}" if name in std else "") for name, value in row.shape.items()
     ]
     support = "" if row.support is None else f"   support {100.0 * row.support:.0f} %"
     return "   ".join(numbers) + " px" + support
@@ -121,9 +116,7 @@ def caption(image: Picture, left: str, right: str = "", bad: bool = False) -> No
     strip = image[-round(1.9 * size) :]
     strip //= 3
     middle = height - 0.95 * size
-    cv2.rectangle(
-        strip, (0, 0), (max(2, size // 4), strip.shape[0]), COASTING if bad else OUTLINE, cv2.FILLED
-    )
+    cv2.rectangle(strip, (0, 0), (max(2, size // 4), strip.shape[0]), COASTING if bad else OUTLINE, cv2.FILLED)
     draw_text(image, left, (0.9 * size, middle), size)
     room = width - text_width(left, size) - text_width(right, size) - 3.0 * size
     if right and room > 0:

@@ -81,8 +81,7 @@ def _mark(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int],
     badges: list[tuple[float, float]] = []
     for candidate in candidates:
         x, y = (
-            offset + zoom * (value + 0.5) - 0.5
-            for offset, value in zip(at, (candidate.x, candidate.y), strict=True)
+            offset + zoom * (value + 0.5) - 0.5 for offset, value in zip(at, (candidate.x, candidate.y), strict=True)
         )
         center, radius = (round(x * 16), round(y * 16)), round(candidate.radius * zoom * 16)
         cv2.circle(canvas, center, radius, (255, 255, 255), 4, cv2.LINE_AA, _SHIFT)
@@ -90,9 +89,7 @@ def _mark(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int],
         badges.append(_badge_place(canvas, (x, y, candidate.radius * zoom), badges))
     for number, (x, y) in enumerate(badges, start=1):
         spot = round(x * 16), round(y * 16)
-        cv2.circle(
-            canvas, spot, round(0.72 * _BADGE_PX * 16), (255, 255, 255), cv2.FILLED, cv2.LINE_AA, _SHIFT
-        )
+        cv2.circle(canvas, spot, round(0.72 * _BADGE_PX * 16), (255, 255, 255), cv2.FILLED, cv2.LINE_AA, _SHIFT)
         cv2.circle(canvas, spot, round(0.62 * _BADGE_PX * 16), OUTLINE, cv2.FILLED, cv2.LINE_AA, _SHIFT)
         label = str(number)
         draw_text(canvas, label, (x - text_width(label, _BADGE_PX) / 2 + 1, y), _BADGE_PX)

@@ -48,10 +48,7 @@ def learn(options: LearnOptions) -> int:
     with Video(options.source) as video:
         frame = frame_at(video, options.frame or at or 0)
     color = ColorModel.pick(frame.image, x, y)
-    if options.out is None:
-        path = output_folder(None, "learn") / "ball.npz"
-    else:
-        path = output_file(options.out, options.force)
+    path = output_folder(None, "learn") / "ball.npz" if options.out is None else output_file(options.out, options.force)
     picture = output_file(path.with_name(path.stem + "-mask.png"), options.force)
     color.save(path)
     write_picture(picture, mask_picture(frame.image, color))

@@ -91,9 +91,7 @@ class Recorder:
     def write(self, picture: Picture) -> None:
         """Append a BGR picture; the caller must not change it any more."""
         if (picture.shape[1], picture.shape[0]) != self._size:
-            raise ValueError(
-                f"a picture of {self.path} must have {self._size} px, got {picture.shape[1::-1]}"
-            )
+            raise ValueError(f"a picture of {self.path} must have {self._size} px, got {picture.shape[1::-1]}")
         self._pictures.put(picture)
 
     def close(self) -> None:
@@ -134,9 +132,7 @@ def codecs_for(path: Path) -> tuple[Codec, ...]:
         raise ValueError(f"a video's name must end in {', '.join(CODECS)}, got {str(path)!r}") from None
 
 
-def _open(
-    path: Path, codecs: tuple[Codec, ...], fps: float, size: tuple[int, int]
-) -> tuple[cv2.VideoWriter, Codec]:
+def _open(path: Path, codecs: tuple[Codec, ...], fps: float, size: tuple[int, int]) -> tuple[cv2.VideoWriter, Codec]:
     for codec in codecs:
         with hushed, _silent_stderr():
             rate = PACKING_FPS if codec is VP8 else fps

@@ -105,17 +105,14 @@ def score(answers: Mapping[int, Circle3 | None], truths: Iterable[Truth], start:
         lost_percent=_percent(lost, len(visible)),
         false_locks=sum(_is_false_lock(answers.get(truth.frame), truth.circle) for truth in counted),
         trembling_px=_of(_differences(offsets, order=1), lambda steps: np.abs(steps).sum(axis=1).mean()),
-        jitter_px=_of(
-            _differences(offsets, order=2), lambda bends: np.sqrt(np.square(bends).sum(axis=1).mean())
-        ),
+        jitter_px=_of(_differences(offsets, order=2), lambda bends: np.sqrt(np.square(bends).sum(axis=1).mean())),
     )
 
 
 def circles(rows: Iterable[Row]) -> dict[int, Circle3 | None]:
     """Turn the rows of a table into the answers that `score` takes."""
     return {
-        row.frame: None if row.shape is None else (row.shape["x"], row.shape["y"], row.shape["radius"])
-        for row in rows
+        row.frame: None if row.shape is None else (row.shape["x"], row.shape["y"], row.shape["radius"]) for row in rows
     }
 
 
@@ -131,9 +128,7 @@ def _is_false_lock(answer: Circle3 | None, truth: Circle3 | None) -> bool:
     return truth is None or math.hypot(answer[0] - truth[0], answer[1] - truth[1]) > truth[2]
 
 
-def _of(
-    values: npt.NDArray[np.float64], statistic: Callable[[npt.NDArray[np.float64]], np.floating]
-) -> float | None:
+def _of(values: npt.NDArray[np.float64], statistic: Callable[[npt.NDArray[np.float64]], np.floating]) -> float | None:
     return float(statistic(values)) if len(values) else None
 
 

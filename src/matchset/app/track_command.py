@@ -85,9 +85,7 @@ def _trackers(target: Target, points: int) -> Callable[[Frame], Follower | None]
     """Make the trackers; a click counts in its own frame, so the tracker begins anew there."""
     with if_slow(COMPILING):
         searching = Tracker(Circle, target.color, points=points)
-        clicked = (
-            None if target.start is None else Tracker(Circle, target.color, points=points, start=target.start)
-        )
+        clicked = None if target.start is None else Tracker(Circle, target.color, points=points, start=target.start)
     begun = False
 
     def follower_at(frame: Frame) -> Follower | None:

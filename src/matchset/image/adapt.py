@@ -12,6 +12,9 @@ import numpy.typing as npt
 from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+Bytes = npt.NDArray[np.uint8]
+Table = npt.NDArray[np.int8]
 
 LEASH = np.float32(3.0)  # how far a cell's log-odds may drift from what was learned at first
 FOREIGN = np.float32(-2.0)  # log-odds below which a pixel inside is something in front of the target
@@ -23,19 +26,23 @@ ROUND = SHIFT + 0.5
 
 
 @kernel
-def _cell(image, x, y):
+def _cell(image: Bytes, x: float, y: float) -> np.int64 | int:
     """Color cell of the pixel at (x, y), or -1 outside the picture."""
     column, row = int(x + ROUND) - SHIFT, int(y + ROUND) - SHIFT
     if row < 0 or column < 0 or row >= image.shape[0] or column >= image.shape[1]:
         return -1
     if image.shape[2] == 1:
         return np.int64(image[row, column, 0])
-    b, g, r = np.int64(image[row, column, 0]), np.int64(image[row, column, 1]), np.int64(image[row, column, 2])
+    b, g, r = (
+        np.int64(image[row, column, 0]),
+        np.int64(image[row, column, 1]),
+        np.int64(image[row, column, 2]),
+    )
     return (b >> 3) << 10 | (g >> 3) << 5 | r >> 3
 
 
 @kernel
-def _nudge(cell, amount, log_odds, first, table):
+def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
     """Move one cell, toward target for a positive amount, toward background for a negative one."""
     old = log_odds[cell]
     belief = np.float32(0.5) + np.float32(0.5) * old / (np.float32(1.0) + abs(old))
@@ -47,7 +54,7 @@ def _nudge(cell, amount, log_odds, first, table):
 
 
 @kernel
-def _teach(cell, amount, log_odds, first, table):
+def _teach(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
     """Move a cell that is not sure yet and, half as much, its neighbors in color."""
     if log_odds[cell] * (1.0 if amount > 0.0 else -1.0) > SURE:
         return
@@ -64,7 +71,9 @@ def _teach(cell, amount, log_odds, first, table):
 
 
 @kernel
-def count_inside(image, table, points, shares, x, y):
+def count_inside(
+    image: Bytes, table: Table, points: Floats, shares: Floats, x: float, y: float
+) -> tuple[float, float, float]:
     """Look at one pixel per outline point, at its share of the way from the center (x, y).
 
     Parameters
@@ -111,7 +120,18 @@ def count_inside(image, table, points, shares, x, y):
 
 
 @kernel
-def adapt_table(image, log_odds, first, table, points, shares, x, y, begin, rate):
+def adapt_table(
+    image: Bytes,
+    log_odds: Singles,
+    first: Singles,
+    table: Table,
+    points: Floats,
+    shares: Floats,
+    x: float,
+    y: float,
+    begin: int,
+    rate: float,
+) -> None:
     """Learn from every fourth outline point: one pixel inside, one `FAR` px outside.
 
     Parameters

@@ -101,9 +101,7 @@ class ColorModel:
         return cls._taught(image, grow(image, calm(image, x, y)), f"pick ({x:g}, {y:g})")
 
     @classmethod
-    def _taught(
-        cls, image: npt.NDArray[np.uint8], target: npt.NDArray[np.bool_], origin: str
-    ) -> "ColorModel":
+    def _taught(cls, image: npt.NDArray[np.uint8], target: npt.NDArray[np.bool_], origin: str) -> "ColorModel":
         outside = surroundings(target)
         if not outside.any():
             raise ValueError(f"{origin}: no background is left to learn from")
@@ -154,14 +152,14 @@ class ColorModel:
         return ColorModel(np.maximum(self.log_odds, other.log_odds))
 
     def copy(self) -> "ColorModel":
-        """A model of its own, so that adapting it leaves this one alone."""
+        """Make a model of its own, so that adapting it leaves this one alone."""
         return ColorModel(self.log_odds)
 
     def _scores(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
         if image.ndim == 2:
-            return self.table[image]
+            return np.asarray(self.table[image])
         cells = image.astype(np.int32) >> 3
-        return self.table[cells[..., 0] << 10 | cells[..., 1] << 5 | cells[..., 2]]
+        return np.asarray(self.table[cells[..., 0] << 10 | cells[..., 1] << 5 | cells[..., 2]])
 
     def mask(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
         """Picture of what looks like the target; to look at, the tracking loop never makes one.
@@ -231,9 +229,7 @@ class ColorModel:
         return cls(log_odds)
 
 
-def _learned_color(
-    target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]
-) -> npt.NDArray[np.float32]:
+def _learned_color(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
     """Log-odds of the BGR cells: chroma counts, lightness only where the background says so."""
     inside = chroma(target)
     width = np.clip(inside[:, :2].std(axis=0) * len(inside) ** (-1 / 6), 0.018, 0.06)
@@ -244,16 +240,14 @@ def _learned_color(
     odds = (look_up(wanted, cells) * (1 - UNKNOWN[0]) + UNKNOWN[0] * uniform) / (
         look_up(other, cells) * (1 - UNKNOWN[1]) + UNKNOWN[1] * uniform
     )
-    return np.log(odds).astype(np.float32)
+    return np.asarray(np.log(odds), np.float32)
 
 
-def _learned_gray(
-    target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]
-) -> npt.NDArray[np.float32]:
+def _learned_gray(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
     """Log-odds of the 256 gray values."""
     shares = []
     for pixels, unknown in zip((target, background), UNKNOWN, strict=True):
         counts = np.bincount(pixels.ravel(), minlength=256).astype(np.float32)
         smooth = cv2.GaussianBlur(counts.reshape(1, -1), (0, 0), 6.0, borderType=cv2.BORDER_REPLICATE).ravel()
         shares.append(smooth / smooth.sum() * (1 - unknown) + unknown / 256.0)
-    return np.log(shares[0] / shares[1]).astype(np.float32)
+    return np.asarray(np.log(shares[0] / shares[1]), np.float32)

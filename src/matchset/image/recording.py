@@ -97,9 +97,7 @@ class Recording:
                 self._start, self._last = (index, stamp), stamp
                 return stamp
             self._stamped = False
-            self.warnings.append(
-                f"time stamps stop running forward at frame {index}: {self.fps:g} fps from there"
-            )
+            self.warnings.append(f"time stamps stop running forward at frame {index}: {self.fps:g} fps from there")
         self._last = self._start[1] + (index - self._start[0]) / self.fps
         return self._last
 

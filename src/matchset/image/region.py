@@ -28,7 +28,7 @@ def features(image: npt.NDArray[np.uint8]) -> Floats:
     -------
     ndarray of shape (h, w, 3), float32
     """
-    smooth = cv2.GaussianBlur(image, (0, 0), 2.0)
+    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), 2.0), np.uint8)
     if smooth.ndim == 3:
         return chroma(smooth)
     level = smooth.astype(np.float32) / 400.0
@@ -36,7 +36,7 @@ def features(image: npt.NDArray[np.uint8]) -> Floats:
 
 
 def grow(image: npt.NDArray[np.uint8], seed: Mask) -> Mask:
-    """Connected region around the seed that is set off from what surrounds it.
+    """Grow the connected region around the seed that is set off from what surrounds it.
 
     The tolerance is not chosen by hand: the region is grown with rising tolerances, and the one is taken around which
     its area stands still longest, since that is where it has met the target's own edge (as maximally stable extremal
@@ -92,7 +92,7 @@ def calm(image: npt.NDArray[np.uint8], x: float, y: float) -> Mask:
 
 
 def _touching(alike: Mask, seed: Mask) -> Mask:
-    """Connected components of `alike` that hold a pixel of the seed."""
+    """Find the connected components of `alike` that hold a pixel of the seed."""
     _, labels = cv2.connectedComponents(alike.astype(np.uint8), connectivity=4)
     wanted = np.unique(labels[seed])
     return np.asarray(np.isin(labels, wanted[wanted > 0]))

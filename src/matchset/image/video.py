@@ -176,9 +176,7 @@ def _is_number(text: str) -> bool:
     return re.fullmatch(r"[0-9]+", text) is not None
 
 
-def _open(
-    source: int | str | Path, name: str, timeout: float, asked: dict[str, float]
-) -> Live | Pictures | Recording:
+def _open(source: int | str | Path, name: str, timeout: float, asked: dict[str, float]) -> Live | Pictures | Recording:
     """Choose the kind of source."""
     text = str(source)
     if isinstance(source, int) and source < 0:

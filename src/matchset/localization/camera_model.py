@@ -50,6 +50,4 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True):
         if not 0.0 < fov < math.pi:
             raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}")
         focal = (width / 2.0) / math.tan(fov / 2.0)
-        return cls(
-            width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0
-        )
+        return cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)

@@ -1,0 +1,1 @@
+"""What is looked for: outlines in the image plane."""

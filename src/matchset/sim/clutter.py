@@ -52,7 +52,7 @@ def _overlap(one: Surface, other: Surface) -> bool:
         half = 0.5 * float(np.linalg.norm(surface.v))
         places.append((middle[:2] / middle[2], half / middle[2]))
     (a, reach), (b, more) = places
-    return float(np.linalg.norm(a - b)) < CLEAR * (reach + more)
+    return bool(np.linalg.norm(a - b) < CLEAR * (reach + more))
 
 
 def _hang(rng: Random, thing: tuple[Texture, float], depth: float) -> Surface:

@@ -50,9 +50,7 @@ def _sphere_coverage(u: float, v: float, lens: Array, spheres: Array, i: int) ->
 
 
 @kernel
-def _shade(
-    u: float, v: float, sphere: Array, radius: float, soften: float, look: Array
-) -> tuple[float, float, float]:
+def _shade(u: float, v: float, sphere: Array, radius: float, soften: float, look: Array) -> tuple[float, float, float]:
     """Color of the sphere where the ray (u, v, 1) meets it, or of its outline next to the ray.
 
     `soften` is the width of the marker's border, rad as seen from the center of the sphere. The directions
@@ -98,9 +96,7 @@ def _sphere_box(
         left = min(left, lens[2] + lens[0] * min((x - radius) / (z - radius), (x - radius) / (z + radius)))
         right = max(right, lens[2] + lens[0] * max((x + radius) / (z - radius), (x + radius) / (z + radius)))
         top = min(top, lens[3] + lens[1] * min((y - radius) / (z - radius), (y - radius) / (z + radius)))
-        bottom = max(
-            bottom, lens[3] + lens[1] * max((y + radius) / (z - radius), (y + radius) / (z + radius))
-        )
+        bottom = max(bottom, lens[3] + lens[1] * max((y + radius) / (z - radius), (y + radius) / (z + radius)))
     box = np.empty(4, np.int64)
     box[0], box[1] = int(max(left - 1.0, 0.0)), int(min(right + 2.0, shape[1] - 1.0))
     box[2], box[3] = int(max(top - 1.0, 0.0)), int(min(bottom + 2.0, shape[0] - 1.0))

@@ -68,8 +68,6 @@ def cuboid(
         )
     lid = texture(skin * np.float32(shade(-down)))
     faces.append(
-        Surface(
-            origin=top - half_x * right + half_z * deep, u=size[0] * right, v=-size[2] * deep, texture=lid
-        )
+        Surface(origin=top - half_x * right + half_z * deep, u=size[0] * right, v=-size[2] * deep, texture=lid)
     )
     return faces

@@ -25,9 +25,7 @@ def bookcase(rng: Random, place: Place) -> list[Surface]:
     """Bookcase full of books; `place` is x and z of the middle of its foot, m."""
     width, height = rng.uniform(1.2, 1.6), rng.uniform(1.7, 2.3)
     front = books(rng, int(150 * height), int(150 * width), int(height / 0.4))
-    return cuboid(
-        (place[0], FLOOR, place[1]), (width, height, 0.35), 0.0, wood(rng, 80, 40, _timber(rng)), front
-    )
+    return cuboid((place[0], FLOOR, place[1]), (width, height, 0.35), 0.0, wood(rng, 80, 40, _timber(rng)), front)
 
 
 def sofa(rng: Random, place: Place) -> list[Surface]:
@@ -41,9 +39,7 @@ def sofa(rng: Random, place: Place) -> list[Surface]:
         parts += cuboid((x + side, FLOOR, z), (0.2, 0.62, 0.9), 0.0, cloth)
     for side in (-0.42, 0.38):
         pillow = plain(24, 24, PAINTS[rng.integers(len(PAINTS))])
-        parts += cuboid(
-            (x + side, FLOOR - 0.42, z + 0.18), (0.42, 0.36, 0.14), float(rng.normal(0.0, 0.2)), pillow
-        )
+        parts += cuboid((x + side, FLOOR - 0.42, z + 0.18), (0.42, 0.36, 0.14), float(rng.normal(0.0, 0.2)), pillow)
     return parts
 
 
@@ -76,9 +72,7 @@ def cabinet(rng: Random, place: Place) -> list[Surface]:
     screen = framed(plain(70, 120, (44.0, 42.0, 40.0)), 4, (18.0, 18.0, 18.0))
     screen[4:-4, 4:-4] += np.linspace(26.0, 0.0, 112, dtype=np.float32)[None, :, None]
     parts = cuboid((x, FLOOR, z), (1.6, 0.62, 0.42), 0.0, timber, front)
-    return parts + cuboid(
-        (x, FLOOR - 0.62, z), (1.15, 0.66, 0.06), 0.0, plain(8, 8, (22.0, 22.0, 22.0)), screen
-    )
+    return parts + cuboid((x, FLOOR - 0.62, z), (1.15, 0.66, 0.06), 0.0, plain(8, 8, (22.0, 22.0, 22.0)), screen)
 
 
 def cartons(rng: Random, place: Place) -> list[Surface]:

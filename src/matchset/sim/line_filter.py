@@ -37,9 +37,7 @@ def _to_byte(value: np.float32) -> np.uint8:
 
 
 @kernel
-def expose(
-    picture: Picture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]
-) -> None:
+def expose(picture: Picture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]) -> None:
     """Write gain * picture, cut off at 255, + white noise of deviation sigma in each channel, as bytes."""
     height, width = picture.shape[0], picture.shape[1]
     scale, top = np.float32(sigma), np.float32(255.0)
@@ -87,11 +85,7 @@ def transmit(
                 channel[x] = min(level * (channel[x] + part * (channel[x + 1] - channel[x])), top)
         luma, blue, red = planes[y, 0], planes[y, 1], planes[y, 2]
         for x in range(width):
-            gray = (
-                np.float32(0.114) * line[0, x]
-                + np.float32(0.587) * line[1, x]
-                + np.float32(0.299) * line[2, x]
-            )
+            gray = np.float32(0.114) * line[0, x] + np.float32(0.587) * line[1, x] + np.float32(0.299) * line[2, x]
             luma[x] = gray
             blue[x] = np.float32(0.564) * (line[0, x] - gray)
             red[x] = np.float32(0.713) * (line[2, x] - gray)

@@ -102,9 +102,7 @@ def sphere_outline(camera: CameraModel, position: npt.ArrayLike, radius: float) 
     if center.shape != (3,) or not np.isfinite(center).all():
         raise ValueError(f"a position must be three finite numbers, got {position!r}")
     if not 0.0 < radius < center[2]:
-        raise ValueError(
-            f"the sphere must lie in front of the camera: radius {radius} m, depth {center[2]} m"
-        )
+        raise ValueError(f"the sphere must lie in front of the camera: radius {radius} m, depth {center[2]} m")
     cone = np.outer(center, center) - (center @ center - radius**2) * np.eye(3)
     x, y, a, b, angle = _conic_axes(cone, camera)
     return Outline(
@@ -148,6 +146,4 @@ def mean_circle(circles: list[Circle]) -> Circle:
     if not circles:
         raise ValueError("the mean of 0 circles is not defined")
     n = len(circles)
-    return Circle(
-        sum(c.x for c in circles) / n, sum(c.y for c in circles) / n, sum(c.radius for c in circles) / n
-    )
+    return Circle(sum(c.x for c in circles) / n, sum(c.y for c in circles) / n, sum(c.radius for c in circles) / n)

@@ -65,9 +65,9 @@ def planks(rng: Random, height: int, width: int, color: Color, board: int) -> Pi
                 floor[top : top + 2, left : left + board] *= np.float32(0.7)
             top = bottom
         floor[:, left] *= np.float32(0.62)
-    streaks = cv2.resize(
-        rng.standard_normal((max(height // 24, 2), width)).astype(np.float32), (width, height)
-    )[..., None]
+    streaks = cv2.resize(rng.standard_normal((max(height // 24, 2), width)).astype(np.float32), (width, height))[
+        ..., None
+    ]
     floor *= 1.0 + 0.035 * streaks
     return floor
 
@@ -98,9 +98,7 @@ def books(rng: Random, height: int, width: int, shelves: int) -> Picture:
                 x += int(rng.integers(10, 40))
                 continue
             tall = int((bottom - top) * rng.uniform(0.6, 0.94))
-            paint = np.array(PAINTS[rng.integers(len(PAINTS))], np.float32) * np.float32(
-                rng.uniform(0.55, 1.0)
-            )
+            paint = np.array(PAINTS[rng.integers(len(PAINTS))], np.float32) * np.float32(rng.uniform(0.55, 1.0))
             right = min(x + thick, width - board)
             ramp = np.linspace(0.75, 1.05, right - x, dtype=np.float32)[None, :, None]
             front[bottom - tall : bottom, x:right] = paint * ramp
@@ -138,9 +136,7 @@ def poster(rng: Random, height: int, width: int) -> Picture:
         for i in range(7, 0, -1):
             color = first if i % 2 else second
             axes = (width * i // 16, height * i // 18)
-            cv2.ellipse(
-                art, (width // 2, height // 2), axes, 20.0 * i, 0, 360, color.tolist(), -1, cv2.LINE_AA
-            )
+            cv2.ellipse(art, (width // 2, height // 2), axes, 20.0 * i, 0, 360, color.tolist(), -1, cv2.LINE_AA)
     margin = max(min(height, width) // 12, 3)
     cv2.rectangle(art, (0, 0), (width - 1, height - 1), (232.0, 238.0, 240.0), 2 * margin)
     cv2.rectangle(art, (0, 0), (width - 1, height - 1), (40.0, 44.0, 52.0), max(margin // 2, 2))
@@ -186,7 +182,5 @@ def leaves(rng: Random, height: int, width: int) -> Texture:
         cv2.polylines(plant, [stem], False, color, max(width // 90, 1), cv2.LINE_AA)
         blade = (0.16 * reach, 0.055 * reach)
         center = (float(tip[0]), float(tip[1]))
-        cv2.ellipse(
-            plant, (center, (2 * blade[0], 2 * blade[1]), np.degrees(angle) - 90.0), color, -1, cv2.LINE_AA
-        )
+        cv2.ellipse(plant, (center, (2 * blade[0], 2 * blade[1]), np.degrees(angle) - 90.0), color, -1, cv2.LINE_AA)
     return plant

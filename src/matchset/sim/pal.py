@@ -109,9 +109,7 @@ def degrade(
         BGR.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.float32:
-        raise ValueError(
-            f"a picture must be float32 of shape (h, w, 3), got {picture.dtype}, {picture.shape}"
-        )
+        raise ValueError(f"a picture must be float32 of shape (h, w, 3), got {picture.dtype}, {picture.shape}")
     height, width = picture.shape[:2]
     rng = np.random.default_rng((seed, 0x9A1))
     shift = np.asarray(rng.standard_normal(height) * pal.line_jitter)
@@ -124,9 +122,7 @@ def degrade(
         expose(picture, np.array(gain), pal.sensor_noise, counter, out)
         return out
     if pal.sensor_noise > 0.0:
-        raise ValueError(
-            "sensor_noise of an analog link is a part of luma_noise and chroma_noise: leave it 0"
-        )
+        raise ValueError("sensor_noise of an analog link is a part of luma_noise and chroma_noise: leave it 0")
     luma, chroma = pole(pal.luma_bandwidth, width), pole(pal.chroma_bandwidth, width)
     lines = math.sqrt(0.375) if pal.chroma_lines else 1.0
     noise = (pal.luma_noise / noise_gain(luma), pal.chroma_noise / (noise_gain(chroma) * lines))

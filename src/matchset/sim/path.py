@@ -10,9 +10,7 @@ import numpy.typing as npt
 from matchset.localization.camera_model import CameraModel
 
 Array = npt.NDArray[np.float64]
-_SHARES = np.array(
-    [0.82, 0.18]
-)  # of two waves: together they reach 1, their steps stay close to the larger one's
+_SHARES = np.array([0.82, 0.18])  # of two waves: together they reach 1, their steps stay close to the larger one's
 _RATIOS = np.array([1.0, 2.3])
 _CROSSING = 24.0  # frames that the ball takes to leave the picture or to come back
 

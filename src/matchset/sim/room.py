@@ -91,9 +91,7 @@ def _floor_light(feet: list[tuple[float, float, float, float]]) -> Picture:
         shadow[max(int(top) - 1, 0) : int(bottom) + 3, max(int(left) - 1, 0) : int(right) + 4] = 0.42
     patch = np.array([(0.18, 0.14), (0.40, 0.18), (0.44, 0.33), (0.20, 0.28)]) * (width, height)
     cv2.fillPoly(lit, [patch.astype(np.int32)], 0.28)
-    light: Picture = cv2.GaussianBlur(shadow, (0, 0), 0.1 * scale) * (
-        1.0 + cv2.GaussianBlur(lit, (0, 0), 0.08 * scale)
-    )
+    light: Picture = cv2.GaussianBlur(shadow, (0, 0), 0.1 * scale) * (1.0 + cv2.GaussianBlur(lit, (0, 0), 0.08 * scale))
     return light
 
 
@@ -101,9 +99,7 @@ def _rug(rng: Random, floor: Picture) -> None:
     height, width = floor.shape[:2]
     rows, columns = int(0.24 * height), int(0.5 * width)
     colors = np.array(((70, 84, 158), (136, 160, 178), (90, 116, 104)), np.float32)
-    mat = plain(rows, columns, tuple(colors[rng.integers(3)].tolist())) * (
-        1.0 + 0.04 * cloud(rng, rows, columns, 3)
-    )
+    mat = plain(rows, columns, tuple(colors[rng.integers(3)].tolist())) * (1.0 + 0.04 * cloud(rng, rows, columns, 3))
     for i, tone in enumerate((1.3, 0.7, 1.2)):
         inset = 6 + 12 * i
         cv2.rectangle(mat, (inset, inset), (columns - inset, rows - inset), (mat[0, 0] * tone).tolist(), 4)
@@ -157,9 +153,7 @@ def _decorate(rng: Random) -> list[Surface]:
 def _hang(rng: Random, at: Array, along: Array, tall: float) -> list[Surface]:
     wide = float(np.abs(along).sum())
     print_ = poster(rng, int(150 * tall), int(150 * wide))
-    return [
-        Surface(origin=at, u=along, v=np.array([0.0, tall, 0.0]), texture=texture(print_ * np.float32(0.92)))
-    ]
+    return [Surface(origin=at, u=along, v=np.array([0.0, tall, 0.0]), texture=texture(print_ * np.float32(0.92)))]
 
 
 def _furnish(rng: Random) -> tuple[list[tuple[float, float, float, float]], list[Surface]]:

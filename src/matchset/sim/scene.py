@@ -77,9 +77,7 @@ class Scene(msgspec.Struct, frozen=True):
         turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
         eye = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
         if turn.shape != (3, 3) or eye.shape != (3,):
-            raise ValueError(
-                f"a camera's pose is a (3, 3) rotation and a (3,) position, got {turn.shape}, {eye.shape}"
-            )
+            raise ValueError(f"a camera's pose is a (3, 3) rotation and a (3,) position, got {turn.shape}, {eye.shape}")
         # Small things stand before large ones: drawn first, they spare the work of drawing what they hide.
         solid = sorted((s for s in self.surfaces if s.opaque), key=_area)
         clear = [s for s in self.surfaces if not s.opaque]
@@ -109,7 +107,5 @@ def viewpoint(seed: int) -> tuple[Array, Array]:
     rng = np.random.default_rng((seed, 0xE7E))
     yaw, pitch = rng.uniform(-0.3, 0.3), rng.uniform(-0.06, 0.06)
     turn = np.array([[np.cos(yaw), 0.0, np.sin(yaw)], [0.0, 1.0, 0.0], [-np.sin(yaw), 0.0, np.cos(yaw)]])
-    nod = np.array(
-        [[1.0, 0.0, 0.0], [0.0, np.cos(pitch), -np.sin(pitch)], [0.0, np.sin(pitch), np.cos(pitch)]]
-    )
+    nod = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(pitch), -np.sin(pitch)], [0.0, np.sin(pitch), np.cos(pitch)]])
     return turn @ nod, rng.uniform((-0.5, -0.3, -0.5), (0.5, 0.3, 0.3))

@@ -1,0 +1,1 @@
+"""The paper's algorithm: match-set, fit, tracking, detection."""

@@ -62,9 +62,7 @@ class Searcher:
         self.fits = height >= 3 * self.stride and width >= 3 * self.stride
         self.grid, self.sums, self.smooth = (np.zeros((rows, columns), np.int32) for _ in range(3))
         half = (rows + 1) // 2, (columns + 1) // 2
-        self.near, self.far = (
-            [np.zeros(shape, np.float32) for _ in range(3)] for shape in ((rows, columns), half)
-        )
+        self.near, self.far = ([np.zeros(shape, np.float32) for _ in range(3)] for shape in ((rows, columns), half))
         self.edges = np.zeros((max(rows * columns // 3, 64), 4))
         self.peaks = np.zeros((self.parameters.candidates // 2, 5))
         self.longest = int(0.6 * max(rows, columns))
@@ -99,7 +97,9 @@ class Searcher:
         rough[:, 1] += 0.5 * self.stride
         return rough
 
-    def _peaks(self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int) -> Floats:
+    def _peaks(
+        self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int
+    ) -> Floats:
         """Candidates with radii between two numbers of cells: x, y, radius (cells), share."""
         votes, runs, spread = grids
         votes[:] = 0.0
@@ -128,7 +128,7 @@ class Finder(Generic[S]):
     def sightings(
         self, image: npt.NDArray[np.uint8], color: ColorModel, expected: bool = False
     ) -> Iterator[tuple[Floats, float]]:
-        """Confirmed shapes of a picture, likeliest candidate first: state and merit; the matcher holds the rest.
+        """Yield the confirmed shapes of a picture, likeliest first: state and merit; the matcher holds the rest.
 
         Parameters
         ----------
@@ -156,9 +156,7 @@ class Finder(Generic[S]):
 
 def _covered(seen: list[tuple[float, float, float]], x: float, y: float, size: float) -> bool:
     """Whether this is one of the shapes already seen."""
-    return any(
-        math.hypot(x - sx, y - sy) < 0.5 * min(size, ss) and 0.6 < size / ss < 1.7 for sx, sy, ss in seen
-    )
+    return any(math.hypot(x - sx, y - sy) < 0.5 * min(size, ss) and 0.6 < size / ss < 1.7 for sx, sy, ss in seen)
 
 
 def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) -> list[Track[S]]:
@@ -188,9 +186,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     color.check(frame.image)
     image = channels_last(frame.image)
     finder = _finder(family, image.shape[1], image.shape[0])
-    found = [
-        (merit, finder.judge.track(finder.matcher, frame.time)) for _, merit in finder.sightings(image, color)
-    ]
+    found = [(merit, finder.judge.track(finder.matcher, frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])
     return [track for _, track in found[:limit]]
 

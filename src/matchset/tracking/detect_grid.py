@@ -13,11 +13,13 @@ import numpy.typing as npt
 from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+Cells = npt.NDArray[np.int32]
 MOST_EDGES = 1500  # boundary cells that may vote; more are thinned out evenly
 
 
 @kernel
-def sample_grid(image, table, stride, grid):
+def sample_grid(image: npt.NDArray[np.uint8], table: npt.NDArray[np.int8], stride: int, grid: Cells) -> None:
     """Sum of the scores of two pixels in every cell of `stride` x `stride` pixels."""
     half = stride // 2
     color = table.size > 256
@@ -30,13 +32,17 @@ def sample_grid(image, table, stride, grid):
                 cell = np.uint32(image[row, column, 0])
                 if color:
                     g, r = np.uint32(image[row, column, 1]), np.uint32(image[row, column, 2])
-                    cell = (cell >> np.uint32(3)) << np.uint32(10) | (g >> np.uint32(3)) << np.uint32(5) | r >> np.uint32(3)
+                    cell = (
+                        (cell >> np.uint32(3)) << np.uint32(10)
+                        | (g >> np.uint32(3)) << np.uint32(5)
+                        | r >> np.uint32(3)
+                    )
                 total += table[np.uintp(cell)]
             grid[i, j] = total
 
 
 @kernel
-def smooth_grid(grid, rows, smooth):
+def smooth_grid(grid: Cells, rows: Cells, smooth: Cells) -> None:
     """Sum over 3 x 3 cells; beyond the picture the border repeats."""
     height, width = grid.shape
     for i in range(height):
@@ -51,7 +57,7 @@ def smooth_grid(grid, rows, smooth):
 
 
 @kernel
-def find_edges(smooth, edges):
+def find_edges(smooth: Cells, edges: Floats) -> int:
     """Boundary of the positive region: x, y and outward normal, in cells; returns how many there are."""
     height, width = smooth.shape
     count = 0
@@ -78,7 +84,7 @@ def find_edges(smooth, edges):
 
 
 @kernel
-def vote(smooth, edges, count, nearest, farthest, fold, votes):
+def vote(smooth: Cells, edges: Floats, count: int, nearest: int, farthest: int, fold: int, votes: Singles) -> None:
     """Add 1/distance along the inward normal of every boundary point, as long as the way is mostly target.
 
     Only distances from `nearest` to `farthest` (cells) vote; `fold` cells of the grid share one of the votes, since far
@@ -101,7 +107,7 @@ def vote(smooth, edges, count, nearest, farthest, fold, votes):
 
 
 @kernel
-def spread_votes(votes, rows, total):
+def spread_votes(votes: Singles, rows: Singles, total: Singles) -> None:
     """Sum the votes over 5 x 5 cells: normals on a coarse grid are off by a few degrees."""
     height, width = votes.shape
     for i in range(height):
@@ -123,7 +129,7 @@ def spread_votes(votes, rows, total):
 
 
 @kernel
-def pick_peaks(total, edges, count, longest, least, fold, peaks):
+def pick_peaks(total: Singles, edges: Floats, count: int, longest: int, least: float, fold: int, peaks: Floats) -> int:
     """Strongest maxima of the votes, each with the circle its boundary points agree on; returns how many.
 
     A row of `peaks` is x, y, radius (cells), the share of the circle that boundary points confirm, the votes.
@@ -144,7 +150,7 @@ def pick_peaks(total, edges, count, longest, least, fold, peaks):
 
 
 @kernel
-def _insert(peaks, found, x, y, v, apart):
+def _insert(peaks: Floats, found: int, x: float, y: float, v: float, apart: float) -> int:
     """Keep the peaks sorted by votes; of peaks less than `apart` cells from each other only the strongest."""
     for k in range(found):
         if abs(peaks[k, 0] - x) < apart and abs(peaks[k, 1] - y) < apart:
@@ -166,7 +172,7 @@ def _insert(peaks, found, x, y, v, apart):
 
 
 @kernel
-def _radius(edges, count, peaks, k, longest):
+def _radius(edges: Floats, count: int, peaks: Floats, k: int, longest: int) -> None:
     """Distance at which the share of the circle that boundary points confirm is largest."""
     x, y = peaks[k, 0], peaks[k, 1]
     votes = np.zeros(longest + 3)
@@ -184,7 +190,7 @@ def _radius(edges, count, peaks, k, longest):
 
 
 @kernel
-def _circle(edges, count, peaks, k):
+def _circle(edges: Floats, count: int, peaks: Floats, k: int) -> None:
     """One step of a robust circle fit to the boundary points near the present circle."""
     x, y, radius = peaks[k, 0], peaks[k, 1], peaks[k, 2]
     a00 = a01 = a02 = a11 = a12 = a22 = b0 = b1 = b2 = 0.0

@@ -42,9 +42,7 @@ def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
         for side in range(8):
             away = change * size
             turn = 0.25 * math.pi * side
-            yield matcher.family.from_coarse(
-                x + away * math.cos(turn), y + away * math.sin(turn), size + away
-            ).state
+            yield matcher.family.from_coarse(x + away * math.cos(turn), y + away * math.sin(turn), size + away).state
 
 
 def worth(matcher: Matcher[S], usual: float) -> float:

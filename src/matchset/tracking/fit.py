@@ -19,7 +19,10 @@ from matchset.shapes.jit import kernel
 Floats = npt.NDArray[np.float64]
 
 ROUNDS = 8  # at most; five are typical
-CUT, INNER_CUT = 4.0, 3.0  # the biweight is 0 beyond so many standard deviations outside and inside the outline
+CUT, INNER_CUT = (
+    4.0,
+    3.0,
+)  # the biweight is 0 beyond so many standard deviations outside and inside the outline
 WEAK_WEIGHT = 0.2  # strength, in typical ones, at which an edge point has half its full weight
 CHOICE = 2.0  # how much, in squared deviations, an e times stronger edge point of the same line is preferred
 MODE = 0.01  # standard deviation of a mode, in half-widths
@@ -162,11 +165,10 @@ def _solve(
         if w > 0.0:
             d = edges[i, int(found[i, 2]), 0]
             for row in range(p):
-                k = np.uintp(row)
                 jk = w * outline[i, np.uintp(row + 4)]
-                b[k] += jk * d
+                b[np.uintp(row)] += jk * d
                 for column in range(row + 1):
-                    a[k, np.uintp(column)] += jk * outline[i, np.uintp(column + 4)]
+                    a[np.uintp(row), np.uintp(column)] += jk * outline[i, np.uintp(column + 4)]
     if not _factor(a, p):
         return False
     _substitute(a, b, step, p)
@@ -175,7 +177,7 @@ def _solve(
 
 @kernel
 def _penalize(edges: Floats, penalty: Floats) -> tuple[float, int]:
-    """How much less likely the weaker edge points of each line are; the typical strength, and how many lines have one."""
+    """Write how much less likely the weaker edge points of a line are; the typical strength, their lines."""
     typical, count = 0.0, 0
     for i in range(edges.shape[0]):
         if edges[i, 0, 1] > 0.0:

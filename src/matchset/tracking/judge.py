@@ -66,8 +66,8 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     hollow: float = 0.28
     bent: float = 0.1
     inflation: float = 1.8
-    center_floor: float = 0.04
-    size_floor: float = 0.09
+    center_floor: float = 0.025
+    size_floor: float = 0.06
 
 
 class Judge:
@@ -129,7 +129,7 @@ class Judge:
         return matcher.evidence * matcher.seen / matcher.points * matcher.inside
 
     def track(self, matcher: Matcher[S], time: float) -> Track[S]:
-        """The answer for a confirmed shape.
+        """Answer with a confirmed shape.
 
         Its match-set is what lies within 4 standard deviations of the fitted outline, which may be an ellipse; its
         covariance that of the edge points, enlarged, and the floor.

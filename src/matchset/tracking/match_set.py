@@ -22,6 +22,7 @@ Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
+Index = np.uintp | int
 
 CANDIDATES = 3  # edge points kept per line, strongest first
 LONGEST = 160  # pixels a line can have; few, so that the working arrays stay in the cache
@@ -66,7 +67,7 @@ class Lines:
 @kernel
 def _place(
     outline: Floats,
-    i: int,
+    i: Index,
     reach: float,
     margin: int,
     height: int,
@@ -99,7 +100,7 @@ def _place(
 
 
 @kernel
-def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: int, pixels: Bytes) -> None:
+def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: Bytes) -> None:
     """Copy the pixels of line i, inside first."""
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
     start = (fixed * width + position if across else position * width + fixed) * channels
@@ -118,7 +119,7 @@ def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: int, pixels: By
 @kernel
 def _sum(
     pixels: Bytes,
-    i: int,
+    i: Index,
     length: int,
     table: npt.NDArray[np.int8],
     s0: Singles,
@@ -126,7 +127,7 @@ def _sum(
     s2: Singles,
     s3: Singles,
 ) -> None:
-    """Running sums of scores and values along line i: s[k] covers the pixels before k."""
+    """Take running sums of scores and values along line i: s[k] covers the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
     if table.size > 256:
         for place in range(length):
@@ -160,15 +161,24 @@ def _judge(
     white: Singles,
 ) -> None:
     """At every pixel the squared contrast, and the whiteness of Eq. 1: 0 where there is no edge point."""
-    for k in range(min(margin, length)):
-        contrast[k] = contrast[length - 1 - k] = np.float32(0.0)
+    for end in range(min(margin, length)):
+        contrast[end] = contrast[length - 1 - end] = np.float32(0.0)
     m, w, one = np.uintp(margin), np.uintp(2 * margin + 1), np.uintp(1)
-    firm, weak, full, least = np.float32(FIRM * enough), np.float32(WEAK * enough), np.float32(enough), np.float32(plain)
+    firm, weak, full, least = (
+        np.float32(FIRM * enough),
+        np.float32(WEAK * enough),
+        np.float32(enough),
+        np.float32(plain),
+    )
     for index in range(length - 2 * margin):
         a = np.uintp(index)
         k, b, d = a + m, a + m + one, a + w
         difference = s0[k] - s0[a] - s0[d] + s0[b]
-        d0, d1, d2 = s1[k] - s1[a] - s1[d] + s1[b], s2[k] - s2[a] - s2[d] + s2[b], s3[k] - s3[a] - s3[d] + s3[b]
+        d0, d1, d2 = (
+            s1[k] - s1[a] - s1[d] + s1[b],
+            s2[k] - s2[a] - s2[d] + s2[b],
+            s3[k] - s3[a] - s3[d] + s3[b],
+        )
         c = d0 * d0 + d1 * d1 + d2 * d2
         contrast[k] = c
         is_edge = difference > firm or c > least
@@ -181,12 +191,12 @@ def _keep_best(
     white: Singles,
     length: int,
     margin: int,
-    i: int,
+    i: Index,
     starts: Floats,
     enough: float,
     edges: npt.NDArray[np.float64],
 ) -> None:
-    """The strongest peaks of the contrast among the edge points, to a fraction of a pixel, as offsets of line i."""
+    """Keep the strongest peaks of the contrast at edge points of line i, to a fraction of a pixel."""
     for j in range(CANDIDATES):
         edges[i, j, 1] = 0.0
     for place in range(margin, length - margin):

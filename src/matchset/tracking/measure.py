@@ -72,7 +72,19 @@ def measure(
     full = 254.0 * margin  # whiteness of a step from surely background to surely target
     plain = 6.0 * margin * (limits[3] * max(grain, 1.0)) ** 2
     now = match_lines(
-        image, table, outline, reach, margin, limits[1] * full, limits[2] * full, plain, edges, runs, starts, pixels, sums
+        image,
+        table,
+        outline,
+        reach,
+        margin,
+        limits[1] * full,
+        limits[2] * full,
+        plain,
+        edges,
+        runs,
+        starts,
+        pixels,
+        sums,
     )
     grain = GRAIN_MEMORY * grain + (1.0 - GRAIN_MEMORY) * now
     noise, moved = fit_lines(

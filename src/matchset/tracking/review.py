@@ -118,7 +118,10 @@ def conclude(
     for i in range(found.shape[0]):
         if abs(found[i, 0]) < outlier:
             d = edges[i, int(found[i, 2]), 0]
-            points[count, 0], points[count, 1] = outline[i, 0] + d * outline[i, 2], outline[i, 1] + d * outline[i, 3]
+            points[count, 0], points[count, 1] = (
+                outline[i, 0] + d * outline[i, 2],
+                outline[i, 1] + d * outline[i, 3],
+            )
             count += 1
     p = covariance.shape[0]
     wide = np.empty((p, p))

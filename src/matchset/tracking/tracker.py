@@ -3,7 +3,6 @@
 import math
 from typing import Generic, TypeVar
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -16,6 +15,8 @@ from matchset.tracking.doubt import BETTER, alternatives, doubtful, worth
 from matchset.tracking.judge import Judge
 from matchset.tracking.matcher import Matcher
 from matchset.tracking.motion import Motion
+from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.place import Place
 from matchset.tracking.track import Lost, Track
 
 S = TypeVar("S", bound=Shape)
@@ -23,41 +24,6 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 TEACH = 3  # every so many frames the color may learn: light changes slowly
-
-
-class TrackerParameters(msgspec.Struct, frozen=True):
-    """How a shape is followed.
-
-    Parameters
-    ----------
-    least_reach, most_reach : float
-        Shortest and longest look-out on each side of the predicted outline, px; it grows with the surprises of the
-        motion.
-    trust : float
-        How far a shape may be from its prediction, in recent surprises: less is steadier where edges are few, more
-        follows sudden motion sooner.
-    coast : float
-        How long a shape that is not seen is expected near its prediction, s; after that it may appear anywhere.
-    jump : float
-        How far from its prediction a shape may be found again while coasting, in half-widths per missed frame.
-    growth : float
-        Largest change of size per missed frame, as a factor.
-    adapt_rate : float
-        Speed at which the color follows the light, log-odds per look: 0 keeps the color as it was learned.
-    adapt_support, adapt_inside : float
-        Least share of the outline that must be confirmed, and of the inside that must look like the target, before a
-        frame may teach the color.
-    """
-
-    least_reach: float = 3.0
-    most_reach: float = 24.0
-    trust: float = 0.5
-    coast: float = 0.35
-    jump: float = 2.0
-    growth: float = 1.5
-    adapt_rate: float = 0.4
-    adapt_support: float = 0.8
-    adapt_inside: float = 0.6
 
 
 class Tracker(Generic[S]):
@@ -214,9 +180,9 @@ class Tracker(Generic[S]):
             reason = self._try(image, expected, limits.most_reach, speed)
         if doubtful(matcher):
             reason = self._look_again(image, reason, speed)
-        if not reason and not self._expected(matcher.state, expected, motion):
+        if not reason and not self._place(expected).near(self._place(matcher.state), motion.surprise):
             reason = self._judge.first_sight(matcher)
-            if not reason and not self._plausible(matcher.state, expected, missed):
+            if not reason and not self._place(expected).reachable(self._place(matcher.state), missed, limits):
                 reason = "it would have jumped or changed its size faster than it can"
         return reason
 
@@ -245,27 +211,16 @@ class Tracker(Generic[S]):
                 best, most = matcher.state, worth(matcher, self._usual)
         return self._try(image, best, 3.0, speed, 1.0)
 
-    def _expected(self, state: Floats, expected: Floats, motion: Motion) -> bool:
-        """Whether a shape is so near to its prediction that it needs no other proof."""
-        size, before = self._family.half_width(state), self._family.half_width(expected)
-        far = math.hypot(state[0] - expected[0], state[1] - expected[1])
-        return abs(size - before) <= 0.1 * before + 1.0 and far <= 0.3 * before + 2.0 * motion.surprise
+    def _place(self, state: Floats) -> Place:
+        """Center and size of a state."""
+        return Place(float(state[0]), float(state[1]), self._family.half_width(state))
 
-    def _plausible(self, state: Floats, expected: Floats, missed: float) -> bool:
-        """Whether a shape can have come from where it was expected."""
-        limits = self.parameters
-        size, before = self._family.half_width(state), self._family.half_width(expected)
-        ratio = max(size, before) / max(min(size, before), 1e-9)
-        far = math.hypot(state[0] - expected[0], state[1] - expected[1])
-        return ratio <= limits.growth**missed and far <= limits.jump * max(size, before) * missed + 10.0
-
-    def _may_be(self, state: Floats, expected: Floats, missed: float) -> bool:
+    def _can_be(self, state: Floats, expected: Floats, missed: float) -> bool:
         """Whether a sighting can be the lost shape: near its prediction, or farther off with full evidence."""
-        size, before = self._family.half_width(state), self._family.half_width(expected)
-        far = math.hypot(state[0] - expected[0], state[1] - expected[1])
-        if 0.8 < size / before < 1.25 and far < 0.5 * before:
+        here, there = self._place(expected), self._place(state)
+        if here.about(there):
             return True
-        return not self._judge.first_sight(self._matcher) and self._plausible(state, expected, missed)
+        return not self._judge.first_sight(self._matcher) and here.reachable(there, missed, self.parameters)
 
     def _confirm(self, image: Image, motion: Motion) -> Track[S]:
         """Take in what the matcher holds, learn the color from it, and answer."""
@@ -328,7 +283,7 @@ class Tracker(Generic[S]):
         missed = self._missed(self._motion) if self._motion is not None else 1.0
         best, most = None, 0.0
         for state, merit in self._finder.sightings(image, self.color, expected is not None):
-            if expected is not None and not self._may_be(state, expected, missed):
+            if expected is not None and not self._can_be(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:
                 far = math.hypot(state[0] - self._wish[0], state[1] - self._wish[1])

@@ -17,7 +17,7 @@ Bytes = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int8]
 
 LEASH = np.float32(3.0)  # how far a cell's log-odds may drift from what was learned at first
-FOREIGN = np.float32(-2.0)  # log-odds below which a pixel inside is something in front of the target
+FOREIGN = np.float32(-0.5)  # log-odds below which a pixel inside is something in front of the target
 LIMIT, WHITE = np.float32(4.0), np.float32(127.0)
 SURE = 2.5  # log-odds beyond which a cell needs no more teaching
 FAR = 6.0  # px: beyond the blur of an edge

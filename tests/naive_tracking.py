@@ -29,9 +29,9 @@ class Line(NamedTuple):
 
 
 def line(shape: tuple[int, ...], point: Floats, normal: Floats, limits: Limits) -> Line | None:
-    """Along the row where the normal is rather level, along the column elsewhere; None where it is not in the picture."""
+    """Along the row where the normal is rather level, else along the column; None where it is not in the picture."""
     height, width = shape[:2]
-    x, y, nx, ny = *point.tolist(), *normal.tolist()
+    x, y, nx, ny = (float(value) for value in (*point, *normal))
     level = abs(nx) >= abs(ny)
     if level:
         fixed = math.floor(y + 0.5)
@@ -69,7 +69,7 @@ def edge_points(
     for k in range(m, len(values) - m):
         step = np.sum(values[k - m : k], axis=0) - np.sum(values[k + 1 : k + m + 1], axis=0)
         contrast[k] = float(step @ step)
-    pitch = abs(normal[0]) if abs(normal[0]) >= abs(normal[1]) else abs(normal[1])
+    pitch = max(abs(float(normal[0])), abs(float(normal[1])))
     found = []
     for k in range(m, len(values) - m):
         difference = sum(scores[k - m : k]) - sum(scores[k + 1 : k + m + 1])
@@ -77,7 +77,7 @@ def edge_points(
         before, here, after = contrast[k - 1 : k + 2]
         if not (difference > limits.threshold and clear and here > 0.0 and before <= here > after):
             continue
-        white = min(max(difference, WEAK * limits.enough), limits.enough)
+        white = min(max(float(difference), float(WEAK) * limits.enough), limits.enough)
         shift = 0.5 * (after - before) / (2.0 * here - before - after) if before > 0.0 and after > 0.0 else 0.0
         offset = across.offsets[k] + shift * pitch
         found.append(EdgePoint(offset, here * white, white / limits.enough))

@@ -16,7 +16,6 @@ def test_a_ball_in_a_hand_is_followed_from_one_click() -> None:
     truths = read_truth(CLIP / "truth.csv")
     answers = follow_video(CLIP / "video.mp4", truths, CLICKS[0])
     result = score(answers, truths, start=first_good(truths).frame)
-    print(result)
     assert result.mean_error_px is not None
     assert result.valid_percent is not None
     assert result.mean_error_px <= 1.5

@@ -26,7 +26,8 @@ def with_ball(image: Picture, x: float, y: float, radius: float, color: tuple[fl
     cover = np.clip(radius - np.hypot(columns - x, rows - y) + 0.5, 0.0, 1.0)
     if image.ndim == 3:
         cover = cover[:, :, np.newaxis]
-    return np.rint(image + cover * (np.asarray(color, float) - image)).astype(np.uint8)
+    mixed: Picture = np.rint(image + cover * (np.asarray(color, float) - image)).astype(np.uint8)
+    return mixed
 
 
 def scene(*balls: tuple[float, float, float], seed: int = 0) -> Picture:

@@ -10,7 +10,8 @@ from kernels import grid_edges, votes_for_centers
 def grid_of_a_disc(x: float, y: float, radius: float) -> npt.NDArray[np.int32]:
     rows, columns = np.indices((60, 80))
     inside = radius - np.hypot(columns - x, rows - y)
-    return np.rint(1000.0 * np.clip(inside, -1.0, 1.0)).astype(np.int32)
+    grid: npt.NDArray[np.int32] = np.rint(1000.0 * np.clip(inside, -1.0, 1.0)).astype(np.int32)
+    return grid
 
 
 @pytest.mark.parametrize(("x", "y", "radius"), [(40.0, 30.0, 6.0), (33.3, 28.6, 12.0), (45.8, 31.1, 24.0)])
@@ -33,7 +34,8 @@ def test_the_boundary_of_a_disc_votes_for_its_center(x: float, y: float, radius:
 def _spread_twin(votes: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
     padded = np.pad(votes.astype(float), 2)
     rows, columns = votes.shape
-    return np.sum([padded[i : i + rows, j : j + columns] for i in range(5) for j in range(5)], axis=0)
+    windows = [padded[i : i + rows, j : j + columns] for i in range(5) for j in range(5))
+    return total
 
 
 def test_only_wanted_distances_vote() -> None:

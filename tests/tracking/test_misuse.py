@@ -96,7 +96,7 @@ def test_points_at_the_ends_of_the_range(points: int) -> None:
 
 @pytest.mark.parametrize("start", [(math.nan, 3.0), (3.0, math.inf)])
 def test_a_start_point_must_be_finite(start: tuple[float, float]) -> None:
-    with pytest.raises(ValueError, match="nan|inf"):
+    with pytest.raises(ValueError, match=r"nan|inf"):
         ms.Tracker(ms.Circle, blue(), start=start)
 
 

@@ -11,7 +11,7 @@ from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run
 
 import matchset as ms
 from matchset.sim.clip import Clip
-from matchset.tracking.tracker import TrackerParameters
+from matchset.tracking.parameters import TrackerParameters
 
 MOVING = [(60.0 + 4.0 * k, 80.0 + 1.5 * k, 25.0) for k in range(12)]
 
@@ -184,6 +184,20 @@ def test_the_color_adapts_in_a_copy_of_its_own() -> None:
     fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adapt_rate=0.0))
     assert not all(run(fixed, fading_images()))
     np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
+
+
+@pytest.mark.parametrize("stick", [(110, 140, 200), (40, 200, 220), (20, 20, 20)], ids=["skin", "yellow", "black"])
+def test_what_is_in_front_never_becomes_target(tracker: ms.Tracker[ms.Circle], stick: tuple[int, ...]) -> None:
+    """A stick of a color that the first picture did not show, across an eighth of the rim."""
+
+    def crossed(seed: int) -> Picture:
+        image = scene((150.0, 110.0, 40.0), seed=seed)
+        image[:, 143:158] = np.rint(stick + np.random.default_rng(seed).normal(0.0, 4.0, (HEIGHT, 15, 3))).clip(0, 255)
+        return image
+
+    assert all(run(tracker, [crossed(k) for k in range(200)]))
+    looks = tracker.color.mask(crossed(200)[:60, 143:158]) == 255
+    assert looks.mean() < 0.05
 
 
 def numbers(answers: list[Answer]) -> list[object]:

@@ -107,10 +107,12 @@ class ColorModel:
             raise ValueError(f"{origin}: no background is left to learn from")
         learn = _learned_color if image.ndim == 3 else _learned_gray
         model = cls(learn(image[target], image[outside]))
-        hits = np.mean(model._scores(image)[target] > 0)
-        if hits < 0.5:
+        alike = model._scores(image) > 0
+        hits = np.mean(alike[target])
+        if hits < 0.5 or np.mean(alike[outside]) > 0.5 * hits:
             raise ValueError(
-                f"{origin}: its color cannot be told from the background ({100 * hits:.0f} % of it stands out)"
+                f"{origin}: its color cannot be told from the background "
+                f"({100 * hits:.0f} % of it stands out, and so does {100 * np.mean(alike[outside]):.0f} % of the rest)"
             )
         return model
 
@@ -218,15 +220,16 @@ class ColorModel:
             If there is no such file, it is not a color model, or it is of another version.
         """
         try:
-            with np.load(Path(path), allow_pickle=False) as archive:
-                version, log_odds = int(archive["matchset_color"]), archive["log_odds"]
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                version, log_odds = int(archive["matchset_color"]), np.asarray(archive["log_odds"])
+            if version == VERSION:
+                return cls(log_odds)
         except FileNotFoundError:
             raise ValueError(f"no such color file: {path}") from None
         except Exception as error:  # whatever NumPy and zipfile make of a foreign file
-            raise ValueError(f"not a color file: {path} ({type(error).__name__})") from error
-        if version != VERSION:
-            raise ValueError(f"color file {path} has version {version}, this matchset reads version {VERSION}")
-        return cls(log_odds)
+            words = " ".join(str(error).split())
+            raise ValueError(f"not a color file: {path} ({words or type(error).__name__})") from error
+        raise ValueError(f"color file {path} has version {version}, this matchset reads version {VERSION}")
 
 
 def _learned_color(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:

@@ -210,6 +210,10 @@ def _finder(family: type[S], width: int, height: int) -> Finder[S]:
 
 
 def channels_last(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """View of a picture as (h, w, channels) in one piece; only a picture that is not in one piece is copied."""
-    whole = image if image.flags.c_contiguous else np.ascontiguousarray(image)
+    """View of a picture as (h, w, channels); a copy only where it is not in one piece or may not be written to.
+
+    Read-only arrays are another type to the compiler, which would start in the middle of a video.
+    """
+    flags = image.flags
+    whole = image if flags.c_contiguous and flags.writeable else np.array(image, order="C")
     return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

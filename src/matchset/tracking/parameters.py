@@ -33,6 +33,6 @@ class TrackerParameters(msgspec.Struct, frozen=True):
     coast: float = 0.35
     jump: float = 2.0
     growth: float = 1.5
-    adapt_rate: float = 0.4
+    adapt_rate: float = 0.8
     adapt_support: float = 0.8
     adapt_inside: float = 0.6

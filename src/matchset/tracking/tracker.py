@@ -95,7 +95,9 @@ class Tracker(Generic[S]):
         state = self._family.from_coarse(31.5, 31.5, 20.0).state
         matcher.settle(image, color, state, 6.0)
         self._judge.track(matcher, 0.0)
-        Motion(state, 0.0, 1.0, matcher.count).correct(state, 1.0)
+        motion = Motion(state, 0.0, 1.0, matcher.count)
+        motion.correct(state, 1.0)
+        matcher.settle(image, color, motion.predict(2.0, 1.0, 1.0), 6.0, 1.0, 1.0, motion.room)
         Searcher(64, 64).candidates(image, color)
         self._adapt(image, matcher, color, 0.0)
 

@@ -40,6 +40,6 @@ clean:  ## remove everything that was made, the virtual environment included
 $(READY): pyproject.toml .ci/setup
 	.ci/setup
 
-# Numba does not notice an edit in a kernel that lives in another file: start anew when a source changes.
+# Compiled kernels of older sources are of no use: start anew when a source changes.
 $(CACHE)/fresh: $(SOURCES)
 	rm -rf $(CACHE) && mkdir $(CACHE) && touch $@

@@ -181,7 +181,7 @@ def test_files_that_are_no_color(tmp_path: Path) -> None:
         (archive(tmp_path / "objects.npz", matchset_color=version, log_odds=[None, {}]), "not a color file"),
         (archive(tmp_path / "words.npz", matchset_color=version, log_odds=np.array(["a"] * 256)), "color"),
         (archive(tmp_path / "newer.npz", matchset_color=np.int64(2), log_odds=odds), "has version 2"),
-        (archive(tmp_path / "size.npz", matchset_color=version, log_odds=odds[1:]), r"got shape \(255,\)"),
+        (archive(tmp_path / "size.npz", matchset_color=version, log_odds=odds[1:]), "not a color file"),
     ):
         with pytest.raises(ValueError, match=words) as caught:
             ms.ColorModel.load(path)

@@ -34,7 +34,8 @@ def test_the_boundary_of_a_disc_votes_for_its_center(x: float, y: float, radius:
 def _spread_twin(votes: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
     padded = np.pad(votes.astype(float), 2)
     rows, columns = votes.shape
-    windows = [padded[i : i + rows, j : j + columns] for i in range(5) for j in range(5))
+    windows = [padded[i : i + rows, j : j + columns] for i in range(5) for j in range(5)]
+    total: npt.NDArray[np.float64] = np.stack(windows).sum(axis=0)
     return total
 
 

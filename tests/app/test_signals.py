@@ -47,11 +47,12 @@ def test_a_signal_leaves_whole_files(
     tracking: subprocess.Popen[str], tmp_path: Path, number: signal.Signals, code: int
 ) -> None:
     assert tracking.stdout is not None
+    assert tracking.stderr is not None
     lines = [tracking.stdout.readline() for _ in range(5)]
     tracking.send_signal(number)
-    out, err = tracking.communicate(timeout=60)
-    lines += out.splitlines()
-    assert tracking.returncode == code, err
+    lines += tracking.stdout.read().splitlines()  # communicate() would lose what readline() has read ahead
+    err = tracking.stderr.read()
+    assert tracking.wait(timeout=60) == code, err
     assert "Traceback" not in err
     rows = read_tracks(tmp_path / "out" / "tracks.csv")
     assert 5 <= len(rows) == len(lines) < FRAMES

@@ -14,6 +14,7 @@ from matchset.tracking.track import Track
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 
+WHOLE = 0.9  # share of the outline in the picture from which a shape counts as whole
 CERTAIN = 0.85  # evidence from which neighbors may err together, as on an ellipse
 FOLLOWING = 1.5  # leeway of the limits on another shape while motion speaks for it
 
@@ -66,8 +67,8 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     hollow: float = 0.28
     bent: float = 0.1
     inflation: float = 1.8
-    center_floor: float = 0.025
-    size_floor: float = 0.06
+    center_floor: float = 0.02
+    size_floor: float = 0.05
 
 
 class Judge:
@@ -102,7 +103,8 @@ class Judge:
             return "most of it is outside the picture"
         size = matcher.family.half_width(matcher.state)
         least = limits.evidence, limits.small_evidence, limits.tiny_evidence
-        leeway = limits.expected if expected else 1.0
+        whole = matcher.seen >= WHOLE * matcher.points  # at the border a card may pass for a ball that leaves
+        leeway = limits.expected if expected and whole else 1.0
         if matcher.evidence < leeway * np.interp(size, (8.0, 12.0, 24.0), least[::-1]):
             return f"only {100.0 * matcher.evidence:.0f} % of the outline speaks for it"
         if self._other_shape(matcher, 1.0):

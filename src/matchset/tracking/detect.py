@@ -29,9 +29,9 @@ class SearchParameters(msgspec.Struct, frozen=True):
     Parameters
     ----------
     cells : int
-        The grid has about this many columns, of 4 to 8 px each: more finds smaller shapes and takes longer.
+        The grid has about this many columns, of 2 to 8 px each: more finds smaller shapes and takes longer.
     votes : float
-        Least votes of a candidate; a full circle collects about 2 pi = 6.3.
+        Least votes of a candidate, summed over 5 x 5 cells; a full circle collects about 30.
     share : float
         Least share of a candidate's outline that boundary cells must confirm.
     candidates : int

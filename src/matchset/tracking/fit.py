@@ -96,7 +96,7 @@ def _median(values: Floats, count: int) -> float:
 def _hold(
     held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, speed: float, noise: float
 ) -> None:
-    """Write the priors: inverse variance in units of the noise's variance, and the step to their mean (third: free)."""
+    """Write the priors: inverse variance in units of the noise's variance, and the step to their mean."""
     s, free, noise = state.shape[0], spread.shape[0], max(noise, CONFUSED)
     for k in range(s):
         held[k, 0] = held[k, 1] = 0.0

@@ -36,6 +36,12 @@ def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
         outline[i, 7], outline[i, 8] = along * c2, along * s2
 
 
+@kernel
+def _half_width(state: Floats) -> float:
+    """Mean radius of a state, px."""
+    return float(state[2])
+
+
 class Circle(msgspec.Struct, frozen=True):
     """A circle in the picture.
 
@@ -89,9 +95,5 @@ class Circle(msgspec.Struct, frozen=True):
         """Circle from what a search saw: center and half-width, px."""
         return cls(x, y, radius)
 
-    @staticmethod
-    def half_width(state: Floats) -> float:
-        """Mean radius of a state, px."""
-        return float(state[2])
-
     trace: ClassVar[Callable[[Floats, Floats, Floats], None]] = staticmethod(_trace)
+    half_width: ClassVar[Callable[[Floats], float]] = staticmethod(_half_width)

@@ -40,9 +40,17 @@ def kernel(function: F) -> F:
     callable
         The compiled function; it has the same signature.
     """
-    compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    file = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, SOURCES)
-    result: F = compiled
+    if hasattr(made, "_set_uuid"):
+        code = zlib.crc32(function.__code__.co_code)
+        made._set_uuid(f"{function.__module__}.{function.__qualname__}.{code}")
+    result: F = made
     return result
+
+
+def compiled(function: F) -> F:
+    """Compile a function that a user wrote, or leave it as it is if it is compiled."""
+    return function if hasattr(function, "py_func") else kernel(function)

@@ -14,7 +14,7 @@ from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
 from matchset.tracking import detect_grid
 from matchset.tracking.judge import Judge
-from matchset.tracking.matcher import Matcher
+from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
@@ -143,10 +143,9 @@ class Finder(Generic[S]):
                 continue
             start = self.matcher.family.from_coarse(x, y, radius).state
             reach = max(2.0 * self.searcher.stride, 0.2 * radius)
-            if not self.matcher.settle(image, color, start, reach, least=HOPELESS):
+            if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
                 continue
-            state = self.matcher.state
-            size = self.matcher.family.half_width(state)
+            state, size = self.matcher.state.copy(), self.matcher.size
             if _covered(seen, float(state[0]), float(state[1]), size):
                 continue
             if not self.judge.first_sight(self.matcher, expected):
@@ -186,7 +185,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     color.check(frame.image)
     image = channels_last(frame.image)
     finder = _finder(family, image.shape[1], image.shape[0])
-    found = [(merit, finder.judge.track(finder.matcher, frame.time)) for _, merit in finder.sightings(image, color)]
+    found = [(merit, finder.matcher.track(frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])
     return [track for _, track in found[:limit]]
 

@@ -36,3 +36,8 @@ class TrackerParameters(msgspec.Struct, frozen=True):
     adapt_rate: float = 0.8
     adapt_support: float = 0.8
     adapt_inside: float = 0.6
+
+
+# places of the parameters in `Views.track`
+_PLACES = {name: place for place, name in enumerate(TrackerParameters.__struct_fields__)}
+LEAST_REACH, MOST_REACH, TRUST = _PLACES["least_reach"], _PLACES["most_reach"], _PLACES["trust"]

@@ -1,6 +1,7 @@
 """From a ball in the picture to a ball in space: `locate_ball`."""
 
 import math
+from functools import cached_property
 
 import msgspec
 import numpy as np
@@ -23,7 +24,7 @@ REASONS = {
 }
 
 
-class BallParameters(msgspec.Struct, frozen=True):
+class BallParameters(msgspec.Struct, frozen=True, dict=True):
     """How an outline becomes a place.
 
     Parameters
@@ -45,10 +46,15 @@ class BallParameters(msgspec.Struct, frozen=True):
 
     edge_shift: float = 0.025
     least_points: int = 12
-    inflation: float = 1.8
+    inflation: float = 2.5
     floor: float = 0.02
-    center_floor: float = 0.02
-    size_floor: float = 0.03
+    center_floor: float = 0.014
+    size_floor: float = 0.025
+
+    @cached_property
+    def common(self) -> Floats:
+        """Covariance of what shifts all edge points together, (3, 3), px^2."""
+        return np.diag((self.center_floor**2, self.center_floor**2, self.size_floor**2))
 
 
 def locate_ball(
@@ -76,8 +82,7 @@ def locate_ball(
     position, covariance = np.empty(3), np.empty((3, 3))
     few = len(track.match_set) < parameters.least_points
     points = RIM * circle.radius + (circle.x, circle.y) if few else track.match_set
-    center, size = parameters.center_floor**2, parameters.size_floor**2
-    spread = track.covariance if few else np.diag((center, center, size))
+    spread = np.ascontiguousarray(track.covariance, np.float64) if few else parameters.common
     known = camera.covariance
     miss, _, _ = cone.fit_cone(
         camera.intrinsics,
@@ -87,7 +92,7 @@ def locate_ball(
         circle.y,
         parameters.edge_shift,
         not few,
-        np.ascontiguousarray(spread, np.float64),
+        spread,
         0.0 if few else parameters.inflation,
         parameters.floor,
         radius,

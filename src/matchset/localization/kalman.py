@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from matchset.localization.matrix3 import invert
 from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
@@ -56,11 +57,14 @@ def correct(state: Floats, covariance: Floats, seen: Floats, spread: Floats, gat
     Returns
     -------
     float
-        The squared distance; above the gate nothing was changed.
+        The squared distance, infinite for a covariance without inverse; above the gate nothing was changed.
     """
-    innovation = covariance[:3, :3] + spread
-    inverse = np.linalg.inv(innovation)
-    distance = 0.0
+    innovation, inverse, distance = np.empty((3, 3)), np.empty((3, 3)), 0.0
+    for j in range(3):
+        for k in range(3):
+            innovation[j, k] = covariance[j, k] + spread[j, k]
+    if not invert(innovation, inverse):
+        return np.inf
     for j in range(3):
         for k in range(3):
             distance += seen[j] * inverse[j, k] * seen[k]

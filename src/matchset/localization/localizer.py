@@ -43,7 +43,7 @@ class LocalizerParameters(msgspec.Struct, frozen=True):
     ball: BallParameters = BallParameters()
     tilt: float = 0.1
     marker_place: float = 0.01
-    lead: float = 4.0
+    lead: float = 3.5
     misfit: float = 25.0
     memory: float = 0.5
 

@@ -22,6 +22,8 @@ AROUND = 0.5  # how far beyond the rim pixels are compared, in radii of the mark
 MARGIN = 3.0  # px more
 SHADED = 1.0  # how much farther the ball's shading is looked at, in radii of the marker
 GLINT = 1.15  # brightness, in that of the ball around, from which a pixel is taken for a highlight
+THIN = 16.0  # px of reach for each of which one pixel in a row more is left out there
+ENOUGH = 0.05  # px: a smaller step is the last
 TIED = 0.8  # largest correlation of neighbors on a line
 STILL = 20.0  # weight that holds the shading flat where few pixels tell, px^2
 LIMB = 0.5  # px inside the ball's outline from which pixels count, fully from
@@ -103,7 +105,7 @@ def _coverage(
     nx, ny = (along * ux / ratio - across * uy) / far, (along * uy / ratio + across * ux) / far
     slope = math.sqrt(nx * nx + ny * ny)
     z = (a - far) / (slope * soft)
-    if z * z > 100.0:
+    if z * z > 36.0:
         return (1.0 if z > 0.0 else 0.0), 0.0, 0.0
     share = 1.0 / (1.0 + math.exp(-z))
     steep = share * (1.0 - share) / (soft * slope)
@@ -181,10 +183,11 @@ def _shading(image: Bytes, ball: Floats, window: Floats, reach: float, ground: F
     n, b = np.zeros((3, 3)), np.zeros(3)
     edge = ball[2] - FULL
     shade[0], shade[1], shade[2] = 0.0, 0.0, 0.0
-    for turn in range(3):
+    thin = 1 + int(reach / THIN)
+    for turn in range(2):
         n[:], b[:] = 0.0, 0.0
-        for row in range(max(int(y0 - reach), 0), min(int(y0 + reach) + 1, image.shape[0])):
-            for column in range(max(int(x0 - reach), 0), min(int(x0 + reach) + 1, image.shape[1])):
+        for row in range(max(int(y0 - reach), 0), min(int(y0 + reach) + 1, image.shape[0]), thin):
+            for column in range(max(int(x0 - reach), 0), min(int(x0 + reach) + 1, image.shape[1]), thin):
                 dx, dy = column - x0, row - y0
                 along, across = (dx * ux + dy * uy) / ratio, dy * ux - dx * uy
                 if along * along + across * across < (a + 3.0) ** 2 or dx * dx + dy * dy > reach * reach:
@@ -203,7 +206,7 @@ def _shading(image: Bytes, ball: Floats, window: Floats, reach: float, ground: F
                 b[0] += value
                 b[1] += value * dx
                 b[2] += value * dy
-        if n[0, 0] < 40.0:
+        if n[0, 0] < 20.0:
             return
         n[1, 1], n[2, 2] = n[1, 1] + STILL, n[2, 2] + STILL
         n[0, 1], n[0, 2], n[1, 2] = n[1, 0], n[2, 0], n[2, 1]
@@ -336,7 +339,7 @@ def fit_marker(
     for turn in range(ROUNDS):
         window[0], window[1], window[5] = place[0], place[1], a
         window[2], window[3], window[4] = _ellipse(place, ball, size, depth)
-        if turn == 1:
+        if turn == 0:
             _shading(image, ball, window, reach + SHADED * a, ground, shade)
         _compare(image, ball, places, count, which, window, reach, soft, axis, ground, shade, model, tie, n, b, sums)
         if sums[0] < 12.0:
@@ -351,7 +354,7 @@ def fit_marker(
         grain = (1.0 + down) / (1.0 - down)
         spread = sums[3] - sums[2] * sums[2] / sums[0]
         result = (model[0], math.sqrt(variance), 1.0 - sums[4] / max(spread, 1e-12))
-        if turn < 3:
+        if turn < 2:
             tie = min(max(sums[5] / max(sums[4], 1e-12), 0.0), TIED)
         for p in range(2):
             for q in range(2):
@@ -366,6 +369,6 @@ def fit_marker(
         near = abs(place[0] - ball[0]) < radius and abs(place[1] - ball[1]) < radius
         if not (near and model[0] > 0.05):
             return 0.0, 0.0, 0.0
-        if turn > 2 and longest < 0.02:
+        if turn > 1 and longest < ENOUGH:
             break
     return result

@@ -146,7 +146,7 @@ class MarkerTracker:
     def _teach(self, image: Image, circle: Floats, places: Floats) -> None:
         """Learn which direction of color tells marker from ball: Fisher's linear discriminant."""
         sums = np.zeros((2, 10))
-        step = max(int(circle[2] / 16.0), 1)
+        step = max(int(circle[2] / 12.0), 1)
         teach(image, circle, places, len(places), self._size, self._depth, step, sums)
         if sums[0, 0] < 1.0 or sums[1, 0] < 8.0:
             return

@@ -1,5 +1,6 @@
 """A balloon that flies and turns as it is told: `Flight`, an iterable of frames whose truth is in meters."""
 
+import functools
 from collections.abc import Callable, Iterator
 
 import msgspec
@@ -69,9 +70,7 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
         return self.frames
 
     def __iter__(self) -> Iterator[Frame]:
-        view = LensView(self.camera)
-        seed = self.seed if self.scene_seed is None else self.scene_seed
-        background = Scene.room(seed).render(view.pinhole, *viewpoint(seed))
+        view, background = _room(self.camera, self.seed if self.scene_seed is None else self.scene_seed)
         last, before = np.empty((0, 3)), np.empty(0)
         for index in range(self.frames):
             times = [time / self.fps for _, time in fields(index, self.link.interlaced)]
@@ -105,3 +104,12 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
         for field in range(1, len(pictures)):
             pictures[0][field :: len(pictures)] = pictures[field][field :: len(pictures)]
         return pictures[0]
+
+
+@functools.lru_cache(maxsize=2)
+def _room(camera: CameraModel, seed: int) -> tuple[LensView, Picture]:
+    """A lens and the room behind it: flights before the same background often follow each other."""
+    view = LensView(camera)
+    background = Scene.room(seed).render(view.pinhole, *viewpoint(seed))
+    background.flags.writeable = False
+    return view, background

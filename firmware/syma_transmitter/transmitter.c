@@ -153,7 +153,8 @@ static enum config_result write_config(const uint8_t *bytes)
     if (!config_valid(&wish))
         return CONFIG_REFUSED_VALUES;
     t.config = wish;
-    t.flags &= (uint8_t)~FLAG_DEFAULT_CONFIG;
+    t.flags = (uint8_t)((t.flags & ~FLAG_DEFAULT_CONFIG) | FLAG_STORING);
+    t.status_due = true; /* before the answer: who hears that knows that storing has begun */
     config_store(&wish);
     use_config();
     return CONFIG_IS_STORED;

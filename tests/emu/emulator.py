@@ -27,7 +27,7 @@ def _library() -> ctypes.CDLL:
     library.emu_run_to.argtypes = [pointer, u64]
     library.emu_uart_in.argtypes = library.emu_uart_out.argtypes = [pointer, ctypes.c_char_p, ctypes.c_uint32]
     library.emu_reset.argtypes = [pointer, ctypes.c_uint8, ctypes.c_int]
-    library.emu_flash.argtypes = [pointer, ctypes.c_uint32, ctypes.c_char_p, ctypes.c_uint32, ctypes.c_int]
+    library.emu_hang.argtypes = [pointer, ctypes.c_uint32, ctypes.c_char_p, ctypes.c_uint32]
     library.emu_ram.argtypes = [pointer, ctypes.c_uint16, ctypes.c_char_p, ctypes.c_uint16, ctypes.c_int]
     library.emu_eeprom.argtypes = [pointer, ctypes.c_char_p, ctypes.c_uint16, ctypes.c_int]
     return library
@@ -115,13 +115,11 @@ class Board:
         """Reset the processor, with MCUSR as given; PORF with `keep_ram` off is a power-on."""
         self._emu.emu_reset(self._handle, flags, keep_ram)
 
-    def patch(self, symbol: str, code: bytes) -> bytes:
-        """Overwrite the begin of a function; returns what was there."""
-        place = toolchain.symbols()[symbol]
-        was = ctypes.create_string_buffer(len(code))
-        self._emu.emu_flash(self._handle, place, was, len(code), 0)
-        self._emu.emu_flash(self._handle, place, code, len(code), 1)
-        return was.raw
+    def hang(self, symbol: str, interrupts_off: bool = False) -> None:
+        """Make a function of the firmware never return; the next reset makes it whole again."""
+        cli, jump_to_itself = b"\xf8\x94", b"\xff\xcf"
+        code = cli + jump_to_itself if interrupts_off else jump_to_itself
+        self._emu.emu_hang(self._handle, toolchain.symbols()[symbol], code, len(code))
 
     def ram(self, place: int, count: int) -> bytes:
         """Read the memory."""

@@ -3,6 +3,7 @@
  * The caller says to which cycle to run; what the firmware does on SPI and port B is handed to two functions of
  * the caller as it happens. Linked with libsimavr (GPL-3 or later): for the tests only, never in the package.
  */
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,39 +18,35 @@ typedef uint8_t (*exchange_fn)(uint8_t mosi, uint64_t cycle);
 typedef void (*pin_fn)(int pin, int level, uint64_t cycle);
 
 #define QUEUE (1u << 20) /* bytes to and from the serial port, powers of two */
-#define BYTE_CYCLES 1504 /* simavr counts 11 bits a byte; faster ones overrun it */
+#define BYTE_CYCLES 1360 /* of ten bits at the firmware's 117647 baud */
+/* simavr counts 11 bits a byte, and a byte that comes before the last was read waits for twice that: so its own
+ * time is made a little shorter than the true one, which leaves an interrupt room to read it. */
+#define SIMAVR_BYTE_CYCLES 1250
 #define MCUSR 0x54
 #define SPCR 0x4C
 #define SPSR 0x4D
 #define SPDR 0x4E
+#define UDR 0xC6
 
 struct emu {
     avr_t *avr;
     avr_irq_t *spi_in, *uart_in;
     avr_spi_t *spi;
+    avr_uart_t *uart;
     exchange_fn exchange;
     pin_fn pin;
     uint8_t in[QUEUE], out[QUEUE];
     uint32_t in_head, in_tail, out_head, out_tail;
     uint64_t last_in; /* cycle at which the last byte from the host began */
     uint8_t spi_out;
+    uint8_t healed[16]; /* what a hang has overwritten */
+    uint32_t heal_place, heal_count;
 };
 
 static avr_cycle_count_t nothing(avr_t *avr, avr_cycle_count_t when, void *param)
 {
     (void)avr, (void)when, (void)param;
     return 0;
-}
-
-static avr_cycle_count_t feed(avr_t *avr, avr_cycle_count_t when, void *param)
-{
-    struct emu *emu = param;
-    (void)when;
-    if (emu->in_head == emu->in_tail)
-        return 0;
-    emu->last_in = avr->cycle;
-    avr_raise_irq(emu->uart_in, emu->in[emu->in_tail++ % QUEUE]);
-    return avr->cycle + BYTE_CYCLES;
 }
 
 static void on_spi(avr_irq_t *irq, uint32_t value, void *param)
@@ -111,6 +108,13 @@ static void set_serial_flags(struct emu *emu)
     avr_ioctl(emu->avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
 }
 
+static void heal(avr_t *avr)
+{
+    struct emu *emu = avr->custom.data;
+    memcpy(avr->flash + emu->heal_place, emu->healed, emu->heal_count);
+    emu->heal_count = 0;
+}
+
 void *emu_open(const char *elf, exchange_fn exchange, pin_fn pin, int slow_spi)
 {
     elf_firmware_t firmware;
@@ -121,6 +125,8 @@ void *emu_open(const char *elf, exchange_fn exchange, pin_fn pin, int slow_spi)
         return NULL;
     struct emu *emu = calloc(1, sizeof *emu);
     emu->avr = avr;
+    avr->custom.data = emu;
+    avr->reset = heal;
     emu->exchange = exchange;
     emu->pin = pin;
     avr_init(avr);
@@ -135,6 +141,7 @@ void *emu_open(const char *elf, exchange_fn exchange, pin_fn pin, int slow_spi)
         avr->io[AVR_DATA_TO_IO(SPDR)].w.c = spi_write;
         avr->io[AVR_DATA_TO_IO(SPDR)].w.param = emu;
     }
+    emu->uart = avr->io[AVR_DATA_TO_IO(UDR)].w.param;
     emu->uart_in = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_SPI_GETIRQ(0), SPI_IRQ_OUTPUT), on_spi, emu);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_uart, emu);
@@ -159,14 +166,20 @@ uint64_t emu_cycle(struct emu *emu)
 int emu_run_to(struct emu *emu, uint64_t cycle)
 {
     avr_t *avr = emu->avr;
+    uint64_t stop = 0;
     while (avr->cycle < cycle) {
-        /* A sleeping processor jumps to the next timer: there must be one where we want to stop. A reset
-         * forgets timers, so both are looked after in each round. */
-        if (!avr_cycle_timer_status(avr, nothing, emu))
-            avr_cycle_timer_register(avr, cycle - avr->cycle, nothing, emu);
-        if (emu->in_head != emu->in_tail && !avr_cycle_timer_status(avr, feed, emu)) {
-            uint64_t next = emu->last_in + BYTE_CYCLES;
-            avr_cycle_timer_register(avr, next > avr->cycle ? next - avr->cycle : 1, feed, emu);
+        bool waiting = emu->in_head != emu->in_tail;
+        if (waiting && avr->cycle >= emu->last_in + BYTE_CYCLES) {
+            emu->last_in = avr->cycle;
+            emu->uart->cycles_per_byte = SIMAVR_BYTE_CYCLES;
+            avr_raise_irq(emu->uart_in, emu->in[emu->in_tail++ % QUEUE]);
+        }
+        uint64_t next = waiting && emu->last_in + BYTE_CYCLES < cycle ? emu->last_in + BYTE_CYCLES : cycle;
+        /* A sleeping processor jumps to the next timer: there must be one where we want to act. A reset forgets
+         * timers; and one that is late by a cycle has status 0, so no work may be left to the timer itself. */
+        if (next != stop || !avr_cycle_timer_status(avr, nothing, emu)) {
+            stop = next;
+            avr_cycle_timer_register(avr, next > avr->cycle ? next - avr->cycle : 1, nothing, emu);
         }
         int state = avr_run(avr);
         if (state == cpu_Done || state == cpu_Crashed)
@@ -217,12 +230,13 @@ void emu_reset(struct emu *emu, uint8_t flags, int keep_ram)
     set_serial_flags(emu);
 }
 
-void emu_flash(struct emu *emu, uint32_t place, uint8_t *bytes, uint32_t count, int write)
+/* Overwrite code with a loop that never ends; the next reset brings the code back. */
+void emu_hang(struct emu *emu, uint32_t place, const uint8_t *code, uint32_t count)
 {
-    if (write)
-        memcpy(emu->avr->flash + place, bytes, count);
-    else
-        memcpy(bytes, emu->avr->flash + place, count);
+    memcpy(emu->healed, emu->avr->flash + place, count);
+    memcpy(emu->avr->flash + place, code, count);
+    emu->heal_place = place;
+    emu->heal_count = count;
 }
 
 void emu_ram(struct emu *emu, uint16_t place, uint8_t *bytes, uint16_t count, int write)

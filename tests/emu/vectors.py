@@ -1,0 +1,20 @@
+"""The known answers that firmware and tests share."""
+
+import tomllib
+from typing import Any
+
+from toolchain import FIRMWARE
+
+VECTORS: dict[str, Any] = tomllib.loads((FIRMWARE / "vectors.toml").read_text(encoding="utf-8"))
+HOPS: list[list[int]] = [VECTORS["hops"][str(row)] for row in range(32)]
+
+
+def octets(words: str) -> bytes:
+    """Bytes of a hexadecimal string; spaces do not count."""
+    return bytes.fromhex(words)
+
+
+def channel_lists() -> list[tuple[list[int], bytes]]:
+    """Channels and the frames that carry them."""
+    cases = VECTORS["crsf"]
+    return [([c["channels"]] * 16 if isinstance(c["channels"], int) else c["channels"], octets(c["frame"])) for c in cases]

@@ -128,7 +128,7 @@ static void make_other(void)
         queue[3 + i] = (uint8_t)random32();
     if (which == 1 && !chance(4))
         memcpy(queue + 3, "SET\1", 4);
-    if (which == 2 && !chance(4))
+    if (which == 2 && chance(60))
         memcpy(queue + 3, "BIND", 4);
     queued = crsf_frame(queue, types[which], sizes[which]), taken = 0;
 }

@@ -17,5 +17,5 @@ def test_what_must_never_be_sent_cannot_be_made(name: str, value: float) -> None
 
 
 def test_throttle_has_no_reverse() -> None:
-    with pytest.raises(ValueError, match="-0.1"):
+    with pytest.raises(ValueError, match=r"-0\.1"):
         Command(throttle=-0.1)

@@ -1,6 +1,7 @@
 """The firmware on an emulated ATmega328P with an emulated radio, in lock-step: time passes only when told to."""
 
 import ctypes
+from pathlib import Path
 from typing import Self
 
 import toolchain
@@ -42,6 +43,8 @@ class Board:
         What its memory holds from place 0 on; the rest is erased.
     slow_spi : bool
         Leave simavr's own timing of SPI: 100 us a byte where 2 us are true. The worst that could be.
+    program : Path, optional
+        The firmware to run, if not the one that its Makefile builds.
 
     Attributes
     ----------
@@ -49,13 +52,13 @@ class Board:
         The radio; its `packets` are what went on the air.
     """
 
-    def __init__(self, eeprom: bytes = b"", slow_spi: bool = False) -> None:
+    def __init__(self, eeprom: bytes = b"", slow_spi: bool = False, program: Path | None = None) -> None:
         self.radio = Nrf24()
         self._exchange = _EXCHANGE(self.radio.exchange)
         self._pin = _PIN(self._on_pin)
         self._emu = _library()
-        program = str(toolchain.firmware()).encode()
-        self._handle = self._emu.emu_open(program, self._exchange, self._pin, slow_spi)
+        code = str(program or toolchain.firmware()).encode()
+        self._handle = self._emu.emu_open(code, self._exchange, self._pin, slow_spi)
         assert self._handle, "libsimavr cannot load the firmware"
         self.eeprom = eeprom.ljust(1024, b"\xff")
 

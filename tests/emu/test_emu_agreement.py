@@ -21,8 +21,8 @@ def session() -> Session:
     events += [(slot(360 + 8 * turn), frame(Command(), armed=False)) for turn in range(4)]
     events += [(slot(392 + 8 * turn), frame(Command())) for turn in range(2)]
     for turn in range(10):
-        sticks = [chance.uniform(-1, 1) for _ in range(3)]
-        events.append((slot(408 + 8 * turn), frame(Command(*sticks, throttle=chance.random()))))
+        roll, pitch, yaw = (chance.uniform(-1, 1) for _ in range(3))
+        events.append((slot(408 + 8 * turn), frame(Command(roll, pitch, yaw, chance.random()))))
     events.append((slot(488), bytes(chance.randrange(256) for _ in range(20))))
     broken = bytearray(frame())
     broken[9] ^= 4

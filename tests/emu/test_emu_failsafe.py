@@ -1,4 +1,4 @@
-"""Who may fly, in the emulated firmware: arming, disarming, resets, a radio that fails, and the stored configuration."""
+"""Who may fly, in the emulated firmware: arming, resets, a radio that fails, and the stored configuration."""
 
 import pytest
 from emulator import BORF, EXTRF, PORF, Board
@@ -196,7 +196,7 @@ def test_bad_values_and_writes_in_flight_are_refused() -> None:
         good = write_config_frame(Config())
         body = bytearray(good[2:-1])
         body[4 + 6] = 200  # a channel beyond the band
-        assert ask(board, good[:2] + body + bytes([crc8(body)]))[0] == "refused: a value is out of range"
+        assert ask(board, good[:2] + bytes(body) + bytes([crc8(bytes(body))]))[0] == "refused: a value is out of range"
 
 
 def test_a_radio_that_is_not_there_is_reported_and_one_that_comes_back_is_used(bound: Board) -> None:

@@ -2,6 +2,7 @@
 
 import random
 import subprocess
+from itertools import pairwise
 
 import pytest
 import toolchain
@@ -24,7 +25,7 @@ def test_a_packet_every_4_ms_while_commands_come(slow_spi: bool) -> None:
             board.run(chance.uniform(0.02, 0.05))
         times = [packet.cycle for packet in board.packets[begin:]]
         assert len(times) > 400
-        assert all(abs(after - before - TICK) <= 50 * US for before, after in zip(times, times[1:], strict=False))
+        assert all(abs(after - before - TICK) <= 50 * US for before, after in pairwise(times))
         assert board.radio.refusals == []
 
 

@@ -13,7 +13,7 @@ HERE = Path(__file__).resolve().parent
 FIRMWARE = ROOT / "firmware" / "syma_transmitter"
 BUILD = ROOT / "build" / "emu"
 HEADERS = [ROOT / ".toolchain" / "usr" / "include", Path("/usr/include")]
-INSTALL = "install with: make toolchain (as root), or apt-get install gcc-avr avr-libc libsimavr2 libsimavr-dev"
+INSTALL = "to install it, as root: make toolchain"
 CORE = ["crc8.c", "crsf.c", "config.c", "pilot.c", "syma.c", "radio.c", "transmitter.c"]
 WARNINGS = ["-Wall", "-Wextra", "-Werror"]
 
@@ -65,6 +65,39 @@ def shim() -> Path:
         where = [f"-I{include}", f"-I{include}/simavr"]
         _run("gcc", "-O2", *WARNINGS, "-shared", "-fPIC", *where, source, "-o", target, "-l:libsimavr.so.2")
     return target
+
+
+ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
+SKETCH_FLAGS = (
+    "-c -g -Os -w -mmcu=atmega328p -DF_CPU=16000000L -DARDUINO=10819 -DARDUINO_AVR_UNO -DARDUINO_ARCH_AVR -flto "
+    f"-ffunction-sections -fdata-sections -I{ARDUINO}/cores/arduino -I{ARDUINO}/variants/standard"
+).split()
+
+
+@functools.cache
+def arduino_sketch() -> Path:
+    """The firmware as the Arduino IDE builds it: sketch, core and link-time optimization."""
+    if not (ARDUINO / "cores" / "arduino" / "Arduino.h").exists():
+        lacking("arduino-core-avr")
+    folder = BUILD / "sketch"
+    program = folder / "sketch.elf"
+    if _newer(program, [path for path in FIRMWARE.iterdir() if path.is_file()]):
+        return program
+    folder.mkdir(parents=True, exist_ok=True)
+    sketch = folder / "syma_transmitter.ino.cpp"
+    sketch.write_text("#include <Arduino.h>\n" + (FIRMWARE / "syma_transmitter.ino").read_text())
+    core = [path for path in (ARDUINO / "cores" / "arduino").glob("*.c*") if path.name != "WString.cpp"]
+    objects: dict[Path, Path] = {}
+    for source in [*core, sketch, *FIRMWARE.glob("*.c")]:
+        target = objects[source] = folder / (source.name + ".o")
+        language = ["-std=gnu11", "-fno-fat-lto-objects"] if source.suffix == ".c" else ["-std=gnu++11", "-fpermissive"]
+        _run("avr-gcc", *SKETCH_FLAGS, *language, "-fno-exceptions", source, "-o", target)
+    archive = folder / "core.a"
+    archive.unlink(missing_ok=True)
+    _run("avr-gcc-ar", "rcs", archive, *(objects.pop(source) for source in core))
+    link = ["-w", "-Os", "-flto", "-fuse-linker-plugin", "-Wl,--gc-sections", "-mmcu=atmega328p"]
+    _run("avr-gcc", *link, "-o", program, *objects.values(), archive, "-lm")
+    return program
 
 
 def _host_sources() -> list[Path]:

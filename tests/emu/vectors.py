@@ -16,5 +16,8 @@ def octets(words: str) -> bytes:
 
 def channel_lists() -> list[tuple[list[int], bytes]]:
     """Channels and the frames that carry them."""
-    cases = VECTORS["crsf"]
-    return [([c["channels"]] * 16 if isinstance(c["channels"], int) else c["channels"], octets(c["frame"])) for c in cases]
+    found = []
+    for case in VECTORS["crsf"]:
+        values = case["channels"]
+        found.append(([values] * 16 if isinstance(values, int) else values, octets(case["frame"])))
+    return found

@@ -9,7 +9,8 @@ import struct
 from dataclasses import dataclass, field
 
 from matchset.links import channels, crsf
-from matchset.links.transmitter import BIND, CONFIG, READ_CONFIG, STATUS, WRITE_CONFIG, Config, State
+from matchset.links.link import State
+from matchset.links.transmitter import BIND, CONFIG, READ_CONFIG, STATUS, WRITE_CONFIG, Config
 
 TICK = 0.004  # s
 STATES: tuple[State, ...] = ("binding", "locked", "armed", "holding", "failsafe")

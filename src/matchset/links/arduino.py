@@ -136,6 +136,16 @@ class ArduinoLink:
             self._armed = False
             raise
 
+    def rehearse(self, command: Command) -> Command:
+        """Send sticks with the arm switch low: the firmware hears them, the motors stay off.
+
+        Returns the command as the firmware would put it on the air; what it did hear is in `report`.
+        """
+        self._armed, self._throttle = False, 0.0
+        _ = self.report
+        self.wire.send_channels(channels.channels(command), armed=False)
+        return channels.on_air(command)
+
     def land(self, duration: float = 1.5) -> None:
         """Bring the throttle to zero over so many seconds, sticks neutral, then disarm; 0 cuts at once.
 

@@ -175,20 +175,23 @@ class Config(msgspec.Struct, frozen=True):
         Raises
         ------
         LinkError
-            If their layout is another one.
+            If their layout is another one, or a value is out of range.
         """
         if len(data) != 14 or data[0] != 1:
             raise LinkError(f"the firmware's configuration has an unknown layout: {data.hex(' ')}")
         pitch, yaw, roll = ((byte & 0x1F) * (-1 if byte & 0x20 else 1) for byte in data[10:13])
-        return cls(
-            id=data[1:6],
-            bind_channels=(data[6], data[7]),
-            reversed=tuple(axis for bit, axis in enumerate(AXES) if data[8] >> bit & 1),
-            bind_at_power_on=bool(data[9] & 1),
-            trim_follows_stick=bool(data[9] & 2),
-            trims=(pitch, yaw, roll),
-            tail=data[13],
-        )
+        try:
+            return cls(
+                id=data[1:6],
+                bind_channels=(data[6], data[7]),
+                reversed=tuple(axis for bit, axis in enumerate(AXES) if data[8] >> bit & 1),
+                bind_at_power_on=bool(data[9] & 1),
+                trim_follows_stick=bool(data[9] & 2),
+                trims=(pitch, yaw, roll),
+                tail=data[13],
+            )
+        except ValueError as error:
+            raise LinkError(f"the firmware's configuration makes no sense: {error}") from error
 
 
 def decode_config(payload: bytes) -> tuple[Result, Config]:

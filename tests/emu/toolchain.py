@@ -77,8 +77,8 @@ SKETCH_FLAGS = (
 @functools.cache
 def arduino_sketch() -> Path:
     """The firmware as the Arduino IDE builds it: sketch, core and link-time optimization."""
-    if not (ARDUINO / "cores" / "arduino" / "Arduino.h").exists():
-        lacking("arduino-core-avr")
+    if not (ARDUINO / "cores" / "arduino" / "Arduino.h").exists() or not shutil.which("avr-gcc"):
+        lacking("arduino-core-avr, or avr-gcc")
     folder = BUILD / "sketch"
     program = folder / "sketch.elf"
     if _newer(program, [path for path in FIRMWARE.iterdir() if path.is_file()]):

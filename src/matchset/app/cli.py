@@ -1,4 +1,4 @@
-"""The command line: `matchset track`, `learn`, `score` and `demo`.
+"""The command line: `matchset track`, `learn`, `score`, `demo` and `radio`.
 
 Heavy imports wait inside the commands, so that `matchset --help` answers at once.
 """
@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
+from matchset.app.radio_cli import radio
 
 app = typer.Typer(
     name="matchset",
@@ -20,6 +21,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=EXIT_CODES,
 )
+app.add_typer(radio)
 
 Source = Annotated[
     str, typer.Argument(help="A video file, a picture, a folder of pictures, a camera's number, or a URL.")

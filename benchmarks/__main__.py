@@ -31,6 +31,7 @@ NAMES = (
     "localization_markers",
     "localization_covariance",
     "localization_prediction",
+    "localization_neighbors",
 )
 
 

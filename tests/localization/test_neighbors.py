@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from crowd import CAMERA, TARGET, Path, crowd, neighbors
+from crowds import CAMERA, TARGET, neighbors
 
 import matchset as ms
+from matchset.sim.crowd import Crowd, Path
 
 STILL: list[Path] = [lambda _: (-0.7, 0.0, 2.0), lambda _: (0.1, -0.3, 1.5), lambda _: (0.8, 0.3, 2.5)]
 CROSSING: list[Path] = [lambda t: (-0.8 + 0.4 * t, 0.0, 2.0), lambda t: (0.6 - 0.3 * t, 0.02, 1.4)]
@@ -27,7 +28,7 @@ def who(seed: int, paths: list[Path], frames: int) -> tuple[dict[int, set[int]],
     """Which balls each identity was seen at, and all answers."""
     watcher, answers = neighbors(seed, "typical"), []
     met: dict[int, set[int]] = {}
-    for frame in crowd(paths, frames, [True] * len(paths), seed, "typical"):
+    for frame in Crowd(camera=CAMERA, paths=paths, frames=frames, seed=seed):
         answers.append(watcher.update(frame))
         for each in answers[-1]:
             if isinstance(each.pose, ms.Pose):
@@ -37,7 +38,10 @@ def who(seed: int, paths: list[Path], frames: int) -> tuple[dict[int, set[int]],
 
 def test_every_ball_is_found_within_three_frames_and_one_without_a_marker_is_told_so() -> None:
     watcher = neighbors(100, "typical")
-    answers = [watcher.update(frame) for frame in crowd(STILL, 12, [True, True, False], 100, "typical")]
+    answers = [
+        watcher.update(frame)
+        for frame in Crowd(camera=CAMERA, paths=STILL, marked=(True, True, False), frames=12, seed=100)
+    ]
     assert len(answers[3]) == 3
     for each in answers[-1]:
         assert isinstance(each.pose, ms.Pose)
@@ -67,7 +71,9 @@ def test_newcomers_are_noticed_within_half_a_second() -> None:
 
 def test_nobody_is_seen_where_nobody_is() -> None:
     watcher = neighbors(104, "typical")
-    assert [watcher.update(frame) for frame in crowd([lambda _: None], 20, [True], 104, "typical")] == [[]] * 20
+    assert [watcher.update(frame) for frame in Crowd(camera=CAMERA, paths=[lambda _: None], frames=20, seed=104)] == [
+        []
+    ] * 20
 
 
 def test_who_left_is_forgotten_after_a_while() -> None:

@@ -13,7 +13,6 @@ from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
-
 MIXED = 0.1  # change of size, as a logarithm, of a ball that touches another: their outlines were mixed up
 
 

@@ -1,6 +1,5 @@
 """Camera files: our own TOML, a unit on every line; ROS and OpenCV YAML are read by `camera_yaml.py`."""
 
-import math
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -177,4 +176,4 @@ def _toml(size: tuple[int, int], intrinsics: Floats, covariance: Floats | None) 
 
 
 def _correlation(value: float) -> str:
-    return repr(math.copysign(min(abs(value), 1.0), value) if value else 0.0)
+    return repr(round(min(max(value, -1.0), 1.0), 9) + 0.0)

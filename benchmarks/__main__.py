@@ -26,6 +26,12 @@ NAMES = (
     "reacquisition",
     "false_locks",
     "real",
+    "localization_speed",
+    "localization_range",
+    "localization_markers",
+    "localization_covariance",
+    "localization_prediction",
+    "localization_neighbors",
 )
 
 

@@ -5,18 +5,32 @@ from matchset.image.device import LinkError
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.localization.camera_model import CameraModel
+from matchset.localization.filter import PoseFilter
+from matchset.localization.localizer import Localizer
+from matchset.localization.marker_tracker import MarkerTracker
+from matchset.localization.neighbor import Neighbor
+from matchset.localization.neighbors import Neighbors
+from matchset.localization.pose import Pose
+from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import detect
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
 __all__ = [
+    "BallTarget",
     "CameraModel",
     "Circle",
     "ColorModel",
     "Frame",
     "LinkError",
+    "Localizer",
     "Lost",
+    "MarkerTracker",
+    "Neighbor",
+    "Neighbors",
+    "Pose",
+    "PoseFilter",
     "Track",
     "Tracker",
     "Video",

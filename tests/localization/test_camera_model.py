@@ -1,5 +1,7 @@
 import math
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -31,3 +33,96 @@ def test_a_field_of_view_is_less_than_half_a_turn(fov: float) -> None:
 def test_a_picture_has_a_size(size: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match=f"got {size[0]} x {size[1]}"):
         ms.CameraModel.from_fov(*size, 1.0)
+
+
+GOOD: dict[str, Any] = {"width": 640, "height": 480, "fx": 450.0, "fy": 450.0, "cx": 319.5, "cy": 239.5}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("width", 0),
+        ("width", 640.0),
+        ("width", True),
+        ("height", 10**9),
+        ("fx", 0.0),
+        ("fx", -450.0),
+        ("fy", math.nan),
+        ("fy", math.inf),
+        ("fy", "450"),
+        ("cx", -1000.0),
+        ("cy", 5000.0),
+        ("cy", None),
+        ("distortion", (0.0,) * 4),
+        ("distortion", (0.0,) * 8),
+        ("distortion", [0.0] * 5),
+        ("intrinsics_covariance", ((1.0,) * 9,) * 8),
+        ("intrinsics_covariance", ((-1.0,) + (0.0,) * 8, *((0.0,) * 9,) * 8)),
+        ("intrinsics_covariance", ((1.0, 0.5) + (0.0,) * 7, *((0.0,) * 9,) * 8)),
+        ("intrinsics_covariance", ((math.nan,) * 9,) * 9),
+        ("intrinsics_covariance", "large"),
+    ],
+)
+def test_impossible_numbers_are_named(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=f"^{name} must"):
+        ms.CameraModel(**(GOOD | {name: value}))
+
+
+@pytest.mark.parametrize(("place", "name"), list(enumerate(("k1", "k2", "p1", "p2", "k3"))))
+@pytest.mark.parametrize("value", [math.nan, 1e12, "0"])
+def test_impossible_coefficients_are_named(place: int, name: str, value: Any) -> None:
+    values: Any = tuple(value if i == place else 0.0 for i in range(5))
+    with pytest.raises(ValueError, match=f"^{name} must"):
+        ms.CameraModel(**GOOD, distortion=values)
+
+
+def test_the_numbers_for_kernels() -> None:
+    camera = ms.CameraModel(**GOOD, distortion=(-0.3, 0.1, 0.01, 0.02, 0.5))
+    assert camera.intrinsics.tolist() == [450.0, 450.0, 319.5, 239.5, -0.3, 0.1, 0.01, 0.02, 0.5]
+    assert camera.intrinsics is camera.intrinsics
+    assert not camera.intrinsics.flags.writeable
+    assert camera.covariance is None
+    assert camera == ms.CameraModel(**GOOD, distortion=(-0.3, 0.1, 0.01, 0.02, 0.5))
+
+
+def test_known_uncertainty() -> None:
+    rows = tuple(tuple(float(v) for v in row) for row in np.diag(np.arange(9.0)))
+    camera = ms.CameraModel(**GOOD, intrinsics_covariance=rows)
+    assert camera.covariance == pytest.approx(np.diag(np.arange(9.0)))
+
+
+def test_a_picture_of_another_size_is_refused() -> None:
+    camera = ms.CameraModel(**GOOD)
+    pictures: list[Any] = [np.zeros((480, 640, 3), np.uint8), np.zeros((480, 640), np.uint8), (640, 480)]
+    for picture in pictures:
+        camera.check(picture)
+    camera.check(ms.Frame(pictures[0]))
+    for wrong in (np.zeros((640, 480), np.uint8), (480, 640), ms.Frame(np.zeros((640, 480), np.uint8))):
+        with pytest.raises(ValueError, match="the picture is 480 x 640 px, the camera's are 640 x 480 px"):
+            camera.check(wrong)
+
+
+def test_what_is_in_the_picture() -> None:
+    camera = ms.CameraModel(**GOOD)
+    points = [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.0, 0.0, 0.0), (0.7, 0.0, 1.0), (0.72, 0.0, 1.0), (0.0, -0.6, 1.0)]
+    assert camera.visible(points).tolist() == [True, False, False, True, False, False]
+
+
+@pytest.mark.parametrize("points", [[(0.0, 0.0, 0.0)], [(1.0, 1.0, -2.0)]])
+def test_what_is_not_before_the_camera_has_no_pixel(points: Any) -> None:
+    with pytest.raises(ValueError, match="cannot see the point"):
+        ms.CameraModel(**GOOD).project(points)
+
+
+def test_misuse_shows_the_value() -> None:
+    camera = ms.CameraModel(**GOOD)
+    with pytest.raises(ValueError, match=r"shape \(n, 2\), got \(2,\)"):
+        camera.rays((1.0, 2.0))
+    with pytest.raises(ValueError, match=r"shape \(n, 3\), got \(1, 2\)"):
+        camera.project([(1.0, 2.0)])
+    for method, point in ((camera.rays, (1.0, math.nan)), (camera.project, (1.0, math.nan, 1.0))):
+        with pytest.raises(ValueError, match="must be finite, got"):
+            method([point])
+    with pytest.raises(ValueError, match="must be finite, got"):
+        camera.visible([(math.inf, 0.0, 1.0)])
+    assert camera.rays(np.zeros((0, 2))).shape == (0, 3)

@@ -19,10 +19,12 @@ def outline(state: Floats, angle: Floats) -> Floats:
     """The docstring's rho(t), written out."""
     x, y, radius, c, s = state
     rho = radius + c * np.cos(2.0 * angle) + s * np.sin(2.0 * angle)
+    rho += 0.75 * ((c * c - s * s) * np.cos(4.0 * angle) + 2.0 * c * s * np.sin(4.0 * angle)) / radius
     return np.column_stack((x + rho * np.cos(angle), y + rho * np.sin(angle)))
 
 
 @given(states)
+@settings(deadline=None)
 def test_the_trace_is_the_outline_with_its_outward_normals(state: Floats) -> None:
     angles = np.arctan2(*turns(N).T[::-1])
     points, normals, _ = trace(state, turns(N))
@@ -35,6 +37,7 @@ def test_the_trace_is_the_outline_with_its_outward_normals(state: Floats) -> Non
 
 
 @given(states)
+@settings(deadline=None)
 def test_the_jacobian_is_how_the_outline_moves_along_its_normal(state: Floats) -> None:
     points, normals, jacobian = trace(state, turns(N))
     for k in range(5):
@@ -52,7 +55,7 @@ def test_the_answer_is_the_least_squares_circle_of_a_ball_off_axis(b: float, rat
     rho = a * b / np.hypot(b * np.cos(angles - turn), a * np.sin(angles - turn))
     modes = 2.0 * np.mean(rho * np.cos(2.0 * angles)), 2.0 * np.mean(rho * np.sin(2.0 * angles))
     state = np.array([7.0, 9.0, np.mean(rho), *modes])
-    assert np.abs(np.hypot(*(outline(state, angles) - (7.0, 9.0)).T) - rho).max() < 0.012 * b
+    assert np.abs(np.hypot(*(outline(state, angles) - (7.0, 9.0)).T) - rho).max() < 0.002 * b
     ellipse = np.column_stack((a * np.cos(angles), b * np.sin(angles)))
     truth = least_squares(lambda p: np.hypot(*(ellipse - p[:2]).T) - p[2], [0.1, -0.1, b]).x
     circle = Circle.from_state(state)

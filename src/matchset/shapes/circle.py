@@ -1,8 +1,9 @@
 """The circle, and the near-circle that a ball shows off the camera's axis.
 
 A ball's outline is an ellipse, up to 22 % longer than wide at 35 degrees off axis. The tracker therefore follows the
-state (x, y, radius, c, s) of ``rho(t) = radius + c cos 2t + s sin 2t``: a circle with two small elliptic *modes* that
-are held near zero. What a user gets is the least-squares circle of that outline.
+state (x, y, radius, c, s) of ``rho(t) = radius + c cos 2t + s sin 2t + 3/4 ((c^2 - s^2) cos 4t + 2 c s sin 4t) /
+radius``: the ellipse to second order in two small *modes* c and s that are held near zero. Without the last term a
+large ball far off the axis would seem to have corners. What a user gets is the least-squares circle of that outline.
 """
 
 import math
@@ -22,18 +23,23 @@ Floats = npt.NDArray[np.float64]
 def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
     """Outline of the state at the given (cos, sin); see `Shape.trace`."""
     x, y, radius, c, s = state[0], state[1], state[2], state[3], state[4]
+    unit = 1.0 / max(radius, 1e-9)
     for line in range(outline.shape[0]):
         i = np.uintp(line)
         ux, uy = turns[i, 0], turns[i, 1]
         c2, s2 = ux * ux - uy * uy, 2.0 * ux * uy
-        rho = radius + c * c2 + s * s2
-        slope = 2.0 * (s * c2 - c * s2) / rho
+        c4, s4 = c2 * c2 - s2 * s2, 2.0 * c2 * s2
+        fourth = 0.75 * unit * ((c * c - s * s) * c4 + 2.0 * c * s * s4)
+        rho = radius + c * c2 + s * s2 + fourth
+        slope = 2.0 * (s * c2 - c * s2) + 3.0 * unit * (2.0 * c * s * c4 - (c * c - s * s) * s4)
+        slope /= rho
         along = 1.0 / math.sqrt(1.0 + slope * slope)
         nx, ny = along * (ux + slope * uy), along * (uy - slope * ux)
         outline[i, 0], outline[i, 1] = x + rho * ux, y + rho * uy
         outline[i, 2], outline[i, 3] = nx, ny
-        outline[i, 4], outline[i, 5], outline[i, 6] = nx, ny, along
-        outline[i, 7], outline[i, 8] = along * c2, along * s2
+        outline[i, 4], outline[i, 5], outline[i, 6] = nx, ny, along * (1.0 - fourth * unit)
+        outline[i, 7] = along * (c2 + 1.5 * unit * (c * c4 + s * s4))
+        outline[i, 8] = along * (s2 + 1.5 * unit * (c * s4 - s * c4))
 
 
 @kernel

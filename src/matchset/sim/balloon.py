@@ -1,4 +1,4 @@
-"""What the camera looks for: `Balloon`, a blue sphere with a purple marker."""
+"""What the camera looks for: `Balloon`, a blue sphere with purple markers."""
 
 import math
 
@@ -9,7 +9,7 @@ Vector = tuple[float, float, float]
 
 
 class Balloon(msgspec.Struct, frozen=True, kw_only=True):
-    """A sphere with one round marker painted on it.
+    """A sphere with round markers painted on it.
 
     Parameters
     ----------
@@ -21,6 +21,8 @@ class Balloon(msgspec.Struct, frozen=True, kw_only=True):
     marker_radius : float
         Half the straight distance across the marker, m. The marker is a spherical cap: it does not change
         the outline. 0: no marker.
+    more_markers : tuple of (float, float, float)
+        Directions to further markers of the same size and color, camera frame.
     color, marker_color : tuple of 3 floats
         BGR, 0 ... 255, of the surface in full diffuse light.
     """
@@ -28,6 +30,7 @@ class Balloon(msgspec.Struct, frozen=True, kw_only=True):
     radius: float = 0.14
     marker: Vector | None = None
     marker_radius: float = 0.03
+    more_markers: tuple[Vector, ...] = ()
     color: Color = (205.0, 72.0, 22.0)
     marker_color: Color = (165.0, 36.0, 150.0)
 
@@ -36,5 +39,6 @@ class Balloon(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"a balloon's radius must be positive, got {self.radius} m")
         if not 0.0 <= self.marker_radius < self.radius:
             raise ValueError(f"a marker must be smaller than its balloon, got {self.marker_radius} m")
-        if self.marker is not None and abs(math.hypot(*self.marker) - 1.0) > 1e-6:
-            raise ValueError(f"a marker's direction must have length 1, got {self.marker}")
+        for marker in (*self.more_markers, *(() if self.marker is None else (self.marker,))):
+            if abs(math.hypot(*marker) - 1.0) > 1e-6:
+                raise ValueError(f"a marker's direction must have length 1, got {marker}")

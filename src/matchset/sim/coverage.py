@@ -50,10 +50,12 @@ def _sphere_coverage(u: float, v: float, lens: Array, spheres: Array, i: int) ->
 
 
 @kernel
-def _shade(u: float, v: float, sphere: Array, radius: float, soften: float, look: Array) -> tuple[float, float, float]:
+def _shade(
+    u: float, v: float, sphere: Array, radius: float, soften: float, look: Array, more: Array
+) -> tuple[float, float, float]:
     """Color of the sphere where the ray (u, v, 1) meets it, or of its outline next to the ray.
 
-    `soften` is the width of the marker's border, rad as seen from the center of the sphere. The directions
+    `more` holds the directions to all markers but the first; `soften` is the width of the marker's border, rad as seen from the center of the sphere. The directions
     to the eye and half way to the light are those at the center of the sphere.
     """
     dd = u * u + v * v + 1.0
@@ -77,6 +79,10 @@ def _shade(u: float, v: float, sphere: Array, radius: float, soften: float, look
     cosine = nx * look[6] + ny * look[7] + nz * look[8]
     if look[9] > 0.0 and cosine > look[15]:
         marker = min(max((look[9] - math.acos(min(cosine, 1.0))) / soften + 0.5, 0.0), 1.0)
+    for k in range(more.shape[0]):
+        cosine = nx * more[k, 0] + ny * more[k, 1] + nz * more[k, 2]
+        if look[9] > 0.0 and cosine > look[15]:
+            marker = max(marker, min(max((look[9] - math.acos(min(cosine, 1.0))) / soften + 0.5, 0.0), 1.0))
     return (
         min((look[0] + marker * (look[3] - look[0])) * diffuse + shine, 255.0),
         min((look[1] + marker * (look[4] - look[1])) * diffuse + shine, 255.0),
@@ -106,7 +112,7 @@ def _sphere_box(
 
 @kernel
 def draw_sphere(
-    picture: Picture, lens: Array, spheres: Array, radius: float, look: Array, start: int, step: int
+    picture: Picture, lens: Array, spheres: Array, radius: float, look: Array, more: Array, start: int, step: int
 ) -> None:
     """Blend a sphere, its coverage averaged over the sub-exposures, over some rows of a picture."""
     n = spheres.shape[0]
@@ -125,7 +131,7 @@ def draw_sphere(
                 alpha += _sphere_coverage(u, v, lens, spheres, i)
             if alpha > 0.0:
                 alpha *= share
-                blue, green, red = _shade(u, v, middle, radius, soften, look)
+                blue, green, red = _shade(u, v, middle, radius, soften, look, more)
                 picture[y, x, 0] += alpha * (blue - picture[y, x, 0])
                 picture[y, x, 1] += alpha * (green - picture[y, x, 1])
                 picture[y, x, 2] += alpha * (red - picture[y, x, 2])

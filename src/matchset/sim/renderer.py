@@ -99,7 +99,8 @@ def draw_balloon(
     # Within this much of the outline (3 px or more on either side) a pixel may be covered in part.
     band = 4.0 * balloon.radius * np.sqrt(tangent_sq) / min(camera.fx, camera.fy)
     spheres = np.column_stack((centers, square, tangent_sq, band, balloon.radius / np.sqrt(tangent_sq)))
-    draw_sphere(picture, lens, spheres, balloon.radius, look, rows.start, rows.step)
+    more = np.array(balloon.more_markers, np.float64).reshape(-1, 3)
+    draw_sphere(picture, lens, spheres, balloon.radius, look, more, rows.start, rows.step)
 
 
 def draw_occluder(picture: Picture, occluders: list[Occluder], rows: Rows = ALL_ROWS) -> None:

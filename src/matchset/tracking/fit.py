@@ -196,6 +196,14 @@ def _scale(found: Floats, order: Singles) -> float:
 
 
 @kernel
+def _join_fields(outline: Floats, edges: Floats, found: Floats, step: Floats, s: int) -> None:
+    """Take the distance between the fields out of the edge points that were taken."""
+    for i in range(outline.shape[0]):
+        if found[i, 0] < math.inf:
+            edges[i, int(found[i, 2]), 0] -= outline[i, s + 4] * step[s] + outline[i, s + 5] * step[s + 1]
+
+
+@kernel
 def fit_lines(
     outline: Floats,
     edges: Floats,
@@ -215,8 +223,9 @@ def fit_lines(
     Parameters
     ----------
     outline : (n, 4 + s + 2)
-    edges : (n, 3, 3)
-        The lines and their edge points, see `Views`.
+    edges : (n, 3, 3), written
+        The lines and their edge points, see `Views`. The edge points the fit took are brought from their own field to
+        the mean of the two, by the distance between the fields that was fitted.
     state : (s,), written
         Where the outline was traced; moved by the step.
     expected : (s,)
@@ -273,6 +282,8 @@ def fit_lines(
         b[:] = 0.0
         b[j] = noise * noise
         _substitute(a, b, covariance[j], p)
+    if p > s:
+        _join_fields(outline, edges, found, step, s)
     moved = 0.0
     for k in range(s):
         state[k] += step[k]

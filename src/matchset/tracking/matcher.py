@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.shapes.jit import compiled
+from matchset.shapes.jit import compiled, plain
 from matchset.shapes.shape import Shape
 from matchset.tracking import memory, motion
-from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.step import steps
+from matchset.tracking.parameters import TRUST, TrackerParameters
+from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
 from matchset.tracking.verdict import SURE, JudgeParameters
 
@@ -22,6 +22,7 @@ S = TypeVar("S", bound=Shape)
 
 INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it blur mixes with the background
 FIRST_GRAIN = 2.0  # noise that is assumed before the first look, gray levels
+NOTHING, NO_COLOR = np.zeros((1, 1, 3), np.uint8), np.zeros(256, np.int8)
 GOLDEN = 0.6180339887  # spreads the places inside evenly
 
 
@@ -113,7 +114,7 @@ class Matcher(Generic[S]):
         count = len(family.__struct_fields__)
         self._memory = memory.Memory(points, len(start), count)
         self.parts = parts = self._memory.parts
-        self._steps = steps(compiled(family.trace), compiled(family.half_width), len(start), count)
+        self._step = make_step(compiled(family.trace), compiled(family.half_width), count)
         angles = 2.0 * math.pi * (np.arange(points) + 0.5) / points
         shares = INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)
         parts.rays[:] = np.column_stack((np.cos(angles), np.sin(angles), shares))
@@ -122,7 +123,9 @@ class Matcher(Generic[S]):
         for place, parameters in zip((parts.match, parts.judge, parts.track), chosen, strict=True):
             numbers = msgspec.structs.astuple(parameters)
             place[: len(numbers)] = numbers
-        self._work = self._memory.runs, self._memory.pixels, self._memory.sums
+        arrays = self._memory
+        self._own = arrays.block, *arrays.tables
+        self._work = arrays.runs, arrays.pixels, arrays.sums, *self._own
         self.forget()
 
     def settle(self, image: Image, color: ColorModel, start: Floats, look: Look) -> bool:
@@ -143,8 +146,9 @@ class Matcher(Generic[S]):
         """
         self.state[:] = start
         reach, speed, sigma, free, least = look
-        sigma = sigma or max(reach / 3.0, 1.0)
-        return self._steps.settle(image, color.table, self._memory.block, *self._work, free, reach, speed, sigma, least)
+        self.parts.look[:] = reach, speed, sigma or max(reach / 3.0, 1.0), least
+        verdict, _ = self._step(image, color.table, *self._work, FREE if free else HELD, 0.0, 1.0)
+        return verdict == SURE
 
     def advance(self, image: Image, color: ColorModel, time: float, passed: float) -> Track[S] | int:
         """Follow the shape into a frame, at a time, s, `passed` seconds after the frame before.
@@ -154,16 +158,14 @@ class Matcher(Generic[S]):
         Track or int
             Where all is well the answer, taken in; otherwise the `verdict` on this first look.
         """
-        verdict, (support, points, covariance) = self._steps.advance(
-            image, color.table, self._memory.block, *self._work, time, passed
-        )
+        verdict, (support, points, covariance) = self._step(image, color.table, *self._work, FOLLOW, time, passed)
         if verdict != SURE:
             return verdict
         return Track(self.family.from_state(self.state), covariance, support, points, time)
 
     def predict(self, time: float, missed: float) -> Floats:
         """Extrapolate the motion to a time, s, `missed` frames after the last sighting; the state, (s,), expected."""
-        self._steps.predict(self._memory.block, self.points, time, missed)
+        plain(motion.predict)(self.parts, time, missed, self.parts.track[TRUST])  # seldom: not worth compiling
         return self.parts.expected
 
     def begin(self, state: Floats, time: float, spread: float) -> None:
@@ -172,12 +174,15 @@ class Matcher(Generic[S]):
 
     def take_in(self, time: float) -> Track[S]:
         """Correct the motion with what was fitted in the frame of a time, s, and answer with it."""
-        support, points, covariance = self._steps.take_in(self._memory.block, self.points, time)
-        return Track(self.family.from_state(self.state), covariance, support, points, time)
+        return self._tell(TAKE_IN, time)
 
     def track(self, time: float) -> Track[S]:
         """Answer with what was fitted in the frame of a time, s."""
-        support, points, covariance = self._steps.answer(self._memory.block, self.points)
+        return self._tell(TELL, time)
+
+    def _tell(self, way: int, time: float) -> Track[S]:
+        """Answer with what was fitted, taken in or not."""
+        _, (support, points, covariance) = self._step(NOTHING, NO_COLOR, *self._work, way, time, 1.0)
         return Track(self.family.from_state(self.state), covariance, support, points, time)
 
     def forget(self) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.adapt import count_inside
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import inlined
 from matchset.tracking.fit import fit_lines
 from matchset.tracking.match_set import match_lines
 from matchset.tracking.memory import (
@@ -27,7 +27,7 @@ Floats = npt.NDArray[np.float64]
 GRAIN_MEMORY = 0.9  # share of the pixels' noise that one look leaves
 
 
-@kernel
+@inlined
 def measure(
     image: npt.NDArray[np.uint8],
     table: npt.NDArray[np.int8],

@@ -1,7 +1,7 @@
-"""The working memory of a tracker: one block of numbers that its compiled steps and Python look into.
+"""The working memory of a tracker: what its compiled steps and Python look into.
 
-A compiled call costs by the array it is handed, and most when the caches are cold. So all that a step reads and
-writes lies in one block, and `views` cuts it into the same named arrays here and there.
+A compiled call costs by the array it is handed, and most when the caches are cold. So all short vectors lie in one
+block, and `views` cuts it into the same named arrays here and there.
 """
 
 from typing import NamedTuple
@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import inlined, plain
 from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 
 Floats = npt.NDArray[np.float64]
 
-FITS, CLOCKS, LIMITS = 16, 8, 32  # numbers kept of a fit, of the motion, and of each kind of parameters
+FITS, CLOCKS, LOOKS, LIMITS = 16, 4, 4, 32  # numbers of a fit, the motion, a look, and each kind of parameters
 
 # places in `Views.fit`: what the last look at the shape found
 NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE, HOLLOW, SIZE, BENT = range(13)
@@ -23,9 +23,12 @@ NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE,
 # and its half-width over the last well-confirmed frames, px
 TIME, SPEED, SURPRISE, USUAL = range(4)
 
+# places in `Views.look`: how far to look for a shape, see `Look`
+REACH, RATE, SIGMA, LEAST = range(4)
+
 
 class Views(NamedTuple):
-    """The parts of a block, for n lines, a state of s numbers and p parameters.
+    """The parts of a memory, for n lines, a state of s numbers and p parameters.
 
     Attributes
     ----------
@@ -49,7 +52,7 @@ class Views(NamedTuple):
         Motion: the state last seen, its change per second, and the prediction.
     spread, room, free : (p,)
         By how much predictions have lately missed, how far from them each parameter may be, and zeros.
-    fit, clock : (FITS,), (CLOCKS,)
+    fit, clock, look : (FITS,), (CLOCKS,), (LOOKS,)
         See the names of their places above.
     match, judge, track : (LIMITS,)
         `MatchParameters`, `JudgeParameters` and `TrackerParameters`, in the order of their fields.
@@ -71,44 +74,44 @@ class Views(NamedTuple):
     free: Floats
     fit: Floats
     clock: Floats
+    look: Floats
     match: Floats
     judge: Floats
     track: Floats
 
 
-@kernel
-def views(block: Floats, n: int, s: int, p: int) -> Views:
-    """Cut a block into its parts."""
-    wide = s + 6
-    a = n * wide
-    b = a + 3 * CANDIDATES * n
-    c = b + 2 * n
-    d = c + 3 * n
-    e = d + 3 * n
-    f = e + p * (s + 2)
-    g = f + 5 * s
-    h = g + 3 * p
-    k = h + FITS + CLOCKS
+@inlined
+def views(
+    block: Floats, outline: Floats, edges: Floats, starts: Floats, found: Floats, rays: Floats, covariance: Floats
+) -> Views:
+    """Cut a block into its parts, and join them with the tables of the lines."""
+    p = covariance.shape[0]
+    s = outline.shape[1] - 6
+    a, b = 5 * s, 5 * s + 3 * p
+    c = b + FITS
+    e = c + CLOCKS
+    d = e + LOOKS
     return Views(
-        block[:a].reshape((n, wide)),
-        block[a:b].reshape((n, CANDIDATES, 3)),
-        block[b:c].reshape((n, 2)),
-        block[c:d].reshape((n, 3)),
-        block[d:e].reshape((n, 3)),
-        block[e:f].reshape((p, s + 2)),
-        block[f : f + s],
-        block[f + s : f + 2 * s],
-        block[f + 2 * s : f + 3 * s],
-        block[f + 3 * s : f + 4 * s],
-        block[f + 4 * s : g],
-        block[g : g + p],
-        block[g + p : g + 2 * p],
-        block[g + 2 * p : h],
-        block[h : h + FITS],
-        block[h + FITS : k],
-        block[k : k + LIMITS],
-        block[k + LIMITS : k + 2 * LIMITS],
-        block[k + 2 * LIMITS : k + 3 * LIMITS],
+        outline,
+        edges,
+        starts,
+        found,
+        rays,
+        covariance,
+        block[:s],
+        block[s : 2 * s],
+        block[2 * s : 3 * s],
+        block[3 * s : 4 * s],
+        block[4 * s : a],
+        block[a : a + p],
+        block[a + p : a + 2 * p],
+        block[a + 2 * p : b],
+        block[b:c],
+        block[c:e],
+        block[e:d],
+        block[d : d + LIMITS],
+        block[d + LIMITS : d + 2 * LIMITS],
+        block[d + 2 * LIMITS : d + 3 * LIMITS],
     )
 
 
@@ -125,8 +128,10 @@ class Memory:
     Attributes
     ----------
     block : ndarray, float64
+    tables : tuple of ndarrays
+        Outline, edges, starts, found, rays and covariance of `Views`.
     parts : Views
-        Of the block.
+        Of both.
     runs : ndarray of shape (n, 5), int64
         Where each line runs: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels; the
         last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.
@@ -136,11 +141,16 @@ class Memory:
     """
 
     def __init__(self, n: int, states: int, count: int) -> None:
-        lines = n * (states + 6 + 3 * CANDIDATES + 2 + 3 + 3)
-        rest = count * (states + 2) + 5 * states + 3 * count + FITS + CLOCKS + 3 * LIMITS
-        self.block = np.zeros(lines + rest)
-        cut = getattr(views, "py_func", views)
-        self.parts: Views = cut(self.block, n, states, count)
+        self.block = np.zeros(5 * states + 3 * count + FITS + CLOCKS + LOOKS + 3 * LIMITS)
+        self.tables = (
+            np.zeros((n, states + 6)),
+            np.zeros((n, CANDIDATES, 3)),
+            np.zeros((n, 2)),
+            np.zeros((n, 3)),
+            np.zeros((n, 3)),
+            np.zeros((count, states + 2)),
+        )
+        self.parts = plain(views)(self.block, *self.tables)
         self.runs = np.zeros((n, 5), np.int64)
         self.pixels = np.zeros((n, LONGEST, 3), np.uint8)
         self.sums = np.zeros(SUMS, np.float32)

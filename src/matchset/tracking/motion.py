@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import inlined
 from matchset.tracking.memory import SPEED, SURPRISE, TIME, Views
 
 Floats = npt.NDArray[np.float64]
@@ -17,7 +17,7 @@ LEAST = 0.3  # px: no prediction is trusted to be better
 PROMPT = 0.05  # s without a sighting from which it fades
 
 
-@kernel
+@inlined
 def correct(parts: Views, time: float) -> None:
     """Take in the state that was fitted at a time, s."""
     state, velocity, spread, fitted = parts.seen, parts.velocity, parts.spread, parts.state
@@ -33,7 +33,7 @@ def correct(parts: Views, time: float) -> None:
     parts.clock[TIME] = time
 
 
-@kernel
+@inlined
 def predict(parts: Views, time: float, missed: float, trust: float) -> None:
     """Extrapolate to a time; the velocity fades while nothing is seen.
 

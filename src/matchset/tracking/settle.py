@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import inlined
 from matchset.tracking.measure import measure
-from matchset.tracking.memory import AGREEMENT, BENT, NOISE, SEEN, SIZE, Views
+from matchset.tracking.memory import AGREEMENT, BENT, LEAST, NOISE, RATE, REACH, SEEN, SIGMA, SIZE, Views
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -34,11 +34,11 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any], p: in
     Returns
     -------
     callable
-        ``settle(image, table, parts, runs, pixels, sums, spread, reach, speed, sigma, least)``: fit near
-        ``parts.state``; whether there are edge points to judge. See `Matcher.settle`.
+        ``settle(image, table, parts, runs, pixels, sums, spread)``: fit near ``parts.state``, as far as
+        ``parts.look`` says; whether there are edge points to judge. See `Matcher.settle`.
     """
 
-    @kernel
+    @inlined
     def settle(
         image: Bytes,
         table: Scores,
@@ -47,13 +47,11 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any], p: in
         pixels: Bytes,
         sums: Singles,
         spread: Floats,
-        reach: float,
-        speed: float,
-        sigma: float,
-        least: float,
     ) -> bool:
-        fit, state = parts.fit, parts.state
-        parts.begin[:] = state
+        fit, state, look = parts.fit, parts.state, parts.look
+        reach, speed, sigma, least = look[REACH], look[RATE], look[SIGMA], look[LEAST]
+        for k in range(state.shape[0]):
+            parts.begin[k] = state[k]
         noise, fit[NOISE] = fit[NOISE], 0.0
         for _ in range(int(parts.match[6])):
             size = half_width(state)

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import inlined, kernel
 from matchset.tracking.memory import (
     AGREEMENT,
     BENT,
@@ -168,7 +168,7 @@ def is_near(state: Floats, size: float, expected: Floats, expected_size: float, 
     return bool(change <= 0.1 * expected_size + 1.0 and far <= 0.3 * expected_size + 2.0 * surprise)
 
 
-@kernel
+@inlined
 def answer(parts: Views) -> tuple[float, Floats, Floats]:
     """Support, match-set and covariance of what was fitted.
 
@@ -189,11 +189,10 @@ def answer(parts: Views) -> tuple[float, Floats, Floats]:
     return fit[CONFIRMED] / max(fit[SEEN], 1.0), points, covariance
 
 
-@kernel
-def take_in(parts: Views, time: float) -> tuple[float, Floats, Floats]:
-    """Correct the motion and the usual size with a confirmed shape; returns its `answer`."""
+@inlined
+def take_in(parts: Views, time: float) -> None:
+    """Correct the motion and the usual size with a confirmed shape."""
     correct(parts, time)
     if parts.fit[AGREEMENT] > 0.75:
         usual = parts.clock[USUAL]
         parts.clock[USUAL] = usual + 0.1 * (parts.fit[SIZE] - usual) if usual > 0.0 else parts.fit[SIZE]
-    return answer(parts)

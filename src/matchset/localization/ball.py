@@ -1,0 +1,102 @@
+"""From a ball in the picture to a ball in space: `locate_ball`."""
+
+import math
+from functools import cached_property
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.localization import cone
+from matchset.localization.camera_model import CameraModel
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Track
+
+Floats = npt.NDArray[np.float64]
+
+NOWHERE = np.empty((0, 0))
+ANGLES = 2.0 * math.pi * np.arange(48) / 48
+RIM = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+REASONS = {
+    cone.FEW: "the lens model has no directions where the ball is seen",
+    cone.FLAT: "the outline is not that of a ball",
+    cone.NEAR: "the ball touches the camera",
+}
+
+
+class BallParameters(msgspec.Struct, frozen=True, dict=True):
+    """How an outline becomes a place.
+
+    Parameters
+    ----------
+    edge_shift : float
+        By how much the outline lies outside its edge points, px. A ball gets darker or brighter toward its rim, which
+        pulls edges inward by 0.03 to 0.07 px in rendered rooms; flat discs by 0.005. The default is the middle. To
+        set it, hold the ball at two or more taped distances (see calibration). 0.1 px too much is 0.25 % of range at
+        a radius of 40 px.
+    least_points : int
+        Edge points from which the cone is fitted to them; with fewer it is fitted to the circle.
+    inflation : float
+        By how much the covariance of independent edge points is enlarged, since neighbors err together: more is safer.
+    floor : float
+        Least standard deviation of an edge point that is believed, px.
+    center_floor, size_floor : float
+        Standard deviation of what shifts all edge points together (shading, blur, the grid of pixels), px.
+    """
+
+    edge_shift: float = 0.025
+    least_points: int = 12
+    inflation: float = 2.5
+    floor: float = 0.02
+    center_floor: float = 0.014
+    size_floor: float = 0.025
+
+    @cached_property
+    def common(self) -> Floats:
+        """Covariance of what shifts all edge points together, (3, 3), px^2."""
+        return np.diag((self.center_floor**2, self.center_floor**2, self.size_floor**2))
+
+
+def locate_ball(
+    camera: CameraModel, radius: float, track: Track[Circle], parameters: BallParameters
+) -> tuple[Floats, Floats] | str:
+    """Place a ball by the tangent cone of its outline.
+
+    Parameters
+    ----------
+    camera : CameraModel
+    radius : float
+        Of the ball, m.
+    track : Track of Circle
+        The cone is fitted to its match-set, robustly; with few points to its circle, as if seen with no edge.
+    parameters : BallParameters
+
+    Returns
+    -------
+    tuple of ndarray (3,), ndarray (3, 3)
+        The ball's center in the camera frame, m, and its covariance, the camera's own uncertainty included.
+    str
+        Why there is none, in words.
+    """
+    circle = track.shape
+    position, covariance = np.empty(3), np.empty((3, 3))
+    few = len(track.match_set) < parameters.least_points
+    points = RIM * circle.radius + (circle.x, circle.y) if few else track.match_set
+    spread = np.ascontiguousarray(track.covariance, np.float64) if few else parameters.common
+    known = camera.covariance
+    miss, _, _ = cone.fit_cone(
+        camera.intrinsics,
+        NOWHERE if known is None else known,
+        np.ascontiguousarray(points, np.float64),
+        circle.x,
+        circle.y,
+        parameters.edge_shift,
+        not few,
+        spread,
+        0.0 if few else parameters.inflation,
+        parameters.floor,
+        radius,
+        position,
+        covariance,
+    )
+    return REASONS[miss] if miss else (position, covariance)

@@ -1,0 +1,174 @@
+"""Where the ball is, from its track and those of its markers: `Localizer`."""
+
+import functools
+import itertools
+import math
+from collections.abc import Iterable
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.localization.ball import BallParameters, locate_ball
+from matchset.localization.camera_model import CameraModel
+from matchset.localization.markers import LEVEL, NOTHING, observe_turn
+from matchset.localization.pose import UNSEEN, Observed, Pose
+from matchset.localization.target import MOST, BallTarget
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Lost, Track
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+class LocalizerParameters(msgspec.Struct, frozen=True):
+    """How tracks become a pose.
+
+    Parameters
+    ----------
+    ball : BallParameters
+    tilt : float
+        Standard deviation of the tilt of "level" vehicles against each other, rad: what one marker leaves open.
+    marker_place : float
+        Standard deviation of where the markers sit on the ball, rad.
+    lead : float
+        By how much, in squared standard deviations, the best answer to which marker is which must be better than the
+        next one; otherwise the rotation is not told.
+    misfit : float
+        Largest sum of squared deviations of the markers per marker.
+    memory : float
+        How long the last rotation helps to tell markers apart, s.
+    """
+
+    ball: BallParameters = BallParameters()
+    tilt: float = 0.1
+    marker_place: float = 0.01
+    lead: float = 3.5
+    misfit: float = 25.0
+    memory: float = 0.5
+
+
+class Localizer:
+    """Turns tracks into poses; one localizer per ball, since it remembers which marker was where.
+
+    Parameters
+    ----------
+    camera : CameraModel
+        What filmed the ball.
+    target : BallTarget
+        The ball.
+    parameters : LocalizerParameters, optional
+
+    Examples
+    --------
+    >>> import numpy as np, matchset as ms
+    >>> camera = ms.CameraModel.from_fov(640, 480, 1.07)
+    >>> ball = ms.Track(ms.Circle(319.5, 239.5, 40.0), np.diag((0.01, 0.01, 0.01)), 1.0, np.empty((0, 2)), 0.0)
+    >>> pose = ms.Localizer(camera, ms.BallTarget(diameter=0.28)).update(ball)
+    >>> pose.observed, pose.position.round(2).tolist()
+    ('position', [0.0, 0.0, 1.91])
+    """
+
+    def __init__(
+        self, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters | None = None
+    ) -> None:
+        self.camera, self.target = camera, target
+        self.parameters = parameters or LocalizerParameters()
+        self._bodies = target.directions
+        self._last, self._since = np.eye(3), -math.inf
+
+    def update(
+        self, ball: Track[Circle] | Lost[Circle], markers: Iterable[Track[Circle] | Lost[Circle]] = ()
+    ) -> "Pose | Lost[Pose]":
+        """Place the ball.
+
+        Parameters
+        ----------
+        ball : Track or Lost
+            The ball in a frame.
+        markers : iterable of Track or Lost
+            Its markers in the same frame, in any order; what is lost is left out.
+
+        Returns
+        -------
+        Pose or Lost
+            `Lost` if the ball is lost or its outline is not that of a ball before the camera, with the reason.
+        """
+        if isinstance(ball, Lost):
+            return Lost(ball.reason, ball.time)
+        found = locate_ball(self.camera, self.target.radius, ball, self.parameters.ball)
+        if isinstance(found, str):
+            return Lost(found, ball.time)
+        position, spread = found
+        covariance = np.zeros((6, 6))
+        covariance[:3, :3] = spread
+        turn: Floats | None = None
+        observed: Observed = "position"
+        seen = [marker for marker in markers if isinstance(marker, Track)] if len(self._bodies) else []
+        if seen:
+            turn, observed = self._turn(position, covariance, seen[:MOST], ball.time)
+        if turn is None:
+            covariance[3:, :] = covariance[:, 3:] = 0.0
+            covariance[3, 3] = covariance[4, 4] = covariance[5, 5] = UNSEEN
+        return Pose(position=position, turn=turn, covariance=covariance, observed=observed, time=ball.time)
+
+    def _turn(
+        self, position: Floats, covariance: Floats, markers: list[Track[Circle]], time: float
+    ) -> tuple[Floats | None, Observed]:
+        """Rotation from the markers; writes its rows and columns of the covariance."""
+        limits, turn = self.parameters, np.empty((3, 3))
+        choices, starts = assignments(len(markers), len(self._bodies))
+        kind = observe_turn(
+            self.camera.intrinsics,
+            np.array([(marker.shape.x, marker.shape.y) for marker in markers]),
+            np.array([marker.covariance[:2, :2] for marker in markers]),
+            choices,
+            starts,
+            self._bodies,
+            position,
+            self.target.marker_distance,
+            limits.marker_place,
+            limits.tilt,
+            limits.lead,
+            limits.misfit,
+            self._last,
+            0.0 <= time - self._since <= limits.memory,
+            turn,
+            covariance,
+        )
+        if kind == NOTHING:
+            return None, "position"
+        self._last, self._since = turn, time
+        return turn, "level" if kind == LEVEL else "full"
+
+
+@functools.cache
+def assignments(seen: int, known: int) -> tuple[Ints, Ints]:
+    """All ways to name up to `seen` directions, a marker each, or -1 where it is none of them.
+
+    As many as possible are named, or one less.
+
+    Parameters
+    ----------
+    seen, known : int
+        How many directions, and how many markers the ball has.
+
+    Returns
+    -------
+    ways : ndarray of shape (c, seen), int64
+    starts : ndarray of shape (seen + 2,), int64
+        The ways to name k directions are rows starts[k] ... starts[k + 1], of which the first k columns count.
+    """
+    ways: list[list[int]] = []
+    starts = [0]
+    for count in range(seen + 1):
+        most = min(count, known)
+        for named in range(max(most - 1, 1), most + 1):
+            for who in itertools.combinations(range(count), named):
+                for names in itertools.permutations(range(known), named):
+                    way = [-1] * seen
+                    for place, name in zip(who, names, strict=True):
+                        way[place] = name
+                    ways.append(way)
+        starts.append(len(ways))
+    return np.array(ways, np.int64).reshape(-1, seen), np.array(starts, np.int64)

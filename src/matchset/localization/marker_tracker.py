@@ -1,0 +1,200 @@
+"""The ball's markers, found inside its outline and followed from frame to frame: `MarkerTracker`."""
+
+import math
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.localization.marker_fit import fit_marker, look, teach
+from matchset.localization.target import BallTarget
+from matchset.shapes.circle import Circle
+from matchset.tracking.detect import channels_last
+from matchset.tracking.track import Lost, Track
+
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
+GRID = 48  # cells across the ball in which markers are looked for at first
+RIM = 2.0 * math.pi * np.arange(16) / 16
+TINY = 1e-9
+
+
+class MarkerParameters(msgspec.Struct, frozen=True):
+    """How markers are found.
+
+    Parameters
+    ----------
+    soft : float
+        Softness of a marker's rim, px: 1.8 times less than the standard deviation of the picture's blur. Blur that
+        was assumed wrong moves only markers at the ball's rim.
+    least_size : float
+        Least size of a patch of the color at first sight, as a share of the marker's area.
+    least_height : float
+        Least contrast of a marker, as a share of what was seen at first.
+    least_explained : float
+        Least share of the variance around a marker that the marker explains.
+    farthest : float
+        How far from the ball's middle a marker may be, in ball radii: 0.95 is 72 degrees off the line of sight.
+    search : int
+        Markers not seen yet are looked for every so many frames while others are.
+    memory : float
+        Share of what is known of the colors that one frame leaves.
+    inflation : float
+        By how much the covariance of independent pixels is enlarged: what filters leave of the noise is alike over
+        several lines.
+    floor : float
+        Least standard deviation of a marker's place, px.
+    """
+
+    soft: float = 0.7
+    least_size: float = 0.2
+    least_height: float = 0.4
+    least_explained: float = 0.3
+    farthest: float = 0.95
+    search: int = 3
+    memory: float = 0.9
+    inflation: float = 4.0
+    floor: float = 0.15
+
+
+class MarkerTracker:
+    """Follows the markers of one ball, wherever on it they are.
+
+    At first, and while not all are seen, patches of the marker's color are looked for inside the ball. Each is then
+    placed by comparing the picture with the ellipse that the marker must show there, along the direction of color that
+    tells marker and ball apart in these very frames, so light may change.
+
+    Parameters
+    ----------
+    color : ColorModel
+        The color of the markers alone (the paper's filter b).
+    target : BallTarget
+        The ball; how many markers there are and how large.
+    parameters : MarkerParameters, optional
+    """
+
+    def __init__(self, color: ColorModel, target: BallTarget, parameters: MarkerParameters | None = None) -> None:
+        self.color, self.target = color, target
+        self.parameters = parameters or MarkerParameters()
+        self._size = target.marker_diameter / target.diameter
+        self._depth = target.marker_distance / target.radius
+        self._places: Floats = np.zeros((0, 2))  # of the markers, from the ball's middle, in ball radii
+        self._sums: Floats = np.zeros((2, 10))
+        self._axis, self._ground = np.zeros(4), np.zeros(3)
+        self._frames = 0
+
+    def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
+        """Find the markers in a frame.
+
+        Parameters
+        ----------
+        frame : Frame
+        ball : Track or Lost
+            The ball in the same frame.
+
+        Returns
+        -------
+        tuple of Track
+            One for each marker in sight, in no order; none if the ball is lost. A marker's circle has the center and
+            the area of the ellipse in which its rim is seen.
+
+        Raises
+        ------
+        ValueError
+            If the color was learned on another kind of picture.
+        """
+        self.color.check(frame.image)
+        if isinstance(ball, Lost):
+            self._places = np.zeros((0, 2))
+            return ()
+        image = channels_last(frame.image)
+        circle = np.array([ball.shape.x, ball.shape.y, ball.shape.radius])
+        wanted = len(self.target.markers)
+        if len(self._places) < wanted and (len(self._places) == 0 or self._frames % self.parameters.search == 0):
+            self._look(image, circle)
+        self._frames += 1
+        if len(self._places) == 0:
+            return ()
+        places = np.ascontiguousarray(circle[:2] + circle[2] * self._places)
+        self._teach(image, circle, places)
+        return self._follow(image, circle, places, ball)
+
+    def _look(self, image: Image, circle: Floats) -> None:
+        """Add patches of the color that are not known yet."""
+        radius = float(circle[2])
+        step = max(round(2.0 * radius / GRID), 1)
+        cells = int(2.0 * radius / step) + 2
+        mask = np.zeros((cells, cells), np.uint8)
+        left, top = look(image, self.color.table, float(circle[0]), float(circle[1]), 0.97 * radius, step, mask)
+        count, _, stats, centers = cv2.connectedComponentsWithStats(mask, connectivity=4)
+        whole = math.pi * (self._size * radius / step) ** 2
+        found = sorted(range(1, count), key=lambda k: -int(stats[k, cv2.CC_STAT_AREA]))
+        for k in found:
+            place = ((left, top) + step * centers[k] - circle[:2]) / radius
+            squeezed = math.sqrt(max(1.0 - float(place @ place), 0.05))
+            if len(self._places) == len(self.target.markers):
+                break
+            if not self.parameters.least_size * squeezed < stats[k, cv2.CC_STAT_AREA] / whole < 4.0:
+                continue
+            if all(np.hypot(*(place - other)) > self._size for other in self._places):
+                self._places = np.vstack((self._places, place))
+
+    def _teach(self, image: Image, circle: Floats, places: Floats) -> None:
+        """Learn which direction of color tells marker from ball: Fisher's linear discriminant."""
+        sums = np.zeros((2, 10))
+        step = max(int(circle[2] / 12.0), 1)
+        teach(image, circle, places, len(places), self._size, self._depth, step, sums)
+        if sums[0, 0] < 1.0 or sums[1, 0] < 8.0:
+            return
+        fresh = sums / sums[:, :1]
+        known = bool(self._sums[0, 0])
+        self._sums = self.parameters.memory * self._sums + (1.0 - self.parameters.memory) * fresh if known else fresh
+        marker, ground = self._sums[0, 1:4], self._sums[1, 1:4]
+        within = np.zeros((3, 3))
+        within[np.tril_indices(3)] = self._sums[1, 4:]
+        within = within + np.tril(within, -1).T - np.outer(ground, ground)
+        direction = np.linalg.solve(within + np.eye(3), marker - ground)
+        gap = float(direction @ (marker - ground))
+        self._ground = ground / max(float(ground @ ground), TINY)
+        if gap > TINY:
+            self._axis = np.append(direction, -float(direction @ ground)) / gap
+
+    def _follow(self, image: Image, circle: Floats, places: Floats, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
+        """Place every marker; forget those that are not there."""
+        tracks, kept = [], []
+        limits = self.parameters
+        for k in range(len(places)):
+            covariance = np.zeros((2, 2))
+            height, _, explained = fit_marker(
+                image, circle, places, len(places), k, self._size, self._depth, limits.soft, self._axis, self._ground, covariance
+            )
+            place = (places[k] - circle[:2]) / circle[2]
+            if height < limits.least_height or explained < limits.least_explained:
+                continue
+            if not np.hypot(*place) < limits.farthest * self._depth:
+                continue
+            if any(np.hypot(*(place - other)) < self._size for other in kept):
+                continue
+            kept.append(place)
+            tracks.append(self._track(places[k], place, circle, covariance, explained, ball))
+        self._places = np.array(kept).reshape(-1, 2)
+        return tuple(tracks)
+
+    def _track(
+        self, at: Floats, place: Floats, circle: Floats, covariance: Floats, explained: float, ball: Track[Circle]
+    ) -> Track[Circle]:
+        """Answer with a marker: the circle of its ellipse's area, and its rim for a match-set."""
+        far = float(np.hypot(*place))
+        ratio = math.sqrt(max(1.0 - (far / self._depth) ** 2, 0.05))
+        a = self._size * float(circle[2])
+        u = place / far if far > 1e-6 else np.array([1.0, 0.0])
+        rim = at + a * (ratio * np.outer(np.cos(RIM), u) + np.outer(np.sin(RIM), (-u[1], u[0])))
+        radius = a * math.sqrt(ratio)
+        wide = np.zeros((3, 3))
+        wide[:2, :2] = self.parameters.inflation * covariance + self.parameters.floor**2 * np.eye(2)
+        wide[2, 2] = (radius / circle[2]) ** 2 * ball.covariance[2, 2] + (0.05 * radius) ** 2
+        return Track(Circle(float(at[0]), float(at[1]), radius), wide, explained, rim, ball.time)

@@ -1,0 +1,79 @@
+"""Where the ball is, and the camera as the ball sees it: `Pose`."""
+
+import math
+from functools import cached_property
+from typing import Literal
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial.transform import Rotation
+
+Floats = npt.NDArray[np.float64]
+Observed = Literal["position", "level", "full"]
+
+UNSEEN = math.pi**2 / 3.0
+"""Variance of a rotation about which nothing is known, rad^2 on each axis."""
+
+
+class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
+    """Place and attitude of the ball, and how certain they are.
+
+    Camera frame: x right, y down, z forward. Ball frame: z out of the ball through marker 0, y down, x = y cross z.
+
+    Parameters
+    ----------
+    position : ndarray of shape (3,), float64
+        The ball's center in the camera frame, m.
+    turn : ndarray of shape (3, 3), float64, or None
+        The matrix that turns vectors of the ball frame into the camera frame; None where it is not observed.
+    covariance : ndarray of shape (6, 6), float64
+        Of the position (m) and of the rotation vector, in the camera frame, that turns `rotation` into the true one
+        (rad). Where the rotation is not observed its block is pi^2/3 on the diagonal.
+    observed : str
+        "position": the ball alone; "level": one marker, and the turn about it from the assumption that both vehicles
+        are level; "full": two or more markers.
+    time : float
+        When the picture was taken, s.
+    """
+
+    position: Floats
+    turn: Floats | None
+    covariance: Floats
+    observed: Observed
+    time: float
+
+    @property
+    def distance(self) -> float:
+        """From the camera to the ball's center, m (Epstein & Feldman, Eq. 5, for any angle off the axis)."""
+        return math.hypot(*self.position.tolist())
+
+    @property
+    def yaw(self) -> float:
+        """Where the ball is to the side of the camera's axis, atan2(X, Z), rad, > 0 to the right (Eq. 9)."""
+        return math.atan2(float(self.position[0]), float(self.position[2]))
+
+    @property
+    def side(self) -> float | None:
+        """The camera's x in the ball frame, m (Eq. 6); None where the rotation is not observed."""
+        return None if self._seen_from_ball is None else float(self._seen_from_ball[0])
+
+    @property
+    def height(self) -> float | None:
+        """How far the camera is above the ball, -y in the ball frame, m (Eq. 7); None as for `side`."""
+        return None if self._seen_from_ball is None else -float(self._seen_from_ball[1])
+
+    @property
+    def heading(self) -> float | None:
+        """How far the camera is before the marker, z in the ball frame, m (Eq. 8); None as for `side`."""
+        return None if self._seen_from_ball is None else float(self._seen_from_ball[2])
+
+    @cached_property
+    def rotation(self) -> Rotation | None:
+        """`turn` as SciPy's `Rotation`; made when asked for, since that takes longer than to find it."""
+        return None if self.turn is None else Rotation.from_matrix(self.turn)
+
+    @cached_property
+    def _seen_from_ball(self) -> Floats | None:
+        """The camera in the ball frame, (3,), m."""
+        return None if self.turn is None else -(self.position @ self.turn)

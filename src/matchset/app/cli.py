@@ -1,4 +1,4 @@
-"""The command line: `matchset track`, `learn`, `score` and `demo`.
+"""The command line: `matchset track`, `learn`, `calibrate`, `score` and `demo`.
 
 Heavy imports wait inside the commands, so that `matchset --help` answers at once.
 """
@@ -137,6 +137,77 @@ def learn(
 
         options = learn_command.LearnOptions(source, frame, pick, out, force)
         code = learn_command.learn(options)
+    raise typer.Exit(code)
+
+
+CALIBRATE_EPILOG = """
+[bold]Examples[/bold]
+
+  matchset calibrate --board 9x6 --square 0.025 --board-picture board.png
+
+  matchset calibrate pictures/ --board 9x6 --square 0.025 -o camera.toml
+
+  matchset calibrate 0 --board 9x6 --square 0.025 --charuco 0.018
+
+  matchset calibrate ball.mp4 --ball-diameter 0.28 --at 0.5,1.0,1.5 --color ball.npz
+
+The board is moved all over the picture and tilted, 20 to 40 degrees, each time differently. Distances of the ball are
+from the lens to its nearest point; give one video in which it is held still at all of them in turn, or one for each.
+
+Exit codes: 0 done, 1 no board or ball found or the views do not suffice, 2 bad input or options, 3 camera or stream
+broke, 130 stopped by Ctrl-C.
+"""
+
+
+@app.command(epilog=CALIBRATE_EPILOG)
+def calibrate(
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SOURCE...", help="A video, a folder of pictures, a camera's number, or a URL."),
+    ] = None,
+    board: Annotated[
+        str | None, typer.Option(metavar="9x6", help="Inner corners of the board: 10 x 7 squares have 9x6.")
+    ] = None,
+    square: Annotated[float | None, typer.Option(metavar="M", help="Side of a square, m.")] = None,
+    charuco: Annotated[
+        float | None, typer.Option(metavar="M", help="It is a ChArUco board: a marker's side, m.")
+    ] = None,
+    dictionary: Annotated[str, typer.Option(metavar="NAME", help="The markers' dictionary.")] = "5X5_100",
+    board_picture: Annotated[
+        Path | None, typer.Option(metavar="OUT.png", help="Draw the board to print; no SOURCE then.")
+    ] = None,
+    ball_diameter: Annotated[
+        float | None, typer.Option(metavar="M", help="Use the ball in place of a board: its diameter, m.")
+    ] = None,
+    at: Annotated[
+        str | None, typer.Option(metavar="M,M,...", help="From the lens to the ball's nearest point, in turn, m.")
+    ] = None,
+    pick: Annotated[
+        str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")
+    ] = None,
+    candidate: Annotated[
+        str | None, typer.Option(metavar="N[@FRAME]", help="The ball-like thing that 'learn' numbered N.")
+    ] = None,
+    color: Annotated[
+        list[Path] | None, typer.Option(metavar="FILE", help="The ball's color, saved by 'learn'; several are joined.")
+    ] = None,
+    hsv: Annotated[list[str] | None, typer.Option(metavar="LOW:HIGH", help="OpenCV's HSV range of the ball.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", metavar="FILE.toml", help="The camera file.")] = None,
+    force: Force = False,
+) -> None:
+    """Find a camera's focal length and lens distortion, from a board or from the ball itself."""
+    with errors_in_one_line():
+        from matchset.app.calibrate_options import run
+        from matchset.app.target import Wish
+
+        wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()))
+        code = run(
+            tuple(sources or ()),
+            (board, square, charuco, dictionary, board_picture),
+            (ball_diameter, at, wish),
+            out,
+            force,
+        )
     raise typer.Exit(code)
 
 

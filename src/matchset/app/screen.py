@@ -109,6 +109,10 @@ class Bar:
 
     def show(self, row: Row) -> None:  # noqa: ARG002 - counted, not looked at
         """Count a frame."""
+        self.advance()
+
+    def advance(self) -> None:
+        """Count a frame."""
         self._progress.advance(self._task)
 
     def __enter__(self) -> Self:
@@ -119,6 +123,31 @@ class Bar:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._progress.__exit__(kind, error, trace)
+
+
+class Hint:
+    """One line that tells a person before a camera what to do next; on a terminal only, and not if `quiet`."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        console = Console(stderr=True, highlight=False)
+        self._shown = console.is_terminal and not quiet
+        self._live = Live(console=console, refresh_per_second=8, transient=True)
+
+    def say(self, words: str) -> None:
+        """Show these words in place of those before."""
+        if self._shown:
+            self._live.update(Text(words, no_wrap=True, overflow="ellipsis"))
+
+    def __enter__(self) -> Self:
+        if self._shown:
+            self._live.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._shown:
+            self._live.__exit__(kind, error, trace)
 
 
 def counting(words: str, length: int | None) -> Bar:

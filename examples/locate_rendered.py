@@ -16,7 +16,7 @@ def place(time: float) -> np.ndarray:
     return np.array((0.6 + 0.9 * time, 0.1, 1.3))
 
 
-click = camera.project([place(0.0) + (0.07, 0.0, -0.12)])[0]  # beside the marker
+click = camera.project([np.add(place(0.0), (0.07, 0.0, -0.12))])[0]  # beside the marker
 tracker: ms.Tracker[ms.Circle] | None = None
 for frame in Flight(camera=camera, place=place, frames=20, preset="typical"):
     if tracker is None:

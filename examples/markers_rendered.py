@@ -22,7 +22,7 @@ def turn(time: float) -> Rotation:
 
 
 flight = Flight(camera=camera, place=lambda _: position, turn=turn, markers=target.markers, frames=15)
-blue, purple = camera.project([position + (0.0, 0.07, -0.11), position + (0.0, 0.0, -0.14)])
+blue, purple = camera.project(np.add(position, ((0.0, 0.07, -0.11), (0.0, 0.0, -0.14))))
 tracker: ms.Tracker[ms.Circle] | None = None
 for frame in flight:
     if tracker is None:
@@ -32,7 +32,7 @@ for frame in flight:
         markers, localizer = ms.MarkerTracker(marker_color, target), ms.Localizer(camera, target)
     ball = tracker.update(frame)
     pose = localizer.update(ball, markers.update(frame, ball))
-    if pose and pose.rotation is not None:
+    if isinstance(pose, ms.Pose) and pose.rotation is not None:
         off_deg = math.degrees((turn(frame.time) * pose.rotation.inv()).magnitude())
         seen = f"side {pose.side:+.3f}  height {pose.height:+.3f}  heading {pose.heading:+.3f} m"
         print(f"{frame.index:3d}  {pose.observed}: {seen}  rotation off by {off_deg:.2f}°")

@@ -42,9 +42,7 @@ def check_positions(rows: list[PoseRow]) -> None:
         assert row.values["yaw"] == pytest.approx(math.atan2(row.values["x"], row.values["z"]), abs=2e-6)
 
 
-def test_a_ball_is_placed_in_every_frame(
-    matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_ball_is_placed_in_every_frame(matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert matchset("locate", flown, *BALL, "--pick", BLUE, "--jsonl", "--video", "out.webm") == 0
     rows = read_poses("runs/0001-locate/poses.csv")
     check_positions(rows)
@@ -65,7 +63,7 @@ def frames_of(path: Path) -> int:
     return next(count for count in range(100_000) if not video.grab())
 
 
-def test_one_marker_gives_the_paper's_numbers(matchset: Matchset, flown: Path) -> None:
+def test_one_marker_gives_the_numbers_of_the_paper(matchset: Matchset, flown: Path) -> None:
     CAMERA.save("camera.toml")
     options = "--camera", "camera.toml", "--diameter", "0.28", "--pick", BLUE, "--marker-pick", f"{PURPLE}@0"
     assert matchset("locate", flown, *options, "-o", "out", "--video", "out.webm") == 0
@@ -78,11 +76,11 @@ def test_one_marker_gives_the_paper's_numbers(matchset: Matchset, flown: Path) -
         found = [row.values["side"], -row.values["height"], row.values["heading"]]
         assert found == pytest.approx(seen.tolist(), abs=0.06)
     with Path("out/poses.csv").open() as file:
-        head = next(csv.reader(file))
+        head = ",".join(next(csv.reader(file)))
     assert head == (
         "frame,time,found,x,y,z,x_std,y_std,z_std,side,height,heading,yaw,"
         "side_std,height_std,heading_std,yaw_std,observed,reason"
-    ).split(",")
+    )
 
 
 def test_several_markers_come_from_a_file(matchset: Matchset) -> None:
@@ -121,7 +119,7 @@ PICK = "--pick", BLUE
         ((*PICK, "--fov", "60", "--diameter", "nan"), "a ball's diameter must be positive, got nan m"),
         ((*PICK, "--camera", "none.toml", "--diameter", "0.28"), "no such camera file: none.toml"),
         ((*PICK, "--camera", "bad.toml", "--diameter", "0.28"), "bad.toml: fx must be a positive number of px"),
-        ((*PICK, "--camera", "large.toml", "--diameter", "0.28"), "the picture is 320 x 240 px, the camera's are 640 x"),
+        ((*PICK, "--camera", "large.toml", "--diameter", "0.28"), "the picture is 320 x 240 px, the camera's are 640"),
         ((*BALL, *PICK, "--marker-diameter", "0.06"), "--marker-diameter needs the markers' color"),
         ((*BALL, *PICK, "--markers", "ball.toml"), "--markers needs the markers' color"),
         ((*BALL, *PICK, "--marker-pick", PURPLE, "--marker-diameter", "0.3"), "a marker must be smaller than its ball"),
@@ -180,9 +178,7 @@ def test_a_broken_frame_has_a_row_that_says_so(matchset: Matchset) -> None:
     assert [row.reason for row in rows if not row.found] == [UNDECODED]
 
 
-def test_print_writes_json_alone_to_stdout(
-    matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_print_writes_json_alone_to_stdout(matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert matchset("locate", flown, *BALL, "--pick", BLUE, "--print", "-o", "out") == 0
     captured = capsys.readouterr()
     lines = [json.loads(line) for line in captured.out.splitlines()]

@@ -46,7 +46,7 @@ def test_what_is_not_known_stays_empty(tmp_path: Path) -> None:
     table.close()
     _, full, position, lost = (tmp_path / "poses.csv").read_text().splitlines()
     assert full.startswith("0,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,0.1,0.0,2.0,0.049958,")
-    assert position == "1,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,,,,0.049958,,,,0.005005,position,"
+    assert position == "1,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,,,,0.049958,,,,0.005043,position,"
     assert lost == '7,0.9,0,,,,,,,,,,,,,,,,"gone, ""far"""'
     assert not (tmp_path / "poses.jsonl").exists()
 

@@ -31,7 +31,7 @@ video = cv2.VideoWriter("flight.avi", cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (ca
 with Path("flight.csv").open("w", newline="") as file:
     table = csv.writer(file, lineterminator="\n")
     table.writerow(("frame", "time", "x", "y", "z"))
-    for frame in Flight(camera=camera, place=place, turn=turn, frames=45, preset="typical"):
+    for frame in Flight(camera=camera, place=place, turn=turn, frames=30):
         video.write(frame.image)
         table.writerow((frame.index, round(frame.time, 6), *np.round(place(frame.time), 6)))
 video.release()

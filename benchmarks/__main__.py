@@ -32,6 +32,7 @@ NAMES = (
     "localization_markers",
     "localization_covariance",
     "localization_prediction",
+    "localization_neighbors",
 )
 
 

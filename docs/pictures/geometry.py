@@ -1,6 +1,6 @@
 """Draw the geometry of docs/localization.md: `python docs/pictures/geometry.py`, from the root of the repository.
 
-Everything is computed by the library: the cone touches the ball where `sim.outline` says, the picture is `CameraModel`'s.
+The outline and the places in the picture are computed by the library, for a ball that is far too large and near.
 """
 
 import math
@@ -83,7 +83,7 @@ def draw_cone(axes: Axes) -> None:
 def draw_picture(axes: Axes) -> None:
     """Show what the camera sees: an ellipse, longer away from the middle of the picture."""
     axes.set_title("2. the picture: an ellipse, its match-set, the marker", loc="left", color=INK)
-    place = BALL + (0.0, 0.28, 0.0)
+    place = np.add(BALL, (0.0, 0.28, 0.0))
     outline = sphere_outline(CAMERA, place, RADIUS)
     points = outline.points(40)
     axes.plot((0, 640, 640, 0, 0), (0, 0, 480, 480, 0), color=INK, linewidth=2.0)

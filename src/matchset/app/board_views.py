@@ -16,7 +16,7 @@ from matchset.localization.view_selection import select_views
 _LOOKS = 240
 """Frames of a recording that are looked at, spread over it: a calibration needs a few dozen."""
 _ENOUGH_VIEWS = 20
-_ENOUGH_COVERED = 0.7
+_ENOUGH_COVERED = 0.6
 
 
 class Seen(msgspec.Struct):
@@ -38,7 +38,7 @@ class Seen(msgspec.Struct):
 
 
 def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = False) -> Seen:
-    """Look for the board in every so manieth frame; before a camera until there is enough, or until Ctrl-C.
+    """Look for the board in frames spread over a video; before a camera until there is enough, or until Ctrl-C.
 
     Parameters
     ----------

@@ -20,6 +20,7 @@ from matchset.localization.view_selection import select_views
 
 _DPI = 300.0
 _INCH = 0.0254  # m
+_LARGEST_PX = 2e8  # A0 at 300 dpi has 1.4e8
 
 
 class CalibrateOptions(msgspec.Struct, frozen=True):
@@ -112,9 +113,9 @@ def draw_board(board: Board, path: Path, force: bool) -> int:
     if path.suffix.lower() != ".png":
         raise ValueError(f"the board's picture must end in .png, got {str(path)!r}")
     square_px = max(round(board.square / _INCH * _DPI), 20)
+    if (board.columns + 3) * (board.rows + 3) * square_px**2 > _LARGEST_PX:
+        raise ValueError(f"{board} with squares of {board.square} m is too large to draw; --square is in meters")
     image = board.picture(square_px)
-    if image.size > 4e8:
-        raise ValueError(f"a board of squares of {board.square} m is too large to draw; --square is in meters")
     dpi = square_px * _INCH / board.square
     Image.fromarray(image).save(output_file(path, force), dpi=(dpi, dpi))
     width, height = (side / square_px * board.square * 1000.0 for side in image.shape[1::-1])

@@ -1,4 +1,4 @@
-"""The command line: `matchset track`, `learn`, `calibrate`, `locate`, `score` and `demo`.
+"""The command line: `matchset track`, `learn`, `calibrate`, `locate`, `score`, `demo` and `radio`.
 
 Heavy imports wait inside the commands, so that `matchset --help` answers at once.
 """
@@ -23,6 +23,7 @@ from matchset.app.cli_options import (
     ToStdout,
 )
 from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
+from matchset.app.radio_cli import radio
 
 app = typer.Typer(
     name="matchset",
@@ -33,6 +34,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=EXIT_CODES,
 )
+app.add_typer(radio)
 
 
 @app.callback(invoke_without_command=True)

@@ -53,7 +53,7 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
 
 def _words(width: int, views: int, verdict: Verdict | None, refused: str) -> Picture:
     """Lines of text below the picture; the grade's color marks each."""
-    lines = [("", f"Corners of the board in {views} views; shaded: where it was", _WHITE)]
+    lines = [("", f"Corners of the board in {views} view{'s' * (views != 1)}; shaded: where it was", _WHITE)]
     if verdict is None:
         lines += [("refused", refused, _RED)]
     else:

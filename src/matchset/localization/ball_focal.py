@@ -102,10 +102,12 @@ def focal_from_ball(
     _check(held, radius)
     fit = _Fit(held, radius, width, height, known)
     middle = np.array([(width - 1) / 2.0, (height - 1) / 2.0, 0.0])
-    found, covariance, misfits = fit.solve(middle)
+    found, covariance, misfits = fit.solve(middle, fit.guess())
     # What is not seen may be otherwise, and the focal length with it.
     spread = np.array([known.center * width, known.center * width, known.lens])
-    slope = np.array([(fit.solve(middle + step)[0][0] - found[0]) / step.sum() for step in np.diag(0.5 * spread)])
+    slope = np.array(
+        [(fit.solve(middle + step, found)[0][0] - found[0]) / step.sum() for step in np.diag(0.5 * spread)]
+    )
     focal = math.exp(found[0])
     factor = np.zeros((9, 4))  # of the covariance: the focal length's own, and the three unseen
     factor[:2, 0] = focal * math.sqrt(covariance[0, 0])
@@ -126,6 +128,7 @@ def focal_from_ball(
 
 _LEAST_RATIO = 1.3  # of the largest to the smallest distance
 _WORST_MISFIT = 0.08
+_MOST_OUTLINES = 10  # of one distance; more of them say the same
 
 
 def _check(held: list[HeldBall], radius: float) -> None:
@@ -153,17 +156,20 @@ class _Fit:
         self.held, self.radius, self.width, self.height, self.known = held, radius, width, height, known
         self._distances = np.array([ball.distance for ball in held])
 
-    def solve(self, lens: Floats) -> tuple[Floats, Floats, list[float]]:
-        """Find log f, pupil (m) and edge shift (px) for cx, cy, k1; with their covariance, and the misfits."""
+    def guess(self) -> Floats:
+        """Log f from radius times distance; the rest as it should be."""
         spans = np.array([np.mean([np.ptp(points, axis=0).max() for points in ball.outlines]) for ball in self.held])
-        start = math.log(float(np.median(0.5 * spans * self._distances / self.radius)))
+        return np.array([math.log(float(np.median(0.5 * spans * self._distances / self.radius))), 0.0, 0.0])
+
+    def solve(self, lens: Floats, start: Floats) -> tuple[Floats, Floats, list[float]]:
+        """Find log f, pupil (m) and edge shift (px) for cx, cy, k1; with their covariance, and the misfits."""
         scale = np.array([0.01, self.known.pupil, self.known.edge_px])
 
         def residual(step: Floats) -> Floats:
-            return self._residual(np.array([start, 0.0, 0.0]) + step * scale, lens)
+            return self._residual(start + step * scale, lens)
 
-        result = least_squares(residual, np.zeros(3), x_scale="jac")
-        found = np.array([start, 0.0, 0.0]) + result.x * scale
+        result = least_squares(residual, np.zeros(3), xtol=1e-6, ftol=1e-8)
+        found = start + result.x * scale
         doubt = max(1.0, 2.0 * result.cost / max(len(self.held) - 1, 1))
         covariance = doubt * np.linalg.inv(result.jac.T @ result.jac) * np.outer(scale, scale)
         seen, must = self._angles(found, lens)
@@ -203,20 +209,24 @@ class _Fit:
 def _half_angle(camera: CameraModel, outlines: list[Floats], shift: float) -> tuple[float, float]:
     """Mean half-angle of the cones through some outlines, and its standard error."""
     angles = []
-    for outline in outlines:
+    for outline in outlines[:: -(-len(outlines) // _MOST_OUTLINES)]:
         if len(outline) < 8:
             continue
         away = outline - outline.mean(axis=0)
         rays = camera.rays(outline - shift * away / np.linalg.norm(away, axis=1, keepdims=True).clip(1.0))
         rays = rays[rays[:, 2] > 0.0]
         # The cone: ray . axis = cos(alpha); with n = axis / cos(alpha) it is linear, ray . n = 1.
-        n = np.linalg.lstsq(rays, np.ones(len(rays)), rcond=None)[0]
-        off = np.abs(rays @ n - 1.0)
-        rays = rays[off <= 4.0 * np.median(off) + 1e-12]
-        n = np.linalg.lstsq(rays, np.ones(len(rays)), rcond=None)[0]
-        angles.append(math.acos(min(1.0 / float(np.linalg.norm(n)), 1.0)))
+        off = np.abs(rays @ _plane(rays) - 1.0)
+        slope = float(np.linalg.norm(_plane(rays[off <= 4.0 * np.median(off) + 1e-12])))
+        angles.append(math.acos(min(1.0 / max(slope, 1.0), 1.0)))
     if not angles:
         return 0.0, 1.0
     # Frames of a ball held still err alike: more than ten of them count as ten.
     spread = float(np.std(angles)) / math.sqrt(min(len(angles), 10)) if len(angles) > 1 else 0.0
     return float(np.median(angles)), math.hypot(spread, 0.05 / camera.fx)
+
+
+def _plane(rays: Floats) -> Floats:
+    """Least-squares n of rays . n = 1, by normal equations: rays of a cone of some degrees are well conditioned."""
+    n: Floats = np.linalg.solve(rays.T @ rays + 1e-14 * np.eye(3), rays.sum(axis=0))
+    return n

@@ -144,7 +144,7 @@ def _coverage(calibration: Calibration) -> Finding:
     size = calibration.camera.width, calibration.camera.height
     share = float(covered(calibration.views, *size).mean())
     unseen = unseen_corners(calibration.views, *size)
-    grade = max(_graded(-share, -0.7, -0.4), _graded(len(unseen), 0, 2), key=_RANKS.__getitem__)
+    grade = max(_graded(-share, -0.6, -0.35), _graded(len(unseen), 0, 2), key=_RANKS.__getitem__)
     figure = f"{100.0 * share:.0f} % of the picture, {4 - len(unseen)} of its 4 corners"
     where = f"hold the board at the {', '.join(unseen)}" if unseen else "hold it nearer to the edges of the picture"
     return Finding("coverage", grade, _with_advice(grade, figure, where + "; there the lens is extrapolated"))

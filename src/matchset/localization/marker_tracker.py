@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.marker_fit import fit_marker, look, teach
+from matchset.localization.marker_fit import fit_marker
+from matchset.localization.marker_look import look, teach, tell_apart
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import channels_last
@@ -20,7 +21,6 @@ Image = npt.NDArray[np.uint8]
 
 GRID = 48  # cells across the ball in which markers are looked for at first
 RIM = 2.0 * math.pi * np.arange(16) / 16
-TINY = 1e-9
 
 
 class MarkerParameters(msgspec.Struct, frozen=True):
@@ -153,24 +153,27 @@ class MarkerTracker:
         fresh = sums / sums[:, :1]
         known = bool(self._sums[0, 0])
         self._sums = self.parameters.memory * self._sums + (1.0 - self.parameters.memory) * fresh if known else fresh
-        marker, ground = self._sums[0, 1:4], self._sums[1, 1:4]
-        within = np.zeros((3, 3))
-        within[np.tril_indices(3)] = self._sums[1, 4:]
-        within = within + np.tril(within, -1).T - np.outer(ground, ground)
-        direction = np.linalg.solve(within + np.eye(3), marker - ground)
-        gap = float(direction @ (marker - ground))
-        self._ground = ground / max(float(ground @ ground), TINY)
-        if gap > TINY:
-            self._axis = np.append(direction, -float(direction @ ground)) / gap
+        tell_apart(self._sums, self._axis, self._ground)
 
     def _follow(self, image: Image, circle: Floats, places: Floats, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
         """Place every marker; forget those that are not there."""
-        tracks, kept = [], []
+        tracks: list[Track[Circle]] = []
+        kept: list[Floats] = []
         limits = self.parameters
         for k in range(len(places)):
             covariance = np.zeros((2, 2))
             height, _, explained = fit_marker(
-                image, circle, places, len(places), k, self._size, self._depth, limits.soft, self._axis, self._ground, covariance
+                image,
+                circle,
+                places,
+                len(places),
+                k,
+                self._size,
+                self._depth,
+                limits.soft,
+                self._axis,
+                self._ground,
+                covariance,
             )
             place = (places[k] - circle[:2]) / circle[2]
             if height < limits.least_height or explained < limits.least_explained:

@@ -24,7 +24,7 @@ APART = 0.35  # rad by which the angle between two markers may be wrong for a ch
 
 @kernel
 def _surprise(turn: Floats, bodies: Floats, who: Ints, position: Floats, last: Floats, known: bool) -> float:
-    """What else speaks against an answer: a jump or a tilt, and markers that should be seen and are not."""
+    """Tell what else speaks against an answer: a jump or a tilt, and markers that should be seen and are not."""
     vector, out = np.empty(3), np.empty(3)
     if known:
         cost = (turn_from(last, turn, vector) / TURN) ** 2

@@ -255,7 +255,7 @@ class Tracker(Generic[S]):
         if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
             self._follows = False
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
-        best = self._choose(image, expected)
+        best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
             return Lost(reason, self._time, None if expected is None else self._shape(expected))
         self._try(image, best, Look(4.0))

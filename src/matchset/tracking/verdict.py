@@ -85,8 +85,8 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     corners: float = 4.0
     hollow: float = 0.28
     bent: float = 0.1
-    inflation: float = 1.8
-    center_floor: float = 0.02
+    inflation: float = 1.4
+    center_floor: float = 0.01
     size_floor: float = 0.05
 
 
@@ -182,7 +182,7 @@ def answer(parts: Views) -> tuple[float, Floats, Floats]:
         parts.found,
         4.0 * max(fit[NOISE], 0.4),
         parts.covariance,
-        limits[INFLATION],
+        limits[INFLATION] / max(fit[AGREEMENT], 0.1) ** 2,
         limits[CENTER_FLOOR] ** 2,
         limits[SIZE_FLOOR] ** 2,
     )

@@ -70,12 +70,12 @@ def describe_place(row: PoseRow) -> str:
 
 
 def describe_seen(row: PoseRow) -> str:
-    """Say where the camera is as the ball sees it: ``level:  side +0.12 ±0.19   ...   yaw +3.1 ±0.04°``."""
+    """Say where the camera is as the ball sees it: ``level:  side +0.12 ±0.021   ...   yaw +3.1°``."""
     if row.values is None or "side" not in row.values:
         return ""
-    yaw, std = math.degrees(row.values["yaw"]), math.degrees((row.std or {}).get("yaw", 0.0))
-    numbers = "   ".join(_with_std(row, name, "+z.2f", ".2f") for name in ("side", "height", "heading"))
-    return f"{row.observed}:  {numbers} m   yaw {yaw:+z.1f} ±{std:.2f}°"
+    yaw_deg = math.degrees(row.values["yaw"])
+    numbers = "   ".join(_with_std(row, name, "+z.2f", ".3f") for name in ("side", "height", "heading"))
+    return f"{row.observed}:  {numbers} m   yaw {yaw_deg:+z.1f}°"
 
 
 def _with_std(row: PoseRow, name: str, number: str, deviation: str) -> str:

@@ -13,7 +13,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
 from matchset.tracking import detect_grid
-from matchset.tracking.judge import Judge
+from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.track import Track
 
@@ -126,7 +126,7 @@ class Finder(Generic[S]):
         self.matcher, self.judge, self.searcher = matcher, judge, searcher
 
     def sightings(
-        self, image: npt.NDArray[np.uint8], color: ColorModel, expected: bool = False
+        self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior = Prior.NONE
     ) -> Iterator[tuple[Floats, float]]:
         """Yield the confirmed shapes of a picture, likeliest first: state and merit; the matcher holds the rest.
 
@@ -134,8 +134,8 @@ class Finder(Generic[S]):
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        expected : bool
-            Whether only shapes near a prediction will be taken.
+        prior : Prior
+            What is known of them before.
         """
         seen: list[tuple[float, float, float]] = []
         for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
@@ -148,7 +148,7 @@ class Finder(Generic[S]):
             state, size = self.matcher.state.copy(), self.matcher.size
             if _covered(seen, float(state[0]), float(state[1]), size):
                 continue
-            if not self.judge.first_sight(self.matcher, expected):
+            if not self.judge.first_sight(self.matcher, prior):
                 seen.append((float(state[0]), float(state[1]), size))
                 yield state, self.judge.merit(self.matcher)
 

@@ -131,7 +131,7 @@ def range_errors(angles_deg: Sequence[float], errors: Mapping[str, Floats], path
         means = np.nanmean(values, axis=1)
         axes.plot(angles_deg, values, ".", color=color, markersize=3, alpha=0.3)
         axes.plot(angles_deg, means, color=color, linewidth=1.6, label=name)
-        _note(axes, f"{means[-1]:+.2f} %", (angles_deg[-1], float(means[-1])), (-58, -14), color)
+        _note(axes, f"{means[-1]:+.2f} %", (angles_deg[-1], float(means[-1])), (6, -4), color)
     axes.margins(y=0.1)
     axes.set_xlabel("angle between the camera's axis and the ball, degrees")
     axes.set_ylabel("error of the range, %")

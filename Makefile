@@ -1,9 +1,10 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench wheel-check clean
+.PHONY: help demo test check bench bench-radio toolchain wheel-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
+TOOLCHAIN := .venv/toolchain
 CACHE := .numba_cache
 SOURCES := $(shell find src -name '*.py' 2>/dev/null)
 ARGS ?=
@@ -19,7 +20,7 @@ help:  ## say what can be made
 demo: $(READY) $(CACHE)/fresh  ## render a clip, track the ball in it, compare with the truth; no camera needed
 	$(BIN)/matchset demo $(ARGS)
 
-test: $(READY) $(CACHE)/fresh  ## run the tests (ARGS="-k video" for some of them)
+test: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
 	$(ONE_THREAD) $(BIN)/python -m pytest $(ARGS)
 
 check: $(READY) wheel-check  ## lint, format, types, and the wheel
@@ -30,6 +31,13 @@ check: $(READY) wheel-check  ## lint, format, types, and the wheel
 bench: $(READY) $(CACHE)/fresh  ## measure speed and accuracy (some minutes)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
 
+bench-radio: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
+	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
+	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)
+
+toolchain: $(READY)  ## install the compiler and the emulators that the radio's tests need (Debian, as root)
+	.ci/toolchain
+
 wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels for a Raspberry Pi
 	$(BIN)/python .ci/wheels.py
 
@@ -39,6 +47,10 @@ clean:  ## remove everything that was made, the virtual environment included
 
 $(READY): pyproject.toml .ci/setup
 	.ci/setup
+
+# Made only where everything is there; otherwise looked at again next time.
+$(TOOLCHAIN): $(READY) .ci/toolchain tests/emu/avr8js/package-lock.json
+	.ci/toolchain
 
 # Compiled kernels of older sources are of no use: start anew when a source changes.
 $(CACHE)/fresh: $(SOURCES)

@@ -28,9 +28,11 @@ NAMES = (
     "real",
     "localization_speed",
     "localization_range",
+    "localization_methods",
     "localization_markers",
     "localization_covariance",
     "localization_prediction",
+    "localization_neighbors",
 )
 
 

@@ -10,7 +10,8 @@ from matchset.image.color import ColorModel
 from matchset.shapes.circle import Circle
 from matchset.tracking import detect_grid
 from matchset.tracking.fit import _median, fit_lines
-from matchset.tracking.match_set import Lines, match_lines
+from matchset.tracking.match_set import match_lines
+from matchset.tracking.memory import Memory
 from matchset.tracking.review import review_lines
 
 Floats = npt.NDArray[np.float64]
@@ -45,12 +46,13 @@ def channels_last(image: Bytes) -> Bytes:
 
 def edges_across(image: Bytes, table: Scores, points: Floats, normals: Floats, limits: Limits) -> Found:
     """Edge points on the lines through points (n, 2) along normals (n, 2)."""
-    lines = Lines(len(points), 5)
+    memory = Memory(len(points), 5, 3)
+    lines = memory.parts
     lines.outline[:, 0:2], lines.outline[:, 2:4] = points, normals
-    working = lines.edges, lines.runs, lines.starts, lines.pixels, lines.sums
+    working = lines.edges, memory.runs, lines.starts, memory.pixels, memory.sums
     noise = match_lines(channels_last(image), table, lines.outline, *limits, *working)
     offset, strength, whiteness = (lines.edges[:, :, k].copy() for k in range(3))
-    return Found(offset, strength, whiteness, lines.runs[:, 4] > 0, noise)
+    return Found(offset, strength, whiteness, memory.runs[:, 4] > 0, noise)
 
 
 class Prior(NamedTuple):
@@ -98,7 +100,7 @@ def review(
 
 
 def median(values: Floats) -> float:
-    return float(_median(values.copy(), len(values)))
+    return float(_median(values.astype(np.float32), len(values) // 2))
 
 
 def turns(n: int) -> Floats:

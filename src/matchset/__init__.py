@@ -8,6 +8,8 @@ from matchset.localization.camera_model import CameraModel
 from matchset.localization.filter import PoseFilter
 from matchset.localization.localizer import Localizer
 from matchset.localization.marker_tracker import MarkerTracker
+from matchset.localization.neighbor import Neighbor
+from matchset.localization.neighbors import Neighbors
 from matchset.localization.pose import Pose
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
@@ -25,6 +27,8 @@ __all__ = [
     "Localizer",
     "Lost",
     "MarkerTracker",
+    "Neighbor",
+    "Neighbors",
     "Pose",
     "PoseFilter",
     "Track",

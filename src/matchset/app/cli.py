@@ -1,4 +1,4 @@
-"""The command line: `matchset track`, `learn`, `score` and `demo`.
+"""The command line: `matchset track`, `learn`, `calibrate`, `locate`, `score`, `demo` and `radio`.
 
 Heavy imports wait inside the commands, so that `matchset --help` answers at once.
 """
@@ -9,7 +9,21 @@ from typing import Annotated
 
 import typer
 
+from matchset.app.cli_locate import LOCATE_EPILOG, locate
+from matchset.app.cli_options import (
+    AnnotatedVideo,
+    Candidate,
+    Color,
+    Folder,
+    Force,
+    Hsv,
+    Pick,
+    Points,
+    Source,
+    ToStdout,
+)
 from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
+from matchset.app.radio_cli import radio
 
 app = typer.Typer(
     name="matchset",
@@ -20,11 +34,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=EXIT_CODES,
 )
-
-Source = Annotated[
-    str, typer.Argument(help="A video file, a picture, a folder of pictures, a camera's number, or a URL.")
-]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite what exists.")]
+app.add_typer(radio)
 
 
 @app.callback(invoke_without_command=True)
@@ -60,37 +70,16 @@ frame, time, found, x, y, radius, their standard deviations, support, and why it
 @app.command(epilog=TRACK_EPILOG)
 def track(
     source: Source,
-    pick: Annotated[
-        str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")
-    ] = None,
-    candidate: Annotated[
-        str | None, typer.Option(metavar="N[@FRAME]", help="The ball-like thing that 'learn' numbered N.")
-    ] = None,
-    color: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="A color that 'learn' saved; several are joined."),
-    ] = None,
-    hsv: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="LOW:HIGH",
-            help="OpenCV's HSV range H,S,V:H,S,V; a low hue above the high one wraps at red.",
-        ),
-    ] = None,
-    video: Annotated[
-        Path | None,
-        typer.Option(metavar="OUT.mp4", help="Write the annotated video: .mp4 (VP9), or .webm (20 times as fast)."),
-    ] = None,
-    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")] = None,
+    pick: Pick = None,
+    candidate: Candidate = None,
+    color: Color = None,
+    hsv: Hsv = None,
+    video: AnnotatedVideo = None,
+    out: Folder = None,
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False,
-    to_stdout: Annotated[
-        bool,
-        typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there."),
-    ] = False,
+    to_stdout: ToStdout = False,
     force: Force = False,
-    points: Annotated[
-        int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")
-    ] = 64,
+    points: Points = 64,
 ) -> None:
     """Follow a ball through a video, or before a camera, and write its circle for every frame."""
     with errors_in_one_line():
@@ -139,6 +128,73 @@ def learn(
         code = learn_command.learn(options)
     raise typer.Exit(code)
 
+
+CALIBRATE_EPILOG = """
+[bold]Examples[/bold]
+
+  matchset calibrate --board 9x6 --square 0.025 --board-picture board.png
+
+  matchset calibrate pictures/ --board 9x6 --square 0.025 -o camera.toml
+
+  matchset calibrate 0 --board 9x6 --square 0.025 --charuco 0.018
+
+  matchset calibrate ball.mp4 --ball-diameter 0.28 --at 0.5,1.0,1.5 --color ball.npz
+
+The board is moved all over the picture and tilted, 20 to 40 degrees, each time differently. Distances of the ball are
+from the lens to its nearest point; give one video in which it is held still at all of them in turn, or one for each.
+
+Exit codes: 0 done, 1 no board or ball found or the views do not suffice, 2 bad input or options, 3 camera or stream
+broke, 130 stopped by Ctrl-C.
+"""
+
+
+@app.command(epilog=CALIBRATE_EPILOG)
+def calibrate(
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SOURCE...", help="A video, a folder of pictures, a camera's number, or a URL."),
+    ] = None,
+    board: Annotated[
+        str | None, typer.Option(metavar="9x6", help="Inner corners of the board: 10 x 7 squares have 9x6.")
+    ] = None,
+    square: Annotated[float | None, typer.Option(metavar="M", help="Side of a square, m.")] = None,
+    charuco: Annotated[
+        float | None, typer.Option(metavar="M", help="It is a ChArUco board: a marker's side, m.")
+    ] = None,
+    dictionary: Annotated[str, typer.Option(metavar="NAME", help="The markers' dictionary.")] = "5X5_100",
+    board_picture: Annotated[
+        Path | None, typer.Option(metavar="OUT.png", help="Draw the board to print; no SOURCE then.")
+    ] = None,
+    ball_diameter: Annotated[
+        float | None, typer.Option(metavar="M", help="Use the ball in place of a board: its diameter, m.")
+    ] = None,
+    at: Annotated[
+        str | None, typer.Option(metavar="M,M,...", help="From the lens to the ball's nearest point, in turn, m.")
+    ] = None,
+    pick: Pick = None,
+    candidate: Candidate = None,
+    color: Color = None,
+    hsv: Hsv = None,
+    out: Annotated[Path | None, typer.Option("-o", metavar="FILE.toml", help="The camera file.")] = None,
+    force: Force = False,
+) -> None:
+    """Find a camera's focal length and lens distortion, from a board or from the ball itself."""
+    with errors_in_one_line():
+        from matchset.app.calibrate_options import run
+        from matchset.app.target import Wish
+
+        wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()))
+        code = run(
+            tuple(sources or ()),
+            (board, square, charuco, dictionary, board_picture),
+            (ball_diameter, at, wish),
+            out,
+            force,
+        )
+    raise typer.Exit(code)
+
+
+app.command(epilog=LOCATE_EPILOG)(locate)
 
 SCORE_EPILOG = """
 [bold]Definitions[/bold]

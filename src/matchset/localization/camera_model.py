@@ -2,13 +2,14 @@
 
 import math
 from functools import cached_property
+from pathlib import Path
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.frame import Frame, check_image
-from matchset.localization import lens
+from matchset.localization import camera_file, lens
 
 Floats = npt.NDArray[np.float64]
 
@@ -87,6 +88,44 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}")
         focal = (width / 2.0) / math.tan(fov / 2.0)
         return cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)
+
+    @classmethod
+    def load(cls, path: str | Path) -> "CameraModel":
+        """Read a camera from a file.
+
+        Parameters
+        ----------
+        path : str or Path
+            TOML that `save` wrote; or YAML (.yaml, .yml): ROS ``camera_info`` or OpenCV's.
+
+        Raises
+        ------
+        ValueError
+            If there is no such file, it is none of these, or a number is missing or impossible; with the file's name
+            and the key.
+        """
+        fields, keys = camera_file.read_camera(Path(path))
+        try:
+            return cls(**fields)
+        except ValueError as error:
+            name = str(error).split(" ", 1)[0]
+            key = keys.get(name, name)
+            raise ValueError(f"{path}: {error}" if key == name else f"{path}: {key}: {error}") from None
+
+    def save(self, path: str | Path) -> None:
+        """Write the camera as TOML, with a unit on every line; whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where; the name must end in ``.toml``. A file of this name is replaced.
+
+        Raises
+        ------
+        ValueError
+            If the name has another ending.
+        """
+        camera_file.write_camera(Path(path), (self.width, self.height), self.intrinsics, self.covariance)
 
     @cached_property
     def intrinsics(self) -> Floats:
@@ -216,7 +255,7 @@ _STRONGEST = 1.0e9  # of a distortion coefficient
 def _number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise ValueError(f"{name} must be a number, got {value!r}")
-    if not math.isfinite(value):
+    if not -1e300 < value < 1e300:
         raise ValueError(f"{name} must be finite, got {value!r}")
     return float(value)
 

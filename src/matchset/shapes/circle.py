@@ -42,6 +42,12 @@ def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
         outline[i, 8] = along * (s2 + 1.5 * unit * (c * s4 - s * c4))
 
 
+@kernel
+def _half_width(state: Floats) -> float:
+    """Mean radius of a state, px."""
+    return float(state[2])
+
+
 class Circle(msgspec.Struct, frozen=True):
     """A circle in the picture.
 
@@ -95,9 +101,5 @@ class Circle(msgspec.Struct, frozen=True):
         """Circle from what a search saw: center and half-width, px."""
         return cls(x, y, radius)
 
-    @staticmethod
-    def half_width(state: Floats) -> float:
-        """Mean radius of a state, px."""
-        return float(state[2])
-
     trace: ClassVar[Callable[[Floats, Floats, Floats], None]] = staticmethod(_trace)
+    half_width: ClassVar[Callable[[Floats], float]] = staticmethod(_half_width)

@@ -40,9 +40,34 @@ def kernel(function: F) -> F:
     callable
         The compiled function; it has the same signature.
     """
-    compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    file = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, SOURCES)
-    result: F = compiled
+    result: F = _identified(made)
+    return result
+
+
+def _identified(made: Any) -> Any:
+    """Give a kernel a fixed identity: other kernels' compiled code is filed under that of the kernels they hold."""
+    function = made.py_func
+    if hasattr(made, "_set_uuid"):
+        made._set_uuid(f"{function.__module__}.{function.__qualname__}.{zlib.crc32(function.__code__.co_code)}")
+    return made
+
+
+def inlined(function: F) -> F:
+    """Like `kernel`, for a function that other kernels take in: it is compiled with each of them, not once more."""
+    result: F = _identified(numba.njit(inline="always", nogil=True, error_model="numpy")(function))
+    return result
+
+
+def compiled(function: F) -> F:
+    """Compile a function that a user wrote, or leave it as it is if it is compiled."""
+    return function if hasattr(function, "py_func") else kernel(function)
+
+
+def plain(function: F) -> F:
+    """Give the Python function that was compiled, for calls too seldom to be worth compiling."""
+    result: F = getattr(function, "py_func", function)
     return result

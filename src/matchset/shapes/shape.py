@@ -22,11 +22,15 @@ class Shape(Protocol):
         ``trace(state, turns, outline)``, compiled, writes the outline of a state at n places: from turns (n, 2), the
         cosine and sine of angles around the shape, to the rows of outline (n, >= 4 + s): x and y, px, the outward unit
         normal, and by how much the outline moves along it per unit of each number of the state. It must neither raise
-        nor allocate.
+        nor allocate. Compiled with `kernel`, or a function that Numba can compile.
+    half_width : callable
+        ``half_width(state)``, compiled: half the width of a state's outline, px, what its margins and tolerances are
+        measured by.
     """
 
     __struct_fields__: ClassVar[tuple[str, ...]]
     trace: ClassVar[Callable[[Floats, Floats, Floats], None]]
+    half_width: ClassVar[Callable[[Floats], float]]
 
     @property
     def state(self) -> Floats:
@@ -39,7 +43,3 @@ class Shape(Protocol):
     @classmethod
     def from_coarse(cls, x: float, y: float, radius: float) -> Self:
         """Shape from what a search saw: its center and half-width, px."""
-
-    @staticmethod
-    def half_width(state: Floats) -> float:
-        """Half the width of a state's outline, px: what its margins and tolerances are measured by."""

@@ -13,8 +13,8 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
 from matchset.tracking import detect_grid
-from matchset.tracking.judge import Judge
-from matchset.tracking.matcher import Matcher
+from matchset.tracking.judge import Judge, Prior
+from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
@@ -126,7 +126,7 @@ class Finder(Generic[S]):
         self.matcher, self.judge, self.searcher = matcher, judge, searcher
 
     def sightings(
-        self, image: npt.NDArray[np.uint8], color: ColorModel, expected: bool = False
+        self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior = Prior.NONE
     ) -> Iterator[tuple[Floats, float]]:
         """Yield the confirmed shapes of a picture, likeliest first: state and merit; the matcher holds the rest.
 
@@ -134,8 +134,8 @@ class Finder(Generic[S]):
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        expected : bool
-            Whether only shapes near a prediction will be taken.
+        prior : Prior
+            What is known of them before.
         """
         seen: list[tuple[float, float, float]] = []
         for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
@@ -143,13 +143,12 @@ class Finder(Generic[S]):
                 continue
             start = self.matcher.family.from_coarse(x, y, radius).state
             reach = max(2.0 * self.searcher.stride, 0.2 * radius)
-            if not self.matcher.settle(image, color, start, reach, least=HOPELESS):
+            if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
                 continue
-            state = self.matcher.state
-            size = self.matcher.family.half_width(state)
+            state, size = self.matcher.state.copy(), self.matcher.size
             if _covered(seen, float(state[0]), float(state[1]), size):
                 continue
-            if not self.judge.first_sight(self.matcher, expected):
+            if not self.judge.first_sight(self.matcher, prior):
                 seen.append((float(state[0]), float(state[1]), size))
                 yield state, self.judge.merit(self.matcher)
 
@@ -186,7 +185,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     color.check(frame.image)
     image = channels_last(frame.image)
     finder = _finder(family, image.shape[1], image.shape[0])
-    found = [(merit, finder.judge.track(finder.matcher, frame.time)) for _, merit in finder.sightings(image, color)]
+    found = [(merit, finder.matcher.track(frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])
     return [track for _, track in found[:limit]]
 

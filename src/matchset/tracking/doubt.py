@@ -14,30 +14,20 @@ import numpy.typing as npt
 
 from matchset.shapes.shape import Shape
 from matchset.tracking.matcher import Matcher
+from matchset.tracking.memory import EVIDENCE, INSIDE, SURPRISE, USUAL
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 
-DOUBT = 0.7  # agreement below which a fit is looked at again
-SMALLEST = 6.0  # half-width below which there is nothing to tell apart, px
 LARGER, SMALLER = 0.15, -0.13  # changes of size that are tried, in half-widths
+AIM = 1.0  # px: as exact a prediction may be
 BETTER = 0.03  # by how much another shape must be better
-
-
-def doubtful(matcher: Matcher[S]) -> bool:
-    """Whether a fit should be looked at again."""
-    return (
-        matcher.noise > 0.0
-        and matcher.agreement < DOUBT
-        and matcher.seen > 0.5 * matcher.points
-        and matcher.family.half_width(matcher.state) > SMALLEST
-    )
 
 
 def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
     """States around the matcher's, each to be fitted: larger and smaller on each of eight sides."""
     x, y = float(matcher.state[0]), float(matcher.state[1])
-    size = matcher.family.half_width(matcher.state)
+    size = matcher.size
     for change in (LARGER, SMALLER):
         for side in range(8):
             away = change * size
@@ -45,15 +35,11 @@ def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
             yield matcher.family.from_coarse(x + away * math.cos(turn), y + away * math.sin(turn), size + away).state
 
 
-def worth(matcher: Matcher[S], usual: float) -> float:
-    """How good a fit is beside others: evidence, an inside of the right color, and the size that is usual.
-
-    Parameters
-    ----------
-    matcher : Matcher
-    usual : float
-        Half-width of the shape over the last well-confirmed frames, px; 0 where there are none.
-    """
-    size = matcher.family.half_width(matcher.state)
-    change = abs(math.log(size / usual)) if usual > 0.0 else 0.0
-    return matcher.evidence + 0.3 * matcher.inside - 0.5 * change
+def worth(matcher: Matcher[S]) -> float:
+    """How good a fit is beside others: evidence, inside of the right color, usual size, expected place."""
+    usual = matcher.clock(USUAL)
+    change = abs(math.log(matcher.size / usual)) if usual > 0.0 else 0.0
+    x, y = matcher.state.item(0), matcher.state.item(1)
+    far = math.hypot(x - matcher.parts.expected.item(0), y - matcher.parts.expected.item(1))
+    change += max(far - 2.0 * matcher.clock(SURPRISE) - AIM, 0.0) / matcher.size
+    return matcher.fit(EVIDENCE) + 0.3 * matcher.fit(INSIDE) - 0.5 * change

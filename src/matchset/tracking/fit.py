@@ -15,8 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import kernel
+from matchset.tracking.match_set import CANDIDATES
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 
 ROUNDS = 8  # at most; five are typical
 CUT, INNER_CUT = (
@@ -30,6 +32,8 @@ MODE_DRIFT = 0.002  # of its change per frame
 FINAL = 2  # rounds at most once the noise is known
 STIFF = 1e6  # weight that keeps a mode still
 COARSE = 2.0  # in floors: from this noise on the fit is coarse
+INFINITE = np.int32(0x7F800000)  # bits of an infinite float
+J0, W0 = np.uintp(0), np.uintp(CANDIDATES)
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
 
@@ -68,28 +72,23 @@ def _substitute(a: Floats, b: Floats, x: Floats, n: int) -> None:
 
 
 @kernel
-def _median(values: Floats, count: int) -> float:
-    """Median of the first `count` values (Hoare's selection); their order is lost."""
-    wanted, low, high = count // 2, 0, count - 1
+def _median(values: Singles, wanted: int) -> float:
+    """Return the value that stands at place `wanted` of values >= 0 in order, found bit by bit without a branch."""
+    bits = values.view(np.int32)  # floats >= 0 are in the order of their bits
+    low, high = np.int32(0), INFINITE
     while low < high:
-        pivot = values[(low + high) // 2]
-        i, j = low, high
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i += 1
-                j -= 1
-        if wanted <= j:
-            high = j
-        elif wanted >= i:
-            low = i
+        middle = low + (high - low) // np.int32(2)
+        below = 0
+        for i in range(bits.shape[0]):
+            below += bits[i] <= middle
+        if below > wanted:
+            high = middle
         else:
-            break
-    return float(values[wanted])
+            low = middle + np.int32(1)
+    for i in range(bits.shape[0]):
+        if bits[i] == low:
+            return float(values[i])
+    return math.inf
 
 
 @kernel
@@ -113,39 +112,31 @@ def _hold(
 
 
 @kernel
-def _weigh(
-    outline: Floats,
-    edges: Floats,
-    penalty: Floats,
-    typical: float,
-    step: Floats,
-    sigma: float,
-    found: Floats,
-    p: int,
-) -> float:
+def _weigh(outline: Floats, edges: Floats, choice: Floats, step: Floats, sigma: float, found: Floats, p: int) -> float:
     """Choose an edge point on every line and weigh it at the present step; returns the sum of weights."""
     total = 0.0
-    unit, outer, inner = 1.0 / sigma, 1.0 / (CUT * sigma), 1.0 / (INNER_CUT * sigma)
+    unit, outer, inner = 1.0 / (sigma * sigma), 1.0 / (CUT * sigma), 1.0 / (INNER_CUT * sigma)
     for line in range(outline.shape[0]):
         i = np.uintp(line)  # unsigned indices spare Numba's check for negative ones
-        found[i, 0], found[i, 1] = math.inf, 0.0
-        if edges[i, 0, 1] <= 0.0:
-            continue
         predicted = 0.0
         for k in range(p):
             predicted += outline[i, np.uintp(k + 4)] * step[np.uintp(k)]
-        best, cost = 0, math.inf
-        for j in range(edges.shape[1]):
-            e = (edges[i, j, 0] - predicted) * unit
-            if edges[i, j, 1] > 0.0 and e * e + penalty[i, j] < cost:
-                best, cost = j, e * e + penalty[i, j]
-        e = edges[i, best, 0] - predicted
-        found[i, 0], found[i, 2] = e, best
+        e, best, weight = edges[i, J0, 0] - predicted, 0.0, choice[i, W0]
+        cost = e * e * unit + choice[i, J0]
+        for j in range(1, CANDIDATES):  # no branches here: which edge point is nearest cannot be foreseen
+            other = edges[i, np.uintp(j), 0] - predicted
+            price = other * other * unit + choice[i, np.uintp(j)]
+            nearer = price < cost
+            e = other if nearer else e
+            best = float(j) if nearer else best
+            weight = choice[i, np.uintp(j + CANDIDATES)] if nearer else weight
+            cost = price if nearer else cost
         z = e * (outer if e > 0.0 else inner)
-        if z * z < 1.0:
-            q = edges[i, best, 1]
-            found[i, 1] = (1.0 - z * z) * (1.0 - z * z) * q / (q + typical)
-            total += found[i, 1]
+        near = 1.0 - z * z
+        near = near if near > 0.0 else 0.0
+        weight *= near * near
+        found[i, 0], found[i, 1], found[i, 2] = e if cost < math.inf else math.inf, weight, best
+        total += weight
     return total
 
 
@@ -161,14 +152,12 @@ def _solve(
         a[k, k] = held[k, 0] + held[k, 2]
     for line in range(outline.shape[0]):
         i = np.uintp(line)
-        w = found[i, 1]
-        if w > 0.0:
-            d = edges[i, int(found[i, 2]), 0]
-            for row in range(p):
-                jk = w * outline[i, np.uintp(row + 4)]
-                b[np.uintp(row)] += jk * d
-                for column in range(row + 1):
-                    a[np.uintp(row), np.uintp(column)] += jk * outline[i, np.uintp(column + 4)]
+        w, d = found[i, 1], edges[i, np.uintp(found[i, 2]), 0]
+        for row in range(p):
+            jk = w * outline[i, np.uintp(row + 4)]
+            b[np.uintp(row)] += jk * d
+            for column in range(row + 1):
+                a[np.uintp(row), np.uintp(column)] += jk * outline[i, np.uintp(column + 4)]
     if not _factor(a, p):
         return False
     _substitute(a, b, step, p)
@@ -176,28 +165,34 @@ def _solve(
 
 
 @kernel
-def _penalize(edges: Floats, penalty: Floats) -> tuple[float, int]:
-    """Write how much less likely the weaker edge points of a line are; the typical strength, their lines."""
+def _prepare(edges: Floats, choice: Floats) -> int:
+    """Write how much less likely the weaker edge points of a line are, and full weights; returns lines with any."""
     typical, count = 0.0, 0
     for i in range(edges.shape[0]):
         if edges[i, 0, 1] > 0.0:
             typical += math.sqrt(edges[i, 0, 1])
             count += 1
-            for j in range(1, edges.shape[1]):
-                if edges[i, j, 1] > 0.0:
-                    penalty[i, j] = CHOICE * math.log(edges[i, 0, 1] / edges[i, j, 1])
-    return (typical / max(count, 1)) ** 2, count
+    typical = WEAK_WEIGHT * (typical / max(count, 1)) ** 2
+    for i in range(edges.shape[0]):
+        strongest = edges[i, 0, 1]
+        for j in range(CANDIDATES):
+            q = edges[i, j, 1]
+            if q > 0.0:
+                choice[i, j] = CHOICE * math.log(strongest / q) if j > 0 else 0.0
+                choice[i, j + CANDIDATES] = q / (q + typical)
+            else:
+                choice[i, j], choice[i, j + CANDIDATES] = math.inf, 0.0
+    return count
 
 
 @kernel
-def _scale(found: Floats, order: Floats) -> float:
+def _scale(found: Floats, order: Singles) -> float:
     """Noise of the edge points from the median of their absolute residuals, which outliers hardly move."""
     count = 0
     for i in range(found.shape[0]):
-        if found[i, 0] < math.inf:
-            order[count] = abs(found[i, 0])
-            count += 1
-    return 1.4826 * _median(order, count) if count else 0.0
+        order[i] = abs(found[i, 0])
+        count += found[i, 0] < math.inf
+    return 1.4826 * _median(order, count // 2) if count else 0.0
 
 
 @kernel
@@ -229,7 +224,7 @@ def fit_lines(
     ----------
     outline : (n, 4 + s + 2)
     edges : (n, 3, 3), written
-        The lines and their edge points, see `Lines`. The edge points the fit took are brought from their own field to
+        The lines and their edge points, see `Views`. The edge points the fit took are brought from their own field to
         the mean of the two, by the distance between the fields that was fitted.
     state : (s,), written
         Where the outline was traced; moved by the step.
@@ -258,15 +253,14 @@ def fit_lines(
     n, s, free = outline.shape[0], state.shape[0], spread.shape[0]
     p = s + 2 if speed > 0.5 else s
     a, b, step = np.empty((p, p)), np.empty(p), np.zeros(p)
-    held, order, penalty = np.zeros((s + 2, 3)), np.empty(n), np.zeros((n, edges.shape[1]))
-    typical, count = _penalize(edges, penalty)
-    if count < p:
+    held, order, choice = np.zeros((s + 2, 3)), np.empty(n, np.float32), np.empty((n, 2 * CANDIDATES))
+    if _prepare(edges, choice) < p:
         return 0.0, 0.0
     _hold(held, state, expected, spread, size, speed, noise)
     sigma, scale, total, final = start, start, 0.0, 0
     coarse = start > COARSE * floor  # while far off the modes keep still
     for _ in range(ROUNDS):
-        total = _weigh(outline, edges, penalty, WEAK_WEIGHT * typical, step, sigma, found, p)
+        total = _weigh(outline, edges, choice, step, sigma, found, p)
         for k in range(free, s):
             held[k, 2] = STIFF if coarse else 0.0
         x, y, z = step[0], step[1], step[2]

@@ -30,38 +30,11 @@ WEAK = np.float32(0.4)  # strength that an edge point without a step in color ha
 FIRM = np.float32(0.35)  # share of a full step in color from which the contrast need not stand out of the noise
 SHIFT = 1 << 24  # makes places positive, so that cutting off the fraction is rounding down
 ROUND = SHIFT + 0.5
-ONE, TWO = np.uintp(1), np.uintp(2)
+ZERO, ONE, TWO = np.uintp(0), np.uintp(1), np.uintp(2)
+WIDTH = LONGEST + 1  # numbers kept of each kind along a line
+W1, W2, W3 = np.uintp(WIDTH), np.uintp(2 * WIDTH), np.uintp(3 * WIDTH)
+SUMS = 7 * WIDTH
 B3, B5, B10 = np.uint32(3), np.uint32(5), np.uint32(10)
-
-
-class Lines:
-    """Working arrays of a match-set of n lines, made once per tracker.
-
-    Parameters
-    ----------
-    n : int
-        Number of lines.
-    states : int
-        How many numbers the state of the shape has.
-
-    Attributes
-    ----------
-    outline : ndarray of shape (n, 4 + s + 2), float64
-        Where each line crosses the outline: x, y, px, the outward unit normal, and by how much the outline moves along
-        it per unit of each number of the state, and of the distance between the fields.
-    edges : ndarray of shape (n, 3, 3), float64
-        Edge points of each line, strongest first: offset along the outward normal, px; strength, 0 where there is
-        none; step in color, as a share of a full one.
-    runs : ndarray of shape (n, 5), int64
-        Where each line runs: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels; the
-        last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.
-    """
-
-    def __init__(self, n: int, states: int) -> None:
-        self.outline, self.edges = np.zeros((n, 4 + states + 2)), np.zeros((n, CANDIDATES, 3))
-        self.runs, self.starts = np.zeros((n, 5), np.int64), np.zeros((n, 2))
-        self.pixels = np.zeros((n, LONGEST, 3), np.uint8)
-        self.sums = np.zeros((6, LONGEST + 1), np.float32)
 
 
 @kernel
@@ -117,107 +90,92 @@ def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: 
 
 
 @kernel
-def _sum(
-    pixels: Bytes,
-    i: Index,
-    length: int,
-    table: npt.NDArray[np.int8],
-    s0: Singles,
-    s1: Singles,
-    s2: Singles,
-    s3: Singles,
-) -> None:
-    """Take running sums of scores and values along line i: s[k] covers the pixels before k."""
+def _sum(pixels: Bytes, i: Index, length: int, table: npt.NDArray[np.int8], sums: Singles) -> None:
+    """Take running sums of scores and values along line i: those at k cover the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
     if table.size > 256:
         for place in range(length):
             k, after = np.uintp(place), np.uintp(place + 1)
             b, g, r = np.uint32(pixels[i, k, 0]), np.uint32(pixels[i, k, 1]), np.uint32(pixels[i, k, 2])
-            ts += table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)]
-            t0 += b
-            t1 += g
-            t2 += r
-            s0[after], s1[after], s2[after], s3[after] = ts, t0, t1, t2
+            ts += np.int32(table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)])
+            t0 += np.int32(b)
+            t1 += np.int32(g)
+            t2 += np.int32(r)
+            sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
     else:
         for place in range(length):
             k, after = np.uintp(place), np.uintp(place + 1)
-            ts += table[np.uintp(pixels[i, k, 0])]
-            t0 += pixels[i, k, 0]
-            s0[after], s1[after], s2[after], s3[after] = ts, t0, t1, t2
+            ts += np.int32(table[np.uintp(pixels[i, k, 0])])
+            t0 += np.int32(pixels[i, k, 0])
+            sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
 
 
 @kernel
-def _judge(
-    s0: Singles,
-    s1: Singles,
-    s2: Singles,
-    s3: Singles,
-    length: int,
-    margin: int,
-    threshold: float,
-    enough: float,
-    plain: float,
-    contrast: Singles,
-    white: Singles,
-) -> None:
+def _judge(s: Singles, length: int, margin: int, threshold: float, enough: float, plain: float, asked: Singles) -> None:
     """At every pixel the squared contrast, and the whiteness of Eq. 1: 0 where there is no edge point."""
-    for end in range(min(margin, length)):
-        contrast[end] = contrast[length - 1 - end] = np.float32(0.0)
-    m, w, one = np.uintp(margin), np.uintp(2 * margin + 1), np.uintp(1)
-    firm, weak, full, least = (
-        np.float32(FIRM * enough),
-        np.float32(WEAK * enough),
-        np.float32(enough),
-        np.float32(plain),
-    )
+    m, w = np.uintp(margin), np.uintp(2 * margin + 1)
+    asked[m - ONE] = asked[np.uintp(length - margin)] = np.float32(0.0)
+    firm, weak, full = np.float32(FIRM * enough), np.float32(WEAK * enough), np.float32(enough)
+    least, nabla = np.float32(plain), np.float32(threshold)
     for index in range(length - 2 * margin):
         a = np.uintp(index)
-        k, b, d = a + m, a + m + one, a + w
-        difference = s0[k] - s0[a] - s0[d] + s0[b]
-        d0, d1, d2 = (
-            s1[k] - s1[a] - s1[d] + s1[b],
-            s2[k] - s2[a] - s2[d] + s2[b],
-            s3[k] - s3[a] - s3[d] + s3[b],
-        )
-        c = d0 * d0 + d1 * d1 + d2 * d2
-        contrast[k] = c
-        is_edge = difference > firm or c > least
-        white[k] = min(max(difference, weak), full) if is_edge and difference > threshold else np.float32(0.0)
+        k, b, d = a + m, a + m + ONE, a + w
+        difference = s[k] - s[a] - s[d] + s[b]
+        d0 = s[k + W1] - s[a + W1] - s[d + W1] + s[b + W1]
+        d1 = s[k + W2] - s[a + W2] - s[d + W2] + s[b + W2]
+        d2 = s[k + W3] - s[a + W3] - s[d + W3] + s[b + W3]
+        contrast = d0 * d0 + d1 * d1 + d2 * d2
+        asked[k] = contrast
+        is_edge = ((difference > firm) | (contrast > least)) & (difference > nabla)
+        white = difference if difference > weak else weak
+        asked[k + W1] = (white if white < full else full) * np.float32(is_edge)
+
+
+@kernel
+def _mark_peaks(length: int, margin: int, asked: Singles) -> None:
+    """Strength of every pixel: contrast times whiteness at the peaks of the contrast, elsewhere 0."""
+    for place in range(margin, length - margin):
+        k = np.uintp(place)
+        c = asked[k]
+        is_peak = (c >= asked[k - ONE]) & (c > asked[k + ONE])
+        asked[k + W2] = c * asked[k + W1] * np.float32(is_peak)
+
+
+@kernel
+def _keep(i: Index, j: Index, k: Index, asked: Singles, start: Floats, enough: float, edges: Floats) -> None:
+    """Write the peak at pixel k as edge point j of line i, to a fraction of a pixel."""
+    before, c, after = asked[k - ONE], asked[k], asked[k + ONE]
+    peak = float(k)
+    if before > 0.0 and after > 0.0:
+        peak += 0.5 * (after - before) / (2.0 * c - before - after)
+    edges[i, j, 0], edges[i, j, 1] = start[i, 0] + peak * start[i, 1], asked[k + W2]
+    edges[i, j, 2] = asked[k + W1] / enough
 
 
 @kernel
 def _keep_best(
-    contrast: Singles,
-    white: Singles,
-    length: int,
-    margin: int,
-    i: Index,
-    starts: Floats,
-    enough: float,
-    edges: npt.NDArray[np.float64],
+    length: int, margin: int, i: Index, starts: Floats, enough: float, asked: Singles, edges: Floats
 ) -> None:
-    """Keep the strongest peaks of the contrast at edge points of line i, to a fraction of a pixel."""
-    for j in range(CANDIDATES):
-        edges[i, j, 1] = 0.0
+    """Keep the strongest peaks of line i."""
+    q0 = q1 = q2 = np.float32(0.0)
+    k0 = k1 = k2 = ZERO
     for place in range(margin, length - margin):
         k = np.uintp(place)
-        if white[k] == 0.0:
-            continue
-        before, c, after = contrast[np.uintp(place - 1)], contrast[k], contrast[np.uintp(place + 1)]
-        if c > 0.0 and c >= before and c > after:
-            q = float(c) * white[k]
-            if q <= edges[i, CANDIDATES - 1, 1]:
-                continue
-            peak = float(place)
-            if before > 0.0 and after > 0.0:
-                peak += 0.5 * (after - before) / (2.0 * c - before - after)
-            j = CANDIDATES - 1
-            while j > 0 and q > edges[i, j - 1, 1]:
-                for m in range(3):
-                    edges[i, j, m] = edges[i, j - 1, m]
-                j -= 1
-            edges[i, j, 0], edges[i, j, 1] = starts[i, 0] + peak * starts[i, 1], q
-            edges[i, j, 2] = white[k] / enough
+        q = asked[k + W2]
+        if q > q2:
+            if q > q0:
+                q0, q1, q2, k0, k1, k2 = q, q0, q1, k, k0, k1
+            elif q > q1:
+                q1, q2, k1, k2 = q, q1, k, k1
+            else:
+                q2, k2 = q, k
+    edges[i, ZERO, 1] = edges[i, ONE, 1] = edges[i, TWO, 1] = 0.0
+    if q0 > 0.0:
+        _keep(i, ZERO, k0, asked, starts, enough, edges)
+    if q1 > 0.0:
+        _keep(i, ONE, k1, asked, starts, enough, edges)
+    if q2 > 0.0:
+        _keep(i, TWO, k2, asked, starts, enough, edges)
 
 
 @kernel
@@ -244,7 +202,7 @@ def match_lines(
     table : (32768,) or (256,) int8
         Score of each BGR cell or gray value, see `ColorModel`.
     outline : (n, 4 + s + 2), the last two columns written
-        See `Lines`. What is written: by how much an edge moves along its normal if the even rows of an interlaced
+        See `Views`. What is written: by how much an edge moves along its normal if the even rows of an interlaced
         picture lie (dx, dy) / 2 ahead of the mean and its odd rows behind.
     reach : float
         How far the edge may be from there along the normal, px.
@@ -257,14 +215,15 @@ def match_lines(
     plain : float
         Squared contrast that noise alone can have: an edge point without a firm step in color must stand out of it.
     edges, runs, starts, pixels, sums
-        Working arrays of `Lines`.
+        Working arrays, see `Views` and `Memory`.
 
     Returns
     -------
     float
         Standard deviation of the noise of the pixels inside the shape, gray levels.
     """
-    s0, s1, s2, s3, contrast, white = sums
+    half_way = 4 * WIDTH
+    running, asked = sums[:half_way], sums[half_way:]
     height, width, channels = image.shape
     flat, fields = image.reshape(-1), outline.shape[1] - 2
     for index in range(outline.shape[0]):
@@ -280,7 +239,11 @@ def match_lines(
             count += 1
         half = 0.5 - (runs[i, 1] & 1) if runs[i, 0] else 0.0
         outline[i, fields], outline[i, fields + 1] = half * outline[i, 2], half * outline[i, 3]
-        _sum(pixels, i, length, table, s0, s1, s2, s3)
-        _judge(s0, s1, s2, s3, length, margin, threshold, enough, plain, contrast, white)
-        _keep_best(contrast, white, length, margin, i, starts, enough, edges)
+        if length == 0:
+            edges[i, ZERO, 1] = edges[i, ONE, 1] = edges[i, TWO, 1] = 0.0
+            continue
+        _sum(pixels, i, length, table, running)
+        _judge(running, length, margin, threshold, enough, plain, asked)
+        _mark_peaks(length, margin, asked)
+        _keep_best(length, margin, i, starts, enough, asked, edges)
     return rough / (1.95 * max(count, 1))  # E|a - 2b + c| of unit noise

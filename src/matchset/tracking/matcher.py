@@ -1,24 +1,28 @@
-"""From a rough state to the shape: trace the outline, find its match-set, fit, again until nothing moves."""
+"""Fits shapes of one family to pictures: `Matcher`, the working memory of a tracker and its compiled steps."""
 
 import math
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
+from matchset.shapes.jit import compiled, plain
 from matchset.shapes.shape import Shape
-from matchset.tracking.match_set import Lines
-from matchset.tracking.measure import measure
+from matchset.tracking import memory, motion
+from matchset.tracking.parameters import TRUST, TrackerParameters
+from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
+from matchset.tracking.track import Track
+from matchset.tracking.verdict import SURE, JudgeParameters
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 S = TypeVar("S", bound=Shape)
 
 INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it blur mixes with the background
-NEAR = 0.04  # px: a square move below so much of the half-width leaves the lines where they are
 FIRST_GRAIN = 2.0  # noise that is assumed before the first look, gray levels
+NOTHING, NO_COLOR = np.zeros((1, 1, 3), np.uint8), np.zeros(256, np.int8)
 GOLDEN = 0.6180339887  # spreads the places inside evenly
 
 
@@ -54,6 +58,30 @@ class MatchParameters(msgspec.Struct, frozen=True):
     turns: int = 4
 
 
+class Look(NamedTuple):
+    """How far to look for a shape.
+
+    Attributes
+    ----------
+    reach : float
+        How far the outline may be from where the fit begins, px.
+    speed : float
+        How fast the shape moves, px per frame: by as much the two fields of an interlaced picture may disagree.
+    sigma : float
+        How far the edge points are expected from there, px; 0 for a third of the reach.
+    free : bool
+        Whether the shape may be anywhere, or only as far from its prediction as the motion has room.
+    least : float
+        Agreement below which it gives up.
+    """
+
+    reach: float
+    speed: float = 0.0
+    sigma: float = 0.0
+    free: bool = True
+    least: float = 0.0
+
+
 class Matcher(Generic[S]):
     """Fits shapes of one family to pictures; the working memory of a tracker.
 
@@ -63,51 +91,44 @@ class Matcher(Generic[S]):
         The family of shapes, `Circle` for one.
     points : int
         Number of lines across the outline: the size of the match-set.
-    parameters : MatchParameters
+    match : MatchParameters, optional
+    judge : JudgeParameters, optional
+    track : TrackerParameters, optional
 
     Attributes
     ----------
     state : ndarray of shape (s,), float64
-        The state that the last `settle` reached.
-    noise : float
-        Standard deviation of an edge point there, px; 0 where nothing was fitted.
-    grain : float
-        Standard deviation of the pixels' noise, gray levels, over the last frames.
-    seen, confirmed, agreement, evidence, wave, corners
-        What the last fit rests on, see `review_lines`.
-    inside, core, hollow : float
-        What the pixels inside look like, see `count_inside`.
+        The state that the last fit reached; overwritten by the next one.
     """
 
-    def __init__(self, family: type[S], points: int, parameters: MatchParameters | None = None) -> None:
+    def __init__(
+        self,
+        family: type[S],
+        points: int,
+        match: MatchParameters | None = None,
+        judge: JudgeParameters | None = None,
+        track: TrackerParameters | None = None,
+    ) -> None:
         self.family, self.points = family, points
-        self.parameters = parameters or MatchParameters()
-        self.count = len(family.__struct_fields__)
-        self.state = family.from_coarse(0.0, 0.0, 1.0).state
+        start = family.from_coarse(0.0, 0.0, 1.0).state
+        count = len(family.__struct_fields__)
+        self._memory = memory.Memory(points, len(start), count)
+        self.parts = parts = self._memory.parts
+        self._step = make_step(compiled(family.trace), compiled(family.half_width), count)
         angles = 2.0 * math.pi * (np.arange(points) + 0.5) / points
         shares = INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)
-        self.rays = np.column_stack((np.cos(angles), np.sin(angles), shares))
-        self.limits = np.array(msgspec.structs.astuple(self.parameters)[:6], np.float64)
-        self.lines = Lines(points, len(self.state))
-        self.found = np.zeros((points, 3))
-        self.full_covariance = np.zeros((self.count, len(self.state) + 2))
-        self.free = np.zeros(self.count)
-        self.noise, self.grain = 0.0, FIRST_GRAIN
-        self.seen, self.confirmed = 0, 0
-        self.agreement, self.evidence, self.wave, self.corners = 0.0, 0.0, 0.0, 0.0
-        self.inside, self.core, self.hollow = 0.0, 0.0, 0.0
+        parts.rays[:] = np.column_stack((np.cos(angles), np.sin(angles), shares))
+        self.state = parts.state
+        chosen = (match or MatchParameters(), judge or JudgeParameters(), track or TrackerParameters())
+        for place, parameters in zip((parts.match, parts.judge, parts.track), chosen, strict=True):
+            numbers = msgspec.structs.astuple(parameters)
+            place[: len(numbers)] = numbers
+        arrays = self._memory
+        self._own = arrays.block, *arrays.tables
+        self._work = arrays.runs, arrays.pixels, arrays.sums, *self._own
+        self.forget()
 
-    def settle(
-        self,
-        image: Image,
-        color: ColorModel,
-        start: Floats,
-        reach: float,
-        speed: float = 0.0,
-        sigma: float = 0.0,
-        spread: Floats | None = None,
-        least: float = 0.0,
-    ) -> bool:
+    def settle(self, image: Image, color: ColorModel, start: Floats, look: Look) -> bool:
         """Fit the shape near a state.
 
         Parameters
@@ -116,81 +137,69 @@ class Matcher(Generic[S]):
         color : ColorModel
         start : ndarray of shape (s,), float64
             Where to begin.
-        reach : float
-            How far the outline may be from there, px.
-        speed : float
-            How fast the shape moves, px per frame: by as much the two fields of an interlaced picture may disagree.
-        sigma : float
-            How far the edge points are expected from the start, px; 0 for a third of the reach.
-        spread : ndarray of shape (p,), float64, optional
-            How far each parameter may be from the start; without it they are free.
-        least : float
-            Agreement below which it gives up.
+        look : Look
 
         Returns
         -------
         bool
             Whether there are edge points to fit at all; whether they are enough is for the caller to judge.
         """
-        self.state = start.copy()  # a new array: callers keep states
-        sigma = sigma or max(reach / 3.0, 1.0)
-        lines, noise, self.noise = self.lines, self.noise, 0.0
-        for _ in range(self.parameters.turns):
-            size = self.family.half_width(self.state)
-            if not 2.0 < size < 1e5:
-                self.seen = 0
-                return False
-            self.family.trace(self.state, self.rays, lines.outline)
-            (
-                noise,
-                moved,
-                self.grain,
-                self.seen,
-                self.confirmed,
-                self.agreement,
-                self.evidence,
-                self.wave,
-                self.corners,
-                self.inside,
-                self.core,
-                self.hollow,
-            ) = measure(
-                image,
-                color.table,
-                lines.outline,
-                lines.edges,
-                lines.runs,
-                lines.starts,
-                lines.pixels,
-                lines.sums,
-                self.rays,
-                self.limits,
-                self.state,
-                start,
-                self.free if spread is None else spread,
-                self.full_covariance,
-                self.found,
-                size,
-                reach,
-                speed,
-                noise,
-                sigma,
-                self.grain,
-            )
-            if noise == 0.0 or self.agreement < least:
-                return False
-            if moved * moved < NEAR * size:
-                break
-            reach, sigma = max(4.0, 2.0 + 0.5 * speed), 1.0
-        self.noise = noise
-        return 2.0 < self.family.half_width(self.state) < 1e5
+        self.state[:] = start
+        reach, speed, sigma, free, least = look
+        self.parts.look[:] = reach, speed, sigma or max(reach / 3.0, 1.0), least
+        verdict, _ = self._step(image, color.table, *self._work, FREE if free else HELD, 0.0, 1.0)
+        return verdict == SURE
+
+    def advance(self, image: Image, color: ColorModel, time: float, passed: float) -> Track[S] | int:
+        """Follow the shape into a frame, at a time, s, `passed` seconds after the frame before.
+
+        Returns
+        -------
+        Track or int
+            Where all is well the answer, taken in; otherwise the `verdict` on this first look.
+        """
+        verdict, (support, points, covariance) = self._step(image, color.table, *self._work, FOLLOW, time, passed)
+        if verdict != SURE:
+            return verdict
+        return Track(self.family.from_state(self.state), covariance, support, points, time)
+
+    def predict(self, time: float, missed: float) -> Floats:
+        """Extrapolate the motion to a time, s, `missed` frames after the last sighting; the state, (s,), expected."""
+        plain(motion.predict)(self.parts, time, missed, self.parts.track[TRUST])  # seldom: not worth compiling
+        return self.parts.expected
+
+    def begin(self, state: Floats, time: float, spread: float) -> None:
+        """Begin to follow at a state, see `motion.begin`."""
+        motion.begin(self.parts, state, time, spread)
+
+    def take_in(self, time: float) -> Track[S]:
+        """Correct the motion with what was fitted in the frame of a time, s, and answer with it."""
+        return self._tell(TAKE_IN, time)
+
+    def track(self, time: float) -> Track[S]:
+        """Answer with what was fitted in the frame of a time, s."""
+        return self._tell(TELL, time)
+
+    def _tell(self, way: int, time: float) -> Track[S]:
+        """Answer with what was fitted, taken in or not."""
+        _, (support, points, covariance) = self._step(NOTHING, NO_COLOR, *self._work, way, time, 1.0)
+        return Track(self.family.from_state(self.state), covariance, support, points, time)
 
     def forget(self) -> None:
         """Begin anew: nothing is left of earlier pictures."""
-        self.noise, self.grain = 0.0, FIRST_GRAIN
+        fit = self.parts.fit
+        fit[:] = 0.0
+        fit[memory.GRAIN] = FIRST_GRAIN
+
+    def fit(self, place: int) -> float:
+        """Look up what is known of the last fit: the number at a place of `Views.fit`."""
+        return self.parts.fit.item(place)
+
+    def clock(self, place: int) -> float:
+        """Look up what is known of the motion: the number at a place of `Views.clock`."""
+        return self.parts.clock.item(place)
 
     @property
-    def bent(self) -> float:
-        """Size of the modes that are held near zero, in half-widths."""
-        modes = self.state[self.count :].tolist()
-        return math.hypot(*modes) / self.family.half_width(self.state)
+    def size(self) -> float:
+        """Half-width of the last fit, px."""
+        return self.parts.fit.item(memory.SIZE)

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import inlined
+from matchset.tracking.memory import SPEED, SURPRISE, TIME, Views
 
 Floats = npt.NDArray[np.float64]
 
@@ -16,105 +17,62 @@ LEAST = 0.3  # px: no prediction is trusted to be better
 PROMPT = 0.05  # s without a sighting from which it fades
 
 
-@kernel
-def _correct(state: Floats, velocity: Floats, spread: Floats, seen: Floats, passed: float, count: int) -> None:
-    """Take in the state that was seen `passed` seconds after the last one."""
+@inlined
+def correct(parts: Views, time: float) -> None:
+    """Take in the state that was fitted at a time, s."""
+    state, velocity, spread, fitted = parts.seen, parts.velocity, parts.spread, parts.state
+    passed = time - parts.clock[TIME]
     for k in range(state.shape[0]):
         if passed > 0.0:
-            missed = seen[k] - state[k] - velocity[k] * passed
-            if k < count:
+            missed = fitted[k] - state[k] - velocity[k] * passed
+            if k < spread.shape[0]:
                 velocity[k] += TRUST / passed * missed
                 spread[k] = max(abs(missed), MEMORY * spread[k] + (1.0 - MEMORY) * abs(missed))
-        state[k] = seen[k]
+        state[k] = fitted[k]
     spread[0] = spread[1] = max(spread[0], spread[1])
+    parts.clock[TIME] = time
 
 
-@kernel
-def _predict(
-    state: Floats,
-    velocity: Floats,
-    spread: Floats,
-    ahead: float,
-    missed: float,
-    trust: float,
-    expected: Floats,
-    room: Floats,
-) -> tuple[float, float]:
-    """Extrapolate by `ahead` seconds; returns the speed, px/s, and the surprise, px."""
-    for k in range(state.shape[0]):
-        expected[k] = state[k] + ahead * velocity[k]
-    for k in range(spread.shape[0]):
-        room[k] = missed * (trust * spread[k] + LEAST)
-    return math.hypot(velocity[0], velocity[1]), spread[0]
+@inlined
+def predict(parts: Views, time: float, missed: float, trust: float) -> None:
+    """Extrapolate to a time; the velocity fades while nothing is seen.
 
-
-class Motion:
-    """State and velocity of a shape that is followed.
+    Writes `expected`, `room`, and in `clock` the speed, px/s, and by how much predictions have lately missed, px.
 
     Parameters
     ----------
+    parts : Views
+    time : float
+        s, not before the last sighting.
+    missed : float
+        Frames since then.
+    trust : float
+        How many recent surprises each parameter may be off.
+    """
+    ahead = time - parts.clock[TIME]
+    if ahead > PROMPT:
+        ahead = FADE * (1.0 - math.exp(-ahead / FADE))
+    velocity, spread = parts.velocity, parts.spread
+    for k in range(velocity.shape[0]):
+        parts.expected[k] = parts.seen[k] + ahead * velocity[k]
+    for k in range(spread.shape[0]):
+        parts.room[k] = missed * (trust * spread[k] + LEAST)
+    parts.clock[SPEED], parts.clock[SURPRISE] = math.hypot(velocity[0], velocity[1]), spread[0]
+
+
+def begin(parts: Views, state: Floats, time: float, spread: float) -> None:
+    """Begin at a state, at rest.
+
+    Parameters
+    ----------
+    parts : Views
     state : ndarray of shape (s,), float64
         State at the first sighting.
     time : float
-        When that was, s.
+        When that was, s; -inf for one frame before the next.
     spread : float
         How far from it the next sighting may be, px.
-    count : int
-        How many of the state's numbers move: the shape's parameters. The others are modes and keep still.
-
-    Attributes
-    ----------
-    velocity : ndarray of shape (s,), float64
-        Per second.
-    spread : ndarray of shape (count,), float64
-        By how much the predictions of the parameters have lately missed.
-    room : ndarray of shape (count,), float64
-        How far each parameter may be from the last prediction.
-    speed, surprise : float
-        Speed of the center at the last prediction, px/s, and by how much it has lately missed, px.
     """
-
-    def __init__(self, state: Floats, time: float, spread: float, count: int) -> None:
-        self.state = state.copy()
-        self.time = time
-        self.velocity = np.zeros_like(state)
-        self.spread = np.full(count, spread)
-        self.expected, self.room = state.copy(), np.zeros(count)
-        self.speed, self.surprise = 0.0, spread
-
-    def predict(self, time: float, missed: float, trust: float) -> Floats:
-        """State at a time, extrapolated; the velocity fades while nothing is seen.
-
-        Parameters
-        ----------
-        time : float
-            s, not before the last sighting.
-        missed : float
-            Frames since then.
-        trust : float
-            How many recent surprises each parameter may be off: written to `room`.
-
-        Returns
-        -------
-        ndarray of shape (s,), float64
-            Valid until the next prediction.
-        """
-        ahead = time - self.time
-        if ahead > PROMPT:
-            ahead = FADE * (1.0 - math.exp(-ahead / FADE))
-        self.speed, self.surprise = _predict(
-            self.state, self.velocity, self.spread, ahead, missed, trust, self.expected, self.room
-        )
-        return self.expected
-
-    def correct(self, state: Floats, time: float) -> None:
-        """Take in a sighting.
-
-        Parameters
-        ----------
-        state : ndarray of shape (s,), float64
-        time : float
-            s.
-        """
-        _correct(self.state, self.velocity, self.spread, state, time - self.time, len(self.spread))
-        self.time = time
+    parts.seen[:] = parts.expected[:] = state
+    parts.velocity[:], parts.spread[:], parts.room[:] = 0.0, spread, 0.0
+    parts.clock[TIME], parts.clock[SPEED], parts.clock[SURPRISE] = time, 0.0, spread

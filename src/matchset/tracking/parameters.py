@@ -20,6 +20,9 @@ class TrackerParameters(msgspec.Struct, frozen=True):
         How far from its prediction a shape may be found again while coasting, in half-widths per missed frame.
     growth : float
         Largest change of size per missed frame, as a factor.
+    search : bool
+        Whether the whole frame is searched while nothing is followed; without, something else must find the shape and
+        `start` the tracker.
     adapt_rate : float
         Speed at which the color follows the light, log-odds per look: 0 keeps the color as it was learned.
     adapt_support, adapt_inside : float
@@ -33,6 +36,12 @@ class TrackerParameters(msgspec.Struct, frozen=True):
     coast: float = 0.35
     jump: float = 2.0
     growth: float = 1.5
+    search: bool = True
     adapt_rate: float = 0.8
     adapt_support: float = 0.8
     adapt_inside: float = 0.6
+
+
+# places of the parameters in `Views.track`
+_PLACES = {name: place for place, name in enumerate(TrackerParameters.__struct_fields__)}
+LEAST_REACH, MOST_REACH, TRUST = _PLACES["least_reach"], _PLACES["most_reach"], _PLACES["trust"]

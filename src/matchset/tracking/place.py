@@ -13,18 +13,6 @@ class Place(NamedTuple):
     y: float
     size: float
 
-    def near(self, other: "Place", surprise: float) -> bool:
-        """Whether a shape seen at `other` is so near to this prediction that it needs no other proof.
-
-        Parameters
-        ----------
-        other : Place
-        surprise : float
-            By how much predictions have lately missed, px.
-        """
-        far = math.hypot(other.x - self.x, other.y - self.y)
-        return abs(other.size - self.size) <= 0.1 * self.size + 1.0 and far <= 0.3 * self.size + 2.0 * surprise
-
     def about(self, other: "Place") -> bool:
         """Whether a shape found again at `other` is about where this prediction has it."""
         far = math.hypot(other.x - self.x, other.y - self.y)

@@ -24,7 +24,7 @@ def review_lines(
     found : (n, 3)
         What the fit took on each line, see `fit_lines`.
     edges, runs
-        See `Lines`.
+        See `Views`.
     turns : (n, 2)
         Cosine and sine of the angle of each line around the shape.
     tolerance : float
@@ -92,7 +92,7 @@ def conclude(
     Parameters
     ----------
     outline, edges : (n, 4 + s + 2), (n, 3, 3)
-        See `Lines`.
+        See `Views`.
     found : (n, 3)
         See `fit_lines`.
     outlier : float

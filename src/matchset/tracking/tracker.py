@@ -11,18 +11,23 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
 from matchset.tracking.detect import Finder, Searcher, channels_last
-from matchset.tracking.doubt import BETTER, alternatives, doubtful, worth
-from matchset.tracking.judge import Judge
-from matchset.tracking.matcher import Matcher
-from matchset.tracking.motion import Motion
+from matchset.tracking.doubt import BETTER, alternatives, worth
+from matchset.tracking.judge import Judge, Prior
+from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.memory import CONFIRMED, EVIDENCE, INSIDE, SEEN, SPEED, SURPRISE, TIME
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.place import Place
 from matchset.tracking.track import Lost, Track
+from matchset.tracking.verdict import is_doubtful, is_near, missing
+from matchset.tracking.warm_up import warm_up
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
+PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
+FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
 TEACH = 3  # every so many frames the color may learn: light changes slowly
 
 
@@ -74,32 +79,15 @@ class Tracker(Generic[S]):
         self.color = color.copy()
         self._learned = self.color.log_odds.copy()
         self._family = family
-        self._matcher: Matcher[S] = Matcher(family, points)
+        self._matcher: Matcher[S] = Matcher(family, points, track=self.parameters)
         self._judge = Judge()
         self._wish = start
-        self._motion: Motion | None = None
+        self._follows = False
         self._finder: Finder[S] | None = None
         self._kind: tuple[int, ...] | None = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = 0
-        self._usual = 0.0  # half-width over the last well-confirmed frames, px
-        self._compile()
-
-    def _compile(self) -> None:
-        """Run every kernel once on a small picture of a disc, so that no frame waits for the compiler."""
-        color = ColorModel(np.linspace(-4.0, 4.0, self.color.table.size, dtype=np.float32))
-        image = np.zeros((64, 64, color.channels), np.uint8)
-        cells = np.arange(64) - 31.5
-        image[np.hypot(cells[:, None], cells[None, :]) < 20.0] = 255
-        matcher: Matcher[S] = Matcher(self._family, 16)
-        state = self._family.from_coarse(31.5, 31.5, 20.0).state
-        matcher.settle(image, color, state, 6.0)
-        self._judge.track(matcher, 0.0)
-        motion = Motion(state, 0.0, 1.0, matcher.count)
-        motion.correct(state, 1.0)
-        matcher.settle(image, color, motion.predict(2.0, 1.0, 1.0), 6.0, 1.0, 1.0, motion.room)
-        Searcher(64, 64).candidates(image, color)
-        self._adapt(image, matcher, color, 0.0)
+        self._frames, self._faint = 0, 0
+        warm_up(family, color.table.size, color.channels)
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -117,7 +105,8 @@ class Tracker(Generic[S]):
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
         spread = 3.0 + 0.1 * self._family.half_width(shape.state)
-        self._motion = Motion(shape.state, self._time, spread, self._matcher.count)
+        self._matcher.begin(shape.state, self._time, spread)
+        self._follows = True
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
         """Follow the shape into `frame`: predict, match, fit; search the whole frame only when lost.
@@ -140,78 +129,94 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._admit(frame)
-        if self._motion is None:
+        if not self._follows:
             return self._search(image, "nothing of this color and shape is in the picture")
-        reason = self._follow(image, self._motion)
-        return self._search(image, reason) if reason else self._confirm(image, self._motion)
+        found = self._matcher.advance(image, self.color, frame.time, self._interval)
+        if isinstance(found, int):
+            reason = self._recover(image, self._judge.words(self._matcher, found))
+            if reason:
+                return self._search(image, reason)
+            found = self._matcher.take_in(frame.time)
+        if self._frames % TEACH == 0:
+            self._learn(image)
+        return found
 
     def _admit(self, frame: Frame) -> Image:
         """Check a frame against those before it; its picture as (h, w, channels)."""
-        if frame.image.shape != self._kind:
-            if self._kind is not None:
-                raise ValueError(
-                    f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {self._kind}"
-                )
-            self.color.check(frame.image)
-            self._kind = frame.image.shape
-        if not frame.time > self._time:
+        image, time = frame.image, frame.time
+        if image.shape != self._kind:
+            self._accept(frame)
+        if not time > self._time:
             raise ValueError(
-                f"time must run forward: frame {frame.index} is at {frame.time} s, the one before at {self._time} s"
+                f"time must run forward: frame {frame.index} is at {time} s, the one before at {self._time} s"
             )
-        if math.isfinite(self._time):
-            self._interval = min(frame.time - self._time, 1.0)
-        if self._motion is not None and not math.isfinite(self._motion.time):
-            self._motion.time = frame.time - self._interval
-        self._time = frame.time
+        if self._frames:
+            self._interval = min(time - self._time, 1.0)
+        self._time = time
         self._frames += 1
-        return channels_last(frame.image)
+        return channels_last(image)
 
-    def _missed(self, motion: Motion) -> float:
+    def _accept(self, frame: Frame) -> None:
+        """Take the first frame's size and channels; refuse a change on the way."""
+        if self._kind is not None:
+            raise ValueError(
+                f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {self._kind}"
+            )
+        self.color.check(frame.image)
+        self._kind = frame.image.shape
+
+    def _missed(self) -> float:
         """How many frames have passed since the last sighting, at least 1."""
-        return max((self._time - motion.time) / self._interval, 1.0)
+        return max((self._time - self._matcher.clock(TIME)) / self._interval, 1.0)
 
-    def _follow(self, image: Image, motion: Motion) -> str:
-        """Fit near the prediction; why it failed, empty if it did not."""
+    def _recover(self, image: Image, reason: str) -> str:
+        """Look again where the first look was not enough; why that failed too, empty if it did not.
+
+        Wider, if the first look found nothing; at the shapes around it, if it is doubtful; and with the evidence of a
+        first sight, if it is far from where it was expected.
+        """
         limits, matcher = self.parameters, self._matcher
-        missed = self._missed(motion)
-        expected = motion.predict(self._time, missed, limits.trust)
-        speed, surprise = self._interval * motion.speed, motion.surprise * missed
-        reach = min(limits.least_reach + 2.0 * surprise, limits.most_reach)
-        reason = self._try(image, expected, reach, speed, max(surprise, 1.0), motion.room)
-        if reason and reach < limits.most_reach:
-            reason = self._try(image, expected, limits.most_reach, speed)
-        if doubtful(matcher):
+        missed, expected = self._missed(), matcher.parts.expected
+        speed, surprise = self._interval * matcher.clock(SPEED), matcher.clock(SURPRISE)
+        if reason and limits.least_reach + 2.0 * surprise * missed < limits.most_reach:
+            reason = self._try(image, expected, Look(limits.most_reach, speed))
+        if is_doubtful(matcher.parts.fit, matcher.points):
             reason = self._look_again(image, reason, speed)
-        if not reason and not self._place(expected).near(self._place(matcher.state), motion.surprise):
+        here, there = self._place(expected), self._place(matcher.state)
+        if not reason:
+            reason = self._faintly()
+        if not reason and not is_near(matcher.state, there.size, expected, here.size, surprise):
             reason = self._judge.first_sight(matcher)
-            if not reason and not self._place(expected).reachable(self._place(matcher.state), missed, limits):
+            if not reason and not here.reachable(there, missed, limits):
                 reason = "it would have jumped or changed its size faster than it can"
         return reason
 
-    def _try(
-        self,
-        image: Image,
-        state: Floats,
-        reach: float,
-        speed: float,
-        sigma: float = 0.0,
-        spread: Floats | None = None,
-    ) -> str:
+    def _faintly(self) -> str:
+        """Why a shape that speaks faintly for itself is given up, empty if it is not: that cannot go on for long."""
+        evidence = self._matcher.fit(EVIDENCE)
+        if evidence < FAINT:
+            self._faint += 1
+        elif evidence > CLEAR:
+            self._faint = 0
+        if self._faint <= PATIENCE:
+            return ""
+        return "hardly anything has spoken for it for a while"
+
+    def _try(self, image: Image, state: Floats, look: Look) -> str:
         """Fit near a state; why it is not confirmed, empty if it is."""
         matcher = self._matcher
-        if not matcher.settle(image, self.color, state, reach, speed, sigma, spread):
-            gone = matcher.seen < 0.3 * matcher.points
-            return "it left the picture" if gone else "no edges of the target's color where it should be"
+        if not matcher.settle(image, self.color, state, look):
+            return self._judge.words(matcher, missing(matcher.fit(SEEN), matcher.points))
         return self._judge.following(matcher)
 
     def _look_again(self, image: Image, reason: str, speed: float) -> str:
         """Go on with the best of the shapes around a doubtful one; why it is not confirmed, empty if it is."""
         matcher = self._matcher
-        best, most = matcher.state, -math.inf if reason else worth(matcher, self._usual) + BETTER
+        best, most = matcher.state.copy(), -math.inf if reason else worth(matcher) + BETTER
         for start in list(alternatives(matcher)):
-            if not self._try(image, start, 5.0, speed, 2.0) and worth(matcher, self._usual) > most:
-                best, most = matcher.state, worth(matcher, self._usual)
-        return self._try(image, best, 3.0, speed, 1.0)
+            if not self._try(image, start, Look(5.0, speed, 2.0)) and worth(matcher) > most:
+                best, most = matcher.state.copy(), worth(matcher)
+        return self._try(image, best, Look(3.0, speed, 1.0))
 
     def _place(self, state: Floats) -> Place:
         """Center and size of a state."""
@@ -222,54 +227,48 @@ class Tracker(Generic[S]):
         here, there = self._place(expected), self._place(state)
         if here.about(there):
             return True
-        return not self._judge.first_sight(self._matcher) and here.reachable(there, missed, self.parameters)
+        lone = math.hypot(there.x - here.x, there.y - here.y) > FAR * max(here.size, there.size)
+        prior = Prior.NONE if lone else Prior.PRESENT
+        return not self._judge.first_sight(self._matcher, prior) and here.reachable(there, missed, self.parameters)
 
-    def _confirm(self, image: Image, motion: Motion) -> Track[S]:
-        """Take in what the matcher holds, learn the color from it, and answer."""
+    def _learn(self, image: Image) -> None:
+        """Learn the color from a shape that is whole and well confirmed."""
         matcher, limits = self._matcher, self.parameters
-        motion.correct(matcher.state, self._time)
-        if matcher.agreement > 0.75:
-            size = self._family.half_width(matcher.state)
-            self._usual += 0.1 * (size - self._usual) if self._usual > 0.0 else size
-        whole = matcher.seen == matcher.points
-        good = whole and matcher.confirmed >= limits.adapt_support * matcher.seen
-        due = self._frames % TEACH == 0 and limits.adapt_rate > 0.0
-        if due and good and matcher.inside >= limits.adapt_inside:
-            self._adapt(image, matcher, self.color, limits.adapt_rate)
-        return self._judge.track(matcher, self._time)
+        seen = matcher.fit(SEEN)
+        good = seen == matcher.points and matcher.fit(CONFIRMED) >= limits.adapt_support * seen
+        if good and limits.adapt_rate > 0.0 and matcher.fit(INSIDE) >= limits.adapt_inside:
+            self._teach(image)
 
-    def _adapt(self, image: Image, matcher: Matcher[S], color: ColorModel, rate: float) -> None:
+    def _teach(self, image: Image) -> None:
         """Teach the color a quarter of the outline's surroundings, another one in every frame."""
+        matcher, color, rate = self._matcher, self.color, self.parameters.adapt_rate
         x, y = float(matcher.state[0]), float(matcher.state[1])
         begin = self._frames // TEACH % 4
-        adapt_table(
-            image,
-            color.log_odds,
-            self._learned,
-            color.table,
-            matcher.lines.outline,
-            matcher.rays[:, 2],
-            x,
-            y,
-            begin,
-            rate,
-        )
+        outline, shares = matcher.parts.outline, matcher.parts.rays[:, 2]
+        adapt_table(image, color.log_odds, self._learned, color.table, outline, shares, x, y, begin, rate)
 
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
-        motion = self._motion
-        if motion is not None and self._time - motion.time > self.parameters.coast:
-            motion = self._motion = None
-        expected = None if motion is None else motion.predict(self._time, 1.0, self.parameters.trust).copy()
-        best = self._choose(image, expected)
-        if best is not None:
-            self._try(image, best, 4.0, 0.0)
-            if motion is None:
-                spread = 0.25 * self._family.half_width(best)
-                self._motion = motion = Motion(self._matcher.state, self._time, spread, self._matcher.count)
-            self._wish = None
-            return self._confirm(image, motion)
-        return Lost(reason, self._time, None if expected is None else self._shape(expected))
+        matcher = self._matcher
+        if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
+            self._follows = False
+        expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
+        best = self._choose(image, expected) if self.parameters.search else None
+        if best is None:
+            return Lost(reason, self._time, None if expected is None else self._shape(expected))
+        lone = expected is None and self._wish is None
+        self._try(image, best, Look(4.0))
+        if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
+            return Lost(refuted, self._time)
+        if expected is None:
+            matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
+        self._follows, self._wish = True, None
+        if matcher.fit(EVIDENCE) > CLEAR:
+            self._faint = 0
+        found = matcher.take_in(self._time)
+        if self._frames % TEACH == 0:
+            self._learn(image)
+        return found
 
     def _shape(self, state: Floats) -> S | None:
         """Shape of an extrapolated state, None where it has shrunk to nothing."""
@@ -282,9 +281,10 @@ class Tracker(Generic[S]):
         """State of the sighting to go on with, or None."""
         if self._finder is None:
             self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
-        missed = self._missed(self._motion) if self._motion is not None else 1.0
+        missed = self._missed() if expected is not None else 1.0
+        prior = Prior.HERE if expected is not None else Prior.PRESENT if self._wish is not None else Prior.NONE
         best, most = None, 0.0
-        for state, merit in self._finder.sightings(image, self.color, expected is not None):
+        for state, merit in self._finder.sightings(image, self.color, prior):
             if expected is not None and not self._can_be(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:

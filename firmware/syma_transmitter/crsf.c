@@ -1,0 +1,93 @@
+#include "crsf.h"
+
+#include <string.h>
+
+#include "config.h"
+#include "crc8.h"
+
+enum verdict { NO_FRAME, NOT_YET, BAD_SUM, GOOD };
+
+/* Length that the byte after the sync must show for this type; 0 for types that are none of ours. */
+static uint8_t length_of(uint8_t type)
+{
+    switch (type) {
+    case CRSF_CHANNELS: return 24;
+    case CRSF_READ_CONFIG: return 2;
+    case CRSF_WRITE_CONFIG: return 2 + 3 + CONFIG_SIZE;
+    case CRSF_BIND: return 2 + 4;
+    default: return 0;
+    }
+}
+
+static enum verdict judge(const uint8_t *bytes, uint8_t count)
+{
+    if (bytes[0] != CRSF_SYNC)
+        return NO_FRAME;
+    if (count < 3)
+        return NOT_YET;
+    uint8_t length = bytes[1];
+    if (length == 0 || length != length_of(bytes[2]))
+        return NO_FRAME;
+    if (count < length + 2)
+        return NOT_YET;
+    return crc8(bytes + 2, (uint8_t)(length - 1)) == bytes[length + 1] ? GOOD : BAD_SUM;
+}
+
+static void drop(struct crsf *crsf, uint8_t count)
+{
+    crsf->count = (uint8_t)(crsf->count - count);
+    memmove(crsf->bytes, crsf->bytes + count, crsf->count);
+}
+
+void crsf_take(struct crsf *crsf, uint8_t byte)
+{
+    /* There is always room: crsf_next() leaves less than a longest frame behind. */
+    crsf->bytes[crsf->count++] = byte;
+}
+
+bool crsf_next(struct crsf *crsf)
+{
+    if (crsf->whole)
+        drop(crsf, (uint8_t)(crsf->bytes[1] + 2));
+    crsf->whole = false;
+    uint8_t start = 0;
+    enum verdict verdict = NO_FRAME;
+    for (; start < crsf->count; start++) {
+        verdict = judge(crsf->bytes + start, (uint8_t)(crsf->count - start));
+        if (verdict == BAD_SUM)
+            crsf->bad++;
+        if (verdict == NOT_YET || verdict == GOOD)
+            break;
+    }
+    if (start)
+        drop(crsf, start);
+    crsf->whole = verdict == GOOD;
+    return crsf->whole;
+}
+
+bool crsf_channels(const uint8_t *payload, uint16_t channels[CHANNELS])
+{
+    uint32_t pool = 0;
+    uint8_t bits = 0;
+    for (uint8_t i = 0; i < CHANNELS; i++) {
+        while (bits < 11) {
+            pool |= (uint32_t)*payload++ << bits;
+            bits = (uint8_t)(bits + 8);
+        }
+        channels[i] = (uint16_t)(pool & 0x7FF);
+        pool >>= 11;
+        bits = (uint8_t)(bits - 11);
+        if (channels[i] < CHANNEL_LOW || channels[i] > CHANNEL_HIGH)
+            return false;
+    }
+    return true;
+}
+
+uint8_t crsf_frame(uint8_t *frame, uint8_t type, uint8_t count)
+{
+    frame[0] = CRSF_SYNC;
+    frame[1] = (uint8_t)(count + 2);
+    frame[2] = type;
+    frame[3 + count] = crc8(frame + 2, (uint8_t)(count + 1));
+    return (uint8_t)(count + CRSF_FRAMING);
+}

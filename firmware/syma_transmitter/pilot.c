@@ -1,0 +1,100 @@
+#include "pilot.h"
+
+enum channel { ROLL, PITCH, THROTTLE, YAW, ARM, RATE, FLIP };
+#define SWITCH_HIGH 1500
+#define SWITCH_LOW 500
+
+/* 0 ... 1639 to 0 ... 255, rounded. */
+static uint8_t throttle_of(uint16_t channel)
+{
+    return (uint8_t)(((uint32_t)(channel - CHANNEL_LOW) * 10197u + 32768u) >> 16);
+}
+
+/* -820 ... 819 to -127 ... 127, rounded away from half alike on both sides. */
+static int8_t stick_of(uint16_t channel)
+{
+    uint16_t size = channel < CHANNEL_CENTER ? CHANNEL_CENTER - channel : channel - CHANNEL_CENTER;
+    int8_t stick = (int8_t)(((uint32_t)size * 10163u + 32768u) >> 16);
+    return (int8_t)(channel < CHANNEL_CENTER ? -stick : stick);
+}
+
+void pilot_begin(struct pilot *pilot, bool bind, bool in_flight)
+{
+    *pilot = (struct pilot){.state = in_flight ? STATE_FAILSAFE : STATE_LOCKED, .age = UINT16_MAX};
+    if (bind)
+        pilot_bind(pilot);
+}
+
+bool pilot_flying(const struct pilot *pilot)
+{
+    return pilot->state == STATE_ARMED || pilot->state == STATE_HOLDING;
+}
+
+bool pilot_bind(struct pilot *pilot)
+{
+    if (pilot_flying(pilot))
+        return false;
+    pilot->state = STATE_BINDING;
+    pilot->bind_left = BIND_PACKETS;
+    pilot->low_frames = 0;
+    return true;
+}
+
+void pilot_bind_packet(struct pilot *pilot)
+{
+    if (pilot->state == STATE_BINDING && --pilot->bind_left == 0)
+        pilot->state = STATE_LOCKED;
+}
+
+void pilot_frame(struct pilot *pilot, const uint16_t channels[CHANNELS])
+{
+    struct sticks *heard = &pilot->heard;
+    heard->throttle = throttle_of(channels[THROTTLE]);
+    heard->pitch = stick_of(channels[PITCH]);
+    heard->yaw = stick_of(channels[YAW]);
+    heard->roll = stick_of(channels[ROLL]);
+    heard->fast = channels[RATE] >= SWITCH_HIGH;
+    heard->flip = channels[FLIP] >= SWITCH_HIGH;
+    pilot->age = 0;
+    if (pilot->state == STATE_BINDING)
+        return;
+    bool high = channels[ARM] >= SWITCH_HIGH;
+    bool low = channels[ARM] <= SWITCH_LOW;
+    if (pilot_flying(pilot)) {
+        pilot->state = high ? STATE_ARMED : STATE_LOCKED;
+        pilot->low_frames = 0;
+    } else if (low) {
+        pilot->state = STATE_LOCKED;
+        if (heard->throttle)
+            pilot->low_frames = 0;
+        else if (pilot->low_frames < ARM_LOW_FRAMES)
+            pilot->low_frames++;
+    } else if (high && heard->throttle == 0 && pilot->low_frames == ARM_LOW_FRAMES) {
+        pilot->state = STATE_ARMED;
+    } else {
+        pilot->low_frames = 0;
+    }
+}
+
+void pilot_tick(struct pilot *pilot)
+{
+    if (pilot->age < UINT16_MAX)
+        pilot->age++;
+    if (pilot->age >= FAILSAFE_TICKS) {
+        pilot->low_frames = 0;
+        if (pilot_flying(pilot))
+            pilot->state = STATE_FAILSAFE;
+    } else if (pilot->age >= NEUTRAL_TICKS && pilot->state == STATE_ARMED) {
+        pilot->state = STATE_HOLDING;
+    }
+}
+
+struct sticks pilot_sticks(const struct pilot *pilot)
+{
+    struct sticks sticks = {0};
+    if (pilot->state == STATE_ARMED)
+        sticks = pilot->heard;
+    else if (pilot->state == STATE_HOLDING)
+        sticks.throttle = pilot->heard.throttle;
+    return sticks;
+}

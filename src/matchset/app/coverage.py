@@ -1,0 +1,82 @@
+"""The picture of a calibration: where in the picture the board was, and what that is worth."""
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.text import draw_text, text_width
+from matchset.localization.board import View
+from matchset.localization.calibration_verdict import Verdict, covered
+
+Picture = npt.NDArray[np.uint8]
+
+_GREEN, _ORANGE, _RED = (90, 200, 60), (0, 160, 255), (70, 70, 240)
+_GRADES = {"good": _GREEN, "usable": _ORANGE, "poor": _RED}
+_WHITE, _PALE, _PAPER = (255, 255, 255), (170, 170, 170), (32, 32, 32)
+_LINE_PX, _LEAST_WIDTH_PX, _LONGEST_PX = 22, 900, 1280
+
+
+def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | None, refused: str = "") -> Picture:
+    """Draw where the board's corners were seen, over a pale picture, with the verdict below.
+
+    Parameters
+    ----------
+    picture : ndarray of shape (h, w, 3) or (h, w), uint8
+        One of the pictures.
+    views : list of View
+        Those that were used.
+    verdict : Verdict or None
+        What the calibration is worth; None if it was refused.
+    refused : str
+        Why, if it was.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 3), uint8
+        BGR.
+    """
+    height, width = picture.shape[:2]
+    scale = min(_LONGEST_PX / max(width, height), max(_LEAST_WIDTH_PX / width, 1.0))
+    size = round(width * scale), round(height * scale)
+    gray = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY))
+    back = cv2.cvtColor(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), cv2.COLOR_GRAY2BGR)
+    shade = cv2.resize(covered(views, width, height).astype(np.float32), size, interpolation=cv2.INTER_NEAREST)
+    drawn = 0.25 * back.astype(np.float32) + shade[..., None] * np.array((28.0, 60.0, 20.0))
+    image = np.ascontiguousarray(np.clip(drawn, 0, 255).astype(np.uint8))
+    for number, view in enumerate(views):
+        hue = np.array([[[180 * number // max(len(views), 1), 150, 255]]], np.uint8)
+        color = tuple(int(part) for part in cv2.cvtColor(hue, cv2.COLOR_HSV2BGR)[0, 0])
+        for x, y in (view.pixels + 0.5) * scale - 0.5:
+            cv2.circle(image, (round(x * 16), round(y * 16)), 40, color, cv2.FILLED, cv2.LINE_AA, 4)
+    return np.vstack((image, _words(size[0], len(views), verdict, refused)))
+
+
+def _words(width: int, views: int, verdict: Verdict | None, refused: str) -> Picture:
+    """Lines of text below the picture; the grade's color marks each."""
+    lines = [("", f"Corners of the board in {views} view{'s' * (views != 1)}; shaded: where it was", _WHITE)]
+    if verdict is None:
+        lines += [("refused", refused, _RED)]
+    else:
+        lines += [(finding.name, finding.words, _GRADES[finding.grade]) for finding in verdict.findings]
+    wrapped: list[tuple[str, str, tuple[int, int, int]]] = []
+    for name, words, color in lines:
+        for part in _wrap(words, width - 130):
+            wrapped.append((name, part, color))
+            name = ""
+    strip = np.full((_LINE_PX * len(wrapped) + 18, width, 3), _PAPER, np.uint8)
+    for row, (name, part, color) in enumerate(wrapped):
+        y = 9 + _LINE_PX * (row + 0.5)
+        draw_text(strip, name, (16, y), 14, color)
+        draw_text(strip, part, (112 if row else 16, y), 14, _PALE if row else _WHITE)
+    return strip
+
+
+def _wrap(words: str, width: int) -> list[str]:
+    lines = [""]
+    for word in words.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and text_width(longer) > width:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines

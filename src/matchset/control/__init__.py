@@ -1,0 +1,1 @@
+"""Control: what to do about it."""

@@ -1,0 +1,37 @@
+"""The sticks of one moment: what a pilot's thumbs would do."""
+
+import math
+
+import msgspec
+
+
+class Command(msgspec.Struct, frozen=True):
+    """Positions of the sticks; the vehicle's own electronics turn them into angles and thrust.
+
+    Attributes
+    ----------
+    roll : float
+        -1 ... 1, to the right. Commands an angle: full stick is the vehicle's largest tilt.
+    pitch : float
+        -1 ... 1, forward. Commands an angle, as roll.
+    yaw : float
+        -1 ... 1, clockwise seen from above. Commands a rate.
+    throttle : float
+        0 ... 1, collective thrust; 0 stops the motors.
+
+    Raises
+    ------
+    ValueError
+        If a position is not finite or out of its range: such a command cannot exist, so none can be sent.
+    """
+
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+    throttle: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, low in (("roll", -1.0), ("pitch", -1.0), ("yaw", -1.0), ("throttle", 0.0)):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and low <= value <= 1.0):
+                raise ValueError(f"{name} must be within {low:g} ... 1, got {value}")

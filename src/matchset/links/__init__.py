@@ -1,0 +1,1 @@
+"""Links: how the drone hears it."""

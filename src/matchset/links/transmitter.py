@@ -1,0 +1,216 @@
+"""The words that the transmitter's firmware knows, beyond the channels of CRSF.
+
+Types 0xE0 ... 0xE4 are ours; numbers of several bytes are big-endian, as everywhere in CRSF but the channels.
+
+==== =========== ================================================================================
+type direction   payload
+==== =========== ================================================================================
+E0   to the host protocol, version (2), state, flags, good frames (2), bad frames (2), lost bytes,
+                 age of the last good frame in ms (2), its channel 16 (2), throttle on the air,
+                 then throttle, pitch, yaw, roll of the last good frame
+E1   to the host result (stored, default, refused: flying, refused: values), configuration (14)
+E2   to it       none: asks for E1
+E3   to it       ``SET``, configuration (14): stores it, answers E1
+E4   to it       ``BIND``: 345 bind packets, refused while flying
+==== =========== ================================================================================
+
+The configuration is: layout (1), id (5), two bind channels, reversed axes, options, three trims, tail; see `Config`.
+"""
+
+import struct
+from typing import Literal, get_args
+
+import msgspec
+
+from matchset.image.device import LinkError
+from matchset.links import crsf
+from matchset.links.link import State
+
+PROTOCOL = 1
+STATUS, CONFIG, READ_CONFIG, WRITE_CONFIG, BIND = 0xE0, 0xE1, 0xE2, 0xE3, 0xE4
+BIND_DURATION = 1.38  # s, 345 packets
+BAND_END_MHZ = 83  # above 2400
+
+_STATUS = struct.Struct(">BBBBBHHBHHBBbbb")
+_STATES: tuple[State, ...] = get_args(State)
+_WARNINGS = {
+    1: "the radio chip does not answer: look at its wires and its supply",
+    2: "it was restarted by its watchdog",
+    4: "it was reset without loss of power",
+}
+_DEFAULT_CONFIG, _STORING, _MAY_ARM = 8, 16, 32
+
+Result = Literal["stored", "default", "refused: it is flying", "refused: a value is out of range"]
+_RESULTS: tuple[Result, ...] = get_args(Result)
+Axis = Literal["roll", "pitch", "yaw"]
+AXES: tuple[Axis, ...] = get_args(Axis)
+
+
+class Report(msgspec.Struct, frozen=True):
+    """A status frame, taken apart.
+
+    Attributes
+    ----------
+    version, state, warnings
+        As in `LinkStatus`.
+    default_config, storing, may_arm : bool
+        Nothing valid is stored; a configuration is being stored; arm high would arm now.
+    good, bad : int
+        Channel frames taken, and frames refused (wrong CRC, value out of range), modulo 65536.
+    lost_bytes : int
+        Bytes that the serial port lost, modulo 256.
+    age_ms : int
+        Age of the last good frame, 65535 at most.
+    echo : int
+        Channel 16 of the last good frame.
+    throttle_on_air : int
+        0 ... 255.
+    heard : tuple of four ints
+        Throttle 0 ... 255, pitch, yaw, roll -127 ... 127 of the last good frame.
+    """
+
+    version: str
+    state: State
+    warnings: tuple[str, ...]
+    default_config: bool
+    storing: bool
+    may_arm: bool
+    good: int
+    bad: int
+    lost_bytes: int
+    age_ms: int
+    echo: int
+    throttle_on_air: int
+    heard: tuple[int, int, int, int]
+
+    @classmethod
+    def decode(cls, payload: bytes) -> "Report":
+        """Read a payload of type E0.
+
+        Raises
+        ------
+        LinkError
+            If the firmware speaks another version of the protocol.
+        """
+        if payload[:1] != bytes([PROTOCOL]) or len(payload) != _STATUS.size:
+            raise LinkError(f"the firmware speaks protocol {payload[:1].hex()}, this program speaks {PROTOCOL:02x}")
+        _, major, minor, state, flags, good, bad, lost, age, echo, on_air, *heard = _STATUS.unpack(payload)
+        if state >= len(_STATES):
+            raise LinkError(f"the firmware is in an unknown state, {state}")
+        return cls(
+            version=f"{major}.{minor}",
+            state=_STATES[state],
+            warnings=tuple(words for bit, words in _WARNINGS.items() if flags & bit),
+            default_config=bool(flags & _DEFAULT_CONFIG),
+            storing=bool(flags & _STORING),
+            may_arm=bool(flags & _MAY_ARM),
+            good=good,
+            bad=bad,
+            lost_bytes=lost,
+            age_ms=age,
+            echo=echo,
+            throttle_on_air=on_air,
+            heard=(heard[0], heard[1], heard[2], heard[3]),
+        )
+
+
+class Config(msgspec.Struct, frozen=True):
+    """What differs between batches of the toy; the firmware keeps it in its EEPROM.
+
+    Attributes
+    ----------
+    id : bytes
+        Five bytes, the radio address in flight. The first one chooses the channels; the last is A2 for the X5C,
+        A1 for the X5SC and X5SW. Every transmitter in a room needs its own.
+    bind_channels : tuple of two ints
+        The fourth bind channel, MHz above 2400, on which handsets disagree; the two take turns.
+    reversed : tuple of str
+        Axes whose sign bit means positive instead of negative: what goes the wrong way belongs here.
+    bind_at_power_on : bool
+        Bind whenever power comes, as a handset does.
+    trim_follows_stick : bool
+        A quarter of each stick is added to its trim, which gives more range; replaces the trims below.
+    trims : tuple of three ints
+        Pitch, yaw, roll, -31 ... 31, for a vehicle that drifts.
+    tail : int
+        Byte 8 of a packet: 0; the X5SW was seen to send 1.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    id: bytes = bytes.fromhex("7a9b0800a2")
+    bind_channels: tuple[int, int] = (0x20, 0x09)
+    reversed: tuple[Axis, ...] = ()
+    bind_at_power_on: bool = True
+    trim_follows_stick: bool = False
+    trims: tuple[int, int, int] = (0, 0, 0)
+    tail: int = 0
+
+    def __post_init__(self) -> None:
+        if len(self.id) != 5:
+            raise ValueError(f"an id has five bytes, got {self.id.hex(' ')!r}")
+        if any(not 0 <= channel <= BAND_END_MHZ for channel in self.bind_channels) or len(self.bind_channels) != 2:
+            raise ValueError(f"two bind channels of 0 ... {BAND_END_MHZ} are needed, got {self.bind_channels}")
+        if unknown := set(self.reversed) - set(AXES):
+            raise ValueError(f"axes are {', '.join(AXES)}, got {', '.join(sorted(unknown))}")
+        if any(not -31 <= trim <= 31 for trim in self.trims) or len(self.trims) != 3:
+            raise ValueError(f"three trims of -31 ... 31 are needed, got {self.trims}")
+        if not 0 <= self.tail <= 255:
+            raise ValueError(f"the tail is a byte, got {self.tail}")
+
+    def encode(self) -> bytes:
+        """Return the 14 bytes that the firmware stores."""
+        axes = sum(1 << AXES.index(axis) for axis in set(self.reversed))
+        options = self.bind_at_power_on | self.trim_follows_stick << 1
+        trims = bytes(abs(trim) | (0x20 if trim < 0 else 0) for trim in self.trims)
+        return bytes([1]) + self.id + bytes([*self.bind_channels, axes, options]) + trims + bytes([self.tail])
+
+    @classmethod
+    def decode(cls, data: bytes) -> "Config":
+        """Read the 14 bytes back.
+
+        Raises
+        ------
+        LinkError
+            If their layout is another one, or a value is out of range.
+        """
+        if len(data) != 14 or data[0] != 1:
+            raise LinkError(f"the firmware's configuration has an unknown layout: {data.hex(' ')}")
+        pitch, yaw, roll = ((byte & 0x1F) * (-1 if byte & 0x20 else 1) for byte in data[10:13])
+        try:
+            return cls(
+                id=data[1:6],
+                bind_channels=(data[6], data[7]),
+                reversed=tuple(axis for bit, axis in enumerate(AXES) if data[8] >> bit & 1),
+                bind_at_power_on=bool(data[9] & 1),
+                trim_follows_stick=bool(data[9] & 2),
+                trims=(pitch, yaw, roll),
+                tail=data[13],
+            )
+        except ValueError as error:
+            raise LinkError(f"the firmware's configuration makes no sense: {error}") from error
+
+
+def decode_config(payload: bytes) -> tuple[Result, Config]:
+    """Read a payload of type E1: what became of the request, and the configuration in force."""
+    if not payload or payload[0] >= len(_RESULTS):
+        raise LinkError(f"the firmware answers with an unknown result: {payload.hex(' ')}")
+    return _RESULTS[payload[0]], Config.decode(payload[1:])
+
+
+def read_config_frame() -> bytes:
+    """Return the frame that asks for the configuration."""
+    return crsf.frame(READ_CONFIG)
+
+
+def write_config_frame(config: Config) -> bytes:
+    """Return the frame that stores a configuration."""
+    return crsf.frame(WRITE_CONFIG, b"SET" + config.encode())
+
+
+def bind_frame() -> bytes:
+    """Return the frame that starts binding."""
+    return crsf.frame(BIND, b"BIND")

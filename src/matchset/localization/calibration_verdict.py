@@ -1,0 +1,176 @@
+"""What a calibration is worth, in words."""
+
+from typing import Literal
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.localization.board import View
+from matchset.localization.calibrate import Calibration
+from matchset.localization.lens import INTRINSICS
+
+Grade = Literal["good", "usable", "poor"]
+
+_RANKS: dict[Grade, int] = {"good": 0, "usable": 1, "poor": 2}
+_CELLS = 24, 18  # of the grid on which coverage is counted
+_CORNER = 0.2  # of the width and height: what counts as a corner of the picture
+_CORNERS = "upper left", "upper right", "lower left", "lower right"
+
+
+class Finding(msgspec.Struct, frozen=True):
+    """One thing that was looked at.
+
+    Parameters
+    ----------
+    name : str
+        What.
+    grade : str
+        "good", "usable" or "poor".
+    words : str
+        The figure, and what to do about it if it is not good.
+    """
+
+    name: str
+    grade: Grade
+    words: str
+
+
+class Verdict(msgspec.Struct, frozen=True):
+    """What a calibration is worth.
+
+    Parameters
+    ----------
+    grade : str
+        "good", "usable" or "poor": the worst of the findings.
+    findings : list of Finding
+        Error, views, coverage, tilt, focal length.
+    """
+
+    grade: Grade
+    findings: list[Finding]
+
+
+def judge_calibration(calibration: Calibration) -> Verdict:
+    """Say what a calibration is worth.
+
+    Parameters
+    ----------
+    calibration : Calibration
+
+    Returns
+    -------
+    Verdict
+    """
+    findings = [
+        _error(calibration),
+        _views(calibration),
+        _coverage(calibration),
+        _tilt(calibration),
+        _focal(calibration),
+    ]
+    return Verdict(max((finding.grade for finding in findings), key=_RANKS.__getitem__), findings)
+
+
+def covered(views: list[View], width: int, height: int) -> npt.NDArray[np.bool_]:
+    """Where in the picture the board was.
+
+    Parameters
+    ----------
+    views : list of View
+    width, height : int
+        Size of the picture, px.
+
+    Returns
+    -------
+    ndarray of shape (18, 24), bool
+        Cells of the picture that lay within the board's corners in some view.
+    """
+    cells = np.zeros(_CELLS[::-1], np.uint8)
+    scale = np.array(_CELLS) / (width, height)
+    for view in views:
+        hull = cv2.convexHull((((view.pixels + 0.5) * scale - 0.5) * 16.0).round().astype(np.int32))
+        cv2.fillConvexPoly(cells, hull, 1, cv2.LINE_8, 4)
+    return cells.astype(np.bool_)
+
+
+def unseen_corners(views: list[View], width: int, height: int) -> list[str]:
+    """Name the corners of the picture in which no corner of the board was seen.
+
+    Parameters
+    ----------
+    views : list of View
+    width, height : int
+        Size of the picture, px.
+
+    Returns
+    -------
+    list of str
+        Of "upper left", "upper right", "lower left", "lower right".
+    """
+    pixels = np.concatenate([view.pixels for view in views]) if views else np.empty((0, 2))
+    left, right = pixels[:, 0] < _CORNER * width, pixels[:, 0] > (1.0 - _CORNER) * width
+    upper, lower = pixels[:, 1] < _CORNER * height, pixels[:, 1] > (1.0 - _CORNER) * height
+    seen = (upper & left).any(), (upper & right).any(), (lower & left).any(), (lower & right).any()
+    return [name for name, there in zip(_CORNERS, seen, strict=True) if not there]
+
+
+def _graded(value: float, good: float, usable: float) -> Grade:
+    """Grade what should be small; of what should be large, hand in negative numbers."""
+    return "good" if value <= good else "usable" if value <= usable else "poor"
+
+
+def _with_advice(grade: Grade, figure: str, advice: str) -> str:
+    return figure if grade == "good" else f"{figure}: {advice}"
+
+
+def _error(calibration: Calibration) -> Finding:
+    grade = _graded(calibration.error, 0.4, 1.0)
+    advice = "hold the board still and keep it flat; more light, shorter exposure"
+    return Finding("error", grade, _with_advice(grade, f"corners are {calibration.error:.2f} px off (rms)", advice))
+
+
+def _views(calibration: Calibration) -> Finding:
+    count = len(calibration.views)
+    grade = _graded(-count, -12, -6)
+    figure = f"{count} different views"
+    if calibration.left_out:
+        figure += f", {len(calibration.left_out)} left out that did not fit"
+    return Finding("views", grade, _with_advice(grade, figure, "12 are better"))
+
+
+def _coverage(calibration: Calibration) -> Finding:
+    size = calibration.camera.width, calibration.camera.height
+    share = float(covered(calibration.views, *size).mean())
+    unseen = unseen_corners(calibration.views, *size)
+    grade = max(_graded(-share, -0.6, -0.35), _graded(len(unseen), 0, 2), key=_RANKS.__getitem__)
+    figure = f"{100.0 * share:.0f} % of the picture, {4 - len(unseen)} of its 4 corners"
+    where = f"hold the board at the {', '.join(unseen)}" if unseen else "hold it nearer to the edges of the picture"
+    return Finding("coverage", grade, _with_advice(grade, figure, where + "; there the lens is extrapolated"))
+
+
+def _tilt(calibration: Calibration) -> Finding:
+    normals = calibration.normals
+    sideways = float(np.rad2deg(np.ptp(np.arctan2(normals[:, 0], normals[:, 2]))))
+    upward = float(np.rad2deg(np.ptp(np.arctan2(normals[:, 1], normals[:, 2]))))
+    grade = _graded(-min(sideways, upward), -40.0, -20.0)
+    figure = f"turned by {sideways:.0f} degrees left to right, {upward:.0f} up and down"
+    return Finding("tilt", grade, _with_advice(grade, figure, "40 in both are better"))
+
+
+def _focal(calibration: Calibration) -> Finding:
+    camera = calibration.camera
+    spread = np.zeros(9) if camera.covariance is None else np.sqrt(np.diag(camera.covariance))
+    share = float(max(spread[0] / camera.fx, spread[1] / camera.fy))
+    grade = _graded(share, 0.003, 0.01)
+    numbers = zip(INTRINSICS, camera.intrinsics, spread, strict=True)
+    figure = ", ".join(f"{name} {value:.{_digits(step)}f} ± {step:.{_digits(step)}f}" for name, value, step in numbers)
+    return Finding(
+        "numbers", grade, _with_advice(grade, figure, f"focal length to {100.0 * share:.1f} % only, tilt more")
+    )
+
+
+def _digits(spread: float) -> int:
+    """Decimals that a standard deviation warrants: two of its own digits."""
+    return 2 if spread <= 0.0 else int(min(max(1 - np.floor(np.log10(spread)), 0), 6))

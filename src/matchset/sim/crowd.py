@@ -1,0 +1,69 @@
+"""Several balloons before one camera: `Crowd`, an iterable of frames whose truth is in meters."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.frame import Frame
+from matchset.localization.camera_model import CameraModel
+from matchset.sim.balloon import Balloon
+from matchset.sim.pal import PRESETS, degrade
+from matchset.sim.renderer import Picture, draw_balloon
+from matchset.sim.scene import Scene, viewpoint
+from matchset.sim.shutter import fields
+
+Path = Callable[[float], Sequence[float] | None]
+Array = npt.NDArray[np.float64]
+
+
+class Crowd(msgspec.Struct, frozen=True, kw_only=True):
+    """Balloons on paths before a camera at rest, the nearer before the farther: `for frame in Crowd(...)`.
+
+    Parameters
+    ----------
+    camera : CameraModel
+        What films them, a pinhole.
+    paths : sequence of callables
+        From a time, s, to the center of each balloon in the camera frame, m, or None while it is away.
+    marked : sequence of bool, optional
+        Which of them carry a marker that looks at the camera; all do by default.
+    frames : int
+        Length.
+    fps : float
+        Frames per second.
+    seed : int
+        Decides the room and the noise.
+    preset : str
+        "clean", "typical" or "bad".
+    """
+
+    camera: CameraModel
+    paths: Sequence[Path]
+    marked: Sequence[bool] = ()
+    frames: int = 100
+    fps: float = 30.0
+    seed: int = 0
+    preset: str = "typical"
+
+    def __iter__(self) -> Iterator[Frame]:
+        link = PRESETS[self.preset]
+        background = Scene.room(self.seed).render(self.camera, *viewpoint(self.seed))
+        for index in range(self.frames):
+            parts = [self._draw(background, time / self.fps) for _, time in fields(index, link.interlaced)]
+            for field in range(1, len(parts)):
+                parts[0][field :: len(parts)] = parts[field][field :: len(parts)]
+            yield Frame(degrade(parts[0], link, 1_000_003 * self.seed + index), index / self.fps, index)
+
+    def _draw(self, background: Picture, time: float) -> Picture:
+        """Draw everyone who is there at a time, the farthest first."""
+        picture = background.copy()
+        marked = self.marked or [True] * len(self.paths)
+        places = [(path(time), has) for path, has in zip(self.paths, marked, strict=True)]
+        there = [(np.array(place, np.float64), has) for place, has in places if place is not None]
+        for place, has in sorted(there, key=lambda each: -float(each[0][2])):
+            x, y, z = (-place / np.linalg.norm(place)).tolist()
+            balloon = Balloon(marker=(x, y, z), marker_radius=0.03 if has else 0.0)
+            draw_balloon(picture, self.camera, balloon, place[np.newaxis])
+        return picture

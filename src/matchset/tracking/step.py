@@ -1,0 +1,123 @@
+"""The compiled step of a tracker, made for each family of shapes.
+
+A frame in which all goes well takes one compiled call: predict, trace the outline, match, fit, judge,
+correct. Where anything is in doubt it hands over what it has, and Python goes on with the same pieces.
+"""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.shapes.jit import inlined, kernel
+from matchset.tracking import motion
+from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, SURPRISE, TIME, Views, views
+from matchset.tracking.parameters import LEAST_REACH, MOST_REACH, TRUST
+from matchset.tracking.settle import make_settle
+from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doubtful, is_near, missing, take_in
+
+Floats = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+Scores = npt.NDArray[np.int8]
+Ints = npt.NDArray[np.int64]
+Singles = npt.NDArray[np.float32]
+Answer = tuple[float, Floats, Floats]
+
+# what a step does: follow into a frame; fit near a state; the same with the priors of the motion; take in what was
+# fitted; tell it
+WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL = range(5)
+
+
+@functools.cache
+def make_step(trace: Callable[..., Any], half_width: Callable[..., Any], p: int) -> Callable[..., tuple[int, Answer]]:
+    """Make the step of a family.
+
+    Parameters
+    ----------
+    trace, half_width : callable
+        Compiled, see `Shape`.
+    p : int
+        How many of its state's numbers are its parameters.
+
+    Returns
+    -------
+    callable
+        ``step(image, table, runs, pixels, sums, *own, way, time, passed)``, with ``own`` the block and the tables of a
+        `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, the answer.
+    """
+    follow = _make_follow(make_settle(trace, half_width, p), half_width)
+
+    @kernel
+    def step(
+        image: Bytes,
+        table: Scores,
+        runs: Ints,
+        pixels: Bytes,
+        sums: Singles,
+        block: Floats,
+        outline: Floats,
+        edges: Floats,
+        starts: Floats,
+        found: Floats,
+        rays: Floats,
+        covariance: Floats,
+        way: int,
+        time: float,
+        passed: float,
+    ) -> tuple[int, Answer]:
+        parts = views(block, outline, edges, starts, found, rays, covariance)
+        verdict = SURE
+        if way <= HELD:
+            verdict = follow(image, table, parts, runs, pixels, sums, way, time, passed)
+        if verdict != SURE or way in (FREE, HELD):
+            return verdict, (0.0, np.empty((0, 2)), np.empty((0, 0)))
+        if way != TELL:
+            take_in(parts, time)
+        return verdict, answer(parts)
+
+    return step
+
+
+def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) -> Callable[..., int]:
+    """Compile one look at a frame, for a family of shapes."""
+
+    @inlined
+    def follow(
+        image: Bytes,
+        table: Scores,
+        parts: Views,
+        runs: Ints,
+        pixels: Bytes,
+        sums: Singles,
+        way: int,
+        time: float,
+        passed: float,
+    ) -> int:
+        n, clock, limits, ask = runs.shape[0], parts.clock, parts.track, parts.look
+        spread = parts.free if way == FREE else parts.room
+        if way == FOLLOW:
+            if clock[TIME] == -math.inf:
+                clock[TIME] = time - passed
+            missed = max((time - clock[TIME]) / passed, 1.0)
+            motion.predict(parts, time, missed, limits[TRUST])
+            surprise = clock[SURPRISE] * missed
+            ask[REACH] = min(limits[LEAST_REACH] + 2.0 * surprise, limits[MOST_REACH])
+            ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, 1.0), 0.0
+            for k in range(parts.state.shape[0]):  # a loop compiles in a tenth of the time of `[:] =`
+                parts.state[k] = parts.expected[k]
+        if not settle(image, table, parts, runs, pixels, sums, spread):
+            return missing(parts.fit[SEEN], n)
+        if way != FOLLOW:
+            return SURE
+        verdict = following(parts.fit, parts.judge, n)
+        if verdict == SURE:
+            size = parts.fit[SIZE]
+            near = is_near(parts.state, size, parts.expected, half_width(parts.expected), clock[SURPRISE])
+            if is_doubtful(parts.fit, n) or not near:
+                verdict = DOUBTFUL
+        return verdict
+
+    return follow

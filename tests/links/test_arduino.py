@@ -1,0 +1,233 @@
+import random
+
+import pytest
+from fakes import Clock, FakePort
+from hypothesis import given
+from hypothesis import strategies as st
+
+from matchset.control.command import Command
+from matchset.image.device import LinkError
+from matchset.links import channels, crsf
+from matchset.links.arduino import ArduinoLink
+from matchset.links.connect import connect
+from matchset.links.link import Link
+from matchset.links.transmitter import Config
+
+FLIGHT = Command(throttle=0.5, roll=0.25, pitch=-0.25, yaw=1.0)
+
+
+def link_to(port: FakePort) -> ArduinoLink:
+    port.clock.sleep(0.2)  # the first status has been said
+    return ArduinoLink("serial:///fake", port, clock=port.clock, sleep=port.clock.sleep)
+
+
+@pytest.fixture
+def port() -> FakePort:
+    return FakePort()
+
+
+@pytest.fixture
+def link(port: FakePort) -> ArduinoLink:
+    return link_to(port)
+
+
+def fly(link: ArduinoLink, port: FakePort, seconds: float, command: Command = FLIGHT) -> Command:
+    sent = Command()
+    for _ in range(round(30 * seconds)):
+        sent = link.send(command)
+        port.clock.sleep(1 / 30)
+    return sent
+
+
+def test_it_keeps_the_contract(link: ArduinoLink) -> None:
+    kept: Link = link
+    assert kept.uri == "serial:///fake"
+    assert kept.status().version == "1.0"
+
+
+def test_without_arming_only_zero_is_sent(link: ArduinoLink, port: FakePort) -> None:
+    assert fly(link, port, 1.0) == Command()
+    assert {(values[2], values[4]) for values in port.heard} == {(crsf.CHANNEL_LOW, crsf.CHANNEL_LOW)}
+    assert link.status().state == "locked"
+
+
+def test_armed_it_sends_what_it_says(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    assert port.throttle == 0
+    sent = fly(link, port, 1.0)
+    assert sent == channels.on_air(FLIGHT)
+    assert sent.throttle == pytest.approx(0.5, abs=1 / 255)
+    assert port.throttle == 128
+    assert link.status().state == "armed"
+    assert link.status().age <= 0.034
+    assert link.wire.answered >= link.wire.sent - 1
+
+
+@given(st.builds(Command, *[st.floats(-1, 1)] * 3, st.floats(0, 1)))
+def test_what_goes_on_the_air_is_the_command_rounded(command: Command) -> None:
+    sent = channels.on_air(command)
+    for axis in ("roll", "pitch", "yaw"):
+        assert getattr(sent, axis) == pytest.approx(getattr(command, axis), abs=1 / 127)
+    assert sent.throttle == pytest.approx(command.throttle, abs=1 / 255)
+
+
+def test_leaving_the_block_lands(port: FakePort) -> None:
+    with link_to(port) as link:
+        link.arm()
+        fly(link, port, 0.5)
+        begin = port.clock()
+    throttles = [values[2] for values in port.heard[-40:]]
+    assert throttles == sorted(throttles, reverse=True)
+    assert 1.4 < port.clock() - begin < 1.8
+    assert (port.state, port.throttle, port.closed) == ("locked", 0, True)
+
+
+def test_an_error_in_the_block_lands_too_even_another_device_s(port: FakePort) -> None:
+    def flight() -> None:
+        with link_to(port) as link:
+            link.arm()
+            fly(link, port, 0.5)
+            raise LinkError("the camera has gone")
+
+    with pytest.raises(LinkError, match="camera"):
+        flight()
+    assert (port.state, port.throttle, port.closed) == ("locked", 0, True)
+
+
+def test_landing_in_no_time_cuts(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    fly(link, port, 0.5)
+    link.land(0)
+    assert port.heard[-1][4] == crsf.CHANNEL_LOW
+    assert (port.state, port.throttle) == ("locked", 0)
+
+
+def test_closing_twice_is_once(link: ArduinoLink, port: FakePort) -> None:
+    link.close()
+    count = len(port.heard)
+    link.close()
+    assert len(port.heard) == count
+
+
+def test_unplugged_in_flight_is_noticed_at_the_next_call(port: FakePort) -> None:
+    def flight() -> None:
+        with link_to(port) as link:
+            link.arm()
+            fly(link, port, 0.5)
+            port.unplugged = True
+            link.send(FLIGHT)
+
+    with pytest.raises(LinkError, match="unplugged"):
+        flight()
+    assert port.closed
+    port.clock.sleep(0.25)
+    port.unplugged = False
+    assert (port.throttle, port.state) == (0, "failsafe")
+
+
+def test_unplugged_is_noticed_by_status_alone(link: ArduinoLink, port: FakePort) -> None:
+    port.unplugged = True
+    with pytest.raises(LinkError, match="unplugged"):
+        link.status()
+
+
+def test_silence_is_noticed(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    port.mute = True
+    with pytest.raises(LinkError, match=r"silent for 0\.5 s"):
+        fly(link, port, 1.0)
+    link.close()
+    assert port.heard[-1][4] == crsf.CHANNEL_LOW  # in case it still hears us
+
+
+def test_after_the_failsafe_the_link_is_disarmed(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    fly(link, port, 0.5)
+    port.clock.sleep(0.3)
+    assert link.status().state == "failsafe"
+    assert fly(link, port, 0.2) == Command()
+    assert link.status().state == "locked"
+    assert fly(link, port, 0.2) == Command()
+    link.arm()
+    assert fly(link, port, 0.2).throttle > 0
+
+
+@pytest.mark.parametrize("state", ["locked", "binding", "failsafe"])
+def test_a_board_that_restarts_in_flight_disarms_the_link(link: ArduinoLink, port: FakePort, state: str) -> None:
+    link.arm()
+    fly(link, port, 0.5)
+    port.state = state  # type: ignore[assignment]
+    fly(link, port, 0.1)
+    assert fly(link, port, 0.1) == Command()
+    assert port.throttle == 0
+
+
+def test_a_board_that_does_not_arm_is_an_error(link: ArduinoLink, port: FakePort) -> None:
+    port.stubborn = True
+    with pytest.raises(LinkError, match="it did not arm; it is locked"):
+        link.arm()
+    assert link.send(FLIGHT) == Command()
+
+
+def test_arming_waits_for_the_end_of_binding(link: ArduinoLink, port: FakePort) -> None:
+    link.bind()
+    port.clock.sleep(0.1)
+    assert link.status().state == "binding"
+    link.arm()
+    assert link.status().state == "armed"
+
+
+def test_nobody_there_is_an_error(port: FakePort) -> None:
+    port.mute = True
+    with pytest.raises(LinkError, match="nobody answers"):
+        link_to(port)
+    assert port.closed
+
+
+def test_the_configuration_is_read_and_written(link: ArduinoLink, port: FakePort) -> None:
+    assert link.read_config() == ("default", Config())
+    wish = Config(id=b"\1\2\3\4\5", trims=(1, -2, 3))
+    assert link.write_config(wish) == "stored"
+    assert link.read_config() == ("stored", wish)
+    link.arm()
+    assert link.write_config(Config()) == "refused: it is flying"
+    assert port.config == wish
+
+
+def test_warnings_are_words(port: FakePort) -> None:
+    port.warnings = 3
+    assert link_to(port).status().warnings == (
+        "the radio chip does not answer: look at its wires and its supply",
+        "it was restarted by its watchdog",
+    )
+
+
+def test_noise_between_frames_is_survived(link: ArduinoLink, port: FakePort) -> None:
+    chance = random.Random(7)
+    link.arm()
+    for _ in range(60):
+        link.send(FLIGHT)
+        port._out += bytes(chance.randrange(256) for _ in range(9)) + b"\xc8"
+        port.clock.sleep(1 / 30)
+    assert link.status().state == "armed"
+
+
+@pytest.mark.parametrize("uri", ["tello://", "/dev/ttyUSB0", ""])
+def test_an_unknown_scheme_is_refused(uri: str) -> None:
+    with pytest.raises(ValueError, match="serial:///dev/ttyUSB0"):
+        connect(uri)
+
+
+def test_a_port_that_does_not_exist_is_one_line() -> None:
+    with pytest.raises(LinkError, match="cannot open /dev/does-not-exist"):
+        connect("serial:///dev/does-not-exist")
+
+
+def test_without_pyserial_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "serial", None)
+    with pytest.raises(LinkError, match=r"matchset\[serial\]"):
+        connect("serial:///dev/ttyUSB0")
+
+
+def test_the_clock_of_the_fake_is_its_own() -> None:
+    assert Clock()() == 0.0

@@ -19,6 +19,9 @@ HERE = Path(__file__).resolve().parent
 # What is timed comes first, while the machine is cool and nothing else runs.
 NAMES = (
     "speed",
+    "contest_speed",
+    "contest_table1",
+    "contest_start",
     "startup",
     "memory",
     "accuracy",
@@ -26,6 +29,10 @@ NAMES = (
     "reacquisition",
     "false_locks",
     "real",
+    "contest_accuracy",
+    "contest_figure6",
+    "contest_tags",
+    "contest_real",
     "localization_speed",
     "localization_range",
     "localization_methods",

@@ -11,7 +11,16 @@ from pathlib import Path
 
 import msgspec
 
-LIBRARIES = ("matchset", "numpy", "scipy", "numba", "opencv-python-headless")
+LIBRARIES = (
+    "matchset",
+    "numpy",
+    "scipy",
+    "numba",
+    "opencv-python-headless",
+    "opencv-contrib-python-headless",
+    "scikit-image",
+    "pupil-apriltags",
+)
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -51,7 +60,7 @@ class Machine(msgspec.Struct, frozen=True):
             cores=os.cpu_count() or 1,
             system=f"{platform.system()} {platform.release()}",
             python=platform.python_version(),
-            libraries={name: importlib.metadata.version(name) for name in LIBRARIES},
+            libraries=_versions(),
             command=shlex.join(["python", "-m", "benchmarks", *sys.argv[1:]]),
         )
 
@@ -64,12 +73,23 @@ class Machine(msgspec.Struct, frozen=True):
         )
 
 
+def _versions() -> dict[str, str]:
+    """Versions of the libraries that are here."""
+    versions = {}
+    for name in LIBRARIES:
+        try:
+            versions[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return versions
+
+
 def _commit() -> str:
     head = _git("rev-parse", "--short", "HEAD")
     if not head:
         return "none"
     # The results themselves change with every run.
-    changed = _git("status", "--porcelain", "--", ".", ":!benchmarks/RESULTS.md", ":!benchmarks/pictures")
+    changed = _git("status", "--porcelain", "--", ".", ":!benchmarks/RESULTS.md", ":!benchmarks/pictures", ":!docs")
     return head + ("+" if changed else "")
 
 

@@ -1,12 +1,9 @@
 """Does memory stay flat: the size of a process over 100,000 frames."""
 
-import os
-import sys
-from pathlib import Path
-
 import matchset as ms
 from benchmarks.finding import Figure, Finding, Goal, Section
 from benchmarks.options import Options
+from benchmarks.peers.parts.size import resident_mb
 from benchmarks.sequences import sequence
 from benchmarks.trial import clicked
 from benchmarks.workers import spread
@@ -55,14 +52,3 @@ def sizes_mb(count: int) -> list[float]:
         if index % (count // SAMPLES) == 0:
             sizes.append(resident_mb())
     return sizes
-
-
-def resident_mb() -> float:
-    """Resident size of this process; outside Linux the largest so far."""
-    status = Path("/proc/self/statm")
-    if status.exists():
-        return int(status.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-    import resource
-
-    unit = 1 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6

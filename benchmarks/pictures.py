@@ -13,6 +13,7 @@ Floats = npt.NDArray[np.float64]
 
 INK, PALE, GRID, PINK = "#444444", "#bbbbbb", "#eeeeee", "#ff28be"
 COLORS = ("#0b7a75", "#2f6fde", "#e08a00", PINK)  # of the sequences, from easy to hard
+MANY = ("#b9b9b9", "#0b7a75", "#2f6fde", "#e08a00", PINK)  # the last is the one that matters
 SMALLEST_PX = 0.01
 
 
@@ -29,7 +30,7 @@ def errors_over_frames(errors: Mapping[str, Sequence[float]], radii: Sequence[fl
         A .png file.
     """
     figure, (above, below) = _figure(2, (9.0, 4.2), (4, 1))
-    for (name, values), color in zip(errors.items(), COLORS, strict=False):
+    for (name, values), color in zip(errors.items(), MANY if len(errors) > len(COLORS) else COLORS, strict=False):
         above.plot(np.clip(values, SMALLEST_PX, None), color=color, linewidth=1.0)
         mean = float(np.nanmean(values)) if np.isfinite(values).any() else np.nan
         above.plot([], [], color=color, linewidth=4.0, label=f"{name}, mean {mean:.2f} px")
@@ -58,7 +59,7 @@ def error_histogram(errors: Mapping[str, Sequence[float]], path: Path) -> None:
     """
     figure, (axes,) = _figure(1, (9.0, 3.2))
     bins = np.geomspace(SMALLEST_PX, 100.0, 81).tolist()
-    for (name, values), color in zip(errors.items(), COLORS, strict=False):
+    for (name, values), color in zip(errors.items(), MANY if len(errors) > len(COLORS) else COLORS, strict=False):
         answered = np.asarray(values, float)
         share = 100.0 / max(len(answered), 1)
         answered = np.clip(answered[np.isfinite(answered)], bins[0], bins[-1])
@@ -149,7 +150,7 @@ def _figure(rows: int, size: tuple[float, float], heights: tuple[int, ...] = (1,
 
 def _legend(axes: Axes) -> None:
     axes.legend(
-        ncols=4,
+        ncols=5,
         frameon=False,
         labelcolor=INK,
         fontsize=9,

@@ -101,7 +101,8 @@ def copy_kept(name: str, frames: Sequence[ms.Frame], offset: int) -> Contender:
     """Copy into a buffer that is kept."""
     buffer = np.empty_like(frames[0].image)
 
-    def call(frame: ms.Frame) -> None:
+    def call(frame: ms.Frame) -> Any:
         np.copyto(buffer, frame.image)
+        return buffer
 
     return Contender(name=name, frames=frames, begin=lambda: call, offset=offset)

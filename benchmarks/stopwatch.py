@@ -8,9 +8,10 @@ frames ago, by another contender, and no one finds in the cache what its neighbo
 still sees its frames in order and none left out.
 """
 
+import contextlib
 import gc
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -35,12 +36,15 @@ class Contender(msgspec.Struct, frozen=True, kw_only=True):
         Called, untimed, at the beginning of the pool: what is timed, a function of a frame.
     offset : int
         Where in the pool it begins the first time; a tracker must begin at 0.
+    idle : callable, optional
+        Time so far that does not count, ns: what a program beside this one loses on the way to it and back.
     """
 
     name: str
     frames: Sequence[ms.Frame]
     begin: Callable[[], Callable[[ms.Frame], Any]]
     offset: int = 0
+    idle: Callable[[], int] = int  # int() is 0
 
 
 class Times(msgspec.Struct, frozen=True):
@@ -53,7 +57,7 @@ class Times(msgspec.Struct, frozen=True):
     places : ndarray of int64
         Which frame of the pool each call was for.
     misses : int
-        Calls that returned `Lost` or an empty list.
+        Calls that returned `Lost`, None or an empty list.
     """
 
     ns: npt.NDArray[np.int64]
@@ -92,14 +96,16 @@ class _Runner:
         self.misses = 0
 
     def step(self, counts: bool) -> None:
-        frame = self.contender.frames[self.place]
+        frame, idle = self.contender.frames[self.place], self.contender.idle
+        idle_before = idle()
         begin = time.perf_counter_ns()
         result = self.call(frame)
         took = time.perf_counter_ns() - begin
+        took -= idle() - idle_before
         if counts:
             self.ns.append(took)
             self.places.append(self.place)
-            self.misses += isinstance(result, ms.Lost) or (isinstance(result, list) and not result)
+            self.misses += result is None or isinstance(result, ms.Lost) or (isinstance(result, list) and not result)
         self.place += 1
         if self.place == len(self.contender.frames):
             self.place, self.call = 0, self.contender.begin()
@@ -120,15 +126,56 @@ def race(contenders: Sequence[Contender], steps: int) -> dict[str, Times]:
         By the contender's name.
     """
     runners = [_Runner(contender) for contender in contenders]
-    collects = gc.isenabled()
-    gc.collect()
-    gc.disable()
-    try:
+    with _garbage_collector_at_rest():
         for step in range(-WARM_UP, steps):
             first = step % len(runners)
             for runner in runners[first:] + runners[:first]:
                 runner.step(step >= 0)
+    return {r.contender.name: Times(np.array(r.ns), np.array(r.places), r.misses) for r in runners}
+
+
+def duel(contenders: Sequence[Contender], laps: int, warm_up: int = 10) -> dict[str, Times]:
+    """Time contenders on the same frame, one after the other, in an order that is drawn anew for each frame.
+
+    Whoever comes first brings the frame into the cache for the others, and everybody finds his own code and data
+    displaced by the others; the drawing of lots makes that alike for all.
+
+    Parameters
+    ----------
+    contenders : sequence of Contender
+        Their pools are of equal length.
+    laps : int
+        How often everybody goes through his pool.
+    warm_up : int
+        Frames before that, which do not count.
+
+    Returns
+    -------
+    dict of str to Times
+        By the contender's name.
+    """
+    count = len(contenders[0].frames)
+    if any(len(each.frames) != count for each in contenders):
+        raise ValueError(f"pools must be of equal length, got {[len(each.frames) for each in contenders]}")
+    rng = np.random.default_rng(0)
+    for each in [_Runner(contender) for contender in contenders]:
+        for _ in range(min(warm_up, count - 1)):
+            each.step(counts=False)
+    runners = [_Runner(contender) for contender in contenders]
+    with _garbage_collector_at_rest():
+        for _ in range(laps * count):
+            for turn in rng.permutation(len(runners)):
+                runners[turn].step(counts=True)
+    return {r.contender.name: Times(np.array(r.ns), np.array(r.places), r.misses) for r in runners}
+
+
+@contextlib.contextmanager
+def _garbage_collector_at_rest() -> Iterator[None]:
+    collects = gc.isenabled()
+    gc.collect()
+    gc.disable()
+    try:
+        yield
     finally:
         if collects:
             gc.enable()
-    return {r.contender.name: Times(np.array(r.ns), np.array(r.places), r.misses) for r in runners}

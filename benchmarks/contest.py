@@ -1,0 +1,158 @@
+"""Everybody on the same frames: `compete` follows one sequence with every peer, frame by frame."""
+
+import functools
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import msgspec
+
+import matchset as ms
+from benchmarks.field import PEERS, Peer, peer, present
+from benchmarks.options import Options
+from benchmarks.peers.parts import card
+from benchmarks.peers.parts.start import Circle3, Start, Step
+from benchmarks.sequences import WHAT, sequence
+from benchmarks.tags import TagClip
+from benchmarks.trial import Trial, as_truth
+from benchmarks.workers import spread
+from matchset.app.truth import Truth
+from matchset.sim.clip import Clip
+
+FRAMES, QUICK_FRAMES = 140, 80
+SEEDS, QUICK_SEEDS = 2, 1
+ELSEWHERE = 250  # seeds: the room where colors are learned for the sequence without a ball
+
+
+class Heat(msgspec.Struct, frozen=True):
+    """A sequence to be followed by several peers: its name, seed and length, and their keys."""
+
+    name: str
+    seed: int
+    frames: int
+    peers: tuple[str, ...]
+
+
+Results = dict[str, Trial]
+"""What each peer made of a sequence, by its key."""
+
+
+def results(options: Options) -> dict[str, list[Results]]:
+    """Let everybody follow every sequence, once for each seed; asked again, the same is returned.
+
+    Parameters
+    ----------
+    options : Options
+
+    Returns
+    -------
+    dict of str to list of dict of str to Trial
+        By sequence; for each seed by peer.
+    """
+    seeds = options.seeds[: QUICK_SEEDS if options.quick else SEEDS]
+    return _results(seeds, QUICK_FRAMES if options.quick else FRAMES, options.jobs)
+
+
+@functools.cache
+def _results(seeds: tuple[int, ...], frames: int, jobs: int) -> dict[str, list[Results]]:
+    keys = tuple(each.key for each in present(PEERS))
+    heats = [Heat(name, seed, frames, keys) for name in WHAT for seed in seeds]
+    done = spread(run_heat, heats, jobs)
+    return {name: [r for heat, r in zip(heats, done, strict=True) if heat.name == name] for name in WHAT}
+
+
+def run_heat(heat: Heat) -> Results:
+    """Follow the sequence of a heat with its peers."""
+    peers = [peer(key) for key in heat.peers]
+    clip = sequence(heat.name, heat.seed, heat.frames)
+    if clip.ball:
+        return compete(iter(clip), None, peers, heat.seed)
+    return compete(iter(clip), elsewhere(clip), [each for each in peers if each.detects], heat.seed)
+
+
+def elsewhere(clip: Clip) -> Start:
+    """First frame of another sequence with a ball: what a color is learned from when there is none here."""
+    other = sequence("typical", clip.seed + ELSEWHERE, 1)
+    return first_sight(*next(iter(other)), here=False)
+
+
+def first_sight(frame: ms.Frame, truth: object, here: bool = True) -> Start:
+    """What everybody is told: the first frame and the circle in it."""
+    circle = getattr(truth, "circle", None)
+    if circle is None:
+        raise ValueError(f"frame {frame.index} shows no ball to begin with")
+    return Start(frame.image, (circle.x, circle.y, circle.radius), here)
+
+
+def compete(frames: Iterator[tuple[ms.Frame, object]], start: Start | None, peers: Iterable[Peer], seed: int) -> Results:
+    """Give every frame to every peer and note the answers.
+
+    Parameters
+    ----------
+    frames : iterator of (Frame, truth of the simulation)
+        In order.
+    start : Start or None
+        What everybody is told; None: the first frame, which then counts as answered by nobody's merit and is left
+        out.
+    peers : iterable of Peer
+    seed : int
+        Of the sequence.
+
+    Returns
+    -------
+    dict of str to Trial
+    """
+    if start is None:
+        start = first_sight(*next(frames))
+    steps: dict[str, Step] = {each.key: each.follow(start) for each in peers}
+    done = {key: Trial(seed, [], [], []) for key in steps}
+    for frame, seen in frames:
+        truth = as_truth(seen)  # type: ignore[arg-type]
+        for key, step in steps.items():
+            done[key].truths.append(truth)
+            done[key].answers.append(step(frame.image))
+    return done
+
+
+class Tagged(msgspec.Struct, frozen=True):
+    """A card to be followed by a tag system."""
+
+    peer: str
+    name: str
+    seed: int
+    frames: int
+
+
+def run_tags(heat: Tagged) -> Trial:
+    """Follow a card."""
+    cards = {"april_tag": card.APRIL, "aruco": card.ARUCO}
+    clip = TagClip(sequence(heat.name, heat.seed, heat.frames), cards[heat.peer])
+    return compete(iter(clip), None, [peer(heat.peer)], heat.seed)[heat.peer]
+
+
+def real_heat(folder: Path, truths: list[Truth], peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:
+    """Follow a real clip with every peer, from its first row with the ball well known.
+
+    Parameters
+    ----------
+    folder : Path
+        With `video.mp4`.
+    truths : list of Truth
+    peers : iterable of Peer
+
+    Returns
+    -------
+    dict of str to dict of int to (x, y, radius) or None
+        Answers by peer and frame.
+    """
+    first = next(truth for truth in truths if truth.tight)
+    assert first.circle is not None
+    steps: dict[str, Step] = {}
+    answers: dict[str, dict[int, Circle3 | None]] = {}
+    for frame in ms.Video(str(folder / "video.mp4")):
+        if frame.index == first.frame:
+            steps = {each.key: each.follow(Start(frame.image, first.circle)) for each in peers}
+            answers = {key: {} for key in steps}
+        elif frame.index > first.frame:
+            for key, step in steps.items():
+                answers[key][frame.index] = step(frame.image)
+    return answers

@@ -1,0 +1,24 @@
+"""OpenCV's CSRT tracker: a correlation filter with a spatial mask, the most careful of its box trackers."""
+
+import msgspec
+from cv2 import legacy  # type: ignore[attr-defined]
+
+from benchmarks.peers.parts.box import follow_box
+from benchmarks.peers.parts.start import Choices, Start, Step
+
+NAME = "CSRT"
+NEEDS = "circle"
+
+
+class Parameters(msgspec.Struct, frozen=True):
+    """Half the side of the box in the first frame, radii."""
+
+    half: float = 1.0
+
+
+CHOICES: Choices = {"half": (0.8, 1.0, 1.2, 1.5)}
+
+
+def follow(start: Start, parameters: Parameters) -> Step:
+    """Follow the square around the circle of the first frame; what is lost is not searched for."""
+    return follow_box(legacy.TrackerCSRT_create(), start, parameters.half)

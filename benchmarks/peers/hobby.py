@@ -1,0 +1,42 @@
+"""The recipe of most tutorials: blur, HSV, inRange, erode, dilate, smallest circle around the largest contour."""
+
+import cv2
+import msgspec
+
+from benchmarks.peers.parts.contour import enclosing
+from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
+from benchmarks.peers.parts.target_color import hsv_range
+
+NAME = "hobby recipe: blur, HSV, inRange, minEnclosingCircle"
+NEEDS = "color"
+
+
+class Parameters(msgspec.Struct, frozen=True):
+    """Kernel of the Gaussian blur, px; rounds of erosion and dilation; the color's range."""
+
+    blur: int = 11
+    rounds: int = 2
+    hue: int = 15
+    saturation: float = 0.5
+    value: float = 0.4
+
+
+CHOICES: Choices = {
+    "hue": (8, 12, 16, 22, 30, 45, 60),
+    "saturation": (0.15, 0.3, 0.45, 0.6, 0.75),
+    "value": (0.1, 0.2, 0.35, 0.5),
+    "blur": (3, 5, 7, 11),
+    "rounds": (0, 1, 2, 3),
+}
+
+
+def follow(start: Start, parameters: Parameters) -> Step:
+    """Detect in every frame anew."""
+    low, high = hsv_range(start, parameters.hue, parameters.saturation, parameters.value)
+    size, rounds = (parameters.blur, parameters.blur), parameters.rounds
+
+    def step(image: Image) -> Circle3 | None:
+        mask = cv2.inRange(cv2.cvtColor(cv2.GaussianBlur(image, size, 0), cv2.COLOR_BGR2HSV), low, high)
+        return enclosing(cv2.dilate(cv2.erode(mask, None, iterations=rounds), None, iterations=rounds))
+
+    return step

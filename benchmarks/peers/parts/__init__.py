@@ -1,0 +1,1 @@
+"""Pieces that several peers share; no peer itself."""

@@ -1,0 +1,32 @@
+"""What a peer is given in the first frame, and what it gives back."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+Image = npt.NDArray[np.uint8]
+Circle3 = tuple[float, float, float]
+Step = Callable[[Image], Circle3 | None]
+Choices = Mapping[str, Sequence[Any]]
+
+
+class Start(msgspec.Struct, frozen=True):
+    """The first frame, and all that anybody is ever told about the truth.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8
+        BGR.
+    circle : tuple of 3 floats
+        The true x, y and radius in it, px. Peers that need a color may look at the pixels of this disc; those that
+        need a circle may begin at it.
+    here : bool
+        False: the image shows another room than the frames that follow, so only colors can be learned from it.
+    """
+
+    image: Image
+    circle: Circle3
+    here: bool = True

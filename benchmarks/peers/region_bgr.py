@@ -1,0 +1,40 @@
+"""The strongest everyday rival: a region around the last circle, inRange on BGR as it comes, contour, moments."""
+
+import msgspec
+
+from benchmarks.peers.parts import contour
+from benchmarks.peers.parts.region import around_the_last
+from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
+from benchmarks.peers.parts.target_color import bgr_mask, bgr_range
+
+NAME = "region + BGR inRange, contour, moments"
+NEEDS = "circle"
+
+
+class Parameters(msgspec.Struct, frozen=True):
+    """The color's range, see `bgr_range`; side of the opening, px; half the region: reach * radius + margin, px."""
+
+    low: float = 0.6
+    slack: int = 60
+    opening: int = 0
+    reach: float = 1.45
+    margin: float = 12.0
+
+
+CHOICES: Choices = {
+    "low": (0.2, 0.3, 0.4, 0.5, 0.6, 0.7),
+    "slack": (20, 35, 50, 70, 100),
+    "opening": (0, 3),
+    "reach": (1.1, 1.25, 1.45),
+    "margin": (8.0, 12.0, 20.0),
+}
+
+
+def follow(start: Start, parameters: Parameters) -> Step:
+    """Look around the last circle; in the whole frame where nothing is there."""
+    bounds = bgr_range(start, parameters.low, parameters.slack)
+
+    def find(image: Image) -> Circle3 | None:
+        return contour.moments(bgr_mask(image, bounds, parameters.opening))
+
+    return around_the_last(find, start, parameters.reach, parameters.margin)

@@ -1,9 +1,11 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bench-radio toolchain wheel-check clean
+.PHONY: help demo test check bench bench-quick bench-search bench-radio toolchain wheel-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
+PEERS := .bench/ready
+VISP := .bench/visp
 TOOLCHAIN := .venv/toolchain
 CACHE := .numba_cache
 SOURCES := $(shell find src -name '*.py' 2>/dev/null)
@@ -28,8 +30,14 @@ check: $(READY) wheel-check  ## lint, format, types, and the wheel
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-bench: $(READY) $(CACHE)/fresh  ## measure speed and accuracy (some minutes)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
+bench: $(PEERS) $(VISP) $(CACHE)/fresh  ## the evidence: matchset and what people use, on the same frames (half an hour)
+	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
+
+bench-quick: $(PEERS) $(CACHE)/fresh  ## has a change made it slower or less exact? (two minutes)
+	$(ONE_THREAD) .bench/bin/python -m benchmarks.guard $(ARGS)
+
+bench-search: $(PEERS) $(VISP) $(CACHE)/fresh  ## search the peers' best parameters (an hour)
+	$(ONE_THREAD) .bench/bin/python -m benchmarks.search $(ARGS)
 
 bench-radio: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
@@ -42,11 +50,18 @@ wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels 
 	$(BIN)/python .ci/wheels.py
 
 clean:  ## remove everything that was made, the virtual environment included
-	rm -rf .venv $(CACHE) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
+	rm -rf .venv .bench $(CACHE) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(READY): pyproject.toml .ci/setup
 	.ci/setup
+
+$(PEERS): pyproject.toml .ci/setup-bench | $(READY)
+	.ci/setup-bench
+
+$(VISP): benchmarks/peers/parts/visp_driver.cpp .ci/setup-visp $(PEERS)
+	.ci/setup-visp
+	touch $@
 
 # Made only where everything is there; otherwise looked at again next time.
 $(TOOLCHAIN): $(READY) .ci/toolchain tests/emu/avr8js/package-lock.json

@@ -143,8 +143,8 @@ def again_table(results: Mapping[str, Sequence[Results]]) -> str:
     rows = []
     for key in results["return"][0]:
         cells = []
-        for name in ("return", "hidden"):
-            waits = [wait for run in results[name] for wait in waits_of(run[key])]
+        for name in GONE:
+            waits = [wait for run in results[name] for wait in waits_of(run[key], GONE[name])]
             found = [wait for wait in waits if wait is not None]
             mean = f"{np.mean(found):.1f}" if found else "-"
             cells.append(f"{mean} ({len(waits) - len(found)} of {len(waits)})")
@@ -152,13 +152,13 @@ def again_table(results: Mapping[str, Sequence[Results]]) -> str:
     return table(["", "is told", "`return`", "`hidden`"], rows)
 
 
-def waits_of(trial: Trial) -> list[int | None]:
+def waits_of(trial: Trial, gone: Sequence[tuple[int, int]]) -> list[int | None]:
     """Frames until a valid answer after each window in which the ball is gone; None: not before the next one.
 
     Counted are frames with the ball well visible; 1: the first of them.
     """
-    ends = [end for _, end in GONE if trial.truths and end <= trial.truths[-1].frame]
-    begins = [begin for begin, _ in GONE][1 : len(ends)] + [trial.truths[-1].frame + 1]
+    ends = [end for _, end in gone if trial.truths and end <= trial.truths[-1].frame]
+    begins = [begin for begin, _ in gone][1 : len(ends)] + [trial.truths[-1].frame + 1]
     waits: list[int | None] = []
     for end, until in zip(ends, begins, strict=True):
         seen = 0

@@ -18,15 +18,19 @@ def run(options: Options) -> Section:
     light, heavy = contest_times.everybody(options)
     by_radius = contest_times.against_radius(options)
     by_size = contest_times.against_size(options)
-    findings = [rival_finding(by_radius), gray_finding(heavy), fps_finding(light), paper_finding(heavy)]
+    rivals = contest_times.head_to_head(options)
+    findings = [rival_finding(rivals), gray_finding(heavy), fps_finding(light), paper_finding(heavy)]
     named = {f"r = {radius}": result for radius, result in by_radius.items()}
+    pairs = {f"r = {radius}": result for radius, result in rivals.items()}
     sizes = {f"{width} × {height}": result for (width, height), result in by_size.items()}
     text = "\n".join(
         [
             _method(),
             "\n**The light ones, `typical`, r 120-20**\n\n" + times_table(light),
             "\n**The heavy ones, the same frames (tag systems: their cards on the same path)**\n\n" + times_table(heavy),
-            "\n**Against the radius**, median (minimum), µs, `typical`\n\n" + scaling_table(named),
+            "\n**Head to head**: matchset, its strongest everyday rival and a conversion of the whole frame by turns, "
+            "nobody else; median (minimum), µs, `typical`\n\n" + scaling_table(pairs),
+            "\n**Against the radius**, all of these by turns; median (minimum), µs, `typical`\n\n" + scaling_table(named),
             f"\n**Against the size of the picture**, median (minimum), µs, `clean`, "
             f"r = {contest_times.RADIUS_PX:.0f} px in all of them\n\n" + scaling_table(sizes),
         ]

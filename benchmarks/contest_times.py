@@ -8,7 +8,7 @@ import msgspec
 
 import matchset as ms
 from benchmarks.contest import first_sight
-from benchmarks.field import HEAVY, LIGHT, OURS, TAGS, Peer, peer, present
+from benchmarks.field import HEAVY, LIGHT, OURS, RIVAL, TAGS, Peer, peer, present
 from benchmarks.options import Options
 from benchmarks.peers.parts import card
 from benchmarks.peers.parts.start import Start
@@ -77,6 +77,18 @@ def against_radius(options: Options) -> dict[int, Result]:
         fixed = (float(radius), float(radius))
         pool = Pool.render(sequence("typical", options.seeds[0], count + 1, radii=fixed))
         results[radius] = _scaled(pool, laps=3 if options.quick else 8)
+    return results
+
+
+def head_to_head(options: Options) -> dict[int, Result]:
+    """Time matchset, its strongest everyday rival and the conversion, nobody else, on balls of fixed radii."""
+    count = 20 if options.quick else 60
+    results = {}
+    for radius in RADII:
+        fixed = (float(radius), float(radius))
+        pool = Pool.render(sequence("typical", options.seeds[0] + 1, count + 1, radii=fixed))
+        both = contenders([peer(OURS), peer(RIVAL)], pool)
+        results[radius] = duel([*both, convert(CONVERSION, pool.frames, 0)], laps=5 if options.quick else 20)
     return results
 
 

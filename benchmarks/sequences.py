@@ -14,8 +14,8 @@ TRIALS = ("occlusion", "clutter", "light", "blur", "shrink", "fast", "return", "
 FRAMES = 300
 QUICK_FRAMES = 100
 FPS = 30
-GONE = ((30, 60), (90, 120))
-"""Windows of frames in which the ball of `return` is out of the picture, and that of `hidden` behind a board."""
+GONE = {"return": ((50, 80),), "hidden": ((30, 60), (90, 120))}
+"""Windows of frames in which the ball is out of the picture, or behind a board."""
 
 WHAT = {
     "clean": "sharp, little noise: the easy one",
@@ -28,7 +28,7 @@ WHAT = {
     "blur": "`typical`, shutter open for the whole of the field's time: motion blur",
     "shrink": "`typical`, r falls from 120 to 4 px",
     "fast": "`typical`, motion twice as fast: up to 20 px a frame in x and in y",
-    "return": "`typical`, leaves the picture twice and returns",
+    "return": "`typical`, leaves the picture and returns, up to 40 px a frame",
     "hidden": "`typical`, a board hides all of it twice, for a second each",
     "empty": "`typical` with clutter of the same color and no ball at all",
 }
@@ -39,8 +39,8 @@ CHANGES: dict[str, dict[str, Any]] = {
     "blur": {"exposure": 1.0},
     "shrink": {"shrink_to": 4.0},
     "fast": {"speed": 2.0},
-    "return": {"away": GONE},
-    "hidden": {"hidden": GONE},
+    "return": {"away": GONE["return"]},
+    "hidden": {"hidden": GONE["hidden"]},
     "empty": {"clutter": True, "ball": False},
 }
 

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 from typing import Annotated
 
+import msgspec
 import typer
 from rich.console import Console
 
@@ -60,6 +61,7 @@ def main(
     jobs: Annotated[int, typer.Option(help="Processes for what is not timed.")] = min(2, os.cpu_count() or 1),
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Page of results.")] = None,
     false_frames: Annotated[Path | None, typer.Option(help="Folder for frames with a false lock.")] = None,
+    keep: Annotated[Path | None, typer.Option(help="Folder for finished sections: what is there is not run.")] = None,
 ) -> None:
     """Measure matchset. A full run writes benchmarks/RESULTS.md; the last line is one JSON document."""
     names = chosen(only)
@@ -73,7 +75,7 @@ def main(
         pictures=target.parent / "pictures" if target else None,
         false_frames=false_frames,
     )
-    sections = measure(names, options)
+    sections = measure(names, options, keep)
     machine = Machine.here()
     show(sections, Console())
     if target is not None:
@@ -83,15 +85,34 @@ def main(
     typer.echo(json_line(sections, machine))
 
 
-def measure(names: list[str], options: Options) -> list[Section]:
-    """Run the benchmarks of these names, one after the other."""
+def measure(names: list[str], options: Options, keep: Path | None = None) -> list[Section]:
+    """Run the benchmarks of these names, one after the other.
+
+    Parameters
+    ----------
+    names : list of str
+    options : Options
+    keep : Path, optional
+        Folder for what is finished: an interrupted run goes on from there.
+
+    Returns
+    -------
+    list of Section
+    """
     one_thread()
     console = Console(stderr=True)
     sections = []
     for name in names:
         begin = time.perf_counter()
+        file = None if keep is None else keep / f"{name}.msgpack"
+        if file is not None and file.exists():
+            sections.append(msgspec.msgpack.decode(file.read_bytes(), type=Section))
+            continue
         with console.status(f"{name} ..."):
             sections.append(importlib.import_module(f"benchmarks.{name}").run(options))
+        if file is not None:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(msgspec.msgpack.encode(sections[-1]))
         console.print(f"{name}: {time.perf_counter() - begin:.0f} s", highlight=False)
     return sections
 

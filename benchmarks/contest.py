@@ -76,14 +76,16 @@ def elsewhere(clip: Clip) -> Start:
 
 
 def first_sight(frame: ms.Frame, truth: object, here: bool = True) -> Start:
-    """What everybody is told: the first frame and the circle in it."""
+    """Make what everybody is told: the first frame and the circle in it."""
     circle = getattr(truth, "circle", None)
     if circle is None:
         raise ValueError(f"frame {frame.index} shows no ball to begin with")
     return Start(frame.image, (circle.x, circle.y, circle.radius), here)
 
 
-def compete(frames: Iterator[tuple[ms.Frame, object]], start: Start | None, peers: Iterable[Peer], seed: int) -> Results:
+def compete(
+    frames: Iterator[tuple[ms.Frame, object]], start: Start | None, peers: Iterable[Peer], seed: int
+) -> Results:
     """Give every frame to every peer and note the answers.
 
     Parameters

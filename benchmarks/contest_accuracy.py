@@ -45,9 +45,7 @@ def run(options: Options) -> Section:
 
 def scored(results: Mapping[str, Sequence[Results]]) -> Scores:
     """Score each peer on each sequence, all seeds as one."""
-    return {
-        name: {key: pooled([run[key] for run in runs]) for key in runs[0]} for name, runs in results.items()
-    }
+    return {name: {key: pooled([run[key] for run in runs]) for key in runs[0]} for name, runs in results.items()}
 
 
 def first_finding(scores: Scores) -> Finding:
@@ -83,7 +81,7 @@ def valid_finding(scores: Scores) -> Finding:
         figures += [Figure(name, ours, "%", 2), Figure(f"best other, {name}", best, "%", 2)]
     return Finding(
         name="valid_in_the_hard_ones",
-        what="valid under occlusion, among clutter and in changing light; *lead*: over the best peer, least of the three",
+        what="valid under occlusion, among clutter, in changing light; *lead*: over the best peer, least of the three",
         figures=(Figure("lead", min(leads), "%", 2), *figures),
         bar=(Goal("lead", low=0.0),),
         prize=tuple(Goal(name, low=100.0) for name in HARD_ONES),
@@ -91,7 +89,7 @@ def valid_finding(scores: Scores) -> Finding:
 
 
 def paper_finding(scores: Scores) -> Finding:
-    """The paper's algorithm on the same frames: on how many sequences matchset is the more exact and holds longer."""
+    """Count the sequences on which matchset is more exact than the paper's algorithm, and no less valid."""
     names = [name for name, row in scores.items() if PAPER in row and row[PAPER].tight]
     ahead = [
         name
@@ -157,12 +155,13 @@ def waits_of(trial: Trial, gone: Sequence[tuple[int, int]]) -> list[int | None]:
 
     Counted are frames with the ball well visible; 1: the first of them.
     """
-    ends = [end for _, end in gone if trial.truths and end <= trial.truths[-1].frame]
-    begins = [begin for begin, _ in gone][1 : len(ends)] + [trial.truths[-1].frame + 1]
+    last = trial.truths[-1].frame
+    untils = [*(begin for begin, _ in gone[1:]), last + 1]
     waits: list[int | None] = []
-    for end, until in zip(ends, begins, strict=True):
-        seen = 0
-        found = None
+    for (_, end), until in zip(gone, untils, strict=True):
+        if end > last:
+            break
+        seen, found = 0, None
         for truth, answer in zip(trial.truths, trial.answers, strict=True):
             if not end <= truth.frame < until or not truth.tight or truth.circle is None:
                 continue

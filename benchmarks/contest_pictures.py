@@ -1,5 +1,6 @@
 """The pictures of the contest: lines of time, and accuracy against speed."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -75,7 +76,7 @@ def accuracy_over_speed(points: Mapping[str, tuple[float, float]], path: Path) -
     low, high = axes.get_xlim()
     axes.set_xlim(low, high * 12.0)
     axes.set_xlabel("median time per frame, µs")
-    axes.set_ylabel("mean of min(error, 20 px), px; not answered: 20")
+    axes.set_ylabel("mean of min(error, 5 px), px; not answered: 5")
     _calm(axes)
     _save(figure, path)
 
@@ -84,6 +85,6 @@ def _apart(places: Sequence[float], least: float) -> list[float]:
     """Move numbers apart so that none is nearer to another than some distance; their order stays."""
     order = np.argsort(places)
     moved = np.array(places, float)
-    for before, after in zip(order[:-1], order[1:], strict=True):
+    for before, after in itertools.pairwise(order):
         moved[after] = max(moved[after], moved[before] + least)
     return [float(value) for value in moved]

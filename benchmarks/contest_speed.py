@@ -27,10 +27,12 @@ def run(options: Options) -> Section:
         [
             _method(),
             "\n**The light ones, `typical`, r 120-20**\n\n" + times_table(light),
-            "\n**The heavy ones, the same frames (tag systems: their cards on the same path)**\n\n" + times_table(heavy),
+            "\n**The heavy ones, the same frames (tag systems: their cards on the same path)**\n\n"
+            + times_table(heavy),
             "\n**Head to head**: matchset, its strongest everyday rival and a conversion of the whole frame by turns, "
             "nobody else; median (minimum), µs, `typical`\n\n" + scaling_table(pairs),
-            "\n**Against the radius**, all of these by turns; median (minimum), µs, `typical`\n\n" + scaling_table(named),
+            "\n**Against the radius**, all of these by turns; median (minimum), µs, `typical`\n\n"
+            + scaling_table(named),
             f"\n**Against the size of the picture**, median (minimum), µs, `clean`, "
             f"r = {contest_times.RADIUS_PX:.0f} px in all of them\n\n" + scaling_table(sizes),
         ]
@@ -47,7 +49,7 @@ def ratio(theirs: Times, ours: Times) -> tuple[float, float]:
 
 
 def rival_finding(by_radius: Mapping[int, Result]) -> Finding:
-    """The strongest everyday rival against matchset at every radius; the least favorable counts."""
+    """Hold matchset against its strongest everyday rival at every radius; the least favorable one counts."""
     ratios = {radius: ratio(result[RIVAL], result[OURS]) for radius, result in by_radius.items()}
     return Finding(
         name="rival_speed",
@@ -63,7 +65,7 @@ def rival_finding(by_radius: Mapping[int, Result]) -> Finding:
 
 
 def gray_finding(heavy: Result) -> Finding:
-    """EdgeDrawing, Hough and AprilTag on the gray whole frame against matchset; the fastest of them counts."""
+    """Hold matchset against EdgeDrawing, Hough and AprilTag on the whole gray frame; the fastest of them counts."""
     ratios = {key: ratio(heavy[key], heavy[OURS]) for key in (*GRAY, "april_tag") if key in heavy}
     return Finding(
         name="gray_speed",
@@ -79,7 +81,7 @@ def gray_finding(heavy: Result) -> Finding:
 
 
 def fps_finding(light: Result) -> Finding:
-    """Frames per second on one core beside the paper's."""
+    """Set frames per second on one core beside the paper's."""
     ours = light[OURS]
     return Finding(
         name="fps",
@@ -93,7 +95,7 @@ def fps_finding(light: Result) -> Finding:
 
 
 def paper_finding(heavy: Result) -> Finding:
-    """The paper's algorithm, as printed and in NumPy, on the same frames."""
+    """Hold matchset against the paper's algorithm, as printed and in NumPy."""
     medians, minima = ratio(heavy[PAPER], heavy[OURS])
     return Finding(
         name="paper_speed",

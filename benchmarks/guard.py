@@ -130,7 +130,9 @@ def too_much(measured: dict[str, float], limits: dict[str, Limit]) -> list[str]:
         if name in measured and not measured[name] <= limit.most
     ]
     words += [f"{name}: has a limit but was not measured" for name in limits if name not in measured]
-    return words + [f"{name}: has no limit (python -m benchmarks.guard --store)" for name in measured if name not in limits]
+    return words + [
+        f"{name}: has no limit (python -m benchmarks.guard --store)" for name in measured if name not in limits
+    ]
 
 
 def show(console: Console, measured: dict[str, float], limits: dict[str, Limit]) -> None:

@@ -66,9 +66,7 @@ def _draw(picture: Picture, tag: Picture, circle: tuple[float, float, float], an
     to_fine = np.array([[c, -s, u - c * middle + s * middle], [s, c, v - s * middle - c * middle]])
     shape = (size * FINE, size * FINE)
     paint = cv2.resize(cv2.warpAffine(soft, to_fine, shape), (size, size), interpolation=cv2.INTER_AREA)
-    cover = cv2.resize(
-        cv2.warpAffine(np.ones_like(tag), to_fine, shape), (size, size), interpolation=cv2.INTER_AREA
-    )
+    cover = cv2.resize(cv2.warpAffine(np.ones_like(tag), to_fine, shape), (size, size), interpolation=cv2.INTER_AREA)
     height, width = picture.shape[:2]
     low, high = (max(top, 0), max(left, 0)), (min(top + size, height), min(left + size, width))
     inside = np.zeros((height, width), np.float32)

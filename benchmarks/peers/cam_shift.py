@@ -42,7 +42,7 @@ def follow(start: Start, parameters: Parameters) -> Step:
         nonlocal window
         hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
         likely = cv2.calcBackProject([hsv], [0], histogram, [0, 180], 1)
-        likely &= cv2.inRange(hsv, least, most)
+        likely = cv2.bitwise_and(likely, cv2.inRange(hsv, least, most))
         if window[2] < 1 or window[3] < 1:
             window = (0, 0, image.shape[1], image.shape[0])
         box, found = cv2.CamShift(likely, window, UNTIL)

@@ -2,6 +2,7 @@
 
 import cv2
 import msgspec
+import numpy as np
 
 from benchmarks.peers.parts.ellipses import edge_drawing
 from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
@@ -40,7 +41,8 @@ def follow(start: Start, parameters: Parameters) -> Step:
         gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
         if parameters.blur:
             gray = cv2.GaussianBlur(gray, (parameters.blur, parameters.blur), 0)
-        found = [c for c in detect(gray) if c[2] >= parameters.least_radius and looks_right(image, c, bounds)]
-        return max(found, key=lambda circle: circle[2], default=None)
+        large = [c for c in detect(np.asarray(gray, np.uint8)) if c[2] >= parameters.least_radius]
+        right = [c for c in large if looks_right(image, c, bounds)]
+        return max(right, key=lambda circle: circle[2], default=None)
 
     return step

@@ -2,6 +2,7 @@
 
 import cv2
 import msgspec
+import numpy as np
 
 from benchmarks.peers.parts.contour import enclosing
 from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
@@ -34,9 +35,11 @@ def follow(start: Start, parameters: Parameters) -> Step:
     """Detect in every frame anew."""
     low, high = hsv_range(start, parameters.hue, parameters.saturation, parameters.value)
     size, rounds = (parameters.blur, parameters.blur), parameters.rounds
+    square = np.ones((3, 3), np.uint8)
 
     def step(image: Image) -> Circle3 | None:
         mask = cv2.inRange(cv2.cvtColor(cv2.GaussianBlur(image, size, 0), cv2.COLOR_BGR2HSV), low, high)
-        return enclosing(cv2.dilate(cv2.erode(mask, None, iterations=rounds), None, iterations=rounds))
+        mask = cv2.dilate(cv2.erode(mask, square, iterations=rounds), square, iterations=rounds)
+        return enclosing(np.asarray(mask, np.uint8))
 
     return step

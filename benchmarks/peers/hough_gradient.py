@@ -12,7 +12,7 @@ MOST = 40  # candidates that are checked for color
 
 
 class Parameters(msgspec.Struct, frozen=True):
-    """Blur, px; resolution of the accumulator, px; Canny's upper threshold; votes; radii, px; the spot check's color."""
+    """Blur, px; the accumulator's cell, px; Canny's upper threshold; votes; least radius, px; the spot check's hue."""
 
     blur: int = 9
     dp: float = 1.5
@@ -23,12 +23,11 @@ class Parameters(msgspec.Struct, frozen=True):
 
 
 CHOICES: Choices = {
-    "blur": (5, 9, 13),
-    "dp": (1.0, 1.5, 2.0),
-    "edge": (60.0, 100.0, 160.0),
     "votes": (15.0, 22.0, 30.0, 45.0),
-    "least_radius": (4, 10, 18),
-    "hue": (16, 30),
+    "blur": (9, 13),
+    "edge": (60.0, 100.0, 160.0),
+    "dp": (1.0, 1.5, 2.0),
+    "least_radius": (4, 10),
 }
 
 

@@ -23,7 +23,7 @@ class Parameters(msgspec.Struct, frozen=True):
 
 CHOICES: Choices = {
     "low": (0.2, 0.3, 0.4, 0.5, 0.6, 0.7),
-    "slack": (20, 35, 50, 70, 100),
+    "slack": (20, 40, 60, 80, 100),
     "opening": (0, 3),
     "reach": (1.1, 1.25, 1.45),
     "margin": (8.0, 12.0, 20.0),

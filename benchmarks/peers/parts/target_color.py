@@ -20,7 +20,8 @@ def disc_pixels(start: Start) -> Image:
     x, y, radius = start.circle
     height, width = start.image.shape[:2]
     distance = np.hypot(np.arange(width) - x, np.arange(height)[:, np.newaxis] - y)
-    return start.image[(distance > 0.35 * radius) & (distance < 0.85 * radius)]
+    pixels: Image = start.image[(distance > 0.35 * radius) & (distance < 0.85 * radius)]
+    return pixels
 
 
 def hsv_range(start: Start, hue: int, saturation: float, value: float) -> tuple[Bound, Bound]:
@@ -86,7 +87,7 @@ def opened(mask: Mask, opening: int) -> Mask:
 
 
 def looks_right(image: Image, circle: Circle3, bounds: tuple[Bound, Bound]) -> bool:
-    """Check a candidate of a detector that sees no color: are most of eight pixels inside it of the ball's color?"""
+    """Check a candidate of a detector that sees no color: most of eight pixels inside must have the ball's color."""
     x, y, radius = circle
     height, width = image.shape[:2]
     angles = [2.0 * math.pi * k / SPOTS for k in range(SPOTS)]

@@ -45,7 +45,9 @@ class Visp:
         folder = "/dev/shm" if Path("/dev/shm").is_dir() else None
         with tempfile.NamedTemporaryFile(dir=folder, prefix="matchset_bench_") as file:
             file.truncate(height * width)
-            self.picture: Gray = np.frombuffer(mmap.mmap(file.fileno(), height * width), np.uint8).reshape(height, width)
+            self.picture: Gray = np.frombuffer(mmap.mmap(file.fileno(), height * width), np.uint8).reshape(
+                height, width
+            )
             self._process = subprocess.Popen(
                 [str(DRIVER), file.name, str(width), str(height)],
                 stdin=subprocess.PIPE,
@@ -76,4 +78,3 @@ class Visp:
                 raise RuntimeError("the ViSP driver has ended")
             line += piece
         return line.decode()
-

@@ -13,6 +13,7 @@ from rich.console import Console
 from benchmarks.finding import Section
 from benchmarks.machine import Machine
 from benchmarks.options import UNSEEN, Options, parse_seeds
+from benchmarks.readme import update
 from benchmarks.report import json_line, page, show
 from benchmarks.workers import one_thread
 
@@ -31,6 +32,7 @@ NAMES = (
     "false_locks",
     "real",
     "contest_accuracy",
+    "contest_summary",
     "contest_figure6",
     "contest_tags",
     "contest_real",
@@ -82,6 +84,8 @@ def main(
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(page(sections, machine), encoding="utf-8")
         typer.echo(f"written: {target}")
+    if target == HERE / "RESULTS.md":
+        update(HERE.parent / "README.md", sections, machine)
     typer.echo(json_line(sections, machine))
 
 

@@ -1,17 +1,15 @@
 """Accuracy beside what people use: every peer on every sequence, from the same first frame."""
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
-from benchmarks import contest, contest_times
+from benchmarks import contest
 from benchmarks.accuracy import pooled
 from benchmarks.contest import Results
 from benchmarks.field import NEEDS_WORDS, OURS, PAPER, peer
-from benchmarks.finding import Figure, Finding, Goal, Picture, Section, quantity, table
+from benchmarks.finding import Figure, Finding, Goal, Section, quantity, table
 from benchmarks.options import Options
-from benchmarks.search import loss_px
 from benchmarks.sequences import GONE, WHAT
 from benchmarks.trial import Trial
 from matchset.app.score import VALID_BELOW_PX, Score, error_px
@@ -39,8 +37,7 @@ def run(options: Options) -> Section:
         f"{lines}\n" + "".join(tables) + "\n**Frames until found again**, mean over the returns, after the ball had "
         "left or was hidden; in brackets how often it was not found\n\n" + again_table(results)
     )
-    pictures = () if options.pictures is None else _draw(results, options)
-    return Section("Accuracy beside what people use", findings, text, pictures)
+    return Section("Accuracy beside what people use", findings, text)
 
 
 def scored(results: Mapping[str, Sequence[Results]]) -> Scores:
@@ -171,18 +168,3 @@ def waits_of(trial: Trial, gone: Sequence[tuple[int, int]]) -> list[int | None]:
                 break
         waits.append(found)
     return waits
-
-
-def _draw(results: Mapping[str, Sequence[Results]], options: Options) -> tuple[Picture, ...]:
-    from benchmarks.contest_pictures import accuracy_over_speed
-
-    light, heavy = contest_times.everybody(options)
-    times = {key: each.median_us for key, each in (heavy | light).items()}
-    points = {}
-    for key in results["clean"][0]:
-        balls = [run[key] for name, runs in results.items() if name != "empty" for run in runs]
-        points[peer(key).name] = (times[key], loss_px(balls))
-    assert options.pictures is not None
-    path: Path = options.pictures / "accuracy_speed.png"
-    accuracy_over_speed(points, path)
-    return (Picture("accuracy_speed.png", "Accuracy against speed, all sequences with a ball"),)

@@ -1,8 +1,12 @@
 import json
 import math
+from pathlib import Path
 
+import pytest
+from benchmarks.contest_summary import TITLE
 from benchmarks.finding import Figure, Finding, Goal, Picture, Section
 from benchmarks.machine import Machine
+from benchmarks.readme import BEGIN, END, update
 from benchmarks.report import json_line, page
 
 MACHINE = Machine("2026-11-21 12:00 UTC", "abc1234", "A processor", 2, "Linux", "3.11", {"numpy": "2"}, "bench")
@@ -47,3 +51,20 @@ def test_the_json_line_is_one_line_without_infinities() -> None:
 
 def pytest_fail(name: str) -> None:
     raise AssertionError(f"{name} is not JSON")
+
+
+def test_the_readme_gets_its_table_from_the_results(tmp_path: Path) -> None:
+    readme = tmp_path / "README.md"
+    readme.write_text(f"# Title\n\n{BEGIN}\nold\n{END}\n\nmore\n", encoding="utf-8")
+    section = Section(TITLE, [], "| a | b |\n", (Picture("p.png", "a picture"),))
+    assert update(readme, [section], MACHINE)
+    text = readme.read_text(encoding="utf-8")
+    assert "old" not in text
+    assert "| a | b |" in text
+    assert "![a picture](benchmarks/pictures/p.png)" in text
+    assert text.startswith("# Title\n")
+    assert text.endswith("more\n")
+    assert not update(readme, [], MACHINE)
+    readme.write_text("# Title\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="README"):
+        update(readme, [section], MACHINE)

@@ -1,0 +1,71 @@
+"""The contest in one table and one picture: what the README shows."""
+
+from collections.abc import Mapping, Sequence
+
+from benchmarks import contest, contest_times
+from benchmarks.accuracy import pooled
+from benchmarks.contest import Results
+from benchmarks.field import LIGHT, OURS, PEERS, missing, peer
+from benchmarks.finding import Picture, Section, quantity, table
+from benchmarks.options import Options
+from benchmarks.search import loss_px
+from benchmarks.sequences import WHAT
+
+TITLE = "In one table"
+BALLS = tuple(name for name in WHAT if name != "empty")
+
+
+def run(options: Options) -> Section:
+    """Set speed and accuracy of everybody side by side."""
+    results = contest.results(options)
+    light, heavy = contest_times.everybody(options)
+    keys = [key for key in PEERS if not missing(key)]
+    rows = []
+    for key in keys:
+        race = light if key in LIGHT else heavy
+        times = race[key].median_us
+        ours = race[OURS].median_us
+        rows.append([peer(key).name, f"{times:,.0f} µs", f"{times / ours:,.1f}", *_exactness(results, key)])
+    head = [
+        "",
+        "time",
+        "× ours",
+        "error, `clean`",
+        "`typical`",
+        "`bad`",
+        "`hard`",
+        "valid, all sequences",
+        "false locks",
+    ]
+    text = (
+        table(head, rows)
+        + "\nTime: median of a 640 × 480 frame, one core, all by turns on the same frames. Error: median of "
+        "|Δx| + |Δy| + |Δr| over the frames that were answered, px. Valid: answered with an error below 5 px, of all "
+        f"frames with the ball well visible, in {len(BALLS)} kinds of sequences. False locks: frames answered with "
+        "something else than the ball, in those and in one kind without a ball.\n"
+    )
+    pictures = () if options.pictures is None else _draw(results, options)
+    return Section(TITLE, [], text, pictures)
+
+
+def _exactness(results: Mapping[str, Sequence[Results]], key: str) -> list[str]:
+    """Median error on the four main sequences, percentage valid on all, false locks."""
+    scores = {name: pooled([run[key] for run in runs if key in run]) for name, runs in results.items()}
+    medians = [quantity(scores[name].median_error_px, "px", 2) for name in ("clean", "typical", "bad", "hard")]
+    tight = sum(scores[name].tight for name in BALLS)
+    valid = 100.0 * sum(scores[name].valid for name in BALLS) / max(tight, 1)
+    false = sum(score.false_locks for score in scores.values())
+    return [*medians, f"{valid:.1f} %", str(false)]
+
+
+def _draw(results: Mapping[str, Sequence[Results]], options: Options) -> tuple[Picture, ...]:
+    from benchmarks.contest_pictures import accuracy_over_speed
+
+    light, heavy = contest_times.everybody(options)
+    times = {key: each.median_us for key, each in (heavy | light).items()}
+    points = {}
+    for key in results["clean"][0]:
+        points[peer(key).name] = (times[key], loss_px([run[key] for name in BALLS for run in results[name]]))
+    assert options.pictures is not None
+    accuracy_over_speed(points, options.pictures / "accuracy_speed.png")
+    return (Picture("accuracy_speed.png", "Accuracy against speed, all sequences with a ball"),)

@@ -23,7 +23,7 @@ demo: $(READY) $(CACHE)/fresh  ## render a clip, track the ball in it, compare w
 	$(BIN)/matchset demo $(ARGS)
 
 test: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
-	$(ONE_THREAD) $(BIN)/python -m pytest $(ARGS)
+	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
 
 check: $(READY) wheel-check  ## lint, format, types, and the wheel
 	$(BIN)/ruff check .

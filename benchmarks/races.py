@@ -23,7 +23,14 @@ def sweep_pool(options: Options) -> Pool:
 
 
 def sweep(pool: Pool, options: Options) -> Result:
-    """Race the tracker, while r changes, against both yardsticks."""
+    """Race the tracker, while r changes, against both yardsticks, all on the same frame."""
+    frames = pool.frames
+    contenders = [rivals.update(UPDATE, pool), rivals.convert(CONVERSION, frames, 0), rivals.copy(COPY, frames, 0)]
+    return race(contenders, len(frames) * _laps(options))
+
+
+def cold_sweep(pool: Pool, options: Options) -> Result:
+    """Race the same, each on a frame that nobody has touched lately, and against kept buffers."""
     frames, count = pool.frames, len(pool.frames)
     contenders = [
         rivals.update(UPDATE, pool),

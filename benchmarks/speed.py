@@ -15,6 +15,7 @@ def run(options: Options) -> Section:
     """Race the tracker against the yardsticks."""
     pool = races.sweep_pool(options)
     swept = races.sweep(pool, options)
+    cold = races.cold_sweep(pool, options)
     alone = races.alone(pool, options)
     whole = races.whole_frames(pool, options)
     fixed = races.fixed_radii(options)
@@ -23,13 +24,15 @@ def run(options: Options) -> Section:
     findings = [
         against("speed", "`Tracker.update`, 640 × 480, r 20-120", swept, (UPDATE, CONVERSION), (0.1, 0.05)),
         against("speed_copy", "the same", swept, (UPDATE, COPY), (2.0, 1.0)),
+        against("speed_cold", "the same, on frames that nobody has touched lately", cold, (UPDATE, CONVERSION), None),
         radius_finding(fixed),
         against("speed_wide", f"`Tracker.update`, {wide}", sizes, (wide, narrow), (1.5, 1.1)),
         against("speed_detect", "`detect`, whole 640 × 480 frame", whole, (DETECT, CONVERSION), (1.0, 0.25)),
         against("speed_search", "a tracker that searches in vain", whole, (SEARCH, CONVERSION), None),
     ]
     named = {
-        "r 20-120": swept,
+        "r 20-120, all on the same frame": swept,
+        "r 20-120, each on a frame of its own": cold,
         "The same frames, nothing else done between them": alone,
         "The whole frame": whole,
         "Fixed radii": fixed,

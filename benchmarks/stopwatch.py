@@ -2,10 +2,10 @@
 
 Every contender walks through a pool of different frames, again and again. In each step every contender does
 one frame, one after the other, and who begins changes from step to step: whatever disturbs the machine
-disturbs all of them alike. Contenders that share a pool stand at different places in it, as far apart as can
-be. So each of them meets each frame equally cold: the frame was last touched some tens of megabytes of other
-frames ago, by another contender, and no one finds in the cache what its neighbor has just fetched. A tracker
-still sees its frames in order and none left out.
+disturbs all of them alike, and whoever begins meets a frame that was last touched some tens of megabytes of
+other frames ago, and reads it for those that follow. Where a table says "each on a frame of its own" the
+contenders stand at different places in the pool, as far apart as can be: then all meet each frame equally cold,
+and none finds in the cache what its neighbor has just fetched. A tracker sees its frames in order, none left out.
 """
 
 import contextlib

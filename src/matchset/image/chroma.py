@@ -8,11 +8,12 @@ Brighter or dimmer light moves l and hardly u and v; the 48 keeps dark, noisy pi
 are histograms, smoothed.
 """
 
+import itertools
 from typing import cast
 
+import cv2
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import gaussian_filter1d, map_coordinates
 
 Floats = npt.NDArray[np.float32]
 
@@ -59,7 +60,7 @@ def density(points: Floats, blur: tuple[float, float, float]) -> Floats:
     flat = np.ravel_multi_index((cells[:, 0], cells[:, 1], cells[:, 2]), SIZE)
     grid = np.bincount(flat, minlength=int(np.prod(SIZE))).reshape(SIZE).astype(np.float32)
     for axis, sigma in enumerate(blur):
-        grid = gaussian_filter1d(grid, sigma / float(STEP[axis]), axis=axis, mode="constant")
+        grid = _blur(grid, sigma / float(STEP[axis]), axis)
     return cast(Floats, grid / max(float(grid.sum()), 1e-9))
 
 
@@ -75,4 +76,20 @@ def look_up(grid: Floats, points: Floats) -> Floats:
     -------
     ndarray of shape (n,), float32
     """
-    return cast(Floats, map_coordinates(grid, ((points - LOW) / STEP).T, order=1, mode="nearest"))
+    places = np.clip((points - LOW) / STEP, 0.0, np.array(SIZE, np.float32) - 1.0)
+    lower = np.minimum(places.astype(np.int64), np.array(SIZE) - 2)
+    share = places - lower
+    found = np.zeros(len(points), np.float32)
+    for corner in itertools.product((0, 1), repeat=3):
+        weight = np.prod(np.where(corner, share, 1.0 - share), axis=1)
+        found += weight * grid[tuple((lower + corner).T)]
+    return found
+
+
+def _blur(grid: Floats, sigma: float, axis: int) -> Floats:
+    """Smooth along one axis with a Gaussian, in cells; nothing lies outside the grid."""
+    rows = np.ascontiguousarray(np.moveaxis(grid, axis, 2))
+    size = 2 * int(4.0 * sigma + 0.5) + 1
+    weights = cv2.getGaussianKernel(size, sigma)
+    flat = cv2.sepFilter2D(rows.reshape(-1, rows.shape[2]), -1, weights, np.ones(1), borderType=cv2.BORDER_CONSTANT)
+    return cast(Floats, np.moveaxis(np.asarray(flat).reshape(rows.shape), 2, axis))

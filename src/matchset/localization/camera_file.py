@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_yaml import read_yaml
 from matchset.localization.lens import INTRINSICS
 
 Floats = npt.NDArray[np.float64]
@@ -52,7 +51,7 @@ def read_camera(path: Path) -> tuple[dict[str, Any], Keys]:
         If there is no such file, it is none of these, or a number is missing; with the file and the key.
     """
     readers: dict[str, Callable[[str], tuple[dict[str, Any], Keys]]]
-    readers = {".toml": _read_toml, ".yaml": read_yaml, ".yml": read_yaml}
+    readers = {".toml": _read_toml, ".yaml": _read_yaml, ".yml": _read_yaml}
     if path.suffix.lower() not in readers:
         raise ValueError(f"{path}: a camera file is .toml (matchset), .yaml or .yml (ROS, OpenCV)")
     try:
@@ -68,6 +67,13 @@ def read_camera(path: Path) -> tuple[dict[str, Any], Keys]:
         raise ValueError(f"{path}: not a text file") from None
     except ValueError as error:
         raise ValueError(f"{path}: {' '.join(str(error).split())}") from error
+
+
+def _read_yaml(text: str) -> tuple[dict[str, Any], Keys]:
+    """Read a YAML camera; its library is loaded only where there is one."""
+    from matchset.localization.camera_yaml import read_yaml
+
+    return read_yaml(text)
 
 
 def _read_toml(text: str) -> tuple[dict[str, Any], Keys]:

@@ -2,12 +2,14 @@
 
 import math
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Floats = npt.NDArray[np.float64]
 Observed = Literal["position", "level", "full"]
@@ -69,8 +71,10 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         return None if self._seen_from_ball is None else float(self._seen_from_ball[2])
 
     @cached_property
-    def rotation(self) -> Rotation | None:
-        """`turn` as SciPy's `Rotation`; made when asked for, since that takes longer than to find it."""
+    def rotation(self) -> "Rotation | None":
+        """`turn` as SciPy's `Rotation`; made when asked for, since that and loading it take a while."""
+        from scipy.spatial.transform import Rotation
+
         return None if self.turn is None else Rotation.from_matrix(self.turn)
 
     @cached_property

@@ -3,7 +3,8 @@
 The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
 to see whether that code is still good; here it must be of the same `SOURCES` too, so that kernels may call kernels of
 other files. `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the zero-division checks, so kernels
-guard their divisions themselves. There is no `fastmath`: results are the same, bit for bit, from run to run.
+guard their divisions themselves. `fastmath` is off; in `summing` kernels alone the order of a sum's terms is free, so
+that they are added several at a time. On one machine results are the same, bit for bit, from run to run.
 """
 
 import zlib
@@ -40,7 +41,17 @@ def kernel(function: F) -> F:
     callable
         The compiled function; it has the same signature.
     """
-    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    return _kept(function, fastmath=False)
+
+
+def summing(function: F) -> F:
+    """Like `kernel`, for long sums: their terms may be added in any order, several at a time."""
+    return _kept(function, fastmath={"reassoc", "nsz"})
+
+
+def _kept(function: F, fastmath: Any) -> F:
+    """Compile a kernel whose machine code is kept on disk."""
+    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fastmath)(function)
     file = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, SOURCES)

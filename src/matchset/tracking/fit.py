@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import kernel
+from matchset.tracking.least_squares import solve, substitute, turn
 from matchset.tracking.match_set import CANDIDATES
 
 Floats = npt.NDArray[np.float64]
@@ -35,40 +36,6 @@ COARSE = 2.0  # in floors: from this noise on the fit is coarse
 INFINITE = np.int32(0x7F800000)  # bits of an infinite float
 J0, W0 = np.uintp(0), np.uintp(CANDIDATES)
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
-
-
-@kernel
-def _factor(a: Floats, n: int) -> bool:
-    """Cholesky factor of the lower triangle, in place; False if it is not positive definite."""
-    for j in range(n):
-        d = a[j, j]
-        for k in range(j):
-            d -= a[j, k] * a[j, k]
-        if not d > 1e-9:
-            return False
-        d = math.sqrt(d)
-        a[j, j] = d
-        for i in range(j + 1, n):
-            t = a[i, j]
-            for k in range(j):
-                t -= a[i, k] * a[j, k]
-            a[i, j] = t / d
-    return True
-
-
-@kernel
-def _substitute(a: Floats, b: Floats, x: Floats, n: int) -> None:
-    """Solve with a Cholesky factor."""
-    for i in range(n):
-        t = b[i]
-        for k in range(i):
-            t -= a[i, k] * x[k]
-        x[i] = t / a[i, i]
-    for i in range(n - 1, -1, -1):
-        t = x[i]
-        for k in range(i + 1, n):
-            t -= a[k, i] * x[k]
-        x[i] = t / a[i, i]
 
 
 @kernel
@@ -138,30 +105,6 @@ def _weigh(outline: Floats, edges: Floats, choice: Floats, step: Floats, sigma: 
         found[i, 0], found[i, 1], found[i, 2] = e if cost < math.inf else math.inf, weight, best
         total += weight
     return total
-
-
-@kernel
-def _solve(
-    outline: Floats, edges: Floats, found: Floats, held: Floats, a: Floats, b: Floats, step: Floats, p: int
-) -> bool:
-    """Weighted least squares with the priors; False where there is no unique answer."""
-    for k in range(p):
-        b[k] = held[k, 0] * held[k, 1]
-        for m in range(k):
-            a[k, m] = 0.0
-        a[k, k] = held[k, 0] + held[k, 2]
-    for line in range(outline.shape[0]):
-        i = np.uintp(line)
-        w, d = found[i, 1], edges[i, np.uintp(found[i, 2]), 0]
-        for row in range(p):
-            jk = w * outline[i, np.uintp(row + 4)]
-            b[np.uintp(row)] += jk * d
-            for column in range(row + 1):
-                a[np.uintp(row), np.uintp(column)] += jk * outline[i, np.uintp(column + 4)]
-    if not _factor(a, p):
-        return False
-    _substitute(a, b, step, p)
-    return True
 
 
 @kernel
@@ -254,8 +197,10 @@ def fit_lines(
     p = s + 2 if speed > 0.5 else s
     a, b, step = np.empty((p, p)), np.empty(p), np.zeros(p)
     held, order, choice = np.zeros((s + 2, 3)), np.empty(n, np.float32), np.empty((n, 2 * CANDIDATES))
+    turned, sums = np.empty((p, n)), np.empty((3, n))
     if _prepare(edges, choice) < p:
         return 0.0, 0.0
+    turn(outline, turned, p)
     _hold(held, state, expected, spread, size, speed, noise)
     sigma, scale, total, final = start, start, 0.0, 0
     coarse = start > COARSE * floor  # while far off the modes keep still
@@ -264,7 +209,7 @@ def fit_lines(
         for k in range(free, s):
             held[k, 2] = STIFF if coarse else 0.0
         x, y, z = step[0], step[1], step[2]
-        if total < 2.0 or not _solve(outline, edges, found, held, a, b, step, p):
+        if total < 2.0 or not solve(turned, edges, found, held, sums, a, b, step, p):
             return 0.0, 0.0
         scale = _scale(found, order)
         tight = max(floor, min(scale, sigma))
@@ -281,7 +226,7 @@ def fit_lines(
     for j in range(free):
         b[:] = 0.0
         b[j] = noise * noise
-        _substitute(a, b, covariance[j], p)
+        substitute(a, b, covariance[j], p)
     if p > s:
         _join_fields(outline, edges, found, step, s)
     moved = 0.0

@@ -78,13 +78,20 @@ class Fit(NamedTuple):
     chosen: Ints
 
 
-def fit(jacobian: Floats, offset: Floats, strength: Floats, state: Floats, prior: Prior) -> Fit:
-    """Fit of a state (s,) to edge points (n, 3) with a jacobian (n, s + 2)."""
+def fit(
+    jacobian: Floats,
+    offset: Floats,
+    strength: Floats,
+    state: Floats,
+    prior: Prior,
+    fields: tuple[float, float] = (0.0, 0.0),
+) -> Fit:
+    """Fit of a state (s,) to edge points (n, 3) with a jacobian (n, s + 2); where the fields' distance begins."""
     moved, count = state.copy(), len(prior.spread)
     outline = np.concatenate((np.zeros((len(jacobian), 4)), jacobian), axis=1)
     edges = np.stack((offset, strength, np.ones_like(offset)), axis=2)
     covariance, found = np.zeros((count, jacobian.shape[1])), np.zeros((len(jacobian), 3))
-    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found)
+    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found, np.array(fields))
     chosen = found[:, 2].astype(np.int64)
     return Fit(moved - state, noise, covariance[:, :count], found[:, 0], found[:, 1], chosen)
 

@@ -129,6 +129,19 @@ def test_a_prediction_holds_what_the_edge_points_leave_open() -> None:
     assert np.trace(held.covariance) < 0.2 * np.trace(free.covariance)
 
 
+def test_fields_far_apart_need_to_be_expected_there() -> None:
+    prior = Prior(STATE, np.zeros(3), float(STATE[2]), speed=18.0, start=0.5)
+    columns = jacobian()
+    offset = np.zeros((N, 3))
+    true = np.array([5.0, 3.5, 0.0])  # the even field lies about where the outline was traced
+    offset[:, 0] = columns[:, :3] @ true + columns[:, -2:] @ (9.0, 6.0)  # so far lies the odd field from the even one
+    strength = np.tile((1.0, 0.0, 0.0), (N, 1))
+    begun_near = fit(columns, offset, strength, STATE, prior, fields=(7.0, 5.0))
+    assert np.abs(begun_near.step[:3] - true).max() < 0.2
+    begun_at_rest = fit(columns, offset, strength, STATE, prior)
+    assert np.abs(begun_at_rest.step[:3] - true).max() > 3.0  # one of the fields taken for the whole
+
+
 def test_too_few_edge_points_are_no_fit() -> None:
     offset, strength = edge_points(np.zeros(3))
     for kept in (0, 1, 4):

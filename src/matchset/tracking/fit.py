@@ -160,6 +160,7 @@ def fit_lines(
     floor: float,
     covariance: Floats,
     found: Floats,
+    fields: Floats,
 ) -> tuple[float, float]:
     """Fit the step of the state that explains the edge points best, and take it.
 
@@ -185,6 +186,9 @@ def fit_lines(
     found : (n, 3), written
         Per line the residual of the edge point the fit took, px, infinite where there is none; its weight; which of
         the line's edge points it is.
+    fields : (2,), written
+        Distance between the two fields, x and y, px: where to begin, and what was found. At 16 px per frame the fields
+        lie 8 px apart; begun at 0 the fit would take one of them for the whole and the other for outliers.
 
     Returns
     -------
@@ -200,6 +204,8 @@ def fit_lines(
     turned, sums = np.empty((p, n)), np.empty((3, n))
     if _prepare(edges, choice) < p:
         return 0.0, 0.0
+    if p > s:
+        step[s], step[s + 1] = fields[0], fields[1]
     turn(outline, turned, p)
     _hold(held, state, expected, spread, size, speed, noise)
     sigma, scale, total, final = start, start, 0.0, 0
@@ -227,7 +233,9 @@ def fit_lines(
         b[:] = 0.0
         b[j] = noise * noise
         substitute(a, b, covariance[j], p)
+    fields[0] = fields[1] = 0.0
     if p > s:
+        fields[0], fields[1] = step[s], step[s + 1]
         _join_fields(outline, edges, found, step, s)
     moved = 0.0
     for k in range(s):

@@ -13,6 +13,7 @@ from matchset.tracking.memory import (
     CORE,
     CORNERS,
     EVIDENCE,
+    FIELDS,
     GRAIN,
     HOLLOW,
     INSIDE,
@@ -74,8 +75,21 @@ def measure(
         image, table, outline, reach, margin, limits[1] * full, enough, plain, edges, runs, parts.starts, pixels, sums
     )
     fit[GRAIN] = GRAIN_MEMORY * grain + (1.0 - GRAIN_MEMORY) * now
+    between = fit[FIELDS : FIELDS + 2]
     noise, moved = fit_lines(
-        outline, edges, state, parts.begin, spread, size, speed, noise, sigma, limits[4], parts.covariance, found
+        outline,
+        edges,
+        state,
+        parts.begin,
+        spread,
+        size,
+        speed,
+        noise,
+        sigma,
+        limits[4],
+        parts.covariance,
+        found,
+        between,
     )
     tolerance = min(max(limits[5] * size, 1.2), 3.0)
     fit[SEEN], fit[CONFIRMED], fit[AGREEMENT], fit[EVIDENCE], fit[WAVE], fit[CORNERS] = review_lines(

@@ -14,14 +14,17 @@ from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 
 Floats = npt.NDArray[np.float64]
 
-FITS, CLOCKS, LOOKS, LIMITS = 16, 4, 4, 32  # numbers of a fit, the motion, a look, and each kind of parameters
+FITS, CLOCKS, LOOKS, LIMITS = 16, 6, 4, 32  # numbers of a fit, the motion, a look, and each kind of parameters
 
 # places in `Views.fit`: what the last look at the shape found
 NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE, HOLLOW, SIZE, BENT = range(13)
+# and after them how far the odd rows' field lies from the even rows': x, y, px
+FIELDS = 13
 
 # places in `Views.clock`: when the shape was last seen, s; its speed, px/s; by how much predictions lately missed, px;
-# and its half-width over the last well-confirmed frames, px
-TIME, SPEED, SURPRISE, USUAL = range(4)
+# its half-width over the last well-confirmed frames, px; and over the last frames the sums of the way from frame to
+# frame times the distance between the fields along it, and of that way squared, px^2
+TIME, SPEED, SURPRISE, USUAL, SHEARED, MOVED = range(6)
 
 # places in `Views.look`: how far to look for a shape, see `Look`
 REACH, RATE, SIGMA, LEAST = range(4)

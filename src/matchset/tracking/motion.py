@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import inlined
-from matchset.tracking.memory import SPEED, SURPRISE, TIME, Views
+from matchset.tracking.memory import FIELDS, MOVED, RATE, SHEARED, SPEED, SURPRISE, TIME, Views
 
 Floats = npt.NDArray[np.float64]
 
@@ -15,6 +15,8 @@ MEMORY = 0.8  # share of the spread that a frame as predicted leaves
 FADE = 0.25  # s after which a velocity without a sighting has faded to 1/e
 LEAST = 0.3  # px: no prediction is trusted to be better
 PROMPT = 0.05  # s without a sighting from which it fades
+FIELD_MEMORY = 0.9  # share of what is known about the fields that one frame leaves
+STILL = 4.0  # px: below so much way in the frames remembered nothing is known about them
 
 
 @inlined
@@ -22,6 +24,7 @@ def correct(parts: Views, time: float) -> None:
     """Take in the state that was fitted at a time, s."""
     state, velocity, spread, fitted = parts.seen, parts.velocity, parts.spread, parts.state
     passed = time - parts.clock[TIME]
+    _note_fields(parts)
     for k in range(state.shape[0]):
         if passed > 0.0:
             missed = fitted[k] - state[k] - velocity[k] * passed
@@ -31,6 +34,36 @@ def correct(parts: Views, time: float) -> None:
         state[k] = fitted[k]
     spread[0] = spread[1] = max(spread[0], spread[1])
     parts.clock[TIME] = time
+
+
+@inlined
+def _note_fields(parts: Views) -> None:
+    """Note how far apart the fields were that were fitted, for the way that the shape was expected to make."""
+    x, y, way = parts.velocity[0], parts.velocity[1], parts.look[RATE]
+    speed, clock = math.hypot(x, y), parts.clock
+    if speed > 0.0:
+        along = (parts.fit[FIELDS] * x + parts.fit[FIELDS + 1] * y) / speed
+        clock[SHEARED] = FIELD_MEMORY * clock[SHEARED] + along * way
+        clock[MOVED] = FIELD_MEMORY * clock[MOVED] + way * way
+
+
+@inlined
+def part_fields(parts: Views, way: float) -> None:
+    """Expect the fields as far apart as they lately were, for the way between frames, px: half of it, or nothing.
+
+    An interlaced picture's fields are half a frame apart, those of any other picture are one.
+
+    Parameters
+    ----------
+    parts : Views
+        Written: where the fit of the fields' distance begins.
+    way : float
+        From frame to frame, px.
+    """
+    x, y = parts.velocity[0], parts.velocity[1]
+    speed = math.hypot(x, y)
+    share = parts.clock[SHEARED] / (parts.clock[MOVED] + STILL * STILL) * way / speed if speed > 0.0 else 0.0
+    parts.fit[FIELDS], parts.fit[FIELDS + 1] = share * x, share * y
 
 
 @inlined

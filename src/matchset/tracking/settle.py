@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import inlined
+from matchset.tracking import motion
 from matchset.tracking.measure import measure
 from matchset.tracking.memory import AGREEMENT, BENT, LEAST, NOISE, RATE, REACH, SEEN, SIGMA, SIZE, Views
 
@@ -53,6 +54,7 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any], p: in
         for k in range(state.shape[0]):
             parts.begin[k] = state[k]
         noise, fit[NOISE] = fit[NOISE], 0.0
+        motion.part_fields(parts, speed)
         for _ in range(int(parts.match[6])):
             size = half_width(state)
             if not SMALL < size < LARGE:

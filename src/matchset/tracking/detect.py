@@ -174,10 +174,13 @@ class Finder(Generic[S]):
         if reason and self.matcher.settle(image, color, self.matcher.state.copy(), Look(4.0, MOVING)):
             reason = self.judge.first_sight(self.matcher, prior)
         start = drawn_out(self.matcher) if reason else None
-        if start is not None:
-            self.matcher.trust_modes()
-            if self.matcher.settle(image, color, start, Look(5.0)):
-                reason = self.judge.first_sight(self.matcher, prior)
+        if start is None:
+            return reason
+        known = self.matcher.parts.fit.copy()
+        self.matcher.trust_modes()
+        if self.matcher.settle(image, color, start, Look(5.0)) and not self.judge.first_sight(self.matcher, prior):
+            return ""
+        self.matcher.parts.fit[:] = known  # what was found in vain is not remembered
         return reason
 
 

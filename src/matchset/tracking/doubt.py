@@ -59,10 +59,10 @@ def drawn_out(matcher: Matcher[S]) -> Floats | None:
     if len(state) == p or np.count_nonzero(near) < ENOUGH * matcher.points:
         return None
     moves, residuals = parts.outline[near, 4 : 4 + len(state)], residuals[near]
-    step = np.zeros(len(state))
+    step: Floats = np.zeros(len(state))
     for _ in range(ROUNDS):
         weights = 1.0 / np.sqrt(np.maximum(np.abs(residuals - moves @ step), 1.0))  # of the absolute residual
-        step = np.linalg.lstsq(moves * weights[:, np.newaxis], residuals * weights, rcond=None)[0]
+        step[:] = np.linalg.lstsq(moves * weights[:, np.newaxis], residuals * weights, rcond=None)[0]
     state += step
     wanted, given = (float(np.hypot.reduce(each)) for each in (state[p:], matcher.state[p:]))
     return state if wanted > given + STRETCH * matcher.size else None

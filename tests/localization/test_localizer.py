@@ -123,7 +123,7 @@ def test_three_markers_give_the_full_rotation_in_any_order(
 ) -> None:
     position = 1.3 * np.array((*at, 1.0))
     turn = Rotation.from_euler("y", math.degrees(math.atan2(at[0], 1.0)), degrees=True) * upright(*angles)
-    seen = dots(camera, THREE, position, turn, 80.0)
+    seen = dots(camera, THREE, position, turn, 70.0)  # farther round a ray only grazes the ball and tells nothing
     if len(seen) < 3:
         return
     pose = ms.Localizer(camera, THREE, EXACT).update(ball(camera, position), [seen[k] for k in order])

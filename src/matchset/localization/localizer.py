@@ -116,10 +116,13 @@ class Localizer:
         """Rotation from the markers; writes its rows and columns of the covariance."""
         limits, turn = self.parameters, np.empty((3, 3))
         choices, starts = assignments(len(markers), len(self._bodies))
+        pixels, spreads = np.empty((len(markers), 2)), np.empty((len(markers), 2, 2))
+        for k, marker in enumerate(markers):
+            pixels[k, 0], pixels[k, 1], spreads[k] = marker.shape.x, marker.shape.y, marker.covariance[:2, :2]
         kind = observe_turn(
             self.camera.intrinsics,
-            np.array([(marker.shape.x, marker.shape.y) for marker in markers]),
-            np.array([marker.covariance[:2, :2] for marker in markers]),
+            pixels,
+            spreads,
             choices,
             starts,
             self._bodies,

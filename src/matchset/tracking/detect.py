@@ -13,6 +13,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
 from matchset.tracking import detect_grid
+from matchset.tracking.doubt import drawn_out
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.track import Track
@@ -159,7 +160,8 @@ class Finder(Generic[S]):
     def _refuted(self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior) -> str:
         """Judge the shape that was fitted: why it is none, empty if it is one.
 
-        A second look lets the two fields of an interlaced picture disagree, as they do where it moves.
+        A second look lets the two fields of an interlaced picture disagree, as they do where it moves; a third one
+        begins with the outline drawn out, as a lens may draw it.
 
         Parameters
         ----------
@@ -171,6 +173,14 @@ class Finder(Generic[S]):
         reason = self.judge.first_sight(self.matcher, prior)
         if reason and self.matcher.settle(image, color, self.matcher.state.copy(), Look(4.0, MOVING)):
             reason = self.judge.first_sight(self.matcher, prior)
+        start = drawn_out(self.matcher) if reason else None
+        if start is None:
+            return reason
+        known = self.matcher.parts.fit.copy()
+        self.matcher.trust_modes()
+        if self.matcher.settle(image, color, start, Look(5.0)) and not self.judge.first_sight(self.matcher, prior):
+            return ""
+        self.matcher.parts.fit[:] = known  # what was found in vain is not remembered
         return reason
 
 

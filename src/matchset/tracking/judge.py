@@ -23,6 +23,7 @@ from matchset.tracking.verdict import (
 S = TypeVar("S", bound=Shape)
 
 ROUND = 1.5  # corners that noise and a stick leave on a disc, in standard deviations
+CLICKED = 1.25  # of the limits on another shape where somebody says that it is there
 WHOLE = 0.9  # share of the outline in the picture from which a shape counts as whole
 
 
@@ -88,7 +89,8 @@ class Judge:
         if fit(EVIDENCE) < leeway * np.interp(matcher.size, (8.0, 12.0, 24.0), least[::-1]) + doubt:
             return f"only {100.0 * fit(EVIDENCE):.0f} % of the outline speaks for it"
         unfilled = prior is Prior.NONE and fit(HOLLOW) < -limits.first_rim
-        if unfilled or is_other_shape(matcher.parts.fit, matcher.parts.judge, 1.0):
+        drawn = CLICKED if prior is Prior.PRESENT else 1.0
+        if unfilled or is_other_shape(matcher.parts.fit, matcher.parts.judge, drawn):
             return "its outline has another shape"
         if fit(INSIDE) < limits.first_inside or fit(CORE) < limits.first_core:
             return _content(matcher)

@@ -191,6 +191,10 @@ class Matcher(Generic[S]):
         fit[:] = 0.0
         fit[memory.GRAIN] = FIRST_GRAIN
 
+    def trust_modes(self) -> None:
+        """Let the next fit go where the edge points ask it to: the noise of a fit that failed holds modes to zero."""
+        self.parts.fit[memory.NOISE] = 0.0
+
     def fit(self, place: int) -> float:
         """Look up what is known of the last fit: the number at a place of `Views.fit`."""
         return self.parts.fit.item(place)

@@ -28,8 +28,8 @@ from matchset.tracking.review import conclude
 
 Floats = npt.NDArray[np.float64]
 
-CERTAIN = 0.85  # evidence from which neighbors may err together, as on an ellipse
-LEEWAY = 1.5  # of the limits on another shape while motion speaks for it
+CERTAIN = 0.85  # evidence from which neighbors may err together, as on an ellipse, and the lens may bend it
+LEEWAY = 1.5  # of the limits on another shape while motion speaks for it, or almost all of its outline
 DOUBT = 0.7  # agreement below which a fit is looked at again
 PRESENT = 0.3  # share of the lines in the picture below which a shape has left it
 SMALLEST = 6.0  # half-width below which there is nothing to tell apart, px
@@ -120,10 +120,12 @@ def is_other_shape(fit: Floats, limits: Floats, leeway: float) -> bool:
     leeway : float
         Factor on the limits.
     """
+    is_certain = fit[EVIDENCE] >= CERTAIN
+    drawn = max(leeway, LEEWAY) if is_certain else leeway  # a lens may draw a ball's outline out of shape
     return bool(
-        (fit[WAVE] > limits[MOST_WAVE] * leeway and fit[EVIDENCE] < CERTAIN)
-        or fit[CORNERS] > limits[MOST_CORNERS] * leeway
-        or fit[BENT] > limits[MOST_BENT] * leeway
+        (fit[WAVE] > limits[MOST_WAVE] * leeway and not is_certain)
+        or fit[CORNERS] > limits[MOST_CORNERS] * drawn
+        or fit[BENT] > limits[MOST_BENT] * drawn
         or fit[HOLLOW] > limits[MOST_HOLLOW] * leeway
     )
 

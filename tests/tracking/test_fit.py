@@ -136,7 +136,7 @@ def test_fields_far_apart_need_to_be_expected_there() -> None:
     true = np.array([5.0, 3.5, 0.0])  # the even field lies about where the outline was traced
     offset[:, 0] = columns[:, :3] @ true + columns[:, -2:] @ (9.0, 6.0)  # so far lies the odd field from the even one
     strength = np.tile((1.0, 0.0, 0.0), (N, 1))
-    begun_near = fit(columns, offset, strength, STATE, prior, fields=(7.0, 5.0))
+    begun_near = fit(columns, offset, strength, STATE, prior, fields=(9.0, 6.0))
     assert np.abs(begun_near.step[:3] - true).max() < 0.2
     begun_at_rest = fit(columns, offset, strength, STATE, prior)
     assert np.abs(begun_at_rest.step[:3] - true).max() > 3.0  # one of the fields taken for the whole

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 import matchset as ms
-from benchmarks.field import PEERS, Peer, peer, present
+from benchmarks.field import LIGHT, PAPER, PEERS, Peer, peer, present
 from benchmarks.options import Options
 from benchmarks.peers.parts import card
 from benchmarks.peers.parts.start import Circle3, Start, Step
@@ -20,6 +20,7 @@ from matchset.sim.clip import Clip
 
 FRAMES, QUICK_FRAMES = 140, 80
 SEEDS, QUICK_SEEDS = 2, 1
+QUICK_PEERS = (*LIGHT, "hobby", "simple_blob", "edge_drawing", PAPER)
 ELSEWHERE = 250  # seeds: the room where colors are learned for the sequence without a ball
 
 
@@ -49,12 +50,13 @@ def results(options: Options) -> dict[str, list[Results]]:
         By sequence; for each seed by peer.
     """
     seeds = options.seeds[: QUICK_SEEDS if options.quick else SEEDS]
-    return _results(seeds, QUICK_FRAMES if options.quick else FRAMES, options.jobs)
+    keys = QUICK_PEERS if options.quick else PEERS
+    return _results(keys, seeds, QUICK_FRAMES if options.quick else FRAMES, options.jobs)
 
 
 @functools.cache
-def _results(seeds: tuple[int, ...], frames: int, jobs: int) -> dict[str, list[Results]]:
-    keys = tuple(each.key for each in present(PEERS))
+def _results(chosen: tuple[str, ...], seeds: tuple[int, ...], frames: int, jobs: int) -> dict[str, list[Results]]:
+    keys = tuple(each.key for each in present(chosen))
     heats = [Heat(name, seed, frames, keys) for name in WHAT for seed in seeds]
     done = spread(run_heat, heats, jobs)
     return {name: [r for heat, r in zip(heats, done, strict=True) if heat.name == name] for name in WHAT}

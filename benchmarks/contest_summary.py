@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from benchmarks import contest, contest_times
 from benchmarks.accuracy import pooled
 from benchmarks.contest import Results
-from benchmarks.field import LIGHT, OURS, PEERS, missing, peer
+from benchmarks.field import LIGHT, OURS, peer
 from benchmarks.finding import Picture, Section, quantity, table
 from benchmarks.options import Options
 from benchmarks.search import loss_px
@@ -19,9 +19,8 @@ def run(options: Options) -> Section:
     """Set speed and accuracy of everybody side by side."""
     results = contest.results(options)
     light, heavy = contest_times.everybody(options)
-    keys = [key for key in PEERS if not missing(key)]
     rows = []
-    for key in keys:
+    for key in results["clean"][0]:
         race = light if key in LIGHT else heavy
         times = race[key].median_us
         ours = race[OURS].median_us

@@ -6,18 +6,18 @@ from benchmarks.field import OURS, PAPER, missing
 from benchmarks.finding import Figure, Finding, Section, table
 from benchmarks.options import Options
 
-NO_CODE = "not run: no implementation was published"
+NO_CODE = "not run: no packaged implementation is known to us"
 # name in print, ms in print, peer here, or why there is none
 ROWS = (
     ("EDCircles", 9.9, "edge_drawing", "as OpenCV's EdgeDrawing, its successor"),
     ("GRCD-R", 52.0, "", NO_CODE),
-    ("Isophote", 20.5, "", NO_CODE + " for circles of this kind"),
+    ("Isophote", 20.5, "", NO_CODE),
     ("ITCiD", 15.7, "", NO_CODE),
     ("PolynomialFitting", 16.9, "", NO_CODE),
-    ("AR Aristo platform", 16.6, "", "not run: part of a commercial AR platform with its own hardware"),
-    ("RuneTag", 51.0, "", "not run: not packaged, its decoder needs an OpenCV of 2012; quoted under *Tag systems*"),
+    ("AR Aristo platform", 16.6, "", "not run: a platform of its own, not a program that takes frames"),
+    ("RuneTag", 51.0, "", "not run: not packaged; in another run its decoder did not work; quoted under *Tag systems*"),
     ("AprilTag", 19.0, "april_tag", "AprilTag 3, on tag sequences"),
-    ("ChromaTag", 1.4, "", "not run: not packaged; crashed in another run; quoted under *Tag systems*"),
+    ("ChromaTag", 1.4, "", "not run: not packaged; in another run it crashed on sequences; quoted under *Tag systems*"),
     ("Algorithm 1 (the paper)", 0.9, PAPER, "to the letter in NumPy, whole-frame color filter included"),
 )
 ADDED = (

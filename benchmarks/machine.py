@@ -89,7 +89,9 @@ def _commit() -> str:
     if not head:
         return "none"
     # The results themselves change with every run.
-    changed = _git("status", "--porcelain", "--", ".", ":!benchmarks/RESULTS.md", ":!benchmarks/pictures", ":!docs")
+    changed = _git(
+        "status", "--porcelain", "--", ".", ":!benchmarks/RESULTS.md", ":!benchmarks/pictures", ":!docs", ":!README.md"
+    )
     return head + ("+" if changed else "")
 
 

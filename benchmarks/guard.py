@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.accuracy import pooled
-from benchmarks.contest_times import CONVERSION, Pool, contenders
+from benchmarks.contest_times import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
 from benchmarks.field import OURS, RIVAL, peer
 from benchmarks.machine import Machine
 from benchmarks.rivals import Pool as SearchPool
@@ -72,11 +72,11 @@ def best_ratios() -> dict[str, float]:
     """Ratios of minima against the yardsticks, the best of some rounds."""
     one = SearchPool.render(sequence("typical", SEEDS[0], 1))
     empty = [frame for frame, _ in sequence("typical", SEEDS[0], POOL, ball=False)]
-    pools = {r: Pool.render(sequence("typical", SEEDS[0], POOL + 1, radii=(float(r), float(r)))) for r in RADII}
+    pools = {r: Pool.render(sharp_clip(SEEDS[0], float(r), POOL + 1)) for r in RADII}
     best: dict[str, float] = {}
     for _ in range(ROUNDS):
         for radius, pool in pools.items():
-            both = contenders([peer(OURS), peer(RIVAL)], pool)
+            both = contenders([peer(OURS), sharp_rival()], pool)
             least = {k: t.least_us for k, t in duel([*both, convert(CONVERSION, pool.frames, 0)], LAPS).items()}
             _keep(best, f"update(r = {radius}) / conversion", least[OURS] / least[CONVERSION])
             _keep(best, f"update(r = {radius}) / region + BGR + contour", least[OURS] / least[RIVAL])

@@ -59,7 +59,7 @@ def test_the_worst_radius_decides_about_speed() -> None:
         20: {"matchset": times(50.0), "region_bgr": times(45.0)},
         120: {"matchset": times(60.0), "region_bgr": times(240.0)},
     }
-    finding = rival_finding(races)
+    finding = rival_finding(races, rival_valid=100.0)
     assert finding.figure("ratio").value == pytest.approx(0.9)
     assert finding.verdict == "missed"
 

@@ -120,7 +120,7 @@ class Follower:
         self._right, self._ahead = Pid(self.parameters.level), Pid(self.parameters.level)
         self._rise, self._yaw = Pid(self.parameters.rise), Pid(self.parameters.yaw)
         self._out: Floats | None = None  # where the marker points, level, in the frame at rest
-        self._seen, self._time = -math.inf, -math.inf
+        self._fed = self._seen = self._time = -math.inf
 
     def update(self, pose: "Pose | Lost[Pose]", now: float) -> Answer | None:
         """Decide what to do about a pose.
@@ -137,8 +137,10 @@ class Follower:
         Answer or None
             None while there is nothing to go by: no ball for long, or its marker never seen.
         """
-        if isinstance(pose, Pose) and self.filter.update(self.own.at(pose.time).to_rest(pose)):
-            self._seen = pose.time
+        if isinstance(pose, Pose):
+            self._fed = pose.time
+            if self.filter.update(self.own.at(pose.time).to_rest(pose)):
+                self._seen = pose.time
         time = now + self.parameters.own.delay
         step, self._time = min(max(now - self._time, 1e-3), 0.1), now
         ball = self._ball(time)
@@ -164,7 +166,7 @@ class Follower:
 
     def _ball(self, time: float) -> Pose | None:
         """Predict the ball in the frame at rest for a time, and note where its marker points."""
-        until = min(time, self._seen + self.parameters.reach)
+        until = max(min(time, self._seen + self.parameters.reach), self._fed)
         if not time - self._seen <= self.parameters.filter.memory:
             return None
         ball = self.filter.predict(until)

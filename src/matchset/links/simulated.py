@@ -1,0 +1,257 @@
+"""``sim://chain``: the simulated chain of vehicles, each with a link and a camera.
+
+``sim://chain?vehicles=3&seed=7&pal=typical&latency_ms=67``: what stands after the question mark are the fields of
+`SimulationParameters`. Time passes when a camera is read: to the moment at which its next picture has been worked on,
+`latency_ms` after it was taken. Whoever sends then sends at that moment.
+"""
+
+import math
+from concurrent.futures import Future, ThreadPoolExecutor
+from types import TracebackType
+from typing import Literal, Self
+from urllib.parse import parse_qsl
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.control.command import Command
+from matchset.image.device import LinkError
+from matchset.image.frame import Frame
+from matchset.links.link import LinkStatus
+from matchset.localization.camera_model import CameraModel
+from matchset.sim.rope import RopeParameters
+from matchset.sim.studio import Studio
+from matchset.sim.vehicle import toy
+from matchset.sim.world import RATE, ChainParameters, World
+
+FPS = 30
+FRAME = RATE // FPS  # steps
+SCHEME = "sim://"
+
+
+class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is simulated.
+
+    Parameters
+    ----------
+    vehicles : int
+        Length of the chain; the last one hangs on a rope.
+    seed : int
+        Decides everything that is left to chance.
+    pal : str
+        The analog link: "clean", "typical" or "bad".
+    latency_ms : float
+        From the middle of a picture's exposure to the moment its command leaves the laptop, ms, rounded to 1/480 s; the
+        radio's delay comes on top.
+    swing : float
+        Amplitude of the last one's swing, m.
+    yaw_deg : float
+        Amplitude of its yaw, degree.
+    bias_deg : float
+        How far off the level of each vehicle is, degree.
+    start_off : float
+        How far off in every axis each begins, m.
+    hidden : float
+        How long the ball is hidden at a time, s.
+    hidden_every : float
+        How often, s.
+    cable : float
+        When the camera's cable is pulled, s.
+    distortion : float
+        k1 of the lenses.
+    """
+
+    vehicles: int = 3
+    seed: int = 0
+    pal: Literal["clean", "typical", "bad"] = "typical"
+    latency_ms: float = 67.0
+    swing: float = 0.1
+    yaw_deg: float = 20.0
+    bias_deg: float = 2.0
+    start_off: float = 0.0
+    hidden: float = 0.0
+    hidden_every: float = 6.0
+    cable: float = math.inf
+    distortion: float = -0.12
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("seed", 0, 2**31),
+            ("latency_ms", 0.0, 700.0),
+            ("start_off", 0.0, 2.0),
+            ("hidden", 0.0, 60.0),
+            ("hidden_every", 0.1, 1e6),
+            ("cable", 0.0, math.inf),
+            ("distortion", -0.3, 0.3),
+        ):
+            if not low <= getattr(self, name) <= high:
+                raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
+
+    @property
+    def chain(self) -> ChainParameters:
+        """The chain in the world."""
+        return ChainParameters(
+            vehicles=self.vehicles,
+            start_off=(self.start_off,) * 3,
+            rope=RopeParameters(swing=self.swing, yaw_deg=self.yaw_deg),
+            vehicle=msgspec.structs.replace(toy(), level_bias_deg=self.bias_deg),
+        )
+
+    @property
+    def camera(self) -> CameraModel:
+        """The cameras: 640 x 480, 72 degrees wide."""
+        pinhole = CameraModel.from_fov(640, 480, 1.25)
+        return msgspec.structs.replace(pinhole, distortion=(self.distortion, 0.0, 0.0, 0.0, 0.0))
+
+
+class SimulatedChain:
+    """A world, and for each follower a camera and a link.
+
+    Parameters
+    ----------
+    parameters : SimulationParameters, optional
+
+    Attributes
+    ----------
+    world : World
+    cameras : list of SimulatedCamera
+    links : list of SimulatedLink
+    """
+
+    def __init__(self, parameters: SimulationParameters | None = None) -> None:
+        self.parameters = parameters or SimulationParameters()
+        self.world = World(self.parameters.chain, self.parameters.seed)
+        self._studio = Studio(self.world, self.parameters.camera, self.parameters.pal)
+        self._studio.hide(self.parameters.hidden, self.parameters.hidden_every)
+        self._pool = ThreadPoolExecutor(2)
+        self._jobs: dict[tuple[int, int], Future[npt.NDArray[np.uint8]]] = {}
+        count = self.parameters.vehicles - 1
+        self.cameras = [SimulatedCamera(self, who) for who in range(count)]
+        self.links = [SimulatedLink(self, who) for who in range(count)]
+
+    def now(self) -> float:
+        """Return the world's time, s."""
+        return self.world.time
+
+    def close(self) -> None:
+        """Let go of the threads."""
+        self._pool.shutdown(cancel_futures=True)
+
+    def expose(self, who: int, index: int) -> Frame | None:
+        """Let time pass until a picture has been worked on; the picture, None after the cable was pulled."""
+        latency = round(1e-3 * self.parameters.latency_ms * RATE)
+        taken = FRAME * index
+        if self.world.step < taken + latency:
+            self.world.advance(taken + max(latency, FRAME // 2))
+        for other in range(len(self.cameras)):
+            if (other, index) not in self._jobs and taken / RATE < self.parameters.cable:
+                self._jobs[other, index] = self._pool.submit(self._studio.picture, other, taken)
+        if taken / RATE >= self.parameters.cable:
+            return None
+        image = self._jobs[who, index].result()
+        self._jobs.pop((who, index - 2), None)
+        return Frame(image, taken / RATE, index)
+
+    def sample(self, who: int) -> Frame:
+        """Take a picture of a ball that someone holds 1 m before a camera, to teach the colors."""
+        return Frame(self._studio.sample(who), 0.0, 0)
+
+
+class SimulatedCamera:
+    """The camera of one follower; reading it lets time pass.
+
+    Attributes
+    ----------
+    model : CameraModel
+    """
+
+    def __init__(self, chain: SimulatedChain, who: int) -> None:
+        self.model = chain.parameters.camera
+        self._chain, self._who, self._index = chain, who, 0
+
+    def read(self) -> Frame | None:
+        """Return the next picture; None if none came for the time of one."""
+        self._index += 1
+        return self._chain.expose(self._who, self._index)
+
+    def sample(self) -> Frame:
+        """Take a picture of a ball held 1 m before the camera, its marker in the middle."""
+        return self._chain.sample(self._who)
+
+    def now(self) -> float:
+        """Return the time on the clock of the pictures, s."""
+        return self._chain.now()
+
+
+class SimulatedLink:
+    """The radio to one simulated vehicle; implements `matchset.links.link.Link`."""
+
+    def __init__(self, chain: SimulatedChain, who: int) -> None:
+        self.uri = f"{SCHEME}chain#{who + 1}"
+        self.chain, self._who = chain, who
+        self._armed, self._open, self._sent = False, True, Command()
+
+    def arm(self) -> None:
+        """Make the vehicle take throttle."""
+        self._check()
+        self._armed = True
+
+    def send(self, command: Command) -> Command:
+        """Send the sticks of this moment; returns what the vehicle gets."""
+        self._check()
+        self._sent = self.chain.world.send(self._who, command if self._armed else Command())
+        return self._sent
+
+    def status(self) -> LinkStatus:
+        """Return how things stand."""
+        self._check()
+        fallen = [what for _, who, what in self.chain.world.crashes if who == self._who]
+        return LinkStatus("armed" if self._armed else "locked", "simulated", 0, 0.0, tuple(fallen))
+
+    def land(self, duration: float = 1.5) -> None:
+        """Bring the throttle to zero over so many seconds of the world's time, then disarm."""
+        self._check()
+        steps = max(round(duration * FPS), 1) if self._armed else 0
+        for k in range(1, steps + 1):
+            command = Command(throttle=self._sent.throttle * (1.0 - k / steps))
+            self.chain.world.send(self._who, command, after=duration * k / steps)
+        self._armed, self._sent = False, Command()
+
+    def close(self) -> None:
+        """Land and let go."""
+        if self._open:
+            self.land()
+            self._open = False
+
+    def __enter__(self) -> Self:
+        """Return the link."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Land and let go."""
+        self.close()
+
+    def _check(self) -> None:
+        if not self._open:
+            raise LinkError(f"{self.uri} is closed")
+
+
+def parse_uri(uri: str) -> SimulationParameters:
+    """Read the parameters in a URI.
+
+    Raises
+    ------
+    ValueError
+        If it does not begin with ``sim://chain``, or a parameter is unknown or out of range; with its name.
+    """
+    path, _, query = uri.partition("?")
+    if path != SCHEME + "chain":
+        raise ValueError(f"a simulated world is named like sim://chain?vehicles=3&seed=7, got {uri!r}")
+    pairs = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
+    try:
+        return msgspec.convert(pairs, SimulationParameters, strict=False)
+    except msgspec.ValidationError as error:
+        raise ValueError(f"{uri}: {error}") from None

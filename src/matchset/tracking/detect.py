@@ -13,12 +13,13 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
 from matchset.tracking import detect_grid
-from matchset.tracking.judge import Judge
+from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
 HOPELESS = 0.25  # agreement below which a candidate is given up at once
+MOVING = 8.0  # px per frame that a shape may move at first sight
 BORDER = 12  # cells of radius up to which votes are counted finely
 Floats = npt.NDArray[np.float64]
 
@@ -126,7 +127,7 @@ class Finder(Generic[S]):
         self.matcher, self.judge, self.searcher = matcher, judge, searcher
 
     def sightings(
-        self, image: npt.NDArray[np.uint8], color: ColorModel, expected: bool = False
+        self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior = Prior.NONE
     ) -> Iterator[tuple[Floats, float]]:
         """Yield the confirmed shapes of a picture, likeliest first: state and merit; the matcher holds the rest.
 
@@ -134,8 +135,8 @@ class Finder(Generic[S]):
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        expected : bool
-            Whether only shapes near a prediction will be taken.
+        prior : Prior
+            What is known of them before.
         """
         seen: list[tuple[float, float, float]] = []
         for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
@@ -148,9 +149,29 @@ class Finder(Generic[S]):
             state, size = self.matcher.state.copy(), self.matcher.size
             if _covered(seen, float(state[0]), float(state[1]), size):
                 continue
-            if not self.judge.first_sight(self.matcher, expected):
+            if self._refuted(image, color, prior):
+                continue
+            state, size = self.matcher.state.copy(), self.matcher.size
+            if not _covered(seen, float(state[0]), float(state[1]), size):
                 seen.append((float(state[0]), float(state[1]), size))
                 yield state, self.judge.merit(self.matcher)
+
+    def _refuted(self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior) -> str:
+        """Judge the shape that was fitted: why it is none, empty if it is one.
+
+        A second look lets the two fields of an interlaced picture disagree, as they do where it moves.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        prior : Prior
+            What is known of it before.
+        """
+        reason = self.judge.first_sight(self.matcher, prior)
+        if reason and self.matcher.settle(image, color, self.matcher.state.copy(), Look(4.0, MOVING)):
+            reason = self.judge.first_sight(self.matcher, prior)
+        return reason
 
 
 def _covered(seen: list[tuple[float, float, float]], x: float, y: float, size: float) -> bool:

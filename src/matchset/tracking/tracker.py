@@ -10,20 +10,24 @@ from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
-from matchset.tracking.detect import Finder, Searcher, channels_last
+from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
-from matchset.tracking.judge import Judge
+from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
-from matchset.tracking.memory import CONFIRMED, INSIDE, SEEN, SPEED, SURPRISE, TIME
+from matchset.tracking.memory import CONFIRMED, EVIDENCE, INSIDE, SEEN, SPEED, SURPRISE, TIME
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.place import Place
 from matchset.tracking.track import Lost, Track
-from matchset.tracking.verdict import is_doubtful, is_near, is_other_shape, missing
+from matchset.tracking.verdict import is_doubtful, is_near, missing
+from matchset.tracking.warm_up import warm_up
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
+PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
+FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
 TEACH = 3  # every so many frames the color may learn: light changes slowly
 
 
@@ -82,30 +86,8 @@ class Tracker(Generic[S]):
         self._finder: Finder[S] | None = None
         self._kind: tuple[int, ...] | None = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = 0
-        self._compile()
-
-    def _compile(self) -> None:
-        """Run every kernel once on a small picture of a disc, so that no frame waits for the compiler."""
-        color = ColorModel(np.linspace(-4.0, 4.0, self.color.table.size, dtype=np.float32))
-        image = np.zeros((64, 64, color.channels), np.uint8)
-        cells = np.arange(64) - 31.5
-        image[np.hypot(cells[:, None], cells[None, :]) < 20.0] = 255
-        matcher: Matcher[S] = Matcher(self._family, 16)
-        state = self._family.from_coarse(31.5, 31.5, 20.0).state
-        matcher.settle(image, color, state, Look(6.0))
-        self._judge.following(matcher)
-        is_other_shape(matcher.parts.fit, matcher.parts.judge, 1.0)
-        matcher.track(0.0)
-        matcher.begin(state, 0.0, 1.0)
-        matcher.take_in(1.0)
-        matcher.predict(2.0, 1.0)
-        matcher.advance(image, color, 2.0, 1.0)
-        is_doubtful(matcher.parts.fit, 16)
-        is_near(state, self._place(state).size, state, 20.0, 1.0)
-        missing(16.0, 16)
-        Searcher(64, 64).candidates(image, color)
-        self._teach(image, matcher, color, 0.0)
+        self._frames, self._faint = 0, 0
+        warm_up(family, color.table.size, color.channels)
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -201,11 +183,24 @@ class Tracker(Generic[S]):
         if is_doubtful(matcher.parts.fit, matcher.points):
             reason = self._look_again(image, reason, speed)
         here, there = self._place(expected), self._place(matcher.state)
+        if not reason:
+            reason = self._faintly()
         if not reason and not is_near(matcher.state, there.size, expected, here.size, surprise):
             reason = self._judge.first_sight(matcher)
             if not reason and not here.reachable(there, missed, limits):
                 reason = "it would have jumped or changed its size faster than it can"
         return reason
+
+    def _faintly(self) -> str:
+        """Why a shape that speaks faintly for itself is given up, empty if it is not: that cannot go on for long."""
+        evidence = self._matcher.fit(EVIDENCE)
+        if evidence < FAINT:
+            self._faint += 1
+        elif evidence > CLEAR:
+            self._faint = 0
+        if self._faint <= PATIENCE:
+            return ""
+        return "hardly anything has spoken for it for a while"
 
     def _try(self, image: Image, state: Floats, look: Look) -> str:
         """Fit near a state; why it is not confirmed, empty if it is."""
@@ -232,7 +227,9 @@ class Tracker(Generic[S]):
         here, there = self._place(expected), self._place(state)
         if here.about(there):
             return True
-        return not self._judge.first_sight(self._matcher) and here.reachable(there, missed, self.parameters)
+        lone = math.hypot(there.x - here.x, there.y - here.y) > FAR * max(here.size, there.size)
+        prior = Prior.NONE if lone else Prior.PRESENT
+        return not self._judge.first_sight(self._matcher, prior) and here.reachable(there, missed, self.parameters)
 
     def _learn(self, image: Image) -> None:
         """Learn the color from a shape that is whole and well confirmed."""
@@ -240,10 +237,11 @@ class Tracker(Generic[S]):
         seen = matcher.fit(SEEN)
         good = seen == matcher.points and matcher.fit(CONFIRMED) >= limits.adapt_support * seen
         if good and limits.adapt_rate > 0.0 and matcher.fit(INSIDE) >= limits.adapt_inside:
-            self._teach(image, matcher, self.color, limits.adapt_rate)
+            self._teach(image)
 
-    def _teach(self, image: Image, matcher: Matcher[S], color: ColorModel, rate: float) -> None:
+    def _teach(self, image: Image) -> None:
         """Teach the color a quarter of the outline's surroundings, another one in every frame."""
+        matcher, color, rate = self._matcher, self.color, self.parameters.adapt_rate
         x, y = float(matcher.state[0]), float(matcher.state[1])
         begin = self._frames // TEACH % 4
         outline, shares = matcher.parts.outline, matcher.parts.rays[:, 2]
@@ -258,10 +256,15 @@ class Tracker(Generic[S]):
         best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
             return Lost(reason, self._time, None if expected is None else self._shape(expected))
-        self._try(image, best, Look(4.0))
+        lone = expected is None and self._wish is None
+        self._try(image, best, Look(4.0, MOVING if lone else 0.0))
+        if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
+            return Lost(refuted, self._time)
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None
+        if matcher.fit(EVIDENCE) > CLEAR:
+            self._faint = 0
         found = matcher.take_in(self._time)
         if self._frames % TEACH == 0:
             self._learn(image)
@@ -279,8 +282,9 @@ class Tracker(Generic[S]):
         if self._finder is None:
             self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
         missed = self._missed() if expected is not None else 1.0
+        prior = Prior.HERE if expected is not None else Prior.PRESENT if self._wish is not None else Prior.NONE
         best, most = None, 0.0
-        for state, merit in self._finder.sightings(image, self.color, expected is not None):
+        for state, merit in self._finder.sightings(image, self.color, prior):
             if expected is not None and not self._can_be(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:

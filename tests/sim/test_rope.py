@@ -67,7 +67,9 @@ def test_it_hangs_along_its_rope_and_looks_where_its_yaw_says() -> None:
     assert math.atan2(turn[0, 2], turn[2, 2]) == pytest.approx(rope.yaw(1.3), abs=0.05)
 
 
-@pytest.mark.parametrize(("field", "value"), [("length", 0.0), ("swing", 2.0), ("yaw_deg", -1.0), ("damping", math.nan)])
+@pytest.mark.parametrize(
+    ("field", "value"), [("length", 0.0), ("swing", 2.0), ("yaw_deg", -1.0), ("damping", math.nan)]
+)
 def test_a_rope_that_is_none_is_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):
         RopeParameters(**{field: value})

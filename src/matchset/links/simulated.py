@@ -20,6 +20,7 @@ from matchset.image.device import LinkError
 from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
 from matchset.localization.camera_model import CameraModel
+from matchset.sim.eye import Sight
 from matchset.sim.rope import RopeParameters
 from matchset.sim.studio import Studio
 from matchset.sim.vehicle import toy
@@ -152,6 +153,14 @@ class SimulatedChain:
         image = self._jobs[who, index].result()
         self._jobs.pop((who, index - 2), None)
         return Frame(image, taken / RATE, index)
+
+    def truth(self, index: int | None = None) -> tuple[Sight, ...]:
+        """Where everyone is now, or was when the pictures of an index were taken."""
+        return tuple(self.world.sights(self.world.step if index is None else FRAME * index))
+
+    def inside(self, who: int, index: int) -> bool:
+        """Whether the middle of the neighbor's ball was in a camera's picture, and nothing was held before it."""
+        return self._studio.inside(who, FRAME * index)
 
     def sample(self, who: int) -> Frame:
         """Take a picture of a ball that someone holds 1 m before a camera, to teach the colors."""

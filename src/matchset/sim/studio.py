@@ -33,7 +33,7 @@ class Studio:
     """
 
     def __init__(self, world: World, camera: CameraModel, preset: str) -> None:
-        self.world, self._link = world, PRESETS[preset]
+        self.world, self._camera, self._link = world, camera, PRESETS[preset]
         vehicle, chain = world.parameters.vehicle, world.parameters
         length = chain.place.heading * (chain.vehicles - 1)
         scale = np.array((max(length / ROOM_LENGTH, 1.0), 1.0, max(length / ROOM_LENGTH, 1.0)))
@@ -69,6 +69,12 @@ class Studio:
         held = Sight(ball, me.turn, ball)
         fields = [self._eye.expose(field, lens, me.turn, [(held, [])]) for field in range(self._eye.fields)]
         return degrade(self._eye.join(fields), self._link, self.world.seed * 64 + who)
+
+    def inside(self, who: int, step: int) -> bool:
+        """Whether the middle of the next one's ball is in a camera's picture at a step, and nothing is held before it."""
+        sights = self.world.sights(step)
+        place = sights[who].turn.T @ (sights[who + 1].ball - lens_of(sights[who]))
+        return not self._is_hidden(who, step / RATE) and bool(self._camera.visible(place[np.newaxis])[0])
 
     def _expose(self, field: int, me: Sight, who: int, sights: list[Sight], step: int) -> npt.NDArray[np.float32]:
         lens = lens_of(me)

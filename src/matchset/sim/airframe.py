@@ -43,14 +43,6 @@ def airframe(vehicle: VehicleParameters, rope: float = 0.0) -> list[Surface]:
     return parts
 
 
-def placed(parts: list[Surface], turn: Floats, place: Floats) -> list[Surface]:
-    """Move surfaces from the body frame into the room: x -> turn x + place."""
-    return [
-        Surface(origin=turn @ part.origin + place, u=turn @ part.u, v=turn @ part.v, texture=part.texture)
-        for part in parts
-    ]
-
-
 def _plain(color: tuple[int, int, int]) -> npt.NDArray[np.uint8]:
     return np.array([[(*color, 255)]], np.uint8)
 

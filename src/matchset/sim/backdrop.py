@@ -1,24 +1,33 @@
-"""A room behind a camera that moves: `Backdrop`, the same surfaces as `Scene`, several times faster and less smooth.
+"""Flat surfaces for a camera that moves: `Backdrop`, the same surfaces as `Scene`, many times faster and less smooth.
 
 One ray a pixel, no interpolation between texels, and a texel either hides what is behind it or does not: an analog
 picture shows no more.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
 from matchset.shapes.jit import kernel
-from matchset.sim.renderer import ALL_ROWS, Picture, Rows
 from matchset.sim.surface import Surface
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Texels = npt.NDArray[np.uint8]
+Depth = npt.NDArray[np.float32]
 
 NEAR = 0.03  # m, nothing closer is drawn
+
+
+class Window(NamedTuple):
+    """A part of a pinhole camera's picture: pixel (x, y) sees along ((x - cx) / fx, (y - cy) / fy, 1)."""
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
 
 
 class Backdrop:
@@ -27,7 +36,7 @@ class Backdrop:
     Parameters
     ----------
     surfaces : list of Surface
-        In the room frame. The nearer hides the farther, so their order does not matter.
+        In a frame of their own. The nearer hides the farther, so their order does not matter.
     """
 
     def __init__(self, surfaces: list[Surface]) -> None:
@@ -39,38 +48,93 @@ class Backdrop:
         self._sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
         self._texels = np.concatenate([each.texture.reshape(-1, 4) for each in order])
 
-    def draw(
-        self, picture: Picture, camera: CameraModel, rotation: Floats, position: Floats, rows: Rows = ALL_ROWS
-    ) -> None:
+    def draw(self, picture: Texels, window: Window, turn: Floats, place: Floats) -> None:
         """Draw what a camera sees over a picture, in place.
 
         Parameters
         ----------
-        picture : ndarray of shape (h, w, 3), float32
-            BGR, 0 ... 255; rows where nothing is keep what they show.
-        camera : CameraModel
-            A pinhole of the picture's size.
-        rotation : ndarray of shape (3, 3)
-            Turns camera-frame vectors into the room frame.
-        position : ndarray of shape (3,)
-            The camera in the room, m.
-        rows : Rows
-            Which rows to draw.
+        picture : ndarray of shape (h, w, 3), uint8
+            BGR; where nothing is it keeps what it shows.
+        window : Window
+            Where its pixels look.
+        turn : ndarray of shape (3, 3)
+            Turns vectors of the surfaces' frame into that of the camera.
+        place : ndarray of shape (3,)
+            Origin of the surfaces' frame in that of the camera, m.
         """
-        corners = self._corners.copy()
-        corners[:, :, 2] -= position
-        seen = np.abs(np.linalg.det(corners)) > 1e-9
-        lens = np.array(
-            ((1 / camera.fx, 0.0, -camera.cx / camera.fx), (0.0, 1 / camera.fy, -camera.cy / camera.fy), (0, 0, 1.0))
-        )
-        maps = np.linalg.solve(corners[seen], np.broadcast_to(rotation @ lens, (int(seen.sum()), 3, 3)))
         nearest = np.zeros(picture.shape[:2], np.float32)
-        draw_flat(picture, nearest, np.ascontiguousarray(maps), self._sizes[seen], self._texels, rows.start, rows.step)
+        draw_flat(
+            picture, nearest, self._corners, np.ascontiguousarray(turn), place, *window, self._sizes, self._texels
+        )
+
+
+@kernel
+def homography(corner: Floats, turn: Floats, place: Floats, lens: Floats, h: Floats) -> bool:
+    """Write the map from pixels (x, y, 1) to (s, t, 1) / depth of a surface; False if it is seen from its edge.
+
+    With u, v and o the surface's sides and origin seen from the camera, its rows are v x o, o x u and u x v over the
+    determinant, times the inverse of the pinhole's matrix.
+    """
+    m = np.zeros((3, 3))
+    for j in range(3):
+        for k in range(3):
+            for i in range(3):
+                m[j, k] += turn[j, i] * corner[i, k]
+        m[j, 2] += place[j]
+    rows = np.empty((3, 3))
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        for j in range(3):
+            p, q = (j + 1) % 3, (j + 2) % 3
+            rows[k, j] = m[p, a] * m[q, b] - m[q, a] * m[p, b]
+    det = m[0, 2] * rows[2, 0] + m[1, 2] * rows[2, 1] + m[2, 2] * rows[2, 2]
+    if abs(det) < 1e-9:
+        return False
+    for k in range(3):
+        h[k, 0] = rows[k, 0] / (det * lens[0])
+        h[k, 1] = rows[k, 1] / (det * lens[1])
+        h[k, 2] = (rows[k, 2] - rows[k, 0] * lens[2] / lens[0] - rows[k, 1] * lens[3] / lens[1]) / det
+    return True
+
+
+@kernel
+def span(h: Floats, y: int, width: int) -> tuple[int, int]:
+    """First and last pixel of a line that a surface may fill: s >= 0, t >= 0, w >= 0, s <= w, t <= w."""
+    s0, t0, w0 = h[0, 1] * y + h[0, 2], h[1, 1] * y + h[1, 2], h[2, 1] * y + h[2, 2]
+    low, high = 0.0, width - 1.0
+    for i in range(5):
+        if i == 0:
+            slope, value = h[0, 0], s0
+        elif i == 1:
+            slope, value = h[1, 0], t0
+        elif i == 2:
+            slope, value = h[2, 0], w0
+        elif i == 3:
+            slope, value = h[2, 0] - h[0, 0], w0 - s0
+        else:
+            slope, value = h[2, 0] - h[1, 0], w0 - t0
+        if slope > 0.0:
+            low = max(low, -value / slope)
+        elif slope < 0.0:
+            high = min(high, -value / slope)
+        elif value <= 0.0:
+            high = -1.0
+    return math.ceil(low), math.floor(max(high, -1.0))
 
 
 @kernel
 def draw_flat(
-    picture: Picture, nearest: Picture, maps: Floats, sizes: Ints, texels: Texels, start: int, step: int
+    picture: Texels,
+    nearest: Depth,
+    corners: Floats,
+    turn: Floats,
+    place: Floats,
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    sizes: Ints,
+    texels: Texels,
 ) -> None:
     """Draw surfaces into a picture and its depth buffer.
 
@@ -79,40 +143,27 @@ def draw_flat(
     picture : (h, w, 3), written
     nearest : (h, w), written
         1/depth of what is drawn already.
-    maps : (n, 3, 3)
-        From pixels (x, y, 1) to (s, t, 1) / depth of each surface.
+    corners : (n, 3, 3)
+        Columns: sides u and v, and origin of each surface.
+    turn, place : (3, 3), (3,)
+        From their frame to the camera's.
+    fx, fy, cx, cy : float
+        See `Window`.
     sizes : (n, 3)
         Rows and columns of its texture, and where that begins.
     texels : (m, 4)
         BGRA of all textures.
-    start, step : int
-        Rows start, start + step, ... are drawn.
     """
-    width = picture.shape[1]
-    for k in range(maps.shape[0]):
-        h = maps[k]
+    height, width = picture.shape[0], picture.shape[1]
+    h, lens = np.empty((3, 3)), np.array((fx, fy, cx, cy))
+    for k in range(corners.shape[0]):
+        if not homography(corners[k], turn, place, lens, h):
+            continue
         tall, wide, first_texel = sizes[k, 0], sizes[k, 1], sizes[k, 2]
-        for y in range(start, picture.shape[0], step):
+        for y in range(height):
+            first, last = span(h, y, width)
             s0, t0, w0 = h[0, 1] * y + h[0, 2], h[1, 1] * y + h[1, 2], h[2, 1] * y + h[2, 2]
-            low, high = 0.0, width - 1.0
-            for i in range(5):  # s >= 0, t >= 0, w >= 0, s <= w, t <= w
-                if i == 0:
-                    slope, value = h[0, 0], s0
-                elif i == 1:
-                    slope, value = h[1, 0], t0
-                elif i == 2:
-                    slope, value = h[2, 0], w0
-                elif i == 3:
-                    slope, value = h[2, 0] - h[0, 0], w0 - s0
-                else:
-                    slope, value = h[2, 0] - h[1, 0], w0 - t0
-                if slope > 0.0:
-                    low = max(low, -value / slope)
-                elif slope < 0.0:
-                    high = min(high, -value / slope)
-                elif value <= 0.0:
-                    high = -1.0
-            for x in range(math.ceil(low), math.floor(max(high, -1.0)) + 1):
+            for x in range(first, last + 1):
                 w = h[2, 0] * x + w0
                 if w <= nearest[y, x] or w > 1.0 / NEAR:
                     continue

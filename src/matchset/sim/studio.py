@@ -7,7 +7,7 @@ from matchset.localization.camera_model import CameraModel
 from matchset.sim.airframe import airframe
 from matchset.sim.backdrop import Backdrop
 from matchset.sim.balloon import Balloon
-from matchset.sim.eye import BACKWARD, Eye, Sight
+from matchset.sim.eye import Eye, Look, Sight
 from matchset.sim.pal import PRESETS, degrade
 from matchset.sim.scene import Scene
 from matchset.sim.surface import Surface
@@ -42,7 +42,8 @@ class Studio:
         ]
         balloon = Balloon(radius=vehicle.ball_radius)
         self._eye = Eye(camera, Backdrop(room), balloon, self._link.interlaced)
-        self._parts = [airframe(vehicle)] * (chain.vehicles - 1) + [airframe(vehicle, rope=1.0)]
+        flying, hung = Look(Backdrop(airframe(vehicle))), Look(Backdrop(airframe(vehicle, rope=1.0)), above=1.2)
+        self._looks = [flying] * (chain.vehicles - 1) + [hung]
         self._hidden, self._every = 0.0, 1.0
 
     def hide(self, duration: float, every: float) -> None:
@@ -65,7 +66,7 @@ class Studio:
         lens = lens_of(me)
         ball = lens + me.turn[:, 2]
         held = Sight(ball, me.turn, ball)
-        fields = [self._eye.expose(field, lens, me.turn, [(held, [])]) for field in range(self._eye.fields)]
+        fields = [self._eye.expose(field, lens, me.turn, [(held, Look())]) for field in range(self._eye.fields)]
         return degrade(self._eye.join(fields), self._link, self.world.seed * 64 + who)
 
     def inside(self, who: int, step: int) -> bool:
@@ -74,28 +75,30 @@ class Studio:
         place = sights[who].turn.T @ (sights[who + 1].ball - lens_of(sights[who]))
         return not self._is_hidden(who, step / RATE) and bool(self._camera.visible(place[np.newaxis])[0])
 
-    def _expose(self, field: int, me: Sight, who: int, sights: list[Sight], step: int) -> npt.NDArray[np.float32]:
+    def _expose(self, field: int, me: Sight, who: int, sights: list[Sight], step: int) -> npt.NDArray[np.uint8]:
         lens = lens_of(me)
-        others = [(sight, self._parts[k]) for k, sight in enumerate(sights) if k != who]
+        others = [(sight, self._looks[k]) for k, sight in enumerate(sights) if k != who]
         if self._is_hidden(who, step / RATE):
-            others.append((_board(lens, sights[who + 1].ball, me.turn), _BOARD))
+            middle = lens + 0.5 * (sights[who + 1].ball - lens)
+            others.append((Sight(middle, me.turn, middle), _BOARD))
         return self._eye.expose(field, lens, me.turn, others)
 
     def _is_hidden(self, who: int, time: float) -> bool:
         return time > QUIET and (time + 0.37 * self._every * who) % self._every < self._hidden
 
 
-_BOARD = [
-    Surface(
-        origin=np.array((-0.2, -0.2, 0.0)),
-        u=np.array((0.4, 0.0, 0.0)),
-        v=np.array((0.0, 0.4, 0.0)),
-        texture=np.array([[(96, 110, 120, 255)]], np.uint8),
-    )
-]
-
-
-def _board(lens: Floats, ball: Floats, turn: Floats) -> Sight:
-    """Hold a board half way between a camera and a ball; its own ball is behind the camera."""
-    middle = lens + 0.5 * (ball - lens)
-    return Sight(middle, turn, lens + 10.0 * (turn @ BACKWARD))
+_BOARD = Look(
+    Backdrop(
+        [
+            Surface(
+                origin=np.array((-0.2, -0.2, 0.0)),
+                u=np.array((0.4, 0.0, 0.0)),
+                v=np.array((0.0, 0.4, 0.0)),
+                texture=np.array([[(96, 110, 120, 255)]], np.uint8),
+            )
+        ]
+    ),
+    below=0.3,
+    ball=False,
+)
+"""A board that is held half way between a camera and a ball."""

@@ -115,8 +115,8 @@ class TopView:
         self._line(image, at, at + 0.3 * ahead, color, 3)
         self._circle(image, at, BALL, color, cv2.FILLED)
         words, size = str(number + 1), max(self._size[1] // 24, 11)
-        x, y = (part / (1 << _SHIFT) for part in self._px(at))
-        draw_text(image, words, (x - text_width(words, size) / 2.0, y), size)
+        x, y = (part / (1 << _SHIFT) for part in self._px(at - 0.27 * ahead))
+        draw_text(image, words, (x - text_width(words, size) / 2.0, y), size, INK)
 
     def _draw_beliefs(self, image: Picture, tick: Tick) -> None:
         """Draw rings where the cameras are by what all of the chain sees, carried on from the last ball."""

@@ -59,7 +59,7 @@ def test_the_cells_stand_side_by_side(flown: Flown) -> None:
     assert FlightPicture(flown.setting, widest=1920).size == (1920, 480)
 
 
-@pytest.mark.parametrize(("vehicles", "size"), [(2, (1280, 480)), (5, (1440, 720)), (10, (1440, 1080))])
+@pytest.mark.parametrize(("vehicles", "size"), [(2, (1280, 480)), (5, (1440, 720)), (10, (1440, 810))])
 def test_chains_of_any_length_have_room(flown: Flown, vehicles: int, size: tuple[int, int]) -> None:
     setting, tick = flown.setting, flown.ticks[0]
     world = msgspec.structs.replace(setting.parameters.world, vehicles=vehicles)

@@ -53,8 +53,8 @@ def test_the_figures_are_in_the_order_of_their_headings(flown: Flown) -> None:
 def test_the_verdict_names_who_crashed_or_came_down(flown: Flown) -> None:
     log = log_of(flown)
     log.add(with_crash(flown.ticks[-1]))
-    assert "vehicle 1 hit the floor at 0.7 s" in verdict(log)
-    assert follower_figures(log, 0)[-1] == "hit the floor at 0.7 s"
+    assert "vehicle 1 hit the floor at 0.8 s" in verdict(log)
+    assert follower_figures(log, 0)[-1] == "hit the floor at 0.8 s"
     assert verdict(FlightLog(flown.setting)) == "nothing was flown"
 
 

@@ -93,49 +93,48 @@ def test_a_pilot_that_was_not_armed_stays_so(flown: Flown, tmp_path: Path) -> No
 
 def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_goes(recording: Path, tmp_path: Path) -> None:
     data = recording.read_bytes()
-    for share in (0.4, 0.75):
-        cut = tmp_path / "cut.mcap"
-        cut.write_bytes(data[: round(share * len(data))])
-        recorded = RecordedFlight(cut)
-        replayed = Replay(recorded)
-        ticks = list(replayed)
-        assert recorded.cut_off
-        assert len(ticks) >= 3
-        assert replayed.differences == []
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(data[: len(data) // 2])
+    recorded = RecordedFlight(cut)
+    replayed = Replay(recorded)
+    ticks = list(replayed)
+    assert recorded.cut_off
+    assert len(ticks) >= 3
+    assert replayed.differences == []
 
 
 def test_what_is_written_is_on_disk_before_the_end(flown: Flown, tmp_path: Path) -> None:
     """As if the program were killed: nothing is closed, and yet most of it can be replayed."""
     path = tmp_path / "killed.mcap"
     recording = FlightRecording(path, flown.setting)
-    for tick in flown.ticks:
+    for tick in flown.ticks[:12]:
         recording.write(tick, (True, True))
     copy = tmp_path / "copy.mcap"
     copy.write_bytes(path.read_bytes())
     recording.close()
     ticks = list(RecordedFlight(copy))
-    assert 1 <= len(ticks) <= len(flown.ticks)
+    assert 2 <= len(ticks) <= 12
 
 
-def test_damage_is_said_and_never_anything_else(recording: Path, tmp_path: Path) -> None:
-    data, rng = recording.read_bytes(), np.random.default_rng(7)
-    damaged = tmp_path / "damaged.mcap"
-    said = 0
-    places = [*rng.integers(0, 3000, 12).tolist(), *rng.integers(0, len(data), 12).tolist()]
+def test_damage_is_said_and_never_anything_else(flown: Flown, tmp_path: Path) -> None:
+    short = tmp_path / "short.mcap"
+    record(Flown(flown.setting, flown.ticks[:2]), short)
+    data, rng = short.read_bytes(), np.random.default_rng(7)
+    places = [*rng.integers(0, 3000, 15).tolist(), *rng.integers(0, len(data), 15).tolist()]
+    said = []
     for place in places:
         broken = bytearray(data)
         for k in range(3):
             broken[(place + 7 * k) % len(data)] ^= int(rng.integers(1, 256))
-        damaged.write_bytes(broken)
+        short.write_bytes(broken)
         try:
-            flight = RecordedFlight(damaged)
-            ticks = list(flight)
+            list(RecordedFlight(short))
         except ValueError as error:
-            said += "damaged" in str(error) or "MCAP" in str(error) or "recording" in str(error)
-            assert str(damaged) in str(error)
-        else:
-            assert flight.cut_off or ticks
-    assert said > len(places) // 2
+            said.append(str(error))
+    assert len(said) > len(places) // 2
+    for words in said:
+        assert str(short) in words
+        assert any(word in words for word in ("damaged", "MCAP", "recording"))
 
 
 @pytest.mark.parametrize(

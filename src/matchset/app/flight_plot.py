@@ -162,7 +162,8 @@ def _png(figure: Figure, grid: str = "y") -> bytes:
         if grid == "both":
             axes.grid(color="#eeeeee")
         axes.spines[["left", "bottom"]].set_color(PALE)
-    figure.tight_layout()
+    wide, high = figure.get_size_inches()
+    figure.subplots_adjust(0.75 / wide, 0.6 / high, 1.0 - 0.2 / wide, 1.0 - 0.4 / high, wspace=0.13, hspace=0.13)
     FigureCanvasAgg(figure)
     packed = io.BytesIO()
     figure.savefig(packed, format="png")

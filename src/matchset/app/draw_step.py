@@ -17,7 +17,7 @@ Picture = npt.NDArray[np.uint8]
 DARK = 30
 
 
-def annotate_step(step: Step, number: int, camera: CameraModel, radius: float) -> Picture:
+def annotate_step(step: Step, number: int, camera: CameraModel, radius: float, words: bool = True) -> Picture:
     """Draw a turn of a follower's loop into a copy of its picture.
 
     Parameters
@@ -29,12 +29,13 @@ def annotate_step(step: Step, number: int, camera: CameraModel, radius: float) -
         What filmed it.
     radius : float
         Of the ball, m.
+    words : bool
+        Whether to write below who watches whom, the phase of the safety, and where the follower is.
 
     Returns
     -------
     ndarray of shape (h, w, 3), uint8
-        BGR: the ball's outline with its match-set, or dashed where it should be; its markers, axes and distance; below,
-        who watches whom, the phase of the safety, where the follower is beside its neighbor, and how old that is. All
+        BGR: the ball's outline with its match-set, or dashed where it should be; its markers, axes and distance. All
         dark where no picture came.
     """
     image = _picture(step, camera)
@@ -49,10 +50,15 @@ def annotate_step(step: Step, number: int, camera: CameraModel, radius: float) -
     if isinstance(step.pose, Pose) and isinstance(ball, Track):
         draw_axes(image, step.pose, camera, radius)
         label_ball(image, f"{step.pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
+    if words:
+        _write(image, step, number)
+    return image
+
+
+def _write(image: Picture, step: Step, number: int) -> None:
     doubt = step.memory.phase != "flying"
     caption(image, f"{number} watches {number + 1}   {state_words(step)}", f"{step.now:.2f} s", bad=doubt, line=1)
     caption(image, place_words(step.answer), f"age {age_words(step.age)}", bad=doubt)
-    return image
 
 
 def _picture(step: Step, camera: CameraModel) -> Picture:

@@ -21,6 +21,7 @@ Floats = npt.NDArray[np.float64]
 PAPER, GRID, INK, PALE = (252, 252, 252), (236, 236, 236), (70, 70, 70), (160, 160, 160)
 TRAIL = 120  # ticks
 MARGIN = 0.65  # m before the first and behind the last set place
+ACROSS = 2.2  # m across the chain
 BALL = 0.14  # m, radius when drawn
 _SHIFT = 4
 
@@ -66,7 +67,7 @@ class TopView:
         along = np.array([sight.ball[2] for sight in tick.shown])
         width, height = self._size
         long = float(np.ptp(along)) + 2.0 * MARGIN
-        self._scale = min(width / long, height / 2.4)
+        self._scale = min(width / long, height / ACROSS)
         self._middle = np.array((float(along.min() + along.max()) / 2.0, float(tick.shown[-1].ball[0])))
 
     def _px(self, point: Floats) -> tuple[int, int]:

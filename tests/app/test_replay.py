@@ -1,9 +1,13 @@
 """A recording: replayed it gives every step again, bit for bit; whatever is wrong with it is said."""
 
 import math
+import re
+import signal
 import sys
 from pathlib import Path
+from typing import Any
 
+import cv2
 import msgspec
 import numpy as np
 import pytest
@@ -15,6 +19,7 @@ from hypothesis import strategies as st
 from matchset.app.encoding import decode, encode, frame_of, outcome_of, step_message, to_png
 from matchset.app.flight_outlets import FlightFiles, FlightOutlets
 from matchset.app.flight_recording import FlightRecording
+from matchset.app.flight_run import Tick
 from matchset.app.loop import Step
 from matchset.app.mcap_file import Kind, McapReader, McapWriter, Message
 from matchset.app.messages import CONFIGURATION, Picture, StepMessage
@@ -257,6 +262,41 @@ def test_the_command_fails_where_steps_differ(
     out = capfd.readouterr().out
     assert "replayed 6 steps: 1 differ" in out
     assert "tick 3, follower 1: age was 0.5, is 0.0" in out
+
+
+def test_a_signal_ends_the_replay_with_whole_files(
+    matchset: Matchset, recording: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    show = FlightOutlets.show
+
+    def interrupted(outlets: FlightOutlets, tick: Tick) -> None:
+        show(outlets, tick)
+        if tick.index == 3:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(FlightOutlets, "show", interrupted)
+    assert matchset("replay", recording, "--video", "a.avi", "--quiet") == 130
+    out, err = capfd.readouterr()
+    assert "replayed 6 steps: every one" in out
+    assert "stopped" in err
+    video = cv2.VideoCapture("a.avi")
+    assert video.get(cv2.CAP_PROP_FRAME_COUNT) == 3
+
+
+def test_the_python_of_the_page_runs(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "recording.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    monkeypatch.chdir(recording.parent)
+    scope: dict[str, Any] = {}
+    exec(compile(code, "recording.md", "exec"), scope)
+    assert scope["image"].shape == (480, 640, 3)
+
+
+def test_a_video_that_cannot_be_written_leaves_nothing_behind(flown: Flown, tmp_path: Path) -> None:
+    files = FlightFiles(video=tmp_path / "no" / "a.avi", report=tmp_path / "a.html")
+    with pytest.raises(ValueError, match="cannot write"):
+        FlightOutlets(flown.setting, files, quiet=True)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_whatever_happens_the_files_are_whole(flown: Flown, tmp_path: Path) -> None:

@@ -84,15 +84,13 @@ class FlightOutlets:
     def __init__(self, setting: Setting, files: FlightFiles | None = None, quiet: bool = False) -> None:
         self.log = FlightLog(setting)
         self._files = files or FlightFiles()
-        self._stack = ExitStack()
+        self._closed = False
         parameters = setting.parameters
         self._screen = FlightScreen(parameters.pilot.place, parameters.duration, quiet)
         self._picture: FlightPicture | None = None
         self._recorder: Recorder | None = None
         self._recording: FlightRecording | None = None
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
-            if self._files.report is not None:
-                stack.callback(self._report)
             if self._files.video is not None:
                 self._picture = FlightPicture(setting)
                 self._recorder = stack.enter_context(Recorder(self._files.video, FPS, self._picture.size))
@@ -119,11 +117,14 @@ class FlightOutlets:
 
     def close(self) -> None:
         """Finish all files, the report last."""
-        self._stack.close()
-
-    def _report(self) -> None:
-        if self._files.report is not None:
-            write_report(self.log, self._files.report)
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            self._stack.close()
+        finally:
+            if self._files.report is not None:
+                write_report(self.log, self._files.report)
 
     def __enter__(self) -> Self:
         return self

@@ -15,7 +15,7 @@ body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; mar
 h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin-top: 2em; }
 table { border-collapse: collapse; font-size: 0.87em; } th { font-weight: normal; color: #777; vertical-align: bottom; }
 td, th { text-align: right; padding: 0.3em 0.8em; border-bottom: 1px solid #eee; }
-td:first-child, th:first-child { text-align: left; } img { width: 100%; } .quiet { color: #777; }
+td:first-child, th:first-child { text-align: left; white-space: nowrap; } img { width: 100%; } .quiet { color: #777; }
 """
 
 

@@ -6,9 +6,10 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.shapes.jit import kernel
+
 Floats = npt.NDArray[np.float64]
 
-GRAVITY = np.array((0.0, 9.81, 0.0))  # m/s^2, y down
 SHARES = 0.8, 0.2  # of the two waves of the yaw: together they never exceed the amplitude
 
 
@@ -75,6 +76,11 @@ class Rope:
         self.velocity -= self._arm * (self._arm @ self.velocity) / parameters.length**2
 
     @property
+    def arm(self) -> Floats:
+        """From the anchor to the vehicle, (3,), m."""
+        return self._arm
+
+    @property
     def place(self) -> Floats:
         """Where the vehicle is, (3,), m."""
         where: Floats = self.anchor + self._arm
@@ -88,9 +94,9 @@ class Rope:
         ]
         return math.radians(self.parameters.yaw_deg) * sum(waves)
 
-    def turn(self, time: float) -> Floats:
-        """Rotation matrix of the vehicle: its down axis along the rope, turned by the yaw."""
-        down = self._arm / self.parameters.length
+    def turn(self, time: float, arm: Floats | None = None) -> Floats:
+        """Rotation matrix of the vehicle: its down axis along the rope (or an earlier `arm`), turned by the yaw."""
+        down = (self._arm if arm is None else arm) / self.parameters.length
         yaw = self.yaw(time)
         ahead = np.array((math.sin(yaw), 0.0, math.cos(yaw)))
         right = np.cross(down, ahead)
@@ -99,16 +105,35 @@ class Rope:
 
     def step(self, step: float) -> None:
         """Let time pass, s: one step of the classical Runge-Kutta method."""
-        r, v = self._arm, self.velocity
-        slopes: list[tuple[Floats, Floats]] = []
-        for part in (0.0, 0.5, 0.5, 1.0):
-            at, speed = (r, v) if not slopes else (r + part * step * slopes[-1][0], v + part * step * slopes[-1][1])
-            slopes.append((speed, self._acceleration(at, speed)))
-        self._arm = r + step / 6.0 * (slopes[0][0] + 2.0 * slopes[1][0] + 2.0 * slopes[2][0] + slopes[3][0])
-        self.velocity = v + step / 6.0 * (slopes[0][1] + 2.0 * slopes[1][1] + 2.0 * slopes[2][1] + slopes[3][1])
-        self._arm *= self.parameters.length / np.linalg.norm(self._arm)
+        swing(self._arm, self.velocity, self.parameters.length, self.parameters.damping, step)
 
-    def _acceleration(self, r: Floats, v: Floats) -> Floats:
-        pull = (GRAVITY @ r + v @ v) / self.parameters.length**2
-        slope: Floats = GRAVITY - pull * r - self.parameters.damping * 2.0 * v
-        return slope
+
+@kernel
+def _pull(r: Floats, v: Floats, length: float, damping: float, slope: Floats) -> None:
+    """Acceleration of a pendulum: gravity but for its part along the rope, the centripetal part, and damping."""
+    pull = (9.81 * r[1] + v[0] ** 2 + v[1] ** 2 + v[2] ** 2) / length**2
+    for k in range(3):
+        slope[k] = -pull * r[k] - 2.0 * damping * v[k]
+    slope[1] += 9.81
+
+
+@kernel
+def swing(r: Floats, v: Floats, length: float, damping: float, step: float) -> None:
+    """Advance a pendulum's arm and velocity, (3,) each, m and m/s, in place; the arm keeps its length."""
+    rates = np.empty((4, 2, 3))
+    at, speed = r.copy(), v.copy()
+    for stage in range(4):
+        if stage > 0:
+            part = step if stage == 3 else 0.5 * step
+            for k in range(3):
+                at[k] = r[k] + part * rates[stage - 1, 0, k]
+                speed[k] = v[k] + part * rates[stage - 1, 1, k]
+        rates[stage, 0] = speed
+        _pull(at, speed, length, damping, rates[stage, 1])
+    square = 0.0
+    for k in range(3):
+        r[k] += step / 6.0 * (rates[0, 0, k] + 2.0 * rates[1, 0, k] + 2.0 * rates[2, 0, k] + rates[3, 0, k])
+        v[k] += step / 6.0 * (rates[0, 1, k] + 2.0 * rates[1, 1, k] + 2.0 * rates[2, 1, k] + rates[3, 1, k])
+        square += r[k] ** 2
+    for k in range(3):
+        r[k] *= length / math.sqrt(square)

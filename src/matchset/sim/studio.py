@@ -15,7 +15,6 @@ from matchset.sim.world import RATE, World, lens_of
 
 Floats = npt.NDArray[np.float64]
 
-ROOM_LENGTH = 3.0  # m of chain that fits into the room as it is
 QUIET = 2.0  # s at the beginning in which nothing is hidden
 FIELD = 4  # steps from the middle of a frame to that of a field
 
@@ -35,8 +34,7 @@ class Studio:
     def __init__(self, world: World, camera: CameraModel, preset: str) -> None:
         self.world, self._camera, self._link = world, camera, PRESETS[preset]
         vehicle, chain = world.parameters.vehicle, world.parameters
-        length = chain.place.heading * (chain.vehicles - 1)
-        scale = np.array((max(length / ROOM_LENGTH, 1.0), 1.0, max(length / ROOM_LENGTH, 1.0)))
+        scale = np.array((world.room_scale, 1.0, world.room_scale))
         surfaces = Scene.room(world.seed, clutter=True).surfaces
         room = [
             Surface(origin=scale * each.origin, u=scale * each.u, v=scale * each.v, texture=each.texture)

@@ -10,7 +10,8 @@ from matchset.control.command import Command
 from matchset.control.follower import SetPlace
 from matchset.sim.eye import BACKWARD, Sight
 from matchset.sim.furniture import FLOOR
-from matchset.sim.quadrotor import GRAVITY, PLACE, SPEED, THRUST, constants, downwash, resting, rotation, step_vehicle
+from matchset.sim.quadrotor import GRAVITY, PLACE, SPEED, TURN, constants, downwash, resting, rotation, step_vehicle
+from matchset.sim.room import BACK, BEHIND, HALF_WIDTH
 from matchset.sim.rope import Rope, RopeParameters
 from matchset.sim.vehicle import VehicleParameters, toy
 
@@ -20,6 +21,9 @@ RATE = 480  # steps per s: 16 a frame, and fields 4 steps before and after its m
 STEP = 1.0 / RATE
 KEPT = 1 * RATE  # steps that are remembered
 UP = np.array((0.0, -1.0, 0.0))
+LOOK = 4  # steps from one look for crashes to the next
+ROOM_LENGTH = 3.0  # m of chain that fits into the room as it is; for a longer one the room grows
+FRAME_RADIUS = 0.11  # m, of the sphere that a frame with its rotors fills
 LENS = 0.05  # m, the camera before the center of mass
 
 
@@ -87,8 +91,11 @@ class World:
         self._heard = [0] * count
         self._held = [True] * count  # each begins in a hand, which lets go when the motors pull
         self._ended = [False] * count
+        self._goal, self._wind = np.zeros(4), np.zeros(3)
+        length = parameters.place.heading * (count - 1)
+        self.room_scale = max(length / ROOM_LENGTH, 1.0)
         self.states = self._begin(rng)
-        self._history: dict[int, list[Sight]] = {}
+        self._history: dict[int, tuple[Floats, Floats]] = {}
         self._remember()
 
     @property
@@ -110,7 +117,17 @@ class World:
 
     def sights(self, step: int) -> list[Sight]:
         """Where everyone was at a step of the last second."""
-        return self._history[max(step, 0)]
+        states, arm = self._history[max(step, 0)]
+        up = self.parameters.vehicle.ball_height * UP
+        sights = []
+        for who, state in enumerate(states):
+            turn = np.empty((3, 3))
+            rotation(state, turn)
+            if who == self.parameters.vehicles - 1:
+                turn = self.rope.turn(max(step, 0) * STEP, arm)
+            place = state[PLACE : PLACE + 3].copy()
+            sights.append(Sight(place, turn, place + turn @ up))
+        return sights
 
     def place(self, who: int, step: int | None = None) -> Floats:
         """Side, height and heading of a follower's camera in the level frame of its neighbor's ball: the truth, m."""
@@ -143,18 +160,18 @@ class World:
         fade = STEP / toy.level_wander_time
         kick = math.radians(toy.level_wander_deg) * math.sqrt(2.0 * fade)
         self._wander += -fade * self._wander + kick * self._rng.standard_normal(self._wander.shape)
-        wind = np.zeros(3)
         for who in range(self.parameters.vehicles - 1):
-            wanted = self._wanted(who)
-            self._held[who] = self._held[who] and wanted[3] < 0.5 * toy.mass * GRAVITY
+            self._wanted(who)
+            self._held[who] = self._held[who] and self._goal[3] < 0.5 * toy.mass * GRAVITY
             if not (self._ended[who] or self._held[who]):
-                downwash(self.states, who, self._disc, toy.air_density, wind)
-                step_vehicle(self.states[who], wanted, wind, self._constants, STEP)
+                downwash(self.states, who, self._disc, toy.air_density, self._wind)
+                step_vehicle(self.states[who], self._goal, self._wind, self._constants, STEP)
         self._hang()
         self._remember()
-        self._look_for_crashes()
+        if self.step % LOOK == 0:
+            self._look_for_crashes()
 
-    def _wanted(self, who: int) -> Floats:
+    def _wanted(self, who: int) -> None:
         """Tell what a vehicle's electronics make of its sticks: roll, pitch, yaw rate and thrust."""
         toy, queue = self.parameters.vehicle, self._sent[who]
         while queue and queue[0][0] <= self.step:
@@ -164,54 +181,53 @@ class World:
             sticks = Command()
         used = min((self._age[who] + self.time) / toy.flight_time, 1.0)
         most = toy.thrust_to_weight * toy.mass * GRAVITY * (1.0 - toy.battery_sag * used)
-        off = self._bias[who] + self._wander[who]
         tilt = math.radians(toy.full_tilt_deg)
-        return np.array(
-            (
-                tilt * sticks.roll + off[0],
-                tilt * sticks.pitch + off[1],
-                math.radians(toy.full_yaw_rate_deg) * sticks.yaw,
-                most * sticks.throttle,
-            )
-        )
+        goal, bias, wander = self._goal, self._bias[who], self._wander[who]
+        goal[0] = tilt * sticks.roll + bias[0] + wander[0]
+        goal[1] = tilt * sticks.pitch + bias[1] + wander[1]
+        goal[2] = math.radians(toy.full_yaw_rate_deg) * sticks.yaw
+        goal[3] = most * sticks.throttle
 
     def _hang(self) -> None:
         """Put the last one where its rope has it."""
-        state = self.states[-1]
-        state[:] = resting(self.rope.place, self.rope.yaw(self.time), 0.0)
+        state, half = self.states[-1], 0.5 * self.rope.yaw(self.time)
+        state[PLACE : PLACE + 3] = self.rope.anchor
+        state[PLACE : PLACE + 3] += self.rope.arm
         state[SPEED : SPEED + 3] = self.rope.velocity
-        state[THRUST] = 0.0
+        state[TURN], state[TURN + 2] = math.cos(half), math.sin(half)
 
     def _remember(self) -> None:
-        up = self.parameters.vehicle.ball_height * UP
-        sights = []
-        for who, state in enumerate(self.states):
-            turn = np.empty((3, 3))
-            rotation(state, turn)
-            if who == self.parameters.vehicles - 1:
-                turn = self.rope.turn(self.time)
-            place = state[PLACE : PLACE + 3].copy()
-            sights.append(Sight(place, turn, place + turn @ up))
-        self._history[self.step] = sights
+        self._history[self.step] = (self.states.copy(), self.rope.arm.copy())
         self._history.pop(self.step - KEPT, None)
 
     def _look_for_crashes(self) -> None:
-        sights = self._history[self.step]
-        reach = self.parameters.vehicle.ball_radius
+        sights = self.sights(self.step)
+        ball = self.parameters.vehicle.ball_radius
+        wide, near, far = (self.room_scale * edge for edge in (HALF_WIDTH, BEHIND, BACK))
         for who, sight in enumerate(sights[:-1]):
             if self._ended[who]:
                 continue
+            x, y, z = sight.place
             what = ""
-            if sight.place[1] > FLOOR - 0.03:
+            if y > FLOOR - 0.03:
                 what = "hit the floor"
-            elif sight.place[1] < -FLOOR + reach:
+            elif sight.ball[1] < -FLOOR + ball:
                 what = "hit the ceiling"
-            elif np.linalg.norm(sight.ball - sights[who + 1].ball) < 2.0 * reach:
-                what = f"hit vehicle {who + 2}"
+            elif abs(x) > wide - ball or not near + ball < z < far - ball:
+                what = "hit a wall"
+            for other, neighbor in enumerate(sights):
+                if other != who and _touch(sight, neighbor, ball):
+                    what = f"hit vehicle {other + 1}"
             if what:
                 self._ended[who] = True
                 self.states[who, SPEED : SPEED + 3] = 0.0
                 self.crashes.append((self.time, who, what))
+
+
+def _touch(one: Sight, two: Sight, ball: float) -> bool:
+    """Whether two vehicles touch: their balls, or a frame, which fills a sphere around its place, anything."""
+    parts = ((one.ball, ball), (one.place, FRAME_RADIUS)), ((two.ball, ball), (two.place, FRAME_RADIUS))
+    return any(math.dist(here, there) < a + b for here, a in parts[0] for there, b in parts[1])
 
 
 def lens_of(me: Sight) -> Floats:

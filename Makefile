@@ -1,6 +1,6 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bench-radio toolchain wheel-check clean
+.PHONY: help demo test check picture bench bench-radio toolchain wheel-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
@@ -27,6 +27,9 @@ check: $(READY) wheel-check  ## lint, format, types, and the wheel
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+picture: $(READY) $(CACHE)/fresh  ## fly the chain of three and draw the README's animated picture (some minutes)
+	$(BIN)/python docs/pictures/chain.py
 
 bench: $(READY) $(CACHE)/fresh  ## measure speed and accuracy (some minutes)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)

@@ -20,7 +20,7 @@ Picture = npt.NDArray[np.uint8]
 SEED, DURATION, BEGIN = 104, 14.0, 4.0  # s; the picture begins where the start is over
 EVERY = 3  # ticks
 CELL, MAP = (420, 315), (840, 300)  # px
-QUALITY = 42
+QUALITY, METHOD = 42, 3
 LARGEST = 3_000_000  # bytes
 
 
@@ -50,7 +50,7 @@ def main() -> None:
     target = Path(__file__).with_name("chain.webp")
     first, *others = pictures
     duration_ms = round(1000.0 * EVERY / FPS)
-    first.save(target, save_all=True, append_images=others, duration=duration_ms, loop=0, quality=QUALITY, method=6)
+    first.save(target, save_all=True, append_images=others, duration=duration_ms, loop=0, quality=QUALITY, method=METHOD)
     size = target.stat().st_size
     print(f"{target}: {len(pictures)} pictures, {size // 1000} kB")
     if size > LARGEST:

@@ -58,7 +58,7 @@ class Studio:
             sights = self.world.sights(at)
             fields.append(self._expose(field, sights[who], who, sights, at))
         seed = (self.world.seed * 64 + who) * 1_000_003 + step
-        return degrade(self._eye.join(fields), self._link, seed)
+        return degrade(self._eye.join(fields), self._link, seed, work=self._eye.planes())
 
     def sample(self, who: int) -> npt.NDArray[np.uint8]:
         """Take a picture of a ball that is held 1 m before a camera, the marker toward it."""

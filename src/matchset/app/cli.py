@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from matchset.app.cli_flight import FLY_EPILOG, SIMULATE_EPILOG, fly, simulate
 from matchset.app.cli_locate import LOCATE_EPILOG, locate
 from matchset.app.cli_options import (
     AnnotatedVideo,
@@ -196,6 +197,8 @@ def calibrate(
 
 
 app.command(epilog=LOCATE_EPILOG)(locate)
+app.command(epilog=FLY_EPILOG)(fly)
+app.command(epilog=SIMULATE_EPILOG)(simulate)
 app.command(epilog=REPLAY_EPILOG)(replay)
 
 SCORE_EPILOG = """

@@ -1,5 +1,6 @@
 """A chain of followers in flight: `Flight`, an iterable of `Tick`s; whoever shows, records or judges reads these."""
 
+import itertools
 from collections.abc import Iterator
 from types import TracebackType
 from typing import Self
@@ -117,7 +118,7 @@ class Flight:
 
     def __init__(self, parameters: FlightParameters | None = None) -> None:
         self.parameters = parameters or FlightParameters()
-        self.chain = SimulatedChain(self.parameters.world)
+        self.chain = SimulatedChain(self.parameters.world, self.parameters.pilot.place)
         cameras, links = self.chain.cameras, self.chain.links
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
         self.colors: tuple[Colors, ...] = tuple(learn_colors(sample) for sample in self.samples)
@@ -163,7 +164,7 @@ class Flight:
             steps=steps,
             truth=truth,
             shown=shown,
-            places=np.array([place_beside(me, other) for me, other in zip(truth, truth[1:], strict=False)]),
+            places=np.array([place_beside(me, other) for me, other in itertools.pairwise(truth)]),
             inside=tuple(self.chain.inside(who, index) for who in range(len(steps))),
             crashes=tuple(Crash(time, who + 1, what) for time, who, what in self.chain.world.crashes),
         )

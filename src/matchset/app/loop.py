@@ -4,6 +4,7 @@ It knows nothing of where pictures come from and where commands go, so it flies 
 (Epstein & Feldman, section 4, steps 1-8).
 """
 
+import itertools
 import math
 import time
 from typing import NamedTuple, Protocol
@@ -94,7 +95,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
         return sum(self.spent[1:])
 
 
-class PilotParameters(msgspec.Struct, frozen=True, kw_only=True):
+class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything that a follower's loop can be told.
 
     Parameters
@@ -169,7 +170,7 @@ class Pilot:
             command=command,
             memory=self._memory,
             age=now - self._frame_time,
-            spent=tuple(b - a for a, b in zip(stamps, stamps[1:], strict=False)),
+            spent=tuple(b - a for a, b in itertools.pairwise(stamps)),
         )
 
     def _look(

@@ -24,7 +24,7 @@ from matchset.tracking.track import Lost
 Floats = npt.NDArray[np.float64]
 
 
-class SetPlace(msgspec.Struct, frozen=True, kw_only=True):
+class SetPlace(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where to be, in the level frame of the neighbor's ball: m.
 
     Parameters

@@ -32,7 +32,7 @@ KEPT = 128  # steps of 1/120 s
 __all__ = ["GRAVITY", "OwnMotion", "OwnMotionParameters", "OwnState", "Sticks"]
 
 
-class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
+class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the vehicle answers to its sticks.
 
     Parameters

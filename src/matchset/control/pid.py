@@ -6,7 +6,7 @@ from typing import NamedTuple
 import msgspec
 
 
-class PidParameters(msgspec.Struct, frozen=True, kw_only=True):
+class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Gains of a `Pid`; units are those of its output per unit of its input.
 
     Parameters

@@ -16,19 +16,22 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.command import Command
+from matchset.control.follower import SetPlace
 from matchset.image.device import LinkError
 from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
 from matchset.localization.camera_model import CameraModel
 from matchset.sim.eye import Sight
 from matchset.sim.rope import RopeParameters
-from matchset.sim.studio import Studio
-from matchset.sim.vehicle import toy
+from matchset.sim.studio import FIELD, Studio
+from matchset.sim.vehicle import VehicleParameters, toy
 from matchset.sim.world import RATE, ChainParameters, World
 
 FPS = 30
 FRAME = RATE // FPS  # steps
 SCHEME = "sim://"
+PLACE = SetPlace(height=-0.19)
+"""Beside the next one, at its height: its ball is above its frame, and its camera on it."""
 
 
 class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -44,7 +47,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         The analog link: "clean", "typical" or "bad".
     latency_ms : float
         From the middle of a picture's exposure to the moment its command leaves the laptop, ms, rounded to 1/480 s; the
-        radio's delay comes on top.
+        radio's delay comes on top. Never less than the 8.3 ms after which the second field is exposed.
     swing : float
         Amplitude of the last one's swing, m.
     yaw_deg : float
@@ -61,6 +64,14 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         When the camera's cable is pulled, s.
     distortion : float
         k1 of the lenses.
+    width, height : int
+        Of the pictures, px.
+    fov_deg : float
+        Horizontal field of view of the lenses, without their distortion, degree.
+    model : CameraModel, optional
+        The cameras, in place of `distortion` and `fov_deg`; its size must be that of the pictures.
+    vehicle : VehicleParameters, optional
+        The vehicles; but for their bias, which is `bias_deg`.
     """
 
     vehicles: int = 3
@@ -75,6 +86,11 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     hidden_every: float = 6.0
     cable: float = math.inf
     distortion: float = -0.12
+    width: int = 640
+    height: int = 480
+    fov_deg: float = 71.6
+    model: CameraModel | None = None
+    vehicle: VehicleParameters = msgspec.field(default_factory=toy)
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -85,24 +101,37 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             ("hidden_every", 0.1, 1e6),
             ("cable", 0.0, math.inf),
             ("distortion", -0.3, 0.3),
+            ("vehicles", 2, 20),
+            ("width", 64, 1920),
+            ("height", 64, 1080),
+            ("fov_deg", 20.0, 120.0),
+            ("swing", 0.0, 1.0),
+            ("yaw_deg", 0.0, 180.0),
+            ("bias_deg", 0.0, 30.0),
         ):
             if not low <= getattr(self, name) <= high:
                 raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
 
-    @property
-    def chain(self) -> ChainParameters:
-        """The chain in the world."""
+        if self.model is not None and (self.model.width, self.model.height) != (self.width, self.height):
+            size = f"{self.model.width} x {self.model.height}"
+            raise ValueError(f"width and height are {self.width} x {self.height}, but the camera is for {size} px")
+
+    def chain(self, place: SetPlace) -> ChainParameters:
+        """Tell the world what is simulated."""
         return ChainParameters(
             vehicles=self.vehicles,
+            place=place,
             start_off=(self.start_off,) * 3,
             rope=RopeParameters(swing=self.swing, yaw_deg=self.yaw_deg),
-            vehicle=msgspec.structs.replace(toy(), level_bias_deg=self.bias_deg),
+            vehicle=msgspec.structs.replace(self.vehicle, level_bias_deg=self.bias_deg),
         )
 
     @property
     def camera(self) -> CameraModel:
-        """The cameras: 640 x 480, 72 degrees wide."""
-        pinhole = CameraModel.from_fov(640, 480, 1.25)
+        """The cameras."""
+        if self.model is not None:
+            return self.model
+        pinhole = CameraModel.from_fov(self.width, self.height, math.radians(self.fov_deg))
         return msgspec.structs.replace(pinhole, distortion=(self.distortion, 0.0, 0.0, 0.0, 0.0))
 
 
@@ -112,6 +141,8 @@ class SimulatedChain:
     Parameters
     ----------
     parameters : SimulationParameters, optional
+    place : SetPlace, optional
+        Where each begins beside the next, but for `SimulationParameters.start_off`.
 
     Attributes
     ----------
@@ -120,9 +151,9 @@ class SimulatedChain:
     links : list of SimulatedLink
     """
 
-    def __init__(self, parameters: SimulationParameters | None = None) -> None:
+    def __init__(self, parameters: SimulationParameters | None = None, place: SetPlace | None = None) -> None:
         self.parameters = parameters or SimulationParameters()
-        self.world = World(self.parameters.chain, self.parameters.seed)
+        self.world = World(self.parameters.chain(place or PLACE), self.parameters.seed)
         self._studio = Studio(self.world, self.parameters.camera, self.parameters.pal)
         self._studio.hide(self.parameters.hidden, self.parameters.hidden_every)
         self._pool = ThreadPoolExecutor(2)
@@ -141,13 +172,16 @@ class SimulatedChain:
 
     def expose(self, who: int, index: int) -> Frame | None:
         """Let time pass until a picture has been worked on; the picture, None after the cable was pulled."""
-        latency = round(1e-3 * self.parameters.latency_ms * RATE)
+        latency = max(round(1e-3 * self.parameters.latency_ms * RATE), FIELD)
         taken = FRAME * index
-        if self.world.step < taken + latency:
-            self.world.advance(taken + max(latency, FRAME // 2))
-        for other in range(len(self.cameras)):
-            if (other, index) not in self._jobs and taken / RATE < self.parameters.cable:
-                self._jobs[other, index] = self._pool.submit(self._studio.picture, other, taken)
+        self.world.advance(taken + latency)
+        newest = (self.world.step - FIELD) // FRAME  # drawn ahead while this one is worked on
+        for wanted in range(index, max(newest, index) + 1):
+            if wanted * FRAME / RATE >= self.parameters.cable:
+                break
+            for other in range(len(self.cameras)):
+                if (other, wanted) not in self._jobs:
+                    self._jobs[other, wanted] = self._pool.submit(self._studio.picture, other, FRAME * wanted)
         if taken / RATE >= self.parameters.cable:
             return None
         image = self._jobs[who, index].result()

@@ -5,6 +5,7 @@ picture shows no more.
 """
 
 import math
+import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,11 @@ from matchset.sim.surface import Surface
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-Texels = npt.NDArray[np.uint8]
+Bytes = npt.NDArray[np.uint8]
+Words = npt.NDArray[np.uint32]
 Depth = npt.NDArray[np.float32]
 
+OPAQUE = np.uint32(0x80000000)  # little-endian: alpha, the last byte, is the highest
 NEAR = 0.03  # m, nothing closer is drawn
 
 
@@ -40,21 +43,23 @@ class Backdrop:
     """
 
     def __init__(self, surfaces: list[Surface]) -> None:
+        self._kept = threading.local()
         # Small things mostly stand before large ones: drawn first, they spare the work of drawing what they hide.
         order = sorted(surfaces, key=lambda each: float(np.linalg.norm(np.cross(each.u, each.v))))
         self._corners = np.array([np.column_stack((each.u, each.v, each.origin)) for each in order])
         shapes = [each.texture.shape[:2] for each in order]
         starts = np.concatenate(([0], np.cumsum([h * w for h, w in shapes])[:-1]))
         self._sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
-        self._texels = np.concatenate([each.texture.reshape(-1, 4) for each in order])
+        texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
+        self._texels: Words = np.concatenate(texels).view(np.uint32)[:, 0].copy()
 
-    def draw(self, picture: Texels, window: Window, turn: Floats, place: Floats) -> None:
+    def draw(self, picture: Words, window: Window, turn: Floats, place: Floats) -> None:
         """Draw what a camera sees over a picture, in place.
 
         Parameters
         ----------
-        picture : ndarray of shape (h, w, 3), uint8
-            BGR; where nothing is it keeps what it shows.
+        picture : ndarray of shape (h, w), uint32
+            BGRA in one word, see `as_words`; where nothing is it keeps what it shows.
         window : Window
             Where its pixels look.
         turn : ndarray of shape (3, 3)
@@ -62,10 +67,23 @@ class Backdrop:
         place : ndarray of shape (3,)
             Origin of the surfaces' frame in that of the camera, m.
         """
-        nearest = np.zeros(picture.shape[:2], np.float32)
-        draw_flat(
-            picture, nearest, self._corners, np.ascontiguousarray(turn), place, *window, self._sizes, self._texels
-        )
+        nearest = self._depth(picture.shape)
+        turn = np.ascontiguousarray(turn)
+        draw_flat(picture, nearest, self._corners, turn, place, *window, self._sizes, self._texels)
+
+    def _depth(self, shape: tuple[int, ...]) -> Depth:
+        """Depth buffer that each thread keeps: fresh pages cost more than drawing on them."""
+        kept = self._kept.__dict__
+        if kept.get("shape") != shape:
+            kept["shape"], kept["depth"] = shape, np.zeros(shape, np.float32)
+        depth: Depth = kept["depth"]
+        depth[:] = 0.0
+        return depth
+
+
+def as_words(picture: Bytes) -> Words:
+    """See a picture of shape (h, w, 4), uint8, BGRA, as one of words, (h, w)."""
+    return picture.view(np.uint32)[..., 0]
 
 
 @kernel
@@ -124,7 +142,7 @@ def span(h: Floats, y: int, width: int) -> tuple[int, int]:
 
 @kernel
 def draw_flat(
-    picture: Texels,
+    picture: Words,
     nearest: Depth,
     corners: Floats,
     turn: Floats,
@@ -134,13 +152,13 @@ def draw_flat(
     cx: float,
     cy: float,
     sizes: Ints,
-    texels: Texels,
+    texels: Words,
 ) -> None:
     """Draw surfaces into a picture and its depth buffer.
 
     Parameters
     ----------
-    picture : (h, w, 3), written
+    picture : (h, w), written
     nearest : (h, w), written
         1/depth of what is drawn already.
     corners : (n, 3, 3)
@@ -151,7 +169,7 @@ def draw_flat(
         See `Window`.
     sizes : (n, 3)
         Rows and columns of its texture, and where that begins.
-    texels : (m, 4)
+    texels : (m,)
         BGRA of all textures.
     """
     height, width = picture.shape[0], picture.shape[1]
@@ -160,19 +178,22 @@ def draw_flat(
         if not homography(corners[k], turn, place, lens, h):
             continue
         tall, wide, first_texel = sizes[k, 0], sizes[k, 1], sizes[k, 2]
+        slope_s, slope_t, slope_w = h[0, 0] * wide, h[1, 0] * tall, h[2, 0]
         for y in range(height):
             first, last = span(h, y, width)
-            s0, t0, w0 = h[0, 1] * y + h[0, 2], h[1, 1] * y + h[1, 2], h[2, 1] * y + h[2, 2]
+            if first > last:
+                continue
+            start_s, start_t = (h[0, 1] * y + h[0, 2]) * wide, (h[1, 1] * y + h[1, 2]) * tall
+            start_w = h[2, 1] * y + h[2, 2]
+            line, depth = picture[y], nearest[y]
             for x in range(first, last + 1):
-                w = h[2, 0] * x + w0
-                if w <= nearest[y, x] or w > 1.0 / NEAR:
+                w = slope_w * x + start_w
+                if w <= depth[x] or w > 1.0 / NEAR:
                     continue
                 unit = 1.0 / w
-                i = min(max(int((h[1, 0] * x + t0) * unit * tall), 0), tall - 1)
-                j = min(max(int((h[0, 0] * x + s0) * unit * wide), 0), wide - 1)
-                texel = first_texel + i * wide + j
-                if texels[texel, 3] >= 128:
-                    nearest[y, x] = w
-                    picture[y, x, 0] = texels[texel, 0]
-                    picture[y, x, 1] = texels[texel, 1]
-                    picture[y, x, 2] = texels[texel, 2]
+                i = min(int((slope_t * x + start_t) * unit), tall - 1)
+                j = min(int((slope_s * x + start_s) * unit), wide - 1)
+                texel = texels[first_texel + i * wide + j]
+                if texel >= OPAQUE:
+                    depth[x] = w
+                    line[x] = texel

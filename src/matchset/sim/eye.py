@@ -6,6 +6,8 @@ a window around them. Then the lens bends both.
 """
 
 import math
+import threading
+from typing import Any
 
 import cv2
 import msgspec
@@ -13,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.camera_model import CameraModel
-from matchset.sim.backdrop import Backdrop, Window
+from matchset.sim.backdrop import Backdrop, Window, as_words
 from matchset.sim.balloon import Balloon
 from matchset.sim.renderer import Picture, paint_balloon
 
@@ -81,6 +83,7 @@ class Eye:
 
     def __init__(self, camera: CameraModel, backdrop: Backdrop, balloon: Balloon, interlaced: bool) -> None:
         self.camera, self.backdrop, self.balloon = camera, backdrop, balloon
+        self._kept = threading.local()
         self.fields = 2 if interlaced else 1
         self._lenses = [_FieldLens(camera, self.fields, k) for k in range(self.fields)]
 
@@ -98,12 +101,13 @@ class Eye:
 
         Returns
         -------
-        ndarray of shape (h / fields, w, 3), uint8
-            BGR.
+        ndarray of shape (h / fields, w, 4), uint8
+            BGRA.
         """
         lens, back = self._lenses[field], np.ascontiguousarray(turn.T)
-        room = np.zeros((lens.height, lens.width // 2, 3), np.uint8)
-        self.backdrop.draw(room, lens.half, back, -back @ place)
+        room = self._buffer("room", (lens.height, lens.width // 2, 4), np.uint8)
+        room[:] = 0
+        self.backdrop.draw(as_words(room), lens.half, back, -back @ place)
         picture = lens.bend(room)
         box = self._window(lens, others, place, back)
         if box is not None:
@@ -115,11 +119,23 @@ class Eye:
         return picture
 
     def join(self, fields: list[Bytes]) -> Picture:
-        """Weave fields into a frame."""
-        frame = np.empty((self.camera.height, self.camera.width, 3), np.float32)
+        """Weave fields into a frame, which is valid until the next one of this thread."""
+        frame: Picture = self._buffer("frame", (self.camera.height, self.camera.width, 3), np.float32)
         for k, field in enumerate(fields):
-            frame[k :: len(fields)] = field
+            frame[k :: len(fields)] = cv2.cvtColor(field, cv2.COLOR_BGRA2BGR)
         return frame
+
+    def planes(self) -> Picture:
+        """Memory for the analog link to work in, of this thread."""
+        planes: Picture = self._buffer("planes", (self.camera.height, 3, self.camera.width), np.float32)
+        return planes
+
+    def _buffer(self, name: str, shape: tuple[int, ...], kind: type) -> Any:
+        """Memory that each thread keeps from picture to picture: fresh pages cost more than drawing on them."""
+        kept = self._kept.__dict__
+        if name not in kept or kept[name].shape != shape:
+            kept[name] = np.zeros(shape, kind)
+        return kept[name]
 
     def _window(self, lens: "_FieldLens", others: list[tuple[Sight, Look]], place: Floats, back: Floats) -> Box | None:
         """Tell which part of the pinhole's picture shows vehicles, on even columns; None if none."""
@@ -159,7 +175,7 @@ class Eye:
                 things.append((math.dist(sight.ball, place), sight, None))
         for _, sight, part in sorted(things, key=lambda thing: -thing[0]):
             if part is not None and part.parts is not None:
-                part.parts.draw(patch, window, back @ sight.turn, back @ (sight.place - place))
+                part.parts.draw(as_words(patch), window, back @ sight.turn, back @ (sight.place - place))
             else:
                 self._draw_ball(patch, window, sight, place, back)
 
@@ -170,9 +186,9 @@ class Eye:
         marker = back @ (sight.turn @ BACKWARD)
         marker /= np.linalg.norm(marker)
         ball = msgspec.structs.replace(self.balloon, marker=(float(marker[0]), float(marker[1]), float(marker[2])))
-        picture = patch.astype(np.float32)
+        picture = patch[..., :3].astype(np.float32)
         paint_balloon(picture, window, ball, center[np.newaxis])
-        patch[:] = picture + 0.5
+        patch[..., :3] = picture + 0.5
 
 
 class _FieldLens:

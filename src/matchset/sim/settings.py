@@ -38,10 +38,31 @@ def read_settings(text: str, kind: type[S], name: str) -> S:
 
 
 def _place(text: str, words: str) -> str:
-    """Find the line of the key that an error is about."""
-    keys = re.findall(r"`\$?\.?([\w.]+)`", words) + words.split()[:1]
-    for key in (part for whole in keys for part in reversed(whole.split("."))):
-        for number, line in enumerate(text.splitlines(), 1):
-            if re.match(rf"\s*{re.escape(key)}\s*=", line):
-                return f", line {number}"
+    """Find the line of the key that an error is about: the last of its path, in the table that the path names."""
+    path = re.search(r"at `\$\.?([\w.]*)`", words)
+    tables = [part for part in (path.group(1).split(".") if path else []) if part]
+    named = [key.split(".")[-1] for key in re.findall(r"field `([\w.]+)`", words)]
+    found = _keys(text)
+    for key in [*named, *words.split()[:1]]:
+        for line, table, name in found:
+            if name == key and (table == tables or not path):
+                return f", line {line}"
+    for line, table, name in found:
+        if [*table, name] == tables:
+            return f", line {line}"
     return ""
+
+
+def _keys(text: str) -> list[tuple[int, list[str], str]]:
+    """Line, table and name of every key and every table header."""
+    table: list[str] = []
+    found = []
+    for number, line in enumerate(text.splitlines(), 1):
+        header = re.match(r"\s*\[\[?\s*([\w.\-]+)\s*\]", line)
+        key = re.match(r"\s*([\w\-]+)\s*=", line)
+        if header:
+            table = header.group(1).split(".")
+            found.append((number, table[:-1], table[-1]))
+        elif key:
+            found.append((number, table, key.group(1)))
+    return found

@@ -58,7 +58,7 @@ class Studio:
             sights = self.world.sights(at)
             fields.append(self._expose(field, sights[who], who, sights, at))
         seed = (self.world.seed * 64 + who) * 1_000_003 + step
-        return degrade(self._eye.join(fields), self._link, seed)
+        return degrade(self._eye.join(fields), self._link, seed, work=self._eye.planes())
 
     def sample(self, who: int) -> npt.NDArray[np.uint8]:
         """Take a picture of a ball that is held 1 m before a camera, the marker toward it."""
@@ -70,7 +70,7 @@ class Studio:
         return degrade(self._eye.join(fields), self._link, self.world.seed * 64 + who)
 
     def inside(self, who: int, step: int) -> bool:
-        """Whether the middle of the next one's ball is in a camera's picture at a step, and nothing is held before it."""
+        """Whether the next one's ball has its middle in a camera's picture at a step, and nothing is held before it."""
         sights = self.world.sights(step)
         place = sights[who].turn.T @ (sights[who + 1].ball - lens_of(sights[who]))
         return not self._is_hidden(who, step / RATE) and bool(self._camera.visible(place[np.newaxis])[0])

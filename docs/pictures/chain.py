@@ -50,7 +50,9 @@ def main() -> None:
     target = Path(__file__).with_name("chain.webp")
     first, *others = pictures
     duration_ms = round(1000.0 * EVERY / FPS)
-    first.save(target, save_all=True, append_images=others, duration=duration_ms, loop=0, quality=QUALITY, method=METHOD)
+    first.save(
+        target, save_all=True, append_images=others, duration=duration_ms, loop=0, quality=QUALITY, method=METHOD
+    )
     size = target.stat().st_size
     print(f"{target}: {len(pictures)} pictures, {size // 1000} kB")
     if size > LARGEST:

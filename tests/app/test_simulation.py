@@ -68,7 +68,7 @@ def test_a_flight_is_judged_by_its_ticks(flown: Flown) -> None:
     ],
 )
 def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: str) -> None:
-    bad = msgspec.structs.replace(GOOD, **change)  # type: ignore[arg-type]
+    bad = msgspec.structs.replace(GOOD, **change)
     rows = rows_of([67.0, 133.0], [(67.0, GOOD), (67.0, GOOD), (133.0, GOOD), (133.0, bad)])
     holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
     assert not holds

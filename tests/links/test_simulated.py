@@ -88,12 +88,18 @@ def test_throttle_needs_arming_and_sticks_come_back_quantized() -> None:
 
 def test_leaving_the_with_block_lands_however_it_is_left() -> None:
     chain = SimulatedChain(SMALL)
-    with pytest.raises(RuntimeError), chain.links[0] as link:
-        link.arm()
-        for _ in range(10):
-            chain.cameras[0].read()
-            link.send(Command(throttle=0.6))
-        raise RuntimeError
+    link = chain.links[0]
+
+    def fails() -> None:
+        with link:
+            link.arm()
+            for _ in range(10):
+                chain.cameras[0].read()
+                link.send(Command(throttle=0.6))
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fails()
     with pytest.raises(LinkError):
         link.send(Command())
     chain.world.advance(chain.world.step + 3 * 480)

@@ -180,7 +180,8 @@ def speed_line() -> str:
         ticks = iter(flight)
         for _ in range(FPS):
             next(ticks)
-        spent, walls = [], []
+        spent: list[float] = []
+        walls: list[float] = []
         for _ in range(9):
             begin = time.perf_counter()
             for _ in range(2 * FPS):

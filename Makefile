@@ -1,6 +1,6 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bench-quick bench-search bench-radio toolchain wheel-check clean
+.PHONY: help demo test check picture bench bench-quick bench-search bench-fly bench-radio toolchain wheel-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
@@ -30,6 +30,9 @@ check: $(READY) wheel-check  ## lint, format, types, and the wheel
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+picture: $(READY) $(CACHE)/fresh  ## fly the chain of three and draw the README's animated picture (some minutes)
+	$(BIN)/python docs/pictures/chain.py
+
 bench: $(PEERS) $(VISP) $(CACHE)/fresh  ## the evidence: matchset and what people use, on the same frames (half an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
 
@@ -38,6 +41,9 @@ bench-quick: $(PEERS) $(CACHE)/fresh  ## has a change made it slower or less exa
 
 bench-search: $(PEERS) $(VISP) $(CACHE)/fresh  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.search $(ARGS)
+
+bench-fly: $(READY) $(CACHE)/fresh  ## fly rows of twenty simulated flights (about two hours on two cores)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.fly $(ARGS)
 
 bench-radio: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \

@@ -106,6 +106,27 @@ def test_only_the_app_prints_and_draws(name: str) -> None:
     assert not modules | calls, f"{name} uses {modules | calls}"
 
 
+@pytest.mark.parametrize(("package", "file"), [("serial", "links/serial_port.py"), ("mcap", "app/mcap_file.py")])
+def test_an_extra_is_imported_by_one_file_and_only_when_it_is_needed(package: str, file: str) -> None:
+    users = {name for name in FILES if package in {module.split(".")[0] for module in imported(name)}}
+    assert users == {file}
+    above = [module for node in tree(file).body for module in _of(node)]
+    assert package not in {module.split(".")[0] for module in above}
+
+
+def _of(statement: ast.stmt) -> list[str]:
+    """Modules that a statement imports when its file is loaded."""
+    if isinstance(statement, ast.Import):
+        return [alias.name for alias in statement.names]
+    return [statement.module or ""] if isinstance(statement, ast.ImportFrom) else []
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_only_reports_load_matplotlib(name: str) -> None:
+    roots = {module.split(".")[0] for module in imported(name)}
+    assert "matplotlib" not in roots or name.removesuffix(".py").endswith("plot")
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_nothing_opens_a_window(name: str) -> None:
     assert not set(called(name)) & {"imshow", "namedWindow", "waitKey", "selectROI"}

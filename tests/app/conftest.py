@@ -5,6 +5,7 @@ from pathlib import Path
 import cv2
 import pytest
 from blue_ball import CENTERS, SIZE, Matchset, ball_picture
+from chain_flight import Flown, fly
 
 from matchset.app import cli
 
@@ -33,3 +34,9 @@ def matchset(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Matchset:
         return code
 
     return run
+
+
+@pytest.fixture(scope="session")
+def flown() -> Flown:
+    """A short flight of a chain of three."""
+    return fly()

@@ -1,4 +1,4 @@
-"""The command line: `matchset track`, `learn`, `calibrate`, `locate`, `score`, `demo` and `radio`.
+"""The command line: `matchset track`, `learn`, `calibrate`, `locate`, `replay`, `score`, `demo` and `radio`.
 
 Heavy imports wait inside the commands, so that `matchset --help` answers at once.
 """
@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from matchset.app.cli_flight import FLY_EPILOG, SIMULATE_EPILOG, fly, simulate
 from matchset.app.cli_locate import LOCATE_EPILOG, locate
 from matchset.app.cli_options import (
     AnnotatedVideo,
@@ -22,6 +23,7 @@ from matchset.app.cli_options import (
     Source,
     ToStdout,
 )
+from matchset.app.cli_replay import REPLAY_EPILOG, replay
 from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
 from matchset.app.radio_cli import radio
 
@@ -195,6 +197,9 @@ def calibrate(
 
 
 app.command(epilog=LOCATE_EPILOG)(locate)
+app.command(epilog=FLY_EPILOG)(fly)
+app.command(epilog=SIMULATE_EPILOG)(simulate)
+app.command(epilog=REPLAY_EPILOG)(replay)
 
 SCORE_EPILOG = """
 [bold]Definitions[/bold]

@@ -54,8 +54,8 @@ def annotate_pose(frame: Frame, sighting: Sighting, camera: CameraModel, radius:
     for marker in sighting.markers:
         draw_circle(image, marker.shape, MARKER)
     if isinstance(sighting.pose, Pose) and isinstance(ball, Track):
-        _draw_axes(image, sighting.pose, camera, radius)
-        _label(image, f"{sighting.pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
+        draw_axes(image, sighting.pose, camera, radius)
+        label_ball(image, f"{sighting.pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
     if row.observed in ("level", "full"):
         caption(image, describe_seen(row), line=1)
     caption(image, describe_place(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
@@ -84,7 +84,8 @@ def _with_std(row: PoseRow, name: str, number: str, deviation: str) -> str:
     return f"{name} {value:{number}}" + ("" if std is None else f" ±{std:{deviation}}")
 
 
-def _draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) -> None:
+def draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) -> None:
+    """Draw the axes of the ball frame (x red, y green, z blue) into a picture, where the rotation is observed."""
     if pose.turn is None:
         return
     ends = pose.position + _LENGTH * radius * pose.turn.T
@@ -105,7 +106,7 @@ def _drawable(camera: CameraModel, points: npt.NDArray[np.float64]) -> bool:
         return False
 
 
-def _label(image: Picture, words: str, x: float, y: float, radius: float) -> None:
+def label_ball(image: Picture, words: str, x: float, y: float, radius: float) -> None:
     """Write beside a ball, above it or, at the upper border, below."""
     height, width = image.shape[:2]
     size = min(max(14, round(height / 24)), 40)

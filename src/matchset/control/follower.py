@@ -1,8 +1,9 @@
 """Hold a place beside a neighbor, looking at its ball: `Follower`.
 
 Everything happens in a level frame at rest, found by dead reckoning (`own_motion.py`), in which the neighbor's ball is
-filtered and predicted for the time at which a command acts. There the ball's marker points out of the neighbor, and
-the set place is ``ball + side x + heading z + height up`` with level axes of the ball (Epstein & Feldman, Eq. 6-8).
+filtered (`neighbor_motion.py`) and predicted for the time at which a command acts. There the ball's marker points out
+of the neighbor, and the set place is ``ball + side x + heading z + height up`` with level axes of the ball (Epstein &
+Feldman, Eq. 6-8).
 """
 
 import math
@@ -13,18 +14,17 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.command import Command
+from matchset.control.neighbor_motion import NeighborMotion, NeighborMotionParameters
 from matchset.control.own_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
 from matchset.control.pid import Pid, PidParameters, Terms
 from matchset.control.safety import Wish
-from matchset.localization.filter import FilterParameters, PoseFilter
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
-AHEAD = 0.02  # s over which the set place's speed is taken
 
 
-class SetPlace(msgspec.Struct, frozen=True, kw_only=True):
+class SetPlace(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where to be, in the level frame of the neighbor's ball: m.
 
     Parameters
@@ -38,7 +38,7 @@ class SetPlace(msgspec.Struct, frozen=True, kw_only=True):
     heading: float = 1.5
 
 
-class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True):
+class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How a place is held.
 
     Parameters
@@ -51,31 +51,46 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True):
         From rad to rad/s. Kept slow: a vehicle that turns its own ball fast shakes the one that watches it.
     hover : float
         Throttle at which it hovers, roughly; the integral finds the rest.
+    lead : float
+        How long after a command first acts it acts in full, s: what is predicted for that time counts for the level
+        axes. About the lag of the tilt; more is calmer, until the prediction fails.
+    rise_lead : float
+        The same for the height: about the lag of the thrust.
+    ahead : float
+        Share of the set place's swaying that is flown without waiting for an error, 0 ... 1. More follows a
+        steady swing closer, and passes on what the next in the chain sees as shaking.
     own : OwnMotionParameters
         How the vehicle answers to its sticks.
-    filter : FilterParameters
+    motion : NeighborMotionParameters
         How the neighbor's poses are filtered.
     reach : float
         How far the neighbor's motion is extrapolated past its last sighting, s; after that it is taken to stand.
+    memory : float
+        How long after the last sighting there is an answer, s; longer than safety lets it be used.
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0, integral=1.5, derivative=4.0, smoothing=0.02, most=3.0, most_integral=1.2
+        proportional=5.0, integral=1.5, derivative=4.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
     )
     rise: PidParameters = PidParameters(
-        proportional=7.0, integral=3.0, derivative=5.0, smoothing=0.02, most=4.0, most_integral=3.0
+        proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2
     )
-    yaw: PidParameters = PidParameters(proportional=1.0, most=1.0)
-    hover: float = 0.55
+    yaw: PidParameters = PidParameters(proportional=0.5, most=1.0)
+    hover: float = 0.6
+    lead: float = 0.12
+    rise_lead: float = 0.05
+    ahead: float = 1.0
     own: OwnMotionParameters = OwnMotionParameters()
-    filter: FilterParameters = FilterParameters(acceleration=0.9, turning=1.0, memory=1.2)
+    motion: NeighborMotionParameters = NeighborMotionParameters()
     reach: float = 0.4
+    memory: float = 1.2
 
     def __post_init__(self) -> None:
         if not 0.0 < self.hover < 1.0:
             raise ValueError(f"hover must be within 0 ... 1, got {self.hover}")
-        if not 0.0 <= self.reach < math.inf:
-            raise ValueError(f"reach must not be negative, got {self.reach}")
+        for name in ("lead", "rise_lead", "ahead", "reach", "memory"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
 
 
 class Answer(NamedTuple):
@@ -116,11 +131,10 @@ class Follower:
         self.place = place or SetPlace()
         self.parameters = parameters or FollowerParameters()
         self.own = OwnMotion(self.parameters.own)
-        self.filter = PoseFilter(self.parameters.filter)
+        self.neighbor = NeighborMotion(self.parameters.motion)
         self._right, self._ahead = Pid(self.parameters.level), Pid(self.parameters.level)
         self._rise, self._yaw = Pid(self.parameters.rise), Pid(self.parameters.yaw)
-        self._out: Floats | None = None  # where the marker points, level, in the frame at rest
-        self._seen, self._time = -math.inf, -math.inf
+        self._fed = self._time = -math.inf
 
     def update(self, pose: "Pose | Lost[Pose]", now: float) -> Answer | None:
         """Decide what to do about a pose.
@@ -137,18 +151,14 @@ class Follower:
         Answer or None
             None while there is nothing to go by: no ball for long, or its marker never seen.
         """
-        if isinstance(pose, Pose) and self.filter.update(self.own.at(pose.time).to_rest(pose)):
-            self._seen = pose.time
-        time = now + self.parameters.own.delay
+        if isinstance(pose, Pose) and pose.time > self._fed:
+            self._fed = pose.time
+            self.neighbor.update(pose, self.own.at(pose.time))
         step, self._time = min(max(now - self._time, 1e-3), 0.1), now
-        ball = self._ball(time)
-        if ball is None or self._out is None:
+        acts = now + self.parameters.own.delay
+        if not acts - self.neighbor.time <= self.parameters.memory or self.neighbor.turn_time == -math.inf:
             return None
-        own = self.own.at(time)
-        out, later = self._out, self._ball(time + AHEAD) or ball
-        goal = self._goal(ball.position, out)
-        speed = (self._goal(later.position, _level(later, out)) - goal) / AHEAD
-        return self._steer(own, ball.position, goal - own.place, speed - own.velocity, step)
+        return self._steer(acts, step)
 
     def sent(self, command: Command, now: float) -> None:
         """Note what really went out, after limits and quantization."""
@@ -162,57 +172,56 @@ class Follower:
         )
         self.own.sent(sticks if command.throttle > 0.0 else Sticks(), now)
 
-    def _ball(self, time: float) -> Pose | None:
-        """Predict the ball in the frame at rest for a time, and note where its marker points."""
-        until = min(time, self._seen + self.parameters.reach)
-        if not time - self._seen <= self.parameters.filter.memory:
-            return None
-        ball = self.filter.predict(until)
-        if not isinstance(ball, Pose):
-            return None
-        if ball.turn is not None:
-            self._out = _level(ball, self._out)
-        return ball
-
-    def _goal(self, ball: Floats, out: Floats) -> Floats:
-        """Find the set place in the frame at rest; the level ball frame is z = out, y down, x = y cross z."""
-        across = np.array((out[2], 0.0, -out[0]))
-        goal: Floats = ball + self.place.side * across + self.place.heading * out
-        goal[1] -= self.place.height
-        return goal
-
-    def _steer(self, own: OwnState, ball: Floats, off: Floats, speed: Floats, step: float) -> Answer:
-        """Run the controllers: `off` leads to the set place, `speed` is its own; both in the frame at rest."""
-        assert self._out is not None
-        c, s = math.cos(own.yaw), math.sin(own.yaw)
-        right, ahead = off[0] * c - off[2] * s, off[0] * s + off[2] * c
-        speed_right, speed_ahead = speed[0] * c - speed[2] * s, speed[0] * s + speed[2] * c
-        roll = self._right.update(0.0, -float(right), step, -float(speed_right))
-        pitch = self._ahead.update(0.0, -float(ahead), step, -float(speed_ahead))
-        rise = self._rise.update(0.0, float(off[1]), step, float(speed[1]))
-        sight = ball - own.place
-        bearing = math.atan2(sight[0] * c - sight[2] * s, sight[0] * s + sight[2] * c)
+    def _steer(self, acts: float, step: float) -> Answer:
+        """Run the controllers for a command that begins to act at a time."""
+        parameters, reach = self.parameters, self.parameters.reach
+        own, ball = self.own.at(acts), self.neighbor.at(acts, reach)
+        later, risen = acts + parameters.lead, acts + parameters.rise_lead
+        roll, pitch = self._level(self.own.at(later), self.neighbor.at(later, reach), own.yaw, step)
+        there, height = self.own.at(risen), self.neighbor.at(risen, reach)[1]
+        low = float(there.place[1] - height[0]) + self.place.height
+        rise = self._rise.update(0.0, -low, step, -float(there.velocity[1] - height[1]))
+        sight, out = ball[:3, 0] - own.place, (math.sin(ball[3, 0]), math.cos(ball[3, 0]))
+        bearing = math.atan2(sight[0], sight[2]) - own.yaw
+        bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         turning = self._yaw.update(0.0, -bearing, step)
-        model = self.parameters.own
+        model = parameters.own
         tilt = 1.0 / max(math.cos(own.roll) * math.cos(own.pitch), 0.5)
         wish = Wish(
             math.atan(roll / GRAVITY) / model.full_tilt,
             math.atan(pitch / GRAVITY) / model.full_tilt,
             turning / model.full_yaw_rate,
-            self.parameters.hover * (1.0 + rise / GRAVITY) * tilt,
+            parameters.hover * (1.0 + rise / GRAVITY) * tilt,
         )
-        across = (self._out[2], -self._out[0])
-        side = -float(sight[0] * across[0] + sight[2] * across[1])
-        heading = -float(sight[0] * self._out[0] + sight[2] * self._out[2])
+        side = -float(sight[0] * out[1] - sight[2] * out[0])
+        heading = -float(sight[0] * out[0] + sight[2] * out[1])
         terms = (self._right.terms, self._ahead.terms, self._rise.terms, self._yaw.terms)
         return Answer(wish, side, float(sight[1]), heading, bearing, *terms)
 
+    def _level(self, own: OwnState, ball: Floats, yaw: float, step: float) -> tuple[float, float]:
+        """Accelerations to the right and ahead, m/s^2, that lead to the set place."""
+        goal, speed, push = self._goal(ball)
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        place, velocity, share = own.place, own.velocity, self.parameters.ahead
+        x, z = goal[0] - place[0], goal[1] - place[2]
+        vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
+        right, ahead = float(x * cos - z * sin), float(x * sin + z * cos)
+        speed_right, speed_ahead = float(vx * cos - vz * sin), float(vx * sin + vz * cos)
+        return (
+            self._right.update(0.0, -right, step, -speed_right) + share * float(push[0] * cos - push[1] * sin),
+            self._ahead.update(0.0, -ahead, step, -speed_ahead) + share * float(push[0] * sin + push[1] * cos),
+        )
 
-def _level(ball: Pose, last: Floats | None) -> Floats:
-    """Level unit vector along which the marker points; the last one where that is not observed."""
-    if ball.turn is not None:
-        x, z = float(ball.turn[0, 2]), float(ball.turn[2, 2])
-        length = math.hypot(x, z)
-        if length > 0.2:
-            return np.array((x / length, 0.0, z / length))
-    return np.zeros(3) if last is None else last
+    def _goal(self, ball: Floats) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
+        """Find the set place in the frame at rest, x and z, its speed and its acceleration.
+
+        The level ball frame is z = out, y down, x = y cross z; it turns with the neighbor.
+        """
+        sin, cos, turning = math.sin(ball[3, 0]), math.cos(ball[3, 0]), ball[3, 1]
+        side, heading = self.place.side, self.place.heading
+        away = (side * cos + heading * sin, heading * cos - side * sin)
+        return (
+            (ball[0, 0] + away[0], ball[2, 0] + away[1]),
+            (ball[0, 1] + turning * away[1], ball[2, 1] - turning * away[0]),
+            (ball[0, 2] + ball[3, 2] * away[1], ball[2, 2] - ball[3, 2] * away[0]),
+        )

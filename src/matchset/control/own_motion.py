@@ -1,30 +1,38 @@
 """What the vehicle made of its commands: `OwnMotion`, dead reckoning for a vehicle that measures nothing.
 
-The commanded tilt goes through a delay and a first-order lag, ``T dtheta/dt = theta_commanded - theta``; it pulls the
-vehicle along, ``dv/dt = g tan(theta) - v/T_drag``. What constant offset of the sticks holds the vehicle still, its
+The commanded tilt goes through a delay and two equal first-order lags, of motors and electronics; it pulls the vehicle
+along, ``dv/dt = g tan(theta) - v/T_drag``. What constant offset of the sticks holds the vehicle still, its
 trim, is no tilt and is taken off before. The place that follows drifts; it serves to compare moments less than a second
 apart.
 """
 
 import math
-from bisect import bisect_right
-from collections import deque
 from typing import NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.pose import Pose
+from matchset.control.dead_reckoning import (
+    GRAVITY,
+    PITCH,
+    PLACE,
+    ROLL,
+    SIZE,
+    VELOCITY,
+    YAW,
+    catch_up,
+    recall,
+    turn_of,
+)
 
 Floats = npt.NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s^2
-STEP = 1.0 / 120.0  # s
-KEPT = 128  # steps
+KEPT = 128  # steps of 1/120 s
+__all__ = ["GRAVITY", "OwnMotion", "OwnMotionParameters", "OwnState", "Sticks"]
 
 
-class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
+class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the vehicle answers to its sticks.
 
     Parameters
@@ -35,8 +43,10 @@ class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True):
         Turning at full stick, rad/s.
     delay : float
         From sending a command to its first effect, s: the radio.
-    tilt_lag, yaw_lag, lift_lag : float
-        Time constants of tilt, turning and thrust, s.
+    tilt_lag : float
+        Sum of the two lags of the tilt, s.
+    yaw_lag, lift_lag : float
+        Time constants of turning and thrust, s.
     drag_time : float
         Time in which drag takes away 63 % of a slow speed, s. Keeps the dead reckoning from running away.
     """
@@ -64,73 +74,49 @@ class Sticks(NamedTuple):
     lift: float = 0.0
 
 
-class OwnState(NamedTuple):
-    """The vehicle by dead reckoning, in a level frame at rest: x right, y down, z forward of where it began."""
+class OwnState:
+    """The vehicle by dead reckoning, in a level frame at rest: x right, y down, z forward of where it began.
 
-    time: float
-    roll: float = 0.0
-    pitch: float = 0.0
-    yaw: float = 0.0
-    turning: float = 0.0
-    lift: float = 0.0
-    vx: float = 0.0
-    vy: float = 0.0
-    vz: float = 0.0
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
+    Parameters
+    ----------
+    numbers : ndarray of shape (14,)
+        See `matchset.control.dead_reckoning`.
+    """
+
+    def __init__(self, numbers: Floats) -> None:
+        self.numbers = numbers
 
     @property
-    def place(self) -> Floats:
-        """Where it is, (3,), m."""
-        return np.array((self.x, self.y, self.z))
+    def roll(self) -> float:
+        """Tilt to the right, rad."""
+        return float(self.numbers[ROLL])
+
+    @property
+    def pitch(self) -> float:
+        """Tilt forward, rad."""
+        return float(self.numbers[PITCH])
+
+    @property
+    def yaw(self) -> float:
+        """Turn to the right since the beginning, rad."""
+        return float(self.numbers[YAW])
 
     @property
     def velocity(self) -> Floats:
         """How fast it moves, (3,), m/s."""
-        return np.array((self.vx, self.vy, self.vz))
+        return self.numbers[VELOCITY : VELOCITY + 3]
+
+    @property
+    def place(self) -> Floats:
+        """Where it is, (3,), m."""
+        return self.numbers[PLACE : PLACE + 3]
 
     @property
     def turn(self) -> Floats:
         """Matrix from its body, and its camera, to the frame at rest: Ry(yaw) Rx(-pitch) Rz(roll), (3, 3)."""
-        cy, sy = math.cos(self.yaw), math.sin(self.yaw)
-        cp, sp = math.cos(self.pitch), math.sin(self.pitch)
-        cr, sr = math.cos(self.roll), math.sin(self.roll)
-        return np.array(
-            (
-                (cy * cr - sy * sp * sr, -cy * sr - sy * sp * cr, sy * cp),
-                (cp * sr, cp * cr, sp),
-                (-sy * cr - cy * sp * sr, sy * sr - cy * sp * cr, cy * cp),
-            )
-        )
-
-    def to_rest(self, pose: Pose) -> Pose:
-        """Express a pose in the frame at rest, as seen from here."""
-        turn = self.turn
-        both = np.zeros((6, 6))
-        both[:3, :3] = both[3:, 3:] = turn
-        return Pose(
-            position=self.place + turn @ pose.position,
-            turn=None if pose.turn is None else turn @ pose.turn,
-            covariance=both @ pose.covariance @ both.T,
-            observed=pose.observed,
-            time=pose.time,
-        )
-
-    def moved(self, sticks: Sticks, step: float, model: OwnMotionParameters) -> "OwnState":
-        """State one step later under these sticks."""
-        roll = self.roll + (sticks.roll - self.roll) * step / (model.tilt_lag + step)
-        pitch = self.pitch + (sticks.pitch - self.pitch) * step / (model.tilt_lag + step)
-        turning = self.turning + (sticks.turning - self.turning) * step / (model.yaw_lag + step)
-        lift = self.lift + (sticks.lift - self.lift) * step / (model.lift_lag + step)
-        yaw = self.yaw + turning * step
-        right, ahead = GRAVITY * math.tan(roll), GRAVITY * math.tan(pitch)
-        c, s, fade = math.cos(yaw), math.sin(yaw), 1.0 - step / model.drag_time
-        vx = fade * self.vx + (right * c + ahead * s) * step
-        vy = fade * self.vy - lift * step
-        vz = fade * self.vz + (ahead * c - right * s) * step
-        x, y, z = self.x + vx * step, self.y + vy * step, self.z + vz * step
-        return OwnState(self.time + step, roll, pitch, yaw, turning, lift, vx, vy, vz, x, y, z)
+        turn = np.empty((3, 3))
+        turn_of(self.numbers, turn)
+        return turn
 
 
 class OwnMotion:
@@ -143,8 +129,9 @@ class OwnMotion:
 
     def __init__(self, parameters: OwnMotionParameters | None = None) -> None:
         self.parameters = parameters or OwnMotionParameters()
-        self._sticks = Sticks()
-        self._states: deque[OwnState] = deque(maxlen=KEPT)
+        self._model = np.array([getattr(self.parameters, name) for name in self.parameters.__struct_fields__])
+        self._sticks = np.zeros(4)
+        self._ring, self._count = np.zeros((KEPT, SIZE)), 0
 
     def sent(self, sticks: Sticks, now: float) -> None:
         """Note what was sent.
@@ -155,8 +142,8 @@ class OwnMotion:
         now : float
             When, s; later than before.
         """
-        self._advance(now + self.parameters.delay)
-        self._sticks = sticks
+        self._count = catch_up(self._ring, self._count, self._sticks, now + self.parameters.delay, self._model)
+        self._sticks[:] = sticks
 
     def at(self, time: float) -> OwnState:
         """State at a time, from a second back to `delay` from now; later: the sticks stay as they are.
@@ -166,24 +153,6 @@ class OwnMotion:
         time : float
             s.
         """
-        states = self._states
-        if not states or time <= states[0].time:
-            return states[0]._replace(time=time) if states else OwnState(time)
-        if time >= states[-1].time:
-            state = states[-1]
-            time = min(time, state.time + KEPT * STEP)
-            while state.time + STEP < time:
-                state = state.moved(self._sticks, STEP, self.parameters)
-            return state.moved(self._sticks, time - state.time, self.parameters) if time > state.time else state
-        after = bisect_right(states, time, key=lambda state: state.time)
-        one, two = states[after - 1], states[after]
-        share = (time - one.time) / (two.time - one.time)
-        return OwnState(*(a + share * (b - a) for a, b in zip(one, two, strict=True)))
-
-    def _advance(self, time: float) -> None:
-        if self._states and not abs(time - self._states[-1].time) <= KEPT * STEP:
-            self._states.clear()  # nothing was sent for long: begin anew
-        if not self._states:
-            self._states.append(OwnState(time))
-        while self._states[-1].time + STEP <= time:
-            self._states.append(self._states[-1].moved(self._sticks, STEP, self.parameters))
+        numbers = np.empty(SIZE)
+        recall(self._ring, self._count, self._sticks, time, self._model, numbers)
+        return OwnState(numbers)

@@ -17,7 +17,7 @@ Phase = Literal["locked", "flying", "holding", "descending", "cut"]
 """``holding``: flying on the prediction, the ball is not seen. ``cut``: motors off until armed anew."""
 
 
-class SafetyParameters(msgspec.Struct, frozen=True, kw_only=True):
+class SafetyParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Limits of what is sent.
 
     Parameters

@@ -9,7 +9,8 @@ def connect(uri: str) -> Link:
     Parameters
     ----------
     uri : str
-        ``serial:///dev/ttyUSB0``: an Arduino with a radio on that port.
+        ``serial:///dev/ttyUSB0``: an Arduino with a radio on that port. ``sim://chain``: the first vehicle of a
+        simulated chain; its camera is ``link.chain.cameras[0]``.
 
     Raises
     ------
@@ -23,4 +24,8 @@ def connect(uri: str) -> Link:
         from matchset.links.arduino import ArduinoLink
 
         return ArduinoLink(uri)
-    raise ValueError(f"a link is named like serial:///dev/ttyUSB0, got {uri!r}")
+    if mark and scheme == "sim":
+        from matchset.links.simulated import SimulatedChain, parse_uri
+
+        return SimulatedChain(parse_uri(uri)).links[0]
+    raise ValueError(f"a link is named like serial:///dev/ttyUSB0 or sim://chain, got {uri!r}")

@@ -10,7 +10,7 @@ MOST = 6  # markers: who is who is found by trying
 LEAST_APART = 0.17  # rad between two markers
 
 
-class BallTarget(msgspec.Struct, frozen=True):
+class BallTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A ball of known size with markers at known places.
 
     Parameters

@@ -89,6 +89,7 @@ def degrade(
     pal: Pal,
     seed: int,
     gain: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    work: Picture | None = None,
 ) -> npt.NDArray[np.uint8]:
     """Send a picture through an analog link.
 
@@ -102,6 +103,8 @@ def degrade(
         Decides the noise, the jitter and the lost lines; not negative. The same seed gives the same bytes.
     gain : tuple of 3 floats
         Factors of B, G and R: exposure and white balance of the camera. It saturates at 255.
+    work : ndarray of shape (h, 3, w), float32, optional
+        Memory to work in; fresh memory takes longer.
 
     Returns
     -------
@@ -126,7 +129,7 @@ def degrade(
     luma, chroma = pole(pal.luma_bandwidth, width), pole(pal.chroma_bandwidth, width)
     lines = math.sqrt(0.375) if pal.chroma_lines else 1.0
     noise = (pal.luma_noise / noise_gain(luma), pal.chroma_noise / (noise_gain(chroma) * lines))
-    planes = np.empty((height, 3, width), np.float32)
+    planes = np.empty((height, 3, width), np.float32) if work is None else work
     transmit(picture, np.array(gain), shift, noise[0], noise[1], counter, planes)
     neighbor = 0 if not pal.chroma_lines else 2 if pal.interlaced else 1
     receive(planes, luma, chroma, neighbor, lost, counter, out)

@@ -92,12 +92,24 @@ def draw_balloon(
         raise ValueError(f"positions must have shape (n, 3), got {centers.shape}")
     if not (np.isfinite(centers).all() and centers[:, 2].min() > balloon.radius):
         raise ValueError(f"a balloon must lie in front of the camera, got {centers.tolist()}")
+    paint_balloon(picture, (camera.fx, camera.fy, camera.cx, camera.cy), balloon, centers, light, rows)
+
+
+def paint_balloon(
+    picture: Picture,
+    window: tuple[float, float, float, float],
+    balloon: Balloon,
+    centers: Array,
+    light: Light | None = None,
+    rows: Rows = ALL_ROWS,
+) -> None:
+    """Draw a balloon over any part of a pinhole's picture: `window` is fx, fy, cx, cy; the rest as `draw_balloon`."""
     look = _appearance(balloon, light if light is not None else Light(), centers.mean(axis=0))
-    lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
+    lens = np.array(window)
     square = (centers**2).sum(axis=1)
     tangent_sq = square - balloon.radius**2
     # Within this much of the outline (3 px or more on either side) a pixel may be covered in part.
-    band = 4.0 * balloon.radius * np.sqrt(tangent_sq) / min(camera.fx, camera.fy)
+    band = 4.0 * balloon.radius * np.sqrt(tangent_sq) / min(window[0], window[1])
     spheres = np.column_stack((centers, square, tangent_sq, band, balloon.radius / np.sqrt(tangent_sq)))
     more = np.array(balloon.more_markers, np.float64).reshape(-1, 3)
     draw_sphere(picture, lens, spheres, balloon.radius, look, more, rows.start, rows.step)

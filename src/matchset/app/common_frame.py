@@ -1,0 +1,55 @@
+"""One frame for all of a chain, at rest in the room or fixed to the last ball: only for display.
+
+What the cameras see composes to the level frame of the last ball (`localization/chain.py`); where that ball is in the
+room only the simulator's truth knows.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.loop import Step
+from matchset.localization.chain import FACING_AWAY, seen_from_last
+from matchset.sim.eye import BACKWARD, Sight
+
+Floats = npt.NDArray[np.float64]
+
+
+def level_ball_frame(sight: Sight) -> Floats:
+    """Matrix from the level frame of a vehicle's ball to the room, (3, 3): z where the marker points, y down."""
+    out = sight.turn @ BACKWARD
+    yaw = math.atan2(-out[0], -out[2])
+    c, s = math.cos(yaw), math.sin(yaw)
+    level: Floats = np.array(((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))) @ FACING_AWAY
+    return level
+
+
+def from_last(point: Floats, last: Sight) -> Floats:
+    """Express a point of the room in the level frame of the last ball, (3,), m."""
+    seen: Floats = (point - last.ball) @ level_ball_frame(last)
+    return seen
+
+
+def to_room(point: Floats, last: Sight) -> Floats:
+    """Express a point of the level frame of the last ball in the room, (3,), m."""
+    there: Floats = last.ball + level_ball_frame(last) @ point
+    return there
+
+
+def composed(steps: Sequence[Step]) -> list[Floats | None]:
+    """Where the cameras are by what they see, in the level frame of the last ball, each (3,), m.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+        One per follower, in the order of the chain.
+
+    Returns
+    -------
+    list of ndarray or None
+        None from the last gap of the chain on forward.
+    """
+    places = seen_from_last([step.pose for step in steps])
+    return [None if place is None else place.position for place in places]

@@ -1,0 +1,128 @@
+"""To messages and back, to the last bit: numbers are written as they are, with infinities and minus zero.
+
+Arrays become lists. Two steps are the same if and only if their bytes are.
+"""
+
+from typing import Any, TypeVar
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.flight_run import Tick
+from matchset.app.loop import Step
+from matchset.app.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
+from matchset.image.frame import Frame
+from matchset.sim.eye import Sight
+
+M = TypeVar("M")
+
+
+def _plain(value: Any) -> Any:
+    """Turn what msgpack does not know into what it knows."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"cannot record a {type(value).__name__}")
+
+
+_ENCODER = msgspec.msgpack.Encoder(enc_hook=_plain)
+
+
+def encode(message: Any) -> bytes:
+    """Write a message as msgpack."""
+    return _ENCODER.encode(message)
+
+
+def decode(data: bytes, kind: type[M]) -> M:
+    """Read a message.
+
+    Raises
+    ------
+    ValueError
+        If it is none of this kind.
+    """
+    try:
+        return msgspec.msgpack.decode(data, type=kind)
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise ValueError(f"a message is no {kind.__name__}: {error}") from None
+
+
+def outcome_of(step: Step) -> bytes:
+    """Write everything of a step that must come out again, without its picture and its computing times."""
+    return encode(
+        Outcome(
+            ball=step.ball,
+            markers=step.markers,
+            pose=step.pose,
+            answer=step.answer,
+            memory=step.memory,
+            command=step.command,
+            age=step.age,
+        )
+    )
+
+
+def step_message(tick: int, step: Step, armed: bool) -> StepMessage:
+    """Make the message of a step."""
+    return StepMessage(
+        tick=tick,
+        armed=armed,
+        frame=None if step.frame is None else step.frame.index,
+        now=step.now,
+        command=step.command,
+        spent=step.spent,
+        outcome=msgspec.Raw(outcome_of(step)),
+    )
+
+
+def truth_message(tick: Tick) -> TruthMessage:
+    """Make the message of what is known of a tick."""
+    return TruthMessage(
+        index=tick.index,
+        time=tick.time,
+        truth=tuple(_sight_message(sight) for sight in tick.truth),
+        shown=tuple(_sight_message(sight) for sight in tick.shown),
+        places=tuple(_triple(place) for place in tick.places),
+        inside=tick.inside,
+        crashes=tick.crashes,
+    )
+
+
+def _sight_message(sight: Sight) -> SightMessage:
+    first, second, third = (_triple(row) for row in sight.turn)
+    return SightMessage(_triple(sight.place), (first, second, third), _triple(sight.ball))
+
+
+def _triple(values: npt.NDArray[np.float64]) -> Triple:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+def sight_of(message: SightMessage) -> Sight:
+    """Turn a message back into a `Sight`."""
+    return Sight(np.array(message.place), np.array(message.turn), np.array(message.ball))
+
+
+def to_png(image: npt.NDArray[np.uint8]) -> bytes:
+    """Compress a picture without loss, as fast as PNG allows: noise does not get smaller by more effort."""
+    settings = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY]
+    return cv2.imencode(".png", image, settings)[1].tobytes()
+
+
+def frame_of(message: Picture) -> Frame:
+    """Turn a message back into a frame.
+
+    Raises
+    ------
+    ValueError
+        If it is no picture.
+    """
+    data = np.frombuffer(message.png, np.uint8)
+    try:
+        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    except cv2.error:
+        image = None
+    if image is None:
+        raise ValueError(f"the picture of frame {message.index} does not decode")
+    return Frame(np.asarray(image, np.uint8), message.time, message.index)

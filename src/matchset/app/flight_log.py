@@ -1,0 +1,165 @@
+"""The numbers of a flight, kept for its report: `FlightLog`."""
+
+import math
+from array import array
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.common_frame import composed, from_last
+from matchset.app.flight_run import Crash, Tick
+from matchset.app.flight_setting import Setting
+from matchset.app.flight_tally import FlightTally
+from matchset.app.loop import Step
+from matchset.app.true_circle import true_circle
+from matchset.control.safety import Phase
+from matchset.sim.world import lens_of
+from matchset.tracking.track import Track
+
+Floats = npt.NDArray[np.float64]
+
+PHASES: tuple[Phase, ...] = ("locked", "flying", "holding", "descending", "cut")
+SETTLED = 5.0
+"""s from the beginning after which a place should be held."""
+_COLUMNS = 19
+_NONE = (math.nan,) * 3
+
+
+class FollowerLog:
+    """One follower's numbers, a row a tick; NaN where there is none."""
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+
+    def add(self, row: tuple[float, ...]) -> None:
+        """Append a row."""
+        self._numbers.extend(row)
+
+    @property
+    def _table(self) -> Floats:
+        return np.array(self._numbers, np.float64).reshape(-1, _COLUMNS)
+
+    @property
+    def time(self) -> Floats:
+        """When the commands were sent, (n,), s."""
+        return self._table[:, 0]
+
+    @property
+    def believed(self) -> Floats:
+        """Side, height and heading that the follower acted on, for the time of action, (n, 3), m."""
+        return self._table[:, 1:4]
+
+    @property
+    def true(self) -> Floats:
+        """The true ones at `time`, (n, 3), m."""
+        return self._table[:, 4:7]
+
+    @property
+    def error_px(self) -> Floats:
+        """Error of the ball's circle, |dx| + |dy| + |dr| (Eq. 10), (n,), px; NaN where it was not found."""
+        return self._table[:, 7]
+
+    @property
+    def age(self) -> Floats:
+        """From capture to command, (n,), s."""
+        return self._table[:, 8]
+
+    @property
+    def processing(self) -> Floats:
+        """Computing time, (n,), s; NaN where no picture came."""
+        return self._table[:, 9]
+
+    @property
+    def found(self) -> npt.NDArray[np.bool_]:
+        """Whether the ball was confirmed, (n,)."""
+        return self._table[:, 10] > 0.0
+
+    @property
+    def phase(self) -> npt.NDArray[np.intp]:
+        """Number of the safety's phase in `PHASES`, (n,)."""
+        return self._table[:, 11].astype(np.intp)
+
+    @property
+    def inside(self) -> npt.NDArray[np.bool_]:
+        """Whether the ball was to be seen, (n,)."""
+        return self._table[:, 12] > 0.0
+
+    @property
+    def seen_from_last(self) -> Floats:
+        """The camera in the level frame of the last ball, composed along the chain, (n, 3), m."""
+        return self._table[:, 13:16]
+
+    @property
+    def true_from_last(self) -> Floats:
+        """The true one, (n, 3), m."""
+        return self._table[:, 16:19]
+
+
+class FlightLog:
+    """Takes note of every tick; 150 bytes a follower, so a flight may last for hours.
+
+    Parameters
+    ----------
+    setting : Setting
+
+    Attributes
+    ----------
+    setting : Setting
+    followers : list of FollowerLog
+    tally : FlightTally
+    crashes : tuple of Crash
+    """
+
+    def __init__(self, setting: Setting) -> None:
+        self.setting = setting
+        self.followers = [FollowerLog() for _ in range(setting.followers)]
+        self.tally = FlightTally(setting.followers)
+        self.crashes: tuple[Crash, ...] = ()
+        self._room = array("d")
+
+    def add(self, tick: Tick) -> None:
+        """Take note of a tick."""
+        self.tally.count(tick)
+        self.crashes = tick.crashes
+        for sight in tick.shown:
+            self._room.extend(sight.ball.tolist())
+        for number, place in enumerate(composed(tick.steps)):
+            self.followers[number].add(self._row(tick, number, place))
+
+    @property
+    def room(self) -> Floats:
+        """Every vehicle's ball in the room, (n, vehicles, 3), m."""
+        return np.array(self._room, np.float64).reshape(-1, self.setting.followers + 1, 3)
+
+    def off_place(self, number: int) -> Floats:
+        """Subtract the set place of a follower, from 0, from its true one, once it should be held: (n, 3), m."""
+        log, place = self.followers[number], self.setting.parameters.pilot.place
+        off: Floats = log.true - (place.side, place.height, place.heading)
+        return off[log.time >= SETTLED]
+
+    def _row(self, tick: Tick, number: int, place: Floats | None) -> tuple[float, ...]:
+        step, answer = tick.steps[number], tick.steps[number].answer
+        believed = _NONE if answer is None else (answer.side, answer.height, answer.heading)
+        lens = lens_of(tick.shown[number])
+        return (
+            step.now,
+            *believed,
+            *tick.places[number].tolist(),
+            self._error_px(tick, number, step),
+            step.age,
+            math.nan if step.frame is None else step.processing,
+            float(isinstance(step.ball, Track)),
+            float(PHASES.index(step.memory.phase)),
+            float(tick.inside[number]),
+            *(_NONE if place is None else place.tolist()),
+            *from_last(lens, tick.shown[-1]).tolist(),
+        )
+
+    def _error_px(self, tick: Tick, number: int, step: Step) -> float:
+        if not isinstance(step.ball, Track):
+            return math.nan
+        me, other = tick.shown[number], tick.shown[number + 1]
+        truth, found = true_circle(me, other, self.setting.cameras[number], self.setting.radius), step.ball.shape
+        if truth is None:
+            return math.nan
+        return abs(found.x - truth.x) + abs(found.y - truth.y) + abs(found.radius - truth.radius)

@@ -1,0 +1,132 @@
+"""A flight, recorded so that it can be replayed: `FlightRecording`."""
+
+from collections import deque
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
+
+import msgspec
+
+from matchset.app.encoding import encode, step_message, to_png, truth_message
+from matchset.app.flight_run import Tick
+from matchset.app.flight_setting import Setting
+from matchset.app.mcap_file import Kind, McapWriter, Message
+from matchset.app.messages import (
+    CONFIGURATION,
+    FORMAT,
+    TRUTH,
+    Configuration,
+    Picture,
+    StepMessage,
+    TruthMessage,
+    frame_topic,
+    sample_topic,
+    step_topic,
+)
+from matchset.image.frame import Frame
+
+THREADS = 2
+WAITING = 8
+"""Ticks that may wait for their pictures to be compressed; these are lost if the program is killed."""
+
+
+class _Waiting(NamedTuple):
+    """A tick whose pictures are being compressed."""
+
+    tick: Tick
+    armed: Sequence[bool]
+    pictures: list[Future[bytes] | None]
+
+
+class FlightRecording:
+    """Writes everything of a flight that its replay needs, and its truth.
+
+    Parameters
+    ----------
+    path : Path
+    setting : Setting
+
+    Raises
+    ------
+    ValueError
+        If the package mcap is missing.
+    OSError
+        If the file cannot be written.
+    """
+
+    def __init__(self, path: Path, setting: Setting) -> None:
+        self._setting = setting
+        self._writer = McapWriter(path, _kinds(setting.followers))
+        self._pool = ThreadPoolExecutor(THREADS, "matchset recording")
+        self._waiting: deque[_Waiting] = deque()
+        configuration = Configuration(
+            format=FORMAT, matchset=_version(), parameters=setting.parameters, cameras=setting.cameras
+        )
+        self._writer.write(Message(CONFIGURATION, encode(configuration)), 0.0, 0)
+        for number, sample in enumerate(setting.samples, 1):
+            self._write_picture(sample_topic(number), sample, to_png(sample.image))
+
+    def write(self, tick: Tick, armed: Sequence[bool]) -> None:
+        """Append a tick, and which pilots had been told to fly."""
+        pictures = [None if step.frame is None else self._pool.submit(to_png, step.frame.image) for step in tick.steps]
+        self._waiting.append(_Waiting(tick, armed, pictures))
+        while self._waiting and (len(self._waiting) > WAITING or _compressed(self._waiting[0])):
+            self._write_first()
+
+    def close(self) -> None:
+        """Write what is waiting and finish the file."""
+        try:
+            while self._waiting:
+                self._write_first()
+        finally:
+            self._pool.shutdown(cancel_futures=True)
+            self._writer.close()
+
+    def _write_first(self) -> None:
+        tick, armed, pictures = self._waiting.popleft()
+        for number, (step, png) in enumerate(zip(tick.steps, pictures, strict=True), 1):
+            if step.frame is not None and png is not None:
+                self._write_picture(frame_topic(number), step.frame, png.result())
+            message = step_message(tick.index, step, armed[number - 1])
+            self._writer.write(Message(step_topic(number), encode(message)), step.now, tick.index)
+        self._writer.write(Message(TRUTH, encode(truth_message(tick))), tick.time, tick.index)
+
+    def _write_picture(self, topic: str, frame: Frame, png: bytes) -> None:
+        message = Picture(frame.index, frame.time, png)
+        self._writer.write(Message(topic, encode(message)), frame.time, frame.index)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _compressed(waiting: _Waiting) -> bool:
+    return all(picture is None or picture.done() for picture in waiting.pictures)
+
+
+def _kinds(followers: int) -> list[Kind]:
+    """Name all topics and what is in them."""
+    kinds = [_kind(CONFIGURATION, Configuration), _kind(TRUTH, TruthMessage)]
+    for number in range(1, followers + 1):
+        kinds.append(_kind(sample_topic(number), Picture))
+        kinds.append(_kind(frame_topic(number), Picture))
+        kinds.append(_kind(step_topic(number), StepMessage))
+    return kinds
+
+
+def _kind(topic: str, struct: type[msgspec.Struct]) -> Kind:
+    return Kind(topic, f"matchset.{struct.__name__}", msgspec.json.encode(msgspec.json.schema(struct)))
+
+
+def _version() -> str:
+    try:
+        return version("matchset")
+    except PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,170 @@
+"""A chain of followers in flight: `Flight`, an iterable of `Tick`s; whoever shows, records or judges reads these."""
+
+import itertools
+from collections.abc import Iterator
+from types import TracebackType
+from typing import Self
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.loop import Colors, Pilot, PilotParameters, Step, learn_colors
+from matchset.image.frame import Frame
+from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
+from matchset.sim.eye import Sight
+from matchset.sim.world import place_beside
+
+Floats = npt.NDArray[np.float64]
+
+
+class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What is flown.
+
+    Parameters
+    ----------
+    duration : float
+        How long, s; more bores, less hides what builds up slowly.
+    world : SimulationParameters
+        The world, its cameras and its links.
+    pilot : PilotParameters
+        Every follower's loop.
+    """
+
+    duration: float = 60.0
+    world: SimulationParameters = SimulationParameters()
+    pilot: PilotParameters = PilotParameters()
+
+    def __post_init__(self) -> None:
+        if not 0.1 <= self.duration <= 3600.0:
+            raise ValueError(f"duration must be within 0.1 ... 3600, got {self.duration}")
+
+
+class Crash(msgspec.Struct, frozen=True):
+    """The end of a vehicle.
+
+    Parameters
+    ----------
+    time : float
+        s.
+    vehicle : int
+        Which, from 1.
+    what : str
+        What happened, in words: "hit the floor".
+    """
+
+    time: float
+    vehicle: int
+    what: str
+
+
+class Tick(msgspec.Struct, frozen=True, kw_only=True):
+    """One turn of all loops: one picture of every camera.
+
+    Vehicles are counted as in the paper, the first follower first; `steps` has one entry per follower, the sights one
+    per vehicle, so ``truth[-1]`` hangs on the rope and ``steps[i]`` watches ``truth[i + 1]``.
+
+    Parameters
+    ----------
+    index : int
+        Of the pictures, from 1.
+    time : float
+        When the commands were sent, s on the clock of the pictures.
+    steps : tuple of Step
+        What each follower saw, decided and sent.
+    truth : tuple of Sight
+        Where every vehicle and its ball was at `time`, in the room: x right, y down, z forward, m.
+    shown : tuple of Sight
+        The same at the middle of the pictures' exposure: what `steps` should have measured.
+    places : ndarray of shape (followers, 3)
+        True side, height and heading of each follower's camera in the level frame of its neighbor's ball, at `time`, m
+        (Epstein & Feldman, Eq. 6-8).
+    inside : tuple of bool
+        Whether the middle of the neighbor's ball was inside each camera's picture, and nothing hid it on purpose.
+    crashes : tuple of Crash
+        Of this flight so far.
+    """
+
+    index: int
+    time: float
+    steps: tuple[Step, ...]
+    truth: tuple[Sight, ...]
+    shown: tuple[Sight, ...]
+    places: Floats
+    inside: tuple[bool, ...]
+    crashes: tuple[Crash, ...]
+
+
+class Flight:
+    """A simulated chain with a pilot for every follower, in lock step: `for tick in flight`.
+
+    Leaving its `with` block lands everyone. The same parameters give the same flight, bit for bit.
+
+    Parameters
+    ----------
+    parameters : FlightParameters, optional
+
+    Attributes
+    ----------
+    parameters : FlightParameters
+    chain : SimulatedChain
+        The world, its cameras and its links.
+    samples : tuple of Frame
+        The pictures from which each pilot learned its colors.
+    colors : tuple of Colors
+    pilots : tuple of Pilot
+        One per follower; each knows its own camera and its own link only.
+    """
+
+    def __init__(self, parameters: FlightParameters | None = None) -> None:
+        self.parameters = parameters or FlightParameters()
+        self.chain = SimulatedChain(self.parameters.world, self.parameters.pilot.place)
+        cameras, links = self.chain.cameras, self.chain.links
+        self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
+        self.colors: tuple[Colors, ...] = tuple(learn_colors(sample) for sample in self.samples)
+        pilot = self.parameters.pilot
+        self.pilots = tuple(
+            Pilot(camera, link, colors, pilot) for camera, link, colors in zip(cameras, links, self.colors, strict=True)
+        )
+
+    def __iter__(self) -> Iterator[Tick]:
+        """Arm everyone and fly for the duration."""
+        for pilot in self.pilots:
+            pilot.arm()
+        for index in range(1, self.length + 1):
+            yield self._tick(index)
+
+    @property
+    def length(self) -> int:
+        """How many ticks the flight has."""
+        return max(round(self.parameters.duration * FPS), 1)
+
+    def close(self) -> None:
+        """Land everyone and let go of the world."""
+        for link in self.chain.links:
+            link.close()
+        self.chain.close()
+
+    def __enter__(self) -> Self:
+        """Return the flight."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Land everyone."""
+        self.close()
+
+    def _tick(self, index: int) -> Tick:
+        steps = tuple(pilot.step() for pilot in self.pilots)
+        truth, shown = self.chain.truth(), self.chain.truth(index)
+        return Tick(
+            index=index,
+            time=self.chain.now(),
+            steps=steps,
+            truth=truth,
+            shown=shown,
+            places=np.array([place_beside(me, other) for me, other in itertools.pairwise(truth)]),
+            inside=tuple(self.chain.inside(who, index) for who in range(len(steps))),
+            crashes=tuple(Crash(time, who + 1, what) for time, who, what in self.chain.world.crashes),
+        )

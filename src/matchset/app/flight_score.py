@@ -1,0 +1,167 @@
+"""What a flight was worth against the limits: `FlightJudge` takes its ticks, `FlightScore` is a line of the table."""
+
+import math
+from array import array
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.flight_run import FlightParameters, Tick
+from matchset.localization.pose import Pose
+
+Floats = npt.NDArray[np.float64]
+
+SETTLING = 5.0  # s at the beginning that count for the start-up, not for the spread
+NEAR = 0.15  # m, in every axis: a follower nearer than that to its set place has settled
+DOWN = ("descending", "cut")
+
+
+class FlightScore(msgspec.Struct, frozen=True, kw_only=True):
+    """One flight in numbers.
+
+    Parameters
+    ----------
+    seed : int
+    duration : float
+        How long it was to be, s.
+    end : float
+        When the last command was sent, or the first crash happened, s.
+    crash : str
+        What happened, empty if nothing.
+    landed : str
+        Why safety ended the flight, empty if it did not.
+    in_view : tuple of float
+        Share of the pictures in which each follower's ball was inside.
+    found : tuple of float
+        Share of the pictures in which its loop placed the ball.
+    losses : tuple of int
+        How often it went from placed to not placed.
+    spread : tuple of (float, float, float)
+        Root mean square of place minus set place from 5 s on, side, height and heading of each follower, m; empty if
+        the flight was not that long.
+    settled : float
+        When the last follower had come within 0.15 m of its set place in every axis for the first time to stay there
+        for a second, s; inf if one never did.
+    down : float
+        When the first safety began to bring a vehicle down, s; inf if none did.
+    processing : float
+        Median computing time of track, localize, control and send, s.
+    age : float
+        Median age of the picture when its command left, s.
+    """
+
+    seed: int
+    duration: float
+    end: float
+    crash: str
+    landed: str
+    in_view: tuple[float, ...]
+    found: tuple[float, ...]
+    losses: tuple[int, ...]
+    spread: tuple[tuple[float, float, float], ...]
+    settled: float
+    down: float
+    processing: float
+    age: float
+
+    @property
+    def survived(self) -> bool:
+        """Whether everyone flew to the end."""
+        return not self.crash and not self.landed
+
+    @property
+    def worst_spread(self) -> float:
+        """Of all followers and axes, m; inf if there is none."""
+        return max((value for each in self.spread for value in each), default=math.inf)
+
+
+class FlightJudge:
+    """Takes the ticks of a flight.
+
+    Parameters
+    ----------
+    parameters : FlightParameters
+        Of the flight.
+    """
+
+    def __init__(self, parameters: FlightParameters) -> None:
+        self.parameters = parameters
+        place = parameters.pilot.place
+        self._goal = np.array((place.side, place.height, place.heading))
+        count = parameters.world.vehicles - 1
+        self._time = array("d")
+        self._off = array("d")
+        self._inside = np.zeros(count, np.int64)
+        self._found = np.zeros(count, np.int64)
+        self._losses = np.zeros(count, np.int64)
+        self._had = [False] * count
+        self._spent, self._age = array("d"), array("d")
+        self._down, self._crash, self._landed = math.inf, "", ""
+
+    def take(self, tick: Tick) -> None:
+        """Take the next tick into account."""
+        self._time.append(tick.time)
+        self._off.extend((tick.places - self._goal).ravel().tolist())
+        for who, step in enumerate(tick.steps):
+            placed = isinstance(step.pose, Pose)
+            self._inside[who] += tick.inside[who]
+            self._found[who] += placed
+            self._losses[who] += self._had[who] and not placed
+            self._had[who] = placed
+            self._spent.append(step.processing)
+            self._age.append(step.age)
+            if step.memory.phase in DOWN and not self._landed:
+                self._landed, self._down = f"vehicle {who + 1}: {step.memory.reason}", tick.time
+        if tick.crashes and not self._crash:
+            first = tick.crashes[0]
+            self._crash = f"vehicle {first.vehicle} {first.what} at {first.time:.1f} s"
+
+    @property
+    def over(self) -> bool:
+        """Whether somebody crashed: what follows says nothing more."""
+        return bool(self._crash)
+
+    def score(self) -> FlightScore:
+        """Sum up what was taken."""
+        ticks = max(len(self._time), 1)
+        time = np.array(self._time)
+        off = np.array(self._off).reshape(len(self._time), -1, 3)
+        late = off[time >= SETTLING]
+        spread = np.sqrt((late**2).mean(axis=0)) if len(late) else np.empty((0, 3))
+        return FlightScore(
+            seed=self.parameters.world.seed,
+            duration=self.parameters.duration,
+            end=float(time[-1]) if len(time) else 0.0,
+            crash=self._crash,
+            landed=self._landed,
+            in_view=tuple((self._inside / ticks).tolist()),
+            found=tuple((self._found / ticks).tolist()),
+            losses=tuple(self._losses.tolist()),
+            spread=tuple((float(a), float(b), float(c)) for a, b, c in spread),
+            settled=settled(time, off),
+            down=self._down,
+            processing=float(np.median(self._spent)) if self._spent else 0.0,
+            age=float(np.median(self._age)) if self._age else 0.0,
+        )
+
+
+def settled(time: Floats, off: Floats) -> float:
+    """When the last follower had come near its set place to stay for a second, s; inf if one never did.
+
+    Parameters
+    ----------
+    time : ndarray of shape (n,)
+        s.
+    off : ndarray of shape (n, followers, 3)
+        Place minus set place, m.
+    """
+    last = 0.0
+    for who in range(off.shape[1]):
+        near = np.asarray((np.abs(off[:, who]) <= NEAR).all(axis=1))
+        begins = [k for k in np.flatnonzero(near) if near[(time >= time[k]) & (time <= time[k] + 1.0)].all()]
+        begins = [k for k in begins if time[-1] - time[k] >= 1.0]
+        if not begins:
+            return math.inf
+        last = max(last, float(time[begins[0]]))
+    return last

@@ -1,0 +1,99 @@
+"""The settings of a flight, from TOML, from a URI and from options: `read_flight`."""
+
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from matchset.app.flight_run import FlightParameters
+from matchset.links.simulated import parse_uri
+from matchset.localization.camera_model import CameraModel
+from matchset.sim.settings import read_settings
+
+TEMPLATE = "flight.toml"
+
+
+class FlightFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A file of settings: what `FlightParameters` says, and perhaps the camera's file.
+
+    Parameters
+    ----------
+    flight : FlightParameters
+    camera : str
+        A camera file, as `matchset calibrate` writes it; empty for none. Relative to the settings.
+    """
+
+    flight: FlightParameters = FlightParameters()
+    camera: str = ""
+
+
+def template() -> str:
+    """Return the settings that come with the package: every key with its default, its unit and its source."""
+    return resources.files("matchset.app").joinpath(TEMPLATE).read_text(encoding="utf-8")
+
+
+def read_flight(path: Path) -> FlightParameters:
+    """Read the settings of a flight.
+
+    Parameters
+    ----------
+    path : Path
+        The TOML file; what it leaves out has its default.
+
+    Raises
+    ------
+    ValueError
+        If a key is unknown, of a wrong kind or out of range, or camera and size disagree: with the key and the line.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: not a text file: {error}") from None
+    file = read_settings(text, FlightFile, str(path))
+    if not file.camera:
+        return file.flight
+    camera = CameraModel.load(path.parent / file.camera)
+    world = file.flight.world
+    if (camera.width, camera.height) != (world.width, world.height):
+        line = next((k for k, words in enumerate(text.splitlines(), 1) if words.strip().startswith("camera")), 0)
+        raise ValueError(
+            f"{path}, line {line}: camera is for {camera.width} x {camera.height} px, but width and height are "
+            f"{world.width} x {world.height}"
+        )
+    return changed(file.flight, model=camera)
+
+
+def changed(flight: FlightParameters, **world: Any) -> FlightParameters:
+    """Change what is simulated, checking it again.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range; the text begins with its name.
+    """
+    new = msgspec.structs.replace(flight.world, **world)  # replace() does not run the checks
+    new.__post_init__()
+    return msgspec.structs.replace(flight, world=new)
+
+
+def from_uri(uri: str, flight: FlightParameters) -> FlightParameters:
+    """Take what a URI says over what the settings say.
+
+    Raises
+    ------
+    ValueError
+        If it does not begin with ``sim://chain``, or a parameter is unknown or out of range.
+    """
+    said = parse_uri(uri)
+    names = uri.partition("?")[2]
+    keys = [pair.partition("=")[0] for pair in names.split("&") if pair]
+    return changed(flight, **{key: getattr(said, key) for key in keys})
+
+
+def settings(path: Path | None, duration: float | None) -> FlightParameters:
+    """Read settings where there are any, and set the duration where one is given."""
+    flight = FlightParameters() if path is None else read_flight(path)
+    if duration is None:
+        return flight
+    return FlightParameters(duration=duration, world=flight.world, pilot=flight.pilot)

@@ -1,0 +1,64 @@
+"""`matchset fly`: one flight of a chain, shown, filmed, recorded and reported."""
+
+import sys
+
+import msgspec
+
+from matchset.app.ending import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight_figures import verdict
+from matchset.app.flight_outlets import FlightFiles, FlightOutlets
+from matchset.app.flight_run import Flight, FlightParameters
+from matchset.app.flight_score import FlightJudge
+from matchset.app.flight_setting import setting_of
+from matchset.app.pacer import Pacer
+from matchset.app.patience import if_slow
+from matchset.links.simulated import FPS
+
+
+class FlyOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset fly`.
+
+    Parameters
+    ----------
+    flight : FlightParameters
+    files : FlightFiles
+    quiet : bool
+    real_time : bool
+        Not faster than a clock.
+    """
+
+    flight: FlightParameters
+    files: FlightFiles = FlightFiles()
+    quiet: bool = False
+    real_time: bool = False
+
+
+def fly(options: FlyOptions) -> int:
+    """Run the command.
+
+    Returns
+    -------
+    int
+        0 if everyone flew to the end, 1 if not, or the code of the signal that stopped it; then everyone lands and the
+        files are whole.
+    """
+    options.files.check()
+    judge = FlightJudge(options.flight)
+    with if_slow("getting ready ..."):
+        flight = Flight(options.flight)
+    pacer = Pacer(1.0 / FPS) if options.real_time else None
+    with StopRequest() as stop, flight, FlightOutlets(setting_of(flight), options.files, options.quiet) as outlets:
+        for tick in flight:
+            judge.take(tick)
+            outlets.show(tick)
+            if stop or judge.over:
+                break
+            if pacer is not None:
+                pacer.wait()
+    print(f"flight: {verdict(outlets.log)}")
+    for path in options.files.paths:
+        print(f"  {path}")
+    if stop:
+        print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
+        return stop.code
+    return FOUND if judge.score().survived else NOT_FOUND

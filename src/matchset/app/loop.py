@@ -1,0 +1,207 @@
+"""The loop of one follower: capture, track, localize, control, guard, send. `Pilot.step` is all of it.
+
+It knows nothing of where pictures come from and where commands go, so it flies a simulated vehicle and a real one alike
+(Epstein & Feldman, section 4, steps 1-8).
+"""
+
+import itertools
+import math
+import time
+from typing import NamedTuple, Protocol
+
+import msgspec
+
+from matchset.control.command import Command
+from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
+from matchset.control.safety import Facts, Memory, SafetyParameters, guard
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.links.link import Link
+from matchset.localization.camera_model import CameraModel
+from matchset.localization.localizer import Localizer
+from matchset.localization.marker_tracker import MarkerTracker
+from matchset.localization.pose import Pose
+from matchset.localization.target import BallTarget
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Lost, Track
+from matchset.tracking.tracker import Tracker
+
+STAGES = ("capture", "track", "markers", "localize", "control", "send")
+
+
+class Camera(Protocol):
+    """Where pictures come from.
+
+    Attributes
+    ----------
+    model : CameraModel
+    """
+
+    model: CameraModel
+
+    def read(self) -> Frame | None:
+        """Return the newest picture; None if none came in the time of one."""
+
+    def now(self) -> float:
+        """Return the time on the clock of the pictures, s."""
+
+
+class Colors(NamedTuple):
+    """What the ball and its marker look like: the paper's filters a and b."""
+
+    ball: ColorModel
+    marker: ColorModel
+
+
+class Step(msgspec.Struct, frozen=True, kw_only=True):
+    """All that happened in one turn of the loop; drawing, recording and reports read nothing else.
+
+    Parameters
+    ----------
+    now : float
+        When the command was sent, s, on the clock of the pictures.
+    frame : Frame or None
+        None if no picture came.
+    ball : Track or Lost
+    markers : tuple of Track
+    pose : Pose or Lost
+        In the camera frame, at the time of the frame.
+    answer : Answer or None
+        What the follower wants, and why.
+    command : Command
+        What was sent, as the link confirmed it.
+    memory : Memory
+        Of the safety: its phase and its words.
+    age : float
+        From capture to command, s; inf before the first picture.
+    spent : tuple of float
+        Computing time of each of `STAGES`, s.
+    """
+
+    now: float
+    frame: Frame | None
+    ball: Track[Circle] | Lost[Circle]
+    markers: tuple[Track[Circle], ...]
+    pose: Pose | Lost[Pose]
+    answer: Answer | None
+    command: Command
+    memory: Memory
+    age: float
+    spent: tuple[float, ...]
+
+    @property
+    def processing(self) -> float:
+        """Computing time from picture to command, s."""
+        return sum(self.spent[1:])
+
+
+class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything that a follower's loop can be told.
+
+    Parameters
+    ----------
+    target : BallTarget
+    place : SetPlace
+    follower : FollowerParameters
+    safety : SafetyParameters
+    """
+
+    target: BallTarget = BallTarget()
+    place: SetPlace = SetPlace(height=-0.19)
+    follower: FollowerParameters = FollowerParameters()
+    safety: SafetyParameters = SafetyParameters()
+
+
+class Pilot:
+    """Flies one follower by its own camera.
+
+    Parameters
+    ----------
+    camera : Camera
+    link : Link
+    colors : Colors
+    parameters : PilotParameters, optional
+    """
+
+    def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
+        self.parameters = parameters or PilotParameters()
+        self.camera, self.link = camera, link
+        self.armed = False
+        target = self.parameters.target
+        self._tracker = Tracker(Circle, colors.ball)
+        self._markers = MarkerTracker(colors.marker, target)
+        self._localizer = Localizer(camera.model, target)
+        self._follower = Follower(self.parameters.place, self.parameters.follower)
+        self._memory = Memory()
+        self._frame_time = self._seen = -math.inf
+
+    def arm(self) -> None:
+        """Fly from the next step on, as soon as the ball is seen."""
+        self.link.arm()
+        self.armed = True
+
+    def step(self) -> Step:
+        """Wait for the newest picture and answer it with a command.
+
+        Raises
+        ------
+        LinkError
+            If the camera or the link is gone.
+        """
+        stamps = [time.perf_counter()]
+        frame = self.camera.read()
+        stamps.append(time.perf_counter())
+        now = self.camera.now()
+        ball, markers, pose = self._look(frame, now, stamps)
+        answer = self._follower.update(pose, now)
+        facts = Facts(now, self._frame_time, self._seen, self.armed)
+        wanted, self._memory = guard(answer and answer.wish, facts, self._memory, self.parameters.safety)
+        stamps.append(time.perf_counter())
+        command = self.link.send(wanted)
+        self._follower.sent(command, now)
+        stamps.append(time.perf_counter())
+        return Step(
+            now=now,
+            frame=frame,
+            ball=ball,
+            markers=markers,
+            pose=pose,
+            answer=answer,
+            command=command,
+            memory=self._memory,
+            age=now - self._frame_time,
+            spent=tuple(b - a for a, b in itertools.pairwise(stamps)),
+        )
+
+    def _look(
+        self, frame: Frame | None, now: float, stamps: list[float]
+    ) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...], Pose | Lost[Pose]]:
+        """Track and localize, with a time stamp after each stage."""
+        if frame is None:
+            stamps.extend([stamps[-1]] * 3)
+            return Lost("no picture came", now), (), Lost("no picture came", now)
+        ball = self._tracker.update(frame)
+        stamps.append(time.perf_counter())
+        markers = self._markers.update(frame, ball)
+        stamps.append(time.perf_counter())
+        pose = self._localizer.update(ball, markers)
+        stamps.append(time.perf_counter())
+        self._frame_time = frame.time
+        if isinstance(pose, Pose):
+            self._seen = frame.time
+        return ball, markers, pose
+
+
+def learn_colors(sample: Frame) -> Colors:
+    """Learn the colors from a picture of the ball in the middle, its marker toward the camera.
+
+    Parameters
+    ----------
+    sample : Frame
+        The ball at about 1 m: its marker holds the middle, and a point 3 marker radii to the left shows the ball.
+    """
+    height, width = sample.image.shape[:2]
+    x, y = (width - 1) / 2.0, (height - 1) / 2.0
+    marker = ColorModel.pick(sample.image, x, y)
+    ball = ColorModel.pick(sample.image, x - 0.0625 * width, y)
+    return Colors(ball | marker, marker)

@@ -1,0 +1,142 @@
+"""What a recording holds: messages in msgpack, to their last bit; `encoding.py` makes and reads them."""
+
+from typing import Any
+
+import msgspec
+
+from matchset.app.flight_run import Crash, FlightParameters
+from matchset.control.command import Command
+from matchset.localization.camera_model import CameraModel
+
+FORMAT = 1
+"""Of a recording; one of another number is refused."""
+
+Triple = tuple[float, float, float]
+Matrix = tuple[Triple, Triple, Triple]
+
+
+class Configuration(msgspec.Struct, frozen=True, kw_only=True):
+    """The first message: what is true for the whole flight. Topic ``/configuration``.
+
+    Parameters
+    ----------
+    format : int
+    matchset : str
+        Version of the package that wrote it.
+    parameters : FlightParameters
+    cameras : tuple of CameraModel
+        One per follower.
+    """
+
+    format: int
+    matchset: str
+    parameters: FlightParameters
+    cameras: tuple[CameraModel, ...]
+
+
+class Picture(msgspec.Struct, frozen=True):
+    """A frame of a camera, without loss. Topics ``/follower/1/sample`` and ``/follower/1/frame``.
+
+    Parameters
+    ----------
+    index : int
+    time : float
+        s.
+    png : bytes
+    """
+
+    index: int
+    time: float
+    png: bytes
+
+
+class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
+    """A turn of a follower's loop. Topic ``/follower/1/step``.
+
+    Parameters
+    ----------
+    tick : int
+    armed : bool
+        Whether the pilot was told to fly.
+    frame : int or None
+        Index of the picture; None if none came.
+    now : float
+        When the command was sent, s.
+    command : Command
+        What was sent, as the link confirmed it.
+    spent : tuple of float
+        Computing time of each stage, s; this alone differs from run to run.
+    outcome : Raw
+        `Outcome`: everything else, as the bytes that a replay must reproduce.
+    """
+
+    tick: int
+    armed: bool
+    frame: int | None
+    now: float
+    command: Command
+    spent: tuple[float, ...]
+    outcome: msgspec.Raw
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True):
+    """What follows from the picture, the clock and all that was before: the fields of `Step`."""
+
+    ball: Any
+    markers: Any
+    pose: Any
+    answer: Any
+    memory: Any
+    command: Command
+    age: float
+
+
+class SightMessage(msgspec.Struct, frozen=True):
+    """A vehicle: its center of mass and its ball in the room, m, and the rotation from its body to the room."""
+
+    place: Triple
+    turn: Matrix
+    ball: Triple
+
+
+class TruthMessage(msgspec.Struct, frozen=True, kw_only=True):
+    """What the simulator knows of a tick, the last message of each. Topic ``/truth``.
+
+    Parameters
+    ----------
+    index : int
+    time : float
+        s.
+    truth, shown : tuple of SightMessage
+        Every vehicle at `time` and at the middle of the exposure.
+    places : tuple
+        True side, height and heading of each follower, m.
+    inside : tuple of bool
+    crashes : tuple of Crash
+    """
+
+    index: int
+    time: float
+    truth: tuple[SightMessage, ...]
+    shown: tuple[SightMessage, ...]
+    places: tuple[Triple, ...]
+    inside: tuple[bool, ...]
+    crashes: tuple[Crash, ...]
+
+
+CONFIGURATION, TRUTH = "/configuration", "/truth"
+
+
+def sample_topic(number: int) -> str:
+    """Topic of the picture that a follower, from 1, learned its colors from."""
+    return f"/follower/{number}/sample"
+
+
+def frame_topic(number: int) -> str:
+    """Topic of a follower's pictures."""
+    return f"/follower/{number}/frame"
+
+
+def step_topic(number: int) -> str:
+    """Topic of a follower's steps."""
+    return f"/follower/{number}/step"

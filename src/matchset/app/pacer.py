@@ -1,0 +1,48 @@
+"""Absolute deadlines: `Pacer` keeps a rate without drifting, and skips what it missed."""
+
+import time
+from collections.abc import Callable
+
+
+class Pacer:
+    """Deadlines at start + k period.
+
+    A late turn does not move those after it; deadlines that passed meanwhile are skipped, so no turn hurries to catch
+    up.
+
+    Parameters
+    ----------
+    period : float
+        s.
+    clock, sleep : callable
+        For tests.
+
+    Attributes
+    ----------
+    missed : int
+        Deadlines that were skipped.
+    """
+
+    def __init__(
+        self,
+        period: float,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        if not period > 0.0:
+            raise ValueError(f"a period must be positive, got {period} s")
+        self.period, self.missed = period, 0
+        self._clock, self._sleep = clock, sleep
+        self._start, self._count = clock(), 0
+
+    def wait(self) -> None:
+        """Sleep until the next deadline."""
+        self._count += 1
+        late = self._clock() - (self._start + self._count * self.period)
+        if late >= self.period:
+            skipped = int(late / self.period)
+            self.missed += skipped
+            self._count += skipped
+        rest = self._start + self._count * self.period - self._clock()
+        if rest > 0.0:
+            self._sleep(rest)

@@ -1,0 +1,144 @@
+"""A recording, read back tick by tick: `RecordedFlight`."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from matchset.app.encoding import decode, frame_of
+from matchset.app.flight_setting import Setting
+from matchset.app.mcap_file import McapReader, Message
+from matchset.app.messages import (
+    CONFIGURATION,
+    FORMAT,
+    TRUTH,
+    Configuration,
+    Picture,
+    StepMessage,
+    TruthMessage,
+    frame_topic,
+    sample_topic,
+    step_topic,
+)
+from matchset.image.frame import Frame
+
+
+class _Head(msgspec.Struct):
+    """What every format's configuration begins with."""
+
+    format: int
+
+
+class RecordedTick(NamedTuple):
+    """A tick as it was recorded.
+
+    Attributes
+    ----------
+    steps : tuple of StepMessage
+        One per follower.
+    frames : tuple of (Frame or None)
+        What each camera delivered.
+    truth : TruthMessage
+    """
+
+    steps: tuple[StepMessage, ...]
+    frames: tuple[Frame | None, ...]
+    truth: TruthMessage
+
+
+class RecordedFlight:
+    """A recorded flight, an iterable of `RecordedTick`s; it is read as it goes, once.
+
+    Parameters
+    ----------
+    path : Path
+
+    Attributes
+    ----------
+    setting : Setting
+    matchset : str
+        Version of the package that recorded it.
+
+    Raises
+    ------
+    ValueError
+        If the file is no recording, of another format, or damaged; while reading, too.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._reader = McapReader(path)
+        self._messages = iter(self._reader)
+        first = next(self._messages, None)
+        if first is None or first.topic != CONFIGURATION:
+            raise ValueError(f"{path} is no recording of a flight: it does not begin with {CONFIGURATION}")
+        with _named(path):
+            self._check_format(first)
+            configuration = decode(first.data, Configuration)
+        self.matchset = configuration.matchset
+        followers = configuration.parameters.world.vehicles - 1
+        if len(configuration.cameras) != followers:
+            raise ValueError(f"{path} is damaged: {len(configuration.cameras)} cameras for {followers} followers")
+        samples = tuple(self._sample(number) for number in range(1, followers + 1))
+        self.setting = Setting(configuration.parameters, configuration.cameras, samples)
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether the file ends in the middle; known after the last tick."""
+        return self._reader.cut_off
+
+    def __iter__(self) -> Iterator[RecordedTick]:
+        steps: dict[int, StepMessage] = {}
+        frames: dict[int, Frame] = {}
+        numbers = range(1, self.setting.followers + 1)
+        of_step = {step_topic(number): number for number in numbers}
+        of_frame = {frame_topic(number): number for number in numbers}
+        for topic, data in self._messages:
+            tick = None
+            with _named(self.path):
+                if topic in of_frame:
+                    frames[of_frame[topic]] = frame_of(decode(data, Picture))
+                elif topic in of_step:
+                    steps[of_step[topic]] = decode(data, StepMessage)
+                elif topic == TRUTH:
+                    tick = self._tick(steps, frames, decode(data, TruthMessage))
+                    steps, frames = {}, {}
+            if tick is not None:  # outside of the block: what the caller raises is not about the file
+                yield tick
+
+    def _tick(self, steps: dict[int, StepMessage], frames: dict[int, Frame], truth: TruthMessage) -> RecordedTick:
+        """Put a tick together and check that nothing is missing."""
+        count = self.setting.followers
+        for number in range(1, count + 1):
+            step, frame = steps.get(number), frames.get(number)
+            if step is None or step.tick != truth.index:
+                raise ValueError(f"tick {truth.index} lacks the step of follower {number}")
+            if step.frame != (None if frame is None else frame.index):
+                raise ValueError(f"tick {truth.index} lacks the picture of follower {number}")
+        if not len(truth.shown) == len(truth.truth) == count + 1 or not len(truth.places) == len(truth.inside) == count:
+            raise ValueError(f"the truth of tick {truth.index} is of another number of vehicles")
+        numbers = range(1, count + 1)
+        return RecordedTick(tuple(steps[k] for k in numbers), tuple(frames.get(k) for k in numbers), truth)
+
+    def _check_format(self, first: Message) -> None:
+        head = decode(first.data, _Head)
+        if head.format != FORMAT:
+            raise ValueError(f"its format is {head.format}, this matchset reads {FORMAT}")
+
+    def _sample(self, number: int) -> Frame:
+        message = next(self._messages, None)
+        if message is None or message.topic != sample_topic(number):
+            raise ValueError(f"{self.path} is damaged: {sample_topic(number)} is missing")
+        with _named(self.path):
+            return frame_of(decode(message.data, Picture))
+
+
+@contextlib.contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Put the file's name before what is wrong with it."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{path} is damaged: {error}") from None

@@ -1,0 +1,96 @@
+"""A recorded flight, flown again by the same `Pilot`s: `Replay` compares every step with the recorded one."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+
+from matchset.app.encoding import outcome_of, sight_of
+from matchset.app.flight_run import Tick
+from matchset.app.loop import Pilot, Step, learn_colors
+from matchset.app.messages import StepMessage
+from matchset.app.recorded_devices import RecordedCamera, RecordedLink
+from matchset.app.recorded_flight import RecordedFlight, RecordedTick
+from matchset.app.step_difference import first_difference
+from matchset.image.frame import Frame
+
+
+class Difference(NamedTuple):
+    """A step that did not come out as it was recorded.
+
+    Attributes
+    ----------
+    tick : int
+    follower : int
+        From 1.
+    words : str
+        The first value that differs: ``pose.position.0 was 0.1, is 0.2``.
+    """
+
+    tick: int
+    follower: int
+    words: str
+
+
+class Replay:
+    """Flies a recording again: an iterable of `Tick`s, with the recorded truth and computing times.
+
+    Parameters
+    ----------
+    recorded : RecordedFlight
+
+    Attributes
+    ----------
+    steps : int
+        Compared so far.
+    differences : list of Difference
+        The steps that did not come out bit for bit.
+    """
+
+    def __init__(self, recorded: RecordedFlight) -> None:
+        self._recorded = recorded
+        self.steps = 0
+        self.differences: list[Difference] = []
+        setting = recorded.setting
+        self._cameras = [RecordedCamera(model) for model in setting.cameras]
+        self._links = [RecordedLink(number) for number in range(1, setting.followers + 1)]
+        colors = [learn_colors(sample) for sample in setting.samples]
+        pilot = setting.parameters.pilot
+        self._pilots = [
+            Pilot(camera, link, color, pilot)
+            for camera, link, color in zip(self._cameras, self._links, colors, strict=True)
+        ]
+
+    def __iter__(self) -> Iterator[Tick]:
+        for recorded in self._recorded:
+            yield self._tick(recorded)
+
+    def _tick(self, recorded: RecordedTick) -> Tick:
+        steps = tuple(
+            self._step(number, message, frame)
+            for number, (message, frame) in enumerate(zip(recorded.steps, recorded.frames, strict=True))
+        )
+        truth = recorded.truth
+        return Tick(
+            index=truth.index,
+            time=truth.time,
+            steps=steps,
+            truth=tuple(map(sight_of, truth.truth)),
+            shown=tuple(map(sight_of, truth.shown)),
+            places=np.array(truth.places),
+            inside=truth.inside,
+            crashes=truth.crashes,
+        )
+
+    def _step(self, number: int, message: StepMessage, frame: Frame | None) -> Step:
+        camera, link, pilot = self._cameras[number], self._links[number], self._pilots[number]
+        camera.frame, camera.time, link.confirmed = frame, message.now, message.command
+        if message.armed and not pilot.armed:
+            pilot.arm()
+        step = pilot.step()
+        self.steps += 1
+        if outcome_of(step) != bytes(message.outcome):
+            words = first_difference(bytes(message.outcome), outcome_of(step))
+            self.differences.append(Difference(message.tick, number + 1, words))
+        return msgspec.structs.replace(step, spent=message.spent)

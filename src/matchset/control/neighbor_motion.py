@@ -1,0 +1,142 @@
+"""How the neighbor moves, from poses seen by a vehicle that does not measure its own tilt: `NeighborMotion`.
+
+In the frame at rest of dead reckoning each coordinate of the ball, and the way its marker points, is the sum of a drift
+with an acceleration that lasts a while (Singer 1970), ``d'' = a, a' = -a/T + noise``, and a sway about the period of
+what hangs on a rope, ``s'' = -w^2 s - 2 z w s' + noise``. A Kalman filter follows both. To the covariance of a pose
+comes what the unmeasured tilt and turn of the vehicle do to it: a degree of tilt at 1.5 m looks like 26 mm.
+"""
+
+import math
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.control.dead_reckoning import turn_of
+from matchset.control.neighbor_filter import REFUSED, STATES, marker_way, predict, take, to_rest
+from matchset.control.own_motion import OwnState
+from matchset.localization.pose import Pose
+
+Floats = npt.NDArray[np.float64]
+
+
+class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the neighbor's poses are filtered.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of the neighbor's acceleration and of what the dead reckoning misses, m/s^2. More follows
+        sooner and smooths less.
+    turning : float
+        Standard deviation of its angular acceleration, rad/s^2.
+    lasting : float
+        For how long such an acceleration lasts, s.
+    period : float
+        Of the sway, s: 2.2 for a rope of 1.2 m. A neighbor that follows something that sways, sways with it.
+    damping : float
+        How far the sway is from a steady one, as a damping ratio: more forgives a wrong period, and predicts less.
+    sway : float
+        Standard deviation of the sway, m.
+    turn_sway : float
+        The same for the neighbor's turning, rad.
+    tilt : float
+        Standard deviation of the vehicle's own tilt about what its commands say, rad.
+    yaw : float
+        The same for its turning, rad.
+    shared : float
+        Least standard deviation of a place, m: what the shading and the lens do to all frames alike.
+    gate : float
+        Largest deviation from the prediction that is believed, standard deviations.
+    patience : int
+        How many poses in a row may be left out before the next one is believed and all begins anew.
+    """
+
+    acceleration: float = 0.7
+    turning: float = 0.6
+    lasting: float = 0.5
+    period: float = 2.2
+    damping: float = 0.03
+    sway: float = 0.07
+    turn_sway: float = 0.03
+    tilt: float = 0.025
+    yaw: float = 0.01
+    shared: float = 0.005
+    gate: float = 5.0
+    patience: int = 5
+
+    def __post_init__(self) -> None:
+        for name in self.__struct_fields__:
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+
+
+class NeighborMotion:
+    """Filters one neighbor in the frame at rest.
+
+    Parameters
+    ----------
+    parameters : NeighborMotionParameters, optional
+
+    Attributes
+    ----------
+    time : float
+        Of the last pose that was believed, s; -inf before the first.
+    turn_time : float
+        The same for the way its marker points.
+    """
+
+    def __init__(self, parameters: NeighborMotionParameters | None = None) -> None:
+        self.parameters = parameters or NeighborMotionParameters()
+        self.time = self.turn_time = -math.inf
+        self._state = np.zeros((4, STATES))  # x, y, z, and the angle of the marker's way to the right of z
+        self._covariance = np.zeros((4, STATES, STATES))
+        self._limits = np.array([float(getattr(self.parameters, name)) for name in self.parameters.__struct_fields__])
+        self._refused = np.zeros(2, np.int64)
+
+    def update(self, pose: Pose, own: OwnState) -> bool:
+        """Take in a pose in the camera frame, seen from a state of the vehicle at the same time.
+
+        Returns
+        -------
+        bool
+            Whether its position was believed.
+        """
+        turn, seen, spread = np.empty((3, 3)), np.empty(4), np.empty(4)
+        turn_of(own.numbers, turn)
+        told = 3
+        to_rest(pose.position, pose.covariance, turn, own.place, self._limits, seen, spread)
+        if pose.turn is not None and marker_way(pose.turn, pose.covariance, turn, self._limits, seen, spread):
+            told = 4
+        since, turn_since = pose.time - self.time, pose.time - self.turn_time
+        believed = take(self._state, self._covariance, seen, spread, 0, 3, since, self._limits, self._refused)
+        if believed != REFUSED:
+            self.time = pose.time
+        if told == 4:
+            believed_turn = take(
+                self._state, self._covariance, seen, spread, 3, 4, turn_since, self._limits, self._refused
+            )
+            if believed_turn != REFUSED:
+                self.turn_time = pose.time
+        return believed != REFUSED
+
+    def at(self, time: float, reach: float) -> Floats:
+        """Predict for a time, extrapolating at most so far past what was seen last; after that it stands.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        reach : float
+            s.
+
+        Returns
+        -------
+        ndarray of shape (4, 3)
+            x, y, z and the angle of the marker's way to the right of z, rad; each with its speed and the acceleration
+            of its sway.
+        """
+        ahead = np.zeros((4, 3))
+        since, turn_since = time - self.time, time - self.turn_time
+        predict(self._state, since, turn_since, reach, self._limits, ahead)
+        return ahead

@@ -1,0 +1,124 @@
+"""From what each of a chain sees of the next one to one frame for all: `compose`, `seen_from_last`.
+
+A vehicle carries its camera and its ball rigidly, so what it sees can be told from its ball. Composing along the chain
+gives every camera's place in the frame of the last ball.
+"""
+
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.localization.pose import UNSEEN, Pose
+from matchset.tracking.track import Lost
+
+Floats = npt.NDArray[np.float64]
+
+FACING_AWAY = np.diag((-1.0, 1.0, -1.0))
+"""From a forward camera to the frame of a ball whose marker looks backward: half a turn about the vertical."""
+
+
+class Mount(msgspec.Struct, frozen=True):
+    """How a vehicle carries its camera, seen from its own ball; the camera looks where the marker does not.
+
+    Parameters
+    ----------
+    lens : tuple of 3 floats
+        The camera in the ball frame, m: z through the marker, which looks backward, y down, x to the left.
+    """
+
+    lens: tuple[float, float, float] = (0.0, 0.19, -0.05)
+
+
+class Place(msgspec.Struct, frozen=True):
+    """A camera in the frame of a ball.
+
+    Parameters
+    ----------
+    position : ndarray of shape (3,), float64
+        m: x is the side, y minus the height, z the heading (Epstein & Feldman, Eq. 6-8).
+    turn : ndarray of shape (3, 3), float64
+        From the camera frame to that of the ball.
+    """
+
+    position: Floats
+    turn: Floats
+
+
+def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Mount | None = None) -> "Pose | Lost[Pose]":
+    """Express what a neighbor sees in the camera frame of who sees the neighbor.
+
+    With p1, R1 the neighbor's ball as seen, m and M its camera in the frame of its ball, p2, R2 what it sees itself:
+    ``p = p1 + R1 (m + M p2)``, ``R = R1 M R2``. Errors dp1, w1 of the first move it by ``dp1 + w1 x (p - p1)`` and
+    ``w1``, those of the second by ``R1 M dp2`` and ``R1 M w2``; they are independent.
+
+    Parameters
+    ----------
+    first : Pose or Lost
+        The neighbor's ball.
+    second : Pose or Lost
+        What the neighbor's camera sees.
+    mount : Mount, optional
+
+    Returns
+    -------
+    Pose or Lost
+        At the time of the older one, as certain as both allow. Lost where one of them is, and where the neighbor's
+        rotation is not observed.
+    """
+    if not isinstance(first, Pose):
+        return first
+    if not isinstance(second, Pose):
+        return second
+    time = min(first.time, second.time)
+    if first.turn is None:
+        return Lost("how the neighbor is turned is not observed", time)
+    mount = mount or Mount()
+    turn = first.turn @ FACING_AWAY
+    arm = first.turn @ np.array(mount.lens) + turn @ second.position
+    slope = np.eye(6)
+    slope[:3, 3:] = -_cross(arm)
+    carried = np.zeros((6, 6))
+    carried[:3, :3] = carried[3:, 3:] = turn
+    covariance = slope @ first.covariance @ slope.T + carried @ second.covariance @ carried.T
+    if second.turn is None:
+        covariance[3:] = covariance[:, 3:] = 0.0
+        covariance[3:, 3:] = UNSEEN * np.eye(3)
+    observed = second.observed if second.observed != "full" else first.observed
+    return Pose(
+        position=first.position + arm,
+        turn=None if second.turn is None else turn @ second.turn,
+        covariance=covariance,
+        observed=observed,
+        time=time,
+    )
+
+
+def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = None) -> list[Place | None]:
+    """Put every camera of a chain into the frame of the last ball.
+
+    Parameters
+    ----------
+    poses : sequence of Pose or Lost
+        What each camera sees of the next vehicle's ball, in the order of the chain.
+    mount : Mount, optional
+
+    Returns
+    -------
+    list of Place or None
+        One for each camera; None from the last gap of the chain on forward.
+    """
+    places: list[Place | None] = []
+    reach: Pose | Lost[Pose] | None = None
+    for pose in reversed(poses):
+        reach = pose if reach is None else compose(pose, reach, mount)
+        known = isinstance(reach, Pose) and reach.turn is not None
+        places.append(Place(-(reach.position @ reach.turn), reach.turn.T) if known else None)  # type: ignore[union-attr,operator]
+    return places[::-1]
+
+
+def _cross(v: Floats) -> Floats:
+    """Matrix of the cross product from the left, v x, (3, 3)."""
+    x, y, z = v.tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))

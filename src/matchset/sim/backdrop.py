@@ -1,0 +1,199 @@
+"""Flat surfaces for a camera that moves: `Backdrop`, the same surfaces as `Scene`, many times faster and less smooth.
+
+One ray a pixel, no interpolation between texels, and a texel either hides what is behind it or does not: an analog
+picture shows no more.
+"""
+
+import math
+import threading
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.shapes.jit import kernel
+from matchset.sim.surface import Surface
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Bytes = npt.NDArray[np.uint8]
+Words = npt.NDArray[np.uint32]
+Depth = npt.NDArray[np.float32]
+
+OPAQUE = np.uint32(0x80000000)  # little-endian: alpha, the last byte, is the highest
+NEAR = 0.03  # m, nothing closer is drawn
+
+
+class Window(NamedTuple):
+    """A part of a pinhole camera's picture: pixel (x, y) sees along ((x - cx) / fx, (y - cy) / fy, 1)."""
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+
+class Backdrop:
+    """Surfaces, packed for drawing.
+
+    Parameters
+    ----------
+    surfaces : list of Surface
+        In a frame of their own. The nearer hides the farther, so their order does not matter.
+    """
+
+    def __init__(self, surfaces: list[Surface]) -> None:
+        self._kept = threading.local()
+        # Small things mostly stand before large ones: drawn first, they spare the work of drawing what they hide.
+        order = sorted(surfaces, key=lambda each: float(np.linalg.norm(np.cross(each.u, each.v))))
+        self._corners = np.array([np.column_stack((each.u, each.v, each.origin)) for each in order])
+        shapes = [each.texture.shape[:2] for each in order]
+        starts = np.concatenate(([0], np.cumsum([h * w for h, w in shapes])[:-1]))
+        self._sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
+        texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
+        self._texels: Words = np.concatenate(texels).view(np.uint32)[:, 0].copy()
+
+    def draw(self, picture: Words, window: Window, turn: Floats, place: Floats) -> None:
+        """Draw what a camera sees over a picture, in place.
+
+        Parameters
+        ----------
+        picture : ndarray of shape (h, w), uint32
+            BGRA in one word, see `as_words`; where nothing is it keeps what it shows.
+        window : Window
+            Where its pixels look.
+        turn : ndarray of shape (3, 3)
+            Turns vectors of the surfaces' frame into that of the camera.
+        place : ndarray of shape (3,)
+            Origin of the surfaces' frame in that of the camera, m.
+        """
+        nearest = self._depth(picture.shape)
+        turn = np.ascontiguousarray(turn)
+        draw_flat(picture, nearest, self._corners, turn, place, *window, self._sizes, self._texels)
+
+    def _depth(self, shape: tuple[int, ...]) -> Depth:
+        """Depth buffer that each thread keeps: fresh pages cost more than drawing on them."""
+        kept = self._kept.__dict__
+        if kept.get("shape") != shape:
+            kept["shape"], kept["depth"] = shape, np.zeros(shape, np.float32)
+        depth: Depth = kept["depth"]
+        depth[:] = 0.0
+        return depth
+
+
+def as_words(picture: Bytes) -> Words:
+    """See a picture of shape (h, w, 4), uint8, BGRA, as one of words, (h, w)."""
+    return picture.view(np.uint32)[..., 0]
+
+
+@kernel
+def homography(corner: Floats, turn: Floats, place: Floats, lens: Floats, h: Floats) -> bool:
+    """Write the map from pixels (x, y, 1) to (s, t, 1) / depth of a surface; False if it is seen from its edge.
+
+    With u, v and o the surface's sides and origin seen from the camera, its rows are v x o, o x u and u x v over the
+    determinant, times the inverse of the pinhole's matrix.
+    """
+    m = np.zeros((3, 3))
+    for j in range(3):
+        for k in range(3):
+            for i in range(3):
+                m[j, k] += turn[j, i] * corner[i, k]
+        m[j, 2] += place[j]
+    rows = np.empty((3, 3))
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        for j in range(3):
+            p, q = (j + 1) % 3, (j + 2) % 3
+            rows[k, j] = m[p, a] * m[q, b] - m[q, a] * m[p, b]
+    det = m[0, 2] * rows[2, 0] + m[1, 2] * rows[2, 1] + m[2, 2] * rows[2, 2]
+    if abs(det) < 1e-9:
+        return False
+    for k in range(3):
+        h[k, 0] = rows[k, 0] / (det * lens[0])
+        h[k, 1] = rows[k, 1] / (det * lens[1])
+        h[k, 2] = (rows[k, 2] - rows[k, 0] * lens[2] / lens[0] - rows[k, 1] * lens[3] / lens[1]) / det
+    return True
+
+
+@kernel
+def span(h: Floats, y: int, width: int) -> tuple[int, int]:
+    """First and last pixel of a line that a surface may fill: s >= 0, t >= 0, w >= 0, s <= w, t <= w."""
+    s0, t0, w0 = h[0, 1] * y + h[0, 2], h[1, 1] * y + h[1, 2], h[2, 1] * y + h[2, 2]
+    low, high = 0.0, width - 1.0
+    for i in range(5):
+        if i == 0:
+            slope, value = h[0, 0], s0
+        elif i == 1:
+            slope, value = h[1, 0], t0
+        elif i == 2:
+            slope, value = h[2, 0], w0
+        elif i == 3:
+            slope, value = h[2, 0] - h[0, 0], w0 - s0
+        else:
+            slope, value = h[2, 0] - h[1, 0], w0 - t0
+        if slope > 0.0:
+            low = max(low, -value / slope)
+        elif slope < 0.0:
+            high = min(high, -value / slope)
+        elif value <= 0.0:
+            high = -1.0
+    return math.ceil(low), math.floor(max(high, -1.0))
+
+
+@kernel
+def draw_flat(
+    picture: Words,
+    nearest: Depth,
+    corners: Floats,
+    turn: Floats,
+    place: Floats,
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    sizes: Ints,
+    texels: Words,
+) -> None:
+    """Draw surfaces into a picture and its depth buffer.
+
+    Parameters
+    ----------
+    picture : (h, w), written
+    nearest : (h, w), written
+        1/depth of what is drawn already.
+    corners : (n, 3, 3)
+        Columns: sides u and v, and origin of each surface.
+    turn, place : (3, 3), (3,)
+        From their frame to the camera's.
+    fx, fy, cx, cy : float
+        See `Window`.
+    sizes : (n, 3)
+        Rows and columns of its texture, and where that begins.
+    texels : (m,)
+        BGRA of all textures.
+    """
+    height, width = picture.shape[0], picture.shape[1]
+    h, lens = np.empty((3, 3)), np.array((fx, fy, cx, cy))
+    for k in range(corners.shape[0]):
+        if not homography(corners[k], turn, place, lens, h):
+            continue
+        tall, wide, first_texel = sizes[k, 0], sizes[k, 1], sizes[k, 2]
+        slope_s, slope_t, slope_w = h[0, 0] * wide, h[1, 0] * tall, h[2, 0]
+        for y in range(height):
+            first, last = span(h, y, width)
+            if first > last:
+                continue
+            start_s, start_t = (h[0, 1] * y + h[0, 2]) * wide, (h[1, 1] * y + h[1, 2]) * tall
+            start_w = h[2, 1] * y + h[2, 2]
+            line, depth = picture[y], nearest[y]
+            for x in range(first, last + 1):
+                w = slope_w * x + start_w
+                if w <= depth[x] or w > 1.0 / NEAR:
+                    continue
+                unit = 1.0 / w
+                i = min(int((slope_t * x + start_t) * unit), tall - 1)
+                j = min(int((slope_s * x + start_s) * unit), wide - 1)
+                texel = texels[first_texel + i * wide + j]
+                if texel >= OPAQUE:
+                    depth[x] = w
+                    line[x] = texel

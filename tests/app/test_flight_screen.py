@@ -1,0 +1,103 @@
+"""The live view and its plain lines, read as a person would read them."""
+
+import io
+
+import msgspec
+import pytest
+from chain_flight import Flown, descending, lost, with_crash, with_step
+from rich.console import Console
+
+from matchset.app.flight_screen import COLUMNS, FlightScreen, flight_view, plain_line
+from matchset.app.flight_tally import FlightTally
+from matchset.control.follower import SetPlace
+
+PLACE = SetPlace(height=-0.19)
+
+
+def told(flown: Flown, **options: bool) -> str:
+    """All that a console shows of the flight, with a loss, a descent and a crash at its end."""
+    out = io.StringIO()
+    console = Console(file=out, width=110, highlight=False, force_terminal=options.pop("terminal"), color_system=None)
+    tally = FlightTally(2)
+    ticks = list(flown.ticks)
+    ticks[10] = with_step(ticks[10], 0, lost(ticks[10].steps[0]))
+    ticks[11:] = [with_crash(with_step(tick, 1, descending(tick.steps[1]))) for tick in ticks[11:]]
+    with FlightScreen(PLACE, 60.0, console=console, **options) as screen:
+        for tick in ticks:
+            tally.count(tick)
+            screen.show(tick, tally)
+    return out.getvalue()
+
+
+def test_the_view_has_a_row_for_each_follower(flown: Flown) -> None:
+    out, tally = io.StringIO(), FlightTally(2)
+    for tick in flown.ticks[:9]:
+        tally.count(tick)
+    tick = with_step(flown.ticks[9], 1, lost(flown.ticks[9].steps[1]))
+    tally.count(tick)
+    Console(file=out, width=110).print(flight_view(tick, tally, PLACE, 60.0, 2.04))
+    head, names, first, second, reason, *_ = out.getvalue().splitlines()
+    assert head.startswith("0.4 of 60 s   2 times as fast as real time")
+    assert all(name in names for name in COLUMNS)
+    assert first.split()[:4] == ["1", "→", "2", "flying"]
+    assert [word for word in first.split() if word in ("67", "30.0/s", "0")] == ["67", "30.0/s", "0"]
+    distance = float(first.split()[4])
+    assert distance == pytest.approx(1.51, abs=0.05)
+    assert second.split()[3:5] == ["holding", "-"]
+    assert second.rstrip().endswith("1")
+    assert reason.startswith("2 holding: the ball is not seen")
+
+
+def test_nothing_known_is_a_dash(flown: Flown) -> None:
+    tick = with_step(flown.ticks[3], 0, descending(lost(flown.ticks[3].steps[0])))
+    tally = FlightTally(2)
+    tally.count(tick)
+    out = io.StringIO()
+    Console(file=out, width=110).print(flight_view(tick, tally, PLACE, 60.0, None))
+    assert out.getvalue().splitlines()[2].split()[3:] == ["descending", *"-------", "1"]
+
+
+def test_elsewhere_it_prints_plain_lines(flown: Flown) -> None:
+    lines = told(flown, terminal=False).splitlines()
+    assert len(lines) == 2  # one now and then, and the crash, once
+    assert "1: flying, 1.5" in lines[0]
+    assert "67 ms old, lost 0   2: flying" in lines[0]
+    assert lines[1].endswith("vehicle 1 hit the floor")
+    assert "\x1b" not in "".join(lines)
+
+
+def test_a_terminal_gets_the_table_and_keeps_the_crash(flown: Flown) -> None:
+    shown = told(flown, terminal=True)
+    assert "state" in shown
+    assert "vehicle 1 hit the floor" in shown
+
+
+def test_quiet_is_quiet(flown: Flown) -> None:
+    assert told(flown, terminal=False, quiet=True) == told(flown, terminal=True, quiet=True) == ""
+
+
+def test_a_line_says_why(flown: Flown) -> None:
+    tick = with_step(flown.ticks[3], 0, descending(lost(flown.ticks[3].steps[0])))
+    tally = FlightTally(2)
+    tally.count(tick)
+    assert "1: descending: no new frame for 0.3 s, -, place not known, - old, lost 1" in plain_line(tick, tally)
+
+
+def test_losses_are_counted_as_spells(flown: Flown) -> None:
+    tally = FlightTally(2)
+    for index, tick in enumerate(flown.ticks):
+        step = tick.steps[0]
+        tally.count(with_step(tick, 0, lost(step, "hidden") if index in (3, 4, 5, 9) else step))
+    first = tally.followers[0]
+    with_picture = sum(tick.steps[0].frame is not None for tick in flown.ticks)
+    assert (first.frames, first.missing) == (with_picture, len(flown.ticks) - with_picture)
+    assert first.missing > 0
+    assert first.losses == 3  # twice hidden, and when the cable was pulled
+    assert first.lost == 4
+    assert first.reason == "no picture came"
+    assert first.longest >= 0.13
+    assert first.rate == pytest.approx(30.0)
+    still = msgspec.structs.replace(flown.ticks[0].steps[0], frame=None)
+    alone = FlightTally(1).followers[0]
+    alone.count(still)
+    assert alone.rate is None

@@ -1,0 +1,317 @@
+"""A recording: replayed it gives every step again, bit for bit; whatever is wrong with it is said."""
+
+import math
+import re
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import cv2
+import msgspec
+import numpy as np
+import pytest
+from blue_ball import Matchset
+from chain_flight import Flown
+from hypothesis import given
+from hypothesis import strategies as st
+
+from matchset.app.encoding import decode, encode, frame_of, outcome_of, step_message, to_png
+from matchset.app.flight_outlets import FlightFiles, FlightOutlets
+from matchset.app.flight_recording import FlightRecording
+from matchset.app.flight_run import Tick
+from matchset.app.loop import Step
+from matchset.app.mcap_file import Kind, McapReader, McapWriter, Message
+from matchset.app.messages import CONFIGURATION, Picture, StepMessage
+from matchset.app.recorded_flight import RecordedFlight
+from matchset.app.replay import Replay
+from matchset.app.step_difference import first_difference
+from matchset.control.command import Command
+
+
+@pytest.fixture(scope="module")
+def recording(flown: Flown, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("recording") / "flight.mcap"
+    record(flown, path)
+    return path
+
+
+def record(flown: Flown, path: Path) -> None:
+    with FlightRecording(path, flown.setting) as out:
+        for tick in flown.ticks:
+            out.write(tick, [True] * len(tick.steps))
+
+
+def test_every_step_comes_out_bit_for_bit(flown: Flown, recording: Path) -> None:
+    recorded = RecordedFlight(recording)
+    replayed = Replay(recorded)
+    ticks = list(replayed)
+    assert replayed.differences == []
+    assert replayed.steps == 2 * len(flown.ticks)
+    assert not recorded.cut_off
+    assert recorded.setting.parameters == flown.setting.parameters
+    assert recorded.setting.cameras == flown.setting.cameras
+    for before, after in zip(flown.ticks, ticks, strict=True):
+        assert (before.index, before.time, before.inside, before.crashes) == (
+            after.index,
+            after.time,
+            after.inside,
+            after.crashes,
+        )
+        np.testing.assert_array_equal(before.places, after.places)
+        np.testing.assert_array_equal(before.shown[1].turn, after.shown[1].turn)
+        for one, other in zip(before.steps, after.steps, strict=True):
+            assert outcome_of(one) == outcome_of(other)
+            assert (one.spent, one.now) == (other.spent, other.now)
+            assert (one.frame is None) == (other.frame is None)
+            if one.frame is not None and other.frame is not None:
+                np.testing.assert_array_equal(one.frame.image, other.frame.image)
+
+
+def test_a_pixel_that_changed_is_noticed(flown: Flown, tmp_path: Path) -> None:
+    ticks = list(flown.ticks[:8])
+    frame = ticks[5].steps[1].frame
+    assert frame is not None
+    image = frame.image.copy()
+    image[200:280, 280:360] //= 2
+    altered = msgspec.structs.replace(ticks[5].steps[1], frame=msgspec.structs.replace(frame, image=image))
+    ticks[5] = msgspec.structs.replace(ticks[5], steps=(ticks[5].steps[0], altered))
+    record(Flown(flown.setting, tuple(ticks)), tmp_path / "altered.mcap")
+    replayed = Replay(RecordedFlight(tmp_path / "altered.mcap"))
+    list(replayed)
+    first = replayed.differences[0]
+    assert (first.tick, first.follower) == (6, 2)
+    assert first.words.startswith("ball.")
+    assert " was " in first.words
+    assert all(each.follower == 2 for each in replayed.differences)
+
+
+def test_a_pilot_that_was_not_armed_stays_so(flown: Flown, tmp_path: Path) -> None:
+    with FlightRecording(tmp_path / "a.mcap", flown.setting) as out:
+        for tick in flown.ticks[:3]:
+            out.write(tick, (True, False))
+    replayed = Replay(RecordedFlight(tmp_path / "a.mcap"))
+    ticks = list(replayed)
+    assert {tick.steps[1].memory.reason for tick in ticks} == {"not armed"}
+    assert {each.follower for each in replayed.differences} == {2}
+
+
+def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_goes(recording: Path, tmp_path: Path) -> None:
+    data = recording.read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(data[: len(data) // 2])
+    recorded = RecordedFlight(cut)
+    replayed = Replay(recorded)
+    ticks = list(replayed)
+    assert recorded.cut_off
+    assert len(ticks) >= 3
+    assert replayed.differences == []
+
+
+def test_what_is_written_is_on_disk_before_the_end(flown: Flown, tmp_path: Path) -> None:
+    """As if the program were killed: nothing is closed, and yet most of it can be replayed."""
+    path = tmp_path / "killed.mcap"
+    recording = FlightRecording(path, flown.setting)
+    for tick in flown.ticks[:12]:
+        recording.write(tick, (True, True))
+    copy = tmp_path / "copy.mcap"
+    copy.write_bytes(path.read_bytes())
+    recording.close()
+    ticks = list(RecordedFlight(copy))
+    assert 2 <= len(ticks) <= 12
+
+
+def test_damage_is_said_and_never_anything_else(flown: Flown, tmp_path: Path) -> None:
+    short = tmp_path / "short.mcap"
+    record(Flown(flown.setting, flown.ticks[:2]), short)
+    data, rng = short.read_bytes(), np.random.default_rng(7)
+    places = [*rng.integers(0, 3000, 15).tolist(), *rng.integers(0, len(data), 15).tolist()]
+    said = []
+    for place in places:
+        broken = bytearray(data)
+        for k in range(3):
+            broken[(place + 7 * k) % len(data)] ^= int(rng.integers(1, 256))
+        short.write_bytes(broken)
+        try:
+            list(RecordedFlight(short))
+        except ValueError as error:
+            said.append(str(error))
+    assert len(said) > len(places) // 2
+    for words in said:
+        assert str(short) in words
+        assert any(word in words for word in ("damaged", "MCAP", "recording"))
+
+
+@pytest.mark.parametrize(
+    ("content", "words"), [(b"", "is empty"), (b"hello, this is no recording at all", "is no MCAP file")]
+)
+def test_other_files_are_refused(tmp_path: Path, content: bytes, words: str) -> None:
+    path = tmp_path / "other.mcap"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=words):
+        RecordedFlight(path)
+
+
+def test_mcap_files_of_others_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.mcap"
+    with McapWriter(path, [Kind("/chatter", "std_msgs/String", b"{}")]) as out:
+        out.write(Message("/chatter", b"\xa2hi"), 0.0, 0)
+    with pytest.raises(ValueError, match="no recording of a flight"):
+        RecordedFlight(path)
+
+
+@pytest.mark.parametrize(("form", "words"), [(2, "its format is 2, this matchset reads 1"), ("x", "no _?[A-Z]")])
+def test_other_formats_are_refused(tmp_path: Path, form: object, words: str) -> None:
+    path = tmp_path / "newer.mcap"
+    with McapWriter(path, [Kind(CONFIGURATION, "c", b"{}")]) as out:
+        out.write(Message(CONFIGURATION, msgspec.msgpack.encode({"format": form})), 0.0, 0)
+    with pytest.raises(ValueError, match=words):
+        RecordedFlight(path)
+
+
+def test_parameters_of_another_version_are_refused_by_name(flown: Flown, tmp_path: Path, recording: Path) -> None:
+    first = next(iter(McapReader(recording)))
+    content = msgspec.msgpack.decode(first.data)
+    content["parameters"]["world"]["gravity"] = 1.6
+    with McapWriter(tmp_path / "moon.mcap", [Kind(CONFIGURATION, "c", b"{}")]) as out:
+        out.write(Message(CONFIGURATION, msgspec.msgpack.encode(content)), 0.0, 0)
+    with pytest.raises(ValueError, match="gravity"):
+        RecordedFlight(tmp_path / "moon.mcap")
+
+
+def test_a_missing_picture_is_named(flown: Flown, recording: Path, tmp_path: Path) -> None:
+    messages = [each for each in McapReader(recording) if each.topic != "/follower/2/frame"]
+    kinds = [Kind(topic, "x", b"{}") for topic in sorted({each.topic for each in messages})]
+    with McapWriter(tmp_path / "less.mcap", kinds) as out:
+        for number, each in enumerate(messages):
+            out.write(each, 0.0, number)
+    with pytest.raises(ValueError, match="tick 1 lacks the picture of follower 2"):
+        list(RecordedFlight(tmp_path / "less.mcap"))
+
+
+def test_without_mcap_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "mcap", None)
+    with pytest.raises(ValueError, match=r"pip install 'matchset\[record\]'"):
+        FlightFiles(record=tmp_path / "a.mcap").check()
+    with pytest.raises(ValueError, match=r"pip install 'matchset\[record\]'"):
+        RecordedFlight(tmp_path / "a.mcap")
+
+
+@given(st.lists(st.floats(), max_size=8))
+def test_numbers_are_written_to_the_last_bit(numbers: list[float]) -> None:
+    back = msgspec.msgpack.decode(encode(np.array(numbers)))
+    np.testing.assert_array_equal(np.array(numbers).view(np.uint64), np.array(back, np.float64).view(np.uint64))
+
+
+@given(st.binary(max_size=60))
+def test_bytes_that_are_no_message_are_refused(data: bytes) -> None:
+    with pytest.raises(ValueError, match="is no"):
+        decode(data, StepMessage)
+
+
+def test_pictures_are_kept_without_loss(flown: Flown) -> None:
+    frame = flown.ticks[0].steps[0].frame
+    assert frame is not None
+    for image in (frame.image, frame.image[..., 1].copy()):
+        back = frame_of(Picture(7, 0.25, to_png(image)))
+        np.testing.assert_array_equal(back.image, image)
+        assert (back.index, back.time) == (7, 0.25)
+    for png in (b"", b"no picture"):
+        with pytest.raises(ValueError, match="frame 7 does not decode"):
+            frame_of(Picture(7, 0.25, png))
+
+
+def test_the_first_difference_is_named(flown: Flown) -> None:
+    step: Step = flown.ticks[5].steps[0]
+    other = msgspec.structs.replace(step, memory=step.memory._replace(command=Command(throttle=0.5)))
+    words = first_difference(outcome_of(step), outcome_of(other))
+    assert words.startswith("memory.6.")
+    assert first_difference(outcome_of(step), outcome_of(step)) == "the bytes differ"
+    minus = msgspec.structs.replace(step, age=-0.0)
+    assert first_difference(outcome_of(msgspec.structs.replace(step, age=0.0)), outcome_of(minus)) == (
+        "age was 0.0, is -0.0"
+    )
+    assert first_difference(b"\xc1", outcome_of(step)) == "what was recorded is no message"
+    assert math.isnan(msgspec.msgpack.decode(encode(float("nan"))))
+    assert step_message(6, step, True).frame == 6
+
+
+def test_the_command_replays_films_and_reports(
+    matchset: Matchset, recording: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("replay", recording, "--video", "a.avi", "--report", "a.html", "--quiet") == 0
+    out, err = capfd.readouterr()
+    assert "every one came out bit for bit as recorded" in out
+    assert err == ""
+    assert Path("a.avi").stat().st_size > 100_000
+    assert "1 watches 2" in Path("a.html").read_text(encoding="utf-8")
+    assert matchset("replay", recording, "--report", "a.html") == 2
+    assert "a.html exists" in capfd.readouterr().err
+    assert matchset("replay", recording, "--report", recording, "--force") == 2
+    assert matchset("replay", "nothing.mcap") == 2
+    assert "nothing.mcap: No such file" in capfd.readouterr().err
+
+
+def test_the_command_fails_where_steps_differ(
+    matchset: Matchset, flown: Flown, capfd: pytest.CaptureFixture[str]
+) -> None:
+    step = msgspec.structs.replace(flown.ticks[2].steps[0], age=0.5)
+    ticks = [*flown.ticks[:2], msgspec.structs.replace(flown.ticks[2], steps=(step, flown.ticks[2].steps[1]))]
+    record(Flown(flown.setting, tuple(ticks)), Path("wrong.mcap"))
+    assert matchset("replay", "wrong.mcap", "--quiet") == 1
+    out = capfd.readouterr().out
+    assert "replayed 6 steps: 1 differ" in out
+    assert "tick 3, follower 1: age was 0.5, is 0.0" in out
+
+
+def test_a_signal_ends_the_replay_with_whole_files(
+    matchset: Matchset, recording: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    show = FlightOutlets.show
+
+    def interrupted(outlets: FlightOutlets, tick: Tick) -> None:
+        show(outlets, tick)
+        if tick.index == 3:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(FlightOutlets, "show", interrupted)
+    assert matchset("replay", recording, "--video", "a.avi", "--quiet") == 130
+    out, err = capfd.readouterr()
+    assert "replayed 6 steps: every one" in out
+    assert "stopped" in err
+    video = cv2.VideoCapture("a.avi")
+    assert video.get(cv2.CAP_PROP_FRAME_COUNT) == 3
+
+
+def test_the_python_of_the_page_runs(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "recording.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    monkeypatch.chdir(recording.parent)
+    scope: dict[str, Any] = {}
+    exec(compile(code, "recording.md", "exec"), scope)
+    assert scope["image"].shape == (480, 640, 3)
+
+
+def test_a_video_that_cannot_be_written_leaves_nothing_behind(flown: Flown, tmp_path: Path) -> None:
+    files = FlightFiles(video=tmp_path / "no" / "a.avi", report=tmp_path / "a.html")
+    with pytest.raises(ValueError, match="cannot write"):
+        FlightOutlets(flown.setting, files, quiet=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_whatever_happens_the_files_are_whole(flown: Flown, tmp_path: Path) -> None:
+    files = FlightFiles(video=tmp_path / "a.avi", record=tmp_path / "a.mcap")
+    files.check()
+
+    def fly() -> None:
+        with FlightOutlets(flown.setting, files, quiet=True) as outlets:
+            for tick in flown.ticks[:6]:
+                outlets.show(tick)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fly()
+    recorded = RecordedFlight(tmp_path / "a.mcap")
+    assert len(list(recorded)) == 6
+    assert not recorded.cut_off
+    assert (tmp_path / "a.avi").stat().st_size > 50_000

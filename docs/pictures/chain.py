@@ -19,7 +19,7 @@ Picture = npt.NDArray[np.uint8]
 
 SEED, DURATION, BEGIN = 104, 14.0, 4.0  # s; the picture begins where the start is over
 EVERY = 3  # ticks
-CELL, MAP = (420, 315), (840, 300)  # px
+CELL, MAP = (420, 315), (840, 330)  # px
 QUALITY, METHOD = 42, 3
 LARGEST = 3_000_000  # bytes
 
@@ -49,8 +49,8 @@ def main() -> None:
                 pictures.append(Image.fromarray(np.ascontiguousarray(picture[..., ::-1])))
     target = Path(__file__).with_name("chain.webp")
     first, *others = pictures
-    duration_ms = round(1000.0 * EVERY / FPS)
-    first.save(target, save_all=True, append_images=others, duration=duration_ms, loop=0, quality=QUALITY, method=METHOD)
+    look = {"duration": round(1000.0 * EVERY / FPS), "loop": 0, "quality": QUALITY, "method": METHOD}
+    first.save(target, save_all=True, append_images=others, **look)
     size = target.stat().st_size
     print(f"{target}: {len(pictures)} pictures, {size // 1000} kB")
     if size > LARGEST:

@@ -34,6 +34,9 @@ picture: $(READY) $(CACHE)/fresh  ## fly the chain of three and draw the README'
 bench: $(READY) $(CACHE)/fresh  ## measure speed and accuracy (some minutes)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
 
+bench-fly: $(READY) $(CACHE)/fresh  ## fly rows of twenty simulated flights (about two hours on two cores)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.fly $(ARGS)
+
 bench-radio: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
 	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)

@@ -49,8 +49,10 @@ def main() -> None:
                 pictures.append(Image.fromarray(np.ascontiguousarray(picture[..., ::-1])))
     target = Path(__file__).with_name("chain.webp")
     first, *others = pictures
-    look = {"duration": round(1000.0 * EVERY / FPS), "loop": 0, "quality": QUALITY, "method": METHOD}
-    first.save(target, save_all=True, append_images=others, **look)
+    duration_ms = round(1000.0 * EVERY / FPS)
+    first.save(
+        target, save_all=True, append_images=others, duration=duration_ms, loop=0, quality=QUALITY, method=METHOD
+    )
     size = target.stat().st_size
     print(f"{target}: {len(pictures)} pictures, {size // 1000} kB")
     if size > LARGEST:

@@ -74,7 +74,7 @@ def test_a_stick_tilts_it_that_way_and_drag_limits_its_speed(axis: str, value: f
 
 
 def test_tilt_settles_in_half_a_second_without_swinging_over() -> None:
-    wanted = HOVER + (0.2, 0.0, 0.0, 0.0)
+    wanted = HOVER + np.array((0.2, 0.0, 0.0, 0.0))
     state = resting((0.0, 0.0, 0.0), 0.0, TOY.mass * GRAVITY)
     tilts = []
     for _ in range(480):
@@ -86,7 +86,7 @@ def test_tilt_settles_in_half_a_second_without_swinging_over() -> None:
 
 
 def test_it_turns_clockwise_seen_from_above_at_the_rate_commanded() -> None:
-    state = flown(HOVER + (0.0, 0.0, 1.0, 0.0), 2.0)
+    state = flown(HOVER + np.array((0.0, 0.0, 1.0, 0.0)), 2.0)
     assert state[SPIN + 1] == pytest.approx(1.0, abs=1e-3)
     ahead = turn_of(state)[:, 2]
     assert math.atan2(ahead[0], ahead[2]) == pytest.approx(0.3 + 2.0, abs=0.1)
@@ -113,7 +113,7 @@ def test_thrust_follows_with_the_motors_lag() -> None:
 
 
 def test_the_integration_is_of_fourth_order() -> None:
-    wanted = HOVER + (0.1, -0.2, 1.0, 0.2)
+    wanted = HOVER + np.array((0.1, -0.2, 1.0, 0.2))
     exact = flown(wanted, 0.5, step=1.0 / 15360.0)
     errors = [float(np.linalg.norm(flown(wanted, 0.5, step=1.0 / rate) - exact)) for rate in (240, 480)]
     assert 10.0 < errors[0] / errors[1] < 24.0

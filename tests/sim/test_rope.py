@@ -72,4 +72,4 @@ def test_it_hangs_along_its_rope_and_looks_where_its_yaw_says() -> None:
 )
 def test_a_rope_that_is_none_is_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):
-        RopeParameters(**{field: value})
+        RopeParameters(**{field: value})  # type: ignore[arg-type]

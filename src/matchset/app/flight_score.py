@@ -5,9 +5,12 @@ from array import array
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from matchset.app.flight_run import FlightParameters, Tick
 from matchset.localization.pose import Pose
+
+Floats = npt.NDArray[np.float64]
 
 SETTLING = 5.0  # s at the beginning that count for the start-up, not for the spread
 NEAR = 0.15  # m, in every axis: a follower nearer than that to its set place has settled
@@ -143,7 +146,7 @@ class FlightJudge:
         )
 
 
-def settled(time: np.ndarray, off: np.ndarray) -> float:  # type: ignore[type-arg]
+def settled(time: Floats, off: Floats) -> float:
     """When the last follower had come near its set place to stay for a second, s; inf if one never did.
 
     Parameters

@@ -23,6 +23,7 @@ BELIEVED, REFUSED, ANEW = 0, 1, 2
 LASTING, PERIOD, DAMPING, SWAY, TILT, YAW, SHARED, GATE, PATIENCE = 2, 3, 4, 5, 7, 8, 9, 10, 11
 FORGET = 1.5  # s without a pose after which all begins anew
 UPRIGHT = 0.1  # share of the sway that is upright: what hangs on a rope sways level
+LATEST = 10.0  # s past the last pose; later is the same
 FIRST_SPEED = 0.5  # m/s or rad/s, of a speed that is not known yet
 JERK = np.array(((20.0, 8.0, 6.0), (8.0, 3.0, 2.0), (6.0, 2.0, 1.0)))  # of the white-jerk model
 STATES = 5  # numbers of a coordinate: drift, its speed and acceleration, sway, its speed
@@ -212,9 +213,7 @@ def predict(state: Floats, since: float, turn_since: float, reach: float, limits
     f = np.empty((STATES, STATES))
     w = 2.0 * math.pi / limits[PERIOD]
     for axis in range(4):
-        gone = since if axis < 3 else turn_since
-        if not 0.0 <= gone < 10.0:
-            gone = 0.0
+        gone = min(max(since if axis < 3 else turn_since, 0.0), LATEST)
         transition(min(gone, reach), limits, f)
         for k in range(3):
             ahead[axis, 0] += f[0, k] * state[axis, k]

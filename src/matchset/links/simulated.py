@@ -85,10 +85,10 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     hidden: float = 0.0
     hidden_every: float = 6.0
     cable: float = math.inf
-    distortion: float = -0.12
+    distortion: float = -0.08
     width: int = 640
     height: int = 480
-    fov_deg: float = 71.6
+    fov_deg: float = 90.0
     model: CameraModel | None = None
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)
 

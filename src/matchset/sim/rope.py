@@ -78,7 +78,8 @@ class Rope:
     @property
     def arm(self) -> Floats:
         """From the anchor to the vehicle, (3,), m."""
-        return self._arm
+        arm: Floats = self._arm
+        return arm
 
     @property
     def place(self) -> Floats:
@@ -101,7 +102,8 @@ class Rope:
         ahead = np.array((math.sin(yaw), 0.0, math.cos(yaw)))
         right = np.cross(down, ahead)
         right /= np.linalg.norm(right)
-        return np.column_stack((right, down, np.cross(right, down)))
+        turn: Floats = np.column_stack((right, down, np.cross(right, down)))
+        return turn
 
     def step(self, step: float) -> None:
         """Let time pass, s: one step of the classical Runge-Kutta method."""

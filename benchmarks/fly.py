@@ -1,0 +1,231 @@
+"""Rows of twenty flights and the page `benchmarks/FLIGHT.md`: `python -m benchmarks.fly`, or `make bench-fly`.
+
+Tuned on seeds 0 to 9; these rows are flown on 100 and up. Scores already flown are kept in a file and not flown again,
+so that a run may be stopped and gone on with.
+"""
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from benchmarks.machine import Machine
+from benchmarks.workers import one_thread
+from matchset.app.ending import StopRequest
+from matchset.app.flight_run import Flight, FlightParameters
+from matchset.app.flight_score import FlightScore
+from matchset.app.flight_series import fly_all
+from matchset.app.simulation_table import Limits, Row, centimeters
+from matchset.links.simulated import FPS, SimulationParameters
+
+HERE = Path(__file__).resolve().parent
+FIRST = 100  # seeds 0 to 9 were tuned on
+PULLED = 2.0  # s
+
+
+class Case(msgspec.Struct, frozen=True, kw_only=True):
+    """A row of the page.
+
+    Parameters
+    ----------
+    name : str
+    words : str
+        What is flown.
+    bar : str
+    duration : float
+        s.
+    world : dict
+        Fields of `SimulationParameters`.
+    judge : callable
+        From a `Row` to whether the bar is reached, and the figure in words.
+    """
+
+    name: str
+    words: str
+    bar: str
+    duration: float
+    world: dict[str, Any]
+    judge: Callable[[Row], tuple[bool, str]]
+
+
+def whole(row: Row) -> tuple[bool, str]:
+    """Survival, view and spread."""
+    limits = Limits()
+    axes = ", ".join(centimeters(row.median_spread(axis)) for axis in range(3))
+    words = (
+        f"{row.survived} of {len(row.scores)} fly to the end; ball in view {100.0 * row.in_view:.1f} % at least; "
+        f"spread of side, height, heading {axes} (medians), {centimeters(row.spread)} at worst"
+    )
+    return not row.broken(limits), words
+
+
+def alive(row: Row) -> tuple[bool, str]:
+    """No crash."""
+    crashed = [score.seed for score in row.scores if score.crash]
+    words = f"{len(row.scores) - len(crashed)} of {len(row.scores)} without a crash, {row.survived} fly to the end"
+    return not crashed, words + (f"; crashed: seeds {', '.join(map(str, crashed))}" if crashed else "")
+
+
+def settles(limit: float) -> Callable[[Row], tuple[bool, str]]:
+    """Time until all are near their places."""
+
+    def judge(row: Row) -> tuple[bool, str]:
+        times = [score.settled for score in row.scores]
+        words = f"{float(np.median(times)):.1f} s (median), {max(times):.1f} s at worst"
+        return max(times) <= limit and row.survived == len(row.scores), words
+
+    return judge
+
+
+def comes_down(row: Row) -> tuple[bool, str]:
+    """Time from the pulled cable to the first command of the descent."""
+    times = [score.down - PULLED for score in row.scores]
+    return max(times) <= 0.5, f"descent begins {max(times):.2f} s after the cable at the latest"
+
+
+CASES = (
+    Case(name="chain", words="chain of three, typical, 67 ms", bar="all fly, in view >= 99 %, <= 10 cm rms per axis",
+         duration=60.0, world={}, judge=whole),
+    Case(name="prize", words="the same, bad, 133 ms", bar="(the prize) all fly, in view >= 99 %",
+         duration=60.0, world={"pal": "bad", "latency_ms": 133.0}, judge=whole),
+    Case(name="start", words="0.5 m off in every axis", bar="settled within 6 s", duration=10.0,
+         world={"start_off": 0.5}, judge=settles(6.0)),
+    Case(name="hidden", words="balloon hidden for 0.5 s ten times a minute", bar="no crash", duration=60.0,
+         world={"hidden": 0.5}, judge=alive),
+    Case(name="hidden1", words="the same for 1 s", bar="(the prize) no crash", duration=60.0,
+         world={"hidden": 1.0}, judge=alive),
+    Case(name="cable", words="camera cables pulled at 2 s", bar="descent commanded within 0.5 s", duration=3.5,
+         world={"cable": PULLED}, judge=comes_down),
+)  # fmt: skip
+
+
+def main(
+    only: Annotated[str, typer.Option(help=f"Some of {', '.join(case.name for case in CASES)}, speed, ten.")] = "",
+    seeds: Annotated[int, typer.Option(min=1, help="Flights in a row.")] = 20,
+    duration: Annotated[float | None, typer.Option(help="Shorter flights, s: a first impression.")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Flights at once.")] = min(2, os.cpu_count() or 1),
+    kept: Annotated[Path, typer.Option(help="Scores already flown.")] = HERE / "flights.kept",
+    output: Annotated[Path, typer.Option("-o", help="The page.")] = HERE / "FLIGHT.md",
+) -> None:
+    """Fly rows of twenty seeds and write the page."""
+    one_thread()
+    names = [name for name in only.split(",") if name]
+    lines = ["| what | bar | measured | reached |", "| --- | --- | --- | --- |"]
+    with StopRequest() as stop:
+        if not names or "speed" in names:
+            lines.append(speed_line())
+        for case in CASES:
+            if names and case.name not in names:
+                continue
+            row = fly_case(case, range(FIRST, FIRST + seeds), duration, jobs, kept, stop)
+            if row.scores:
+                reached, words = case.judge(row)
+                flown = f"{case.words}: {len(row.scores)} flights of {row.scores[0].duration:g} s"
+                lines.append(f"| {flown} | {case.bar} | {words} | {'yes' if reached else '**no**'} |")
+        if (not names or "ten" in names) and not stop:
+            lines.append(ten_line(min(duration or 30.0, 30.0), kept, stop))
+    machine = Machine.here()
+    where = f"{machine.date}, commit {machine.commit}, {machine.processor}, {machine.cores} cores."
+    how = f"Seeds {FIRST} and up; tuned on seeds 0 to 9. Written by `make bench-fly`."
+    page = "\n".join(("# Flights", "", where, how, "", *lines, ""))
+    output.write_text(page, encoding="utf-8")
+    Console().print(page)
+
+
+def fly_case(
+    case: Case, seeds: range, duration: float | None, jobs: int, kept: Path, stop: Callable[[], bool] | StopRequest
+) -> Row:
+    """Fly what is missing of a row, and keep it."""
+    flights = {
+        seed: FlightParameters(
+            duration=min(duration or case.duration, case.duration),
+            world=SimulationParameters(seed=seed, **case.world),
+        )
+        for seed in seeds
+    }
+    keys = {seed: f"{case.name} {seed} {flight.duration:g}" for seed, flight in flights.items()}
+    scores = read_kept(kept)
+    missing = [seed for seed in seeds if keys[seed] not in scores]
+    columns = (TextColumn(case.name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress, kept.open("ab") as file:
+        task = progress.add_task(case.name, total=len(seeds), completed=len(seeds) - len(missing))
+        for number, score in fly_all([flights[seed] for seed in missing], jobs, lambda: bool(stop)):
+            key = keys[missing[number]]
+            scores[key] = score
+            file.write(msgspec.msgpack.encode((key, score)).hex().encode() + b"\n")
+            file.flush()
+            progress.advance(task)
+    return Row(value=0.0, scores=tuple(scores[key] for key in keys.values() if key in scores))
+
+
+def read_kept(path: Path) -> dict[str, FlightScore]:
+    """Read the scores that were flown before."""
+    if not path.exists():
+        return {}
+    lines = path.read_bytes().splitlines()
+    pairs = (msgspec.msgpack.decode(bytes.fromhex(line.decode()), type=tuple[str, FlightScore]) for line in lines)
+    return dict(pairs)
+
+
+def speed_line() -> str:
+    """Simulated seconds per second, and computing time per picture, of one flight in this process."""
+    with Flight(FlightParameters(duration=20.0, world=SimulationParameters(seed=FIRST))) as flight:
+        ticks = iter(flight)
+        for _ in range(FPS):
+            next(ticks)
+        spent, walls = [], []
+        for _ in range(9):
+            begin = time.perf_counter()
+            for _ in range(2 * FPS):
+                spent.extend(step.processing for step in next(ticks).steps)
+            walls.append(time.perf_counter() - begin)
+    best, median = 2.0 / min(walls), 2.0 / float(np.median(walls))
+    microseconds = 1e6 * float(np.median(spent))
+    words = f"{median:.1f} times real time (best two seconds: {best:.1f}); {microseconds:.0f} µs a picture (median)"
+    reached = median >= 2.0 and microseconds <= 300.0
+    return f"| simulation speed and processing | >= 2 times, <= 300 µs | {words} | {'yes' if reached else '**no**'} |"
+
+
+def ten_line(duration: float, kept: Path, stop: Callable[[], bool] | StopRequest) -> str:
+    """Fly a chain of ten and tell how the spread grows along it."""
+    case = Case(name="ten", words="", bar="", duration=duration, world={"vehicles": 10}, judge=alive)
+    row = fly_case(case, range(FIRST, FIRST + 1), duration, 1, kept, stop)
+    if not row.scores:
+        return "| chain of ten | runs | stopped | **no** |"
+    score = row.scores[0]
+    spreads = ", ".join(centimeters(float(np.linalg.norm(each))) for each in reversed(score.spread))
+    if score.spread:
+        plot(score)
+    words = (
+        f"{score.end:.0f} of {duration:g} s; rms of the distance from the set place, next to the rope first: {spreads}"
+    )
+    return f"| chain of ten | runs; growth along the chain | {words} | {'yes' if score.survived else '**no**'} |"
+
+
+def plot(score: FlightScore) -> None:
+    """Draw how the spread grows along a chain."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(figsize=(6, 3.5))
+    numbers = np.arange(1, len(score.spread) + 1)
+    for k, name in enumerate(("side", "height", "heading")):
+        axes.plot(numbers, [100.0 * each[k] for each in reversed(score.spread)], "o-", label=name)
+    axes.set(xlabel="followers between the rope and this one", ylabel="cm rms off the set place", ylim=(0, None))
+    axes.legend()
+    figure.tight_layout()
+    figure.savefig(HERE / "pictures" / "chain_of_ten.png", dpi=110)
+    pyplot.close(figure)
+
+
+if __name__ == "__main__":
+    typer.run(main)

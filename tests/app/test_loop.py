@@ -1,0 +1,73 @@
+"""The whole loop in the simulated world: what the bars ask of twenty seeds, here for two of ten seconds."""
+
+import math
+
+import msgspec
+import numpy as np
+import pytest
+
+from matchset.app.flight_run import Flight, FlightParameters
+from matchset.app.flight_score import FlightJudge
+from matchset.app.flight_series import fly_once
+from matchset.control.command import Command
+from matchset.links.simulated import SimulationParameters
+from matchset.localization.pose import Pose
+
+
+def flight(duration: float, **world: object) -> FlightParameters:
+    return FlightParameters(duration=duration, world=SimulationParameters(**world))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", [100, 101])
+def test_three_hold_their_places(seed: int) -> None:
+    score = fly_once(flight(10.0, seed=seed))
+    assert score.survived, (score.crash, score.landed)
+    assert min(score.in_view) >= 0.99
+    assert score.worst_spread <= 0.10
+    assert score.age == pytest.approx(0.067, abs=1 / 480)
+
+
+def test_a_pulled_cable_brings_everyone_down_within_half_a_second() -> None:
+    pulled = 1.5
+    with Flight(flight(4.5, seed=102, cable=pulled)) as flown:
+        ticks = list(flown)
+    for who in range(2):
+        steps = [tick.steps[who] for tick in ticks]
+        before = [step for step in steps if step.now < pulled][-1]
+        down = [step for step in steps if step.memory.phase == "descending"]
+        assert down[0].now - pulled <= 0.5
+        assert down[0].command.throttle < before.command.throttle
+        throttles = [step.command.throttle for step in steps if step.now >= down[0].now]
+        assert (np.diff(throttles) <= 1e-9).all()
+        assert steps[-1].command == Command()
+        assert steps[-1].memory.phase == "cut"
+
+
+def test_a_ball_out_of_sight_for_half_a_second_is_flown_through() -> None:
+    judge = FlightJudge(flight(5.0, seed=103, vehicles=2, hidden=0.5, hidden_every=2.0))
+    phases = set()
+    with Flight(judge.parameters) as flown:
+        for tick in flown:
+            judge.take(tick)
+            phases |= {step.memory.phase for step in tick.steps}
+            for step in tick.steps:
+                sticks = msgspec.structs.astuple(step.command)
+                assert all(math.isfinite(value) for value in sticks)
+    score = judge.score()
+    assert score.survived, (score.crash, score.landed)
+    assert "holding" in phases
+    assert sum(score.losses) >= 1
+
+
+def test_the_truth_of_a_tick_is_what_the_pictures_show() -> None:
+    errors = []
+    with Flight(flight(1.0, seed=104, vehicles=2)) as flown:
+        for tick in flown:
+            pose = tick.steps[0].pose
+            me, other = tick.shown
+            assert isinstance(pose, Pose)
+            lens = me.place + 0.05 * me.turn[:, 2]
+            errors.append(pose.position - me.turn.T @ (other.ball - lens))
+            assert tick.inside == (True,)
+    assert np.abs(np.mean(errors, axis=0)).max() < 0.03
+    assert np.std(errors, axis=0).max() < 0.03

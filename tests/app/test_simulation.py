@@ -1,0 +1,133 @@
+"""Scores, rows, limits, verdicts, and `matchset simulate` itself on flights of half a second."""
+
+import math
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from blue_ball import Matchset
+from chain_flight import Flown, with_crash
+
+from matchset.app.flight_run import FlightParameters
+from matchset.app.flight_score import FlightJudge, FlightScore, settled
+from matchset.app.simulate_command import parse_sweep
+from matchset.app.simulation_table import Limits, rows_of, table_of, verdict
+
+GOOD = FlightScore(
+    seed=1,
+    duration=60.0,
+    end=60.0,
+    crash="",
+    landed="",
+    in_view=(1.0, 1.0),
+    found=(1.0, 1.0),
+    losses=(0, 0),
+    spread=((0.03, 0.02, 0.04), (0.05, 0.01, 0.02)),
+    settled=1.0,
+    down=math.inf,
+    processing=2e-4,
+    age=0.067,
+)
+
+
+def test_who_comes_near_and_leaves_again_has_not_settled() -> None:
+    time = np.arange(0.0, 10.0, 0.1)
+    off = np.zeros((100, 2, 3))
+    off[time < 2.0, 0, 1] = 0.5
+    off[time < 3.0, 1, 2] = -0.3
+    off[5, 1, 2] = 0.0
+    assert settled(time, off) == pytest.approx(3.0)
+    off[:, 0, 0] = 0.2
+    assert settled(time, off) == math.inf
+
+
+def test_a_flight_is_judged_by_its_ticks(flown: Flown) -> None:
+    judge = FlightJudge(flown.setting.parameters)
+    for tick in flown.ticks:
+        judge.take(tick)
+    score = judge.score()
+    assert score.survived
+    assert score.spread == ()
+    assert score.worst_spread == math.inf
+    assert score.losses == (1, 1)
+    assert 0.5 < min(score.found) < 1.0
+    judge.take(with_crash(flown.ticks[-1]))
+    assert judge.over
+    assert judge.score().crash == f"vehicle 1 hit the floor at {flown.ticks[-1].time:.1f} s"
+    assert not judge.score().survived
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"crash": "vehicle 1 hit the floor at 3.0 s"}, "only 1 of 2 flights survive"),
+        ({"landed": "vehicle 1: no new frame"}, "only 1 of 2 flights survive"),
+        ({"in_view": (1.0, 0.98)}, "in view for only 98.0 %"),
+        ({"spread": ((0.03, 0.02, 0.13),)}, "held to 13.0 cm"),
+    ],
+)
+def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: str) -> None:
+    bad = msgspec.structs.replace(GOOD, **change)
+    rows = rows_of([67.0, 133.0], [(67.0, GOOD), (67.0, GOOD), (133.0, GOOD), (133.0, bad)])
+    holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
+    assert not holds
+    assert "at latency 133 ms" in sentence
+    assert words in sentence
+
+
+def test_the_verdict_is_good_when_all_limits_hold() -> None:
+    rows = rows_of([67.0, 133.0], [(67.0, GOOD), (133.0, GOOD)])
+    holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
+    assert holds
+    assert "\n" not in sentence
+    assert "2 flights of 60 s" in sentence
+    table = table_of("latency_ms", "ms", rows)
+    assert "| 133 | 1 of 1 | 100.0 % |" in table
+    assert not verdict("latency_ms", "ms", [], FlightParameters(), Limits())[0]
+
+
+def test_a_sweep_is_a_name_and_numbers() -> None:
+    assert parse_sweep("latency_ms=0,33") == ("latency_ms", [0.0, 33.0])
+    assert parse_sweep("vehicles=3,10") == ("vehicles", [3.0, 10.0])
+    for wrong in ("latency_ms", "colour=1", "swing=a", "pal=1"):
+        with pytest.raises(ValueError, match="--sweep"):
+            parse_sweep(wrong)
+
+
+def test_simulate_writes_a_table_and_ends_with_the_verdict(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = "simulate", "--sweep", "swing=0,0.1", "--seeds", 1, "--duration", 0.4, "--vehicles", 2, "--jobs", 1
+    assert matchset(*words, "-o", "out", "--spread", 10) == 1  # too short for a spread
+    last = capsys.readouterr().out.strip().splitlines()[-1]
+    assert last.startswith("Limits do not hold: in 2 flights of 0.4 s")
+    lines = (tmp_path / "out" / "flights.csv").read_text().splitlines()
+    assert [line.split(",")[:2] for line in lines] == [["swing", "seed"], ["0", "100"], ["0.1", "100"]]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("simulate", "--world", "ring"),
+        ("simulate", "--pal", "awful"),
+        ("simulate", "--sweep", "latency_ms=0,5000"),
+        ("simulate", "--survival", "2"),
+        ("fly", "sim://chain?vehicles=1"),
+        ("fly", "sim://chain", "--latency-ms", "-1"),
+        ("fly", "sim://chain", "--duration", "0"),
+        ("fly", "tello://"),
+    ],
+)
+def test_what_is_wrong_is_refused_before_anything_moves(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
+) -> None:
+    assert matchset(*words) == 2
+    assert capsys.readouterr().err.startswith("error: ")
+
+
+def test_fly_flies_and_prints_its_settings(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
+    assert matchset("fly", "sim://chain?vehicles=2&seed=7", "--duration", 0.3, "--quiet") == 0
+    assert capsys.readouterr().out.startswith("flight: ")
+    assert matchset("fly", "--print-config") == 0
+    assert "[flight.pilot.safety]" in capsys.readouterr().out

@@ -74,3 +74,12 @@ def test_gains_that_are_none_are_refused() -> None:
         PidParameters(proportional=1.0, smoothing=-1.0)
     with pytest.raises(ValueError, match="most_integral"):
         PidParameters(proportional=1.0, most_integral=0.0)
+
+
+def test_far_off_the_integral_stands_still() -> None:
+    pid = Pid(PidParameters(proportional=1.0, integral=1.0, within=0.2))
+    for _ in range(10):
+        pid.update(1.0, 0.0, 0.1)
+    assert pid.terms.integral == 0.0
+    pid.update(0.1, 0.0, 0.1)
+    assert pid.terms.integral > 0.0

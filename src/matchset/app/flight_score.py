@@ -158,7 +158,7 @@ def settled(time: Floats, off: Floats) -> float:
     """
     last = 0.0
     for who in range(off.shape[1]):
-        near = (np.abs(off[:, who]) <= NEAR).all(axis=1)
+        near = np.asarray((np.abs(off[:, who]) <= NEAR).all(axis=1))
         begins = [k for k in np.flatnonzero(near) if near[(time >= time[k]) & (time <= time[k] + 1.0)].all()]
         begins = [k for k in begins if time[-1] - time[k] >= 1.0]
         if not begins:

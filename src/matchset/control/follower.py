@@ -70,13 +70,13 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0, integral=1.5, derivative=4.0, smoothing=0.02, most=3.0, most_integral=1.2
+        proportional=5.0, integral=1.5, derivative=4.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
     )
     rise: PidParameters = PidParameters(
-        proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0
+        proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2
     )
     yaw: PidParameters = PidParameters(proportional=0.5, most=1.0)
-    hover: float = 0.58
+    hover: float = 0.6
     lead: float = 0.12
     rise_lead: float = 0.05
     ahead: float = 1.0

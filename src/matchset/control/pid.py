@@ -23,6 +23,8 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Largest output.
     most_integral : float
         Largest integral term.
+    within : float
+        Error up to which the integral grows; a long way to go teaches nothing about a bias, and makes it overshoot.
     """
 
     proportional: float
@@ -31,12 +33,13 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     smoothing: float = 0.0
     most: float = math.inf
     most_integral: float = math.inf
+    within: float = math.inf
 
     def __post_init__(self) -> None:
         for name in ("proportional", "integral", "derivative", "smoothing"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-        for name in ("most", "most_integral"):
+        for name in ("most", "most_integral", "within"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
@@ -110,7 +113,7 @@ class Pid:
         self._rate = rate if fresh else self._rate + (rate - self._rate) * step / (gains.smoothing + step)
         error = goal - measured
         proportional, derivative = gains.proportional * error, -gains.derivative * self._rate
-        integral = self.terms.integral + gains.integral * error * step
+        integral = self.terms.integral + (gains.integral * error * step if abs(error) <= gains.within else 0.0)
         integral = min(max(integral, -gains.most_integral), gains.most_integral)
         total = proportional + integral + derivative
         if abs(total) > gains.most and total * error > 0.0:

@@ -19,7 +19,7 @@ Picture = npt.NDArray[np.uint8]
 
 SEED, DURATION, BEGIN = 104, 14.0, 4.0  # s; the picture begins where the start is over
 EVERY = 3  # ticks
-CELL, MAP = (420, 315), (840, 300)  # px
+CELL, MAP = (420, 315), (840, 330)  # px
 QUALITY, METHOD = 42, 3
 LARGEST = 3_000_000  # bytes
 

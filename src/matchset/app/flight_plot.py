@@ -161,6 +161,7 @@ def _png(figure: Figure, grid: str = "y") -> bytes:
         calm(axes)
         if grid == "both":
             axes.grid(color="#eeeeee")
+            axes.margins(0.07)
         axes.spines[["left", "bottom"]].set_color(PALE)
     wide, high = figure.get_size_inches()
     figure.subplots_adjust(0.75 / wide, 0.6 / high, 1.0 - 0.2 / wide, 1.0 - 0.4 / high, wspace=0.13, hspace=0.13)

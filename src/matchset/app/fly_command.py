@@ -47,10 +47,15 @@ def fly(options: FlyOptions) -> int:
     with if_slow("getting ready ..."):
         flight = Flight(options.flight)
     pacer = Pacer(1.0 / FPS) if options.real_time else None
-    with StopRequest() as stop, flight, FlightOutlets(setting_of(flight), options.files, options.quiet) as outlets:
+    with (
+        StopRequest() as stop,
+        flight,
+        FlightOutlets(setting_of(flight), options.files, options.quiet) as outlets,
+        flight,  # once more: everyone lands before the files are finished, which takes longer
+    ):
         for tick in flight:
             judge.take(tick)
-            outlets.show(tick)
+            outlets.show(tick, [pilot.armed for pilot in flight.pilots])
             if stop or judge.over:
                 break
             if pacer is not None:

@@ -1,6 +1,7 @@
 """The chain from above: `TopView` draws where everyone is, where they should be, and where they believe to be."""
 
 import itertools
+import math
 from collections import deque
 
 import cv2
@@ -21,7 +22,7 @@ Floats = npt.NDArray[np.float64]
 PAPER, GRID, INK, PALE = (252, 252, 252), (236, 236, 236), (70, 70, 70), (160, 160, 160)
 TRAIL = 120  # ticks
 MARGIN = 0.65  # m before the first and behind the last set place
-ACROSS = 2.2  # m across the chain
+ASIDE = 0.25  # m beside the farthest that the last one's yaw swings the first
 BALL = 0.14  # m, radius when drawn
 _SHIFT = 4
 
@@ -63,11 +64,13 @@ class TopView:
         return image
 
     def _fit(self, tick: Tick) -> None:
-        """Choose the scale so that the whole chain has room to swing."""
+        """Choose the scale so that the whole chain has room to swing with the last one's yaw."""
+        world = self._setting.parameters.world
         along = np.array([sight.ball[2] for sight in tick.shown])
         width, height = self._size
         long = float(np.ptp(along)) + 2.0 * MARGIN
-        self._scale = min(width / long, height / ACROSS)
+        wide = float(np.ptp(along)) * math.sin(math.radians(min(world.yaw_deg, 90.0))) + world.swing + ASIDE
+        self._scale = min(width / long, height / (2.0 * wide))
         self._middle = np.array((float(along.min() + along.max()) / 2.0, float(tick.shown[-1].ball[0])))
 
     def _px(self, point: Floats) -> tuple[int, int]:

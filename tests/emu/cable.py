@@ -8,10 +8,11 @@ import threading
 import time
 import tty
 
-from emulator import Board
+from emulator import HZ, Board
 
 from matchset.links.serial_port import SerialPort
 
+SLICE = HZ // 500  # cycles
 PATIENCE = 10.0  # s of real time that the kernel may take to move some bytes
 
 
@@ -74,10 +75,10 @@ class Cable:
 
     def step(self, port: CountingPort, seconds: float) -> None:
         """Let the board's time pass, bytes moving every 2 ms of it: lock-step, whatever the real time."""
-        end = self.board.time + seconds
-        while self.board.time < end - 1e-9:
+        end = self.board.cycle + round(seconds * HZ)
+        while self.board.cycle < end:
             self.to_board(port.written)
-            self.board.run(min(0.002, end - self.board.time))
+            self.board.run_to(min(self.board.cycle + SLICE, end))
             self.to_host(port)
 
 

@@ -11,16 +11,18 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape
+from matchset.shapes.shape import Shape, finds_itself, from_hull
 from matchset.tracking import detect_grid
 from matchset.tracking.judge import Judge
 from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.regions import region_hulls
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
 HOPELESS = 0.25  # agreement below which a candidate is given up at once
 BORDER = 12  # cells of radius up to which votes are counted finely
 Floats = npt.NDArray[np.float64]
+Start = tuple[float, float, float, Floats]
 
 
 class SearchParameters(msgspec.Struct, frozen=True):
@@ -80,12 +82,8 @@ class Searcher:
         ndarray of shape (k, 4), float64
             x, y, radius, px; share of the outline that boundary cells confirm.
         """
-        if not self.fits:
+        if not self._look(image, color):
             return np.zeros((0, 4))
-        detect_grid.sample_grid(image, color.table, self.stride, self.grid)
-        detect_grid.smooth_grid(self.grid, self.sums, self.smooth)
-        detect_grid.smooth_grid(self.smooth, self.sums, self.grid)
-        self.smooth, self.grid = self.grid, self.smooth
         count = detect_grid.find_edges(self.smooth, self.edges)
         near = self._peaks(count, self.near, 1, BORDER, 1)
         far = self._peaks(count, self.far, BORDER - 3, self.longest, 2)
@@ -96,6 +94,32 @@ class Searcher:
         rough[:, 0] += 0.25 * self.stride
         rough[:, 1] += 0.5 * self.stride
         return rough
+
+    def hulls(self, image: npt.NDArray[np.uint8], color: ColorModel) -> list[Floats]:
+        """Rough convex outlines of the regions that look like the target, largest first.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+
+        Returns
+        -------
+        list of ndarray of shape (m, 2), float64
+            px.
+        """
+        if not self._look(image, color):
+            return []
+        return region_hulls(self.smooth, self.stride, self.parameters.candidates)
+
+    def _look(self, image: npt.NDArray[np.uint8], color: ColorModel) -> bool:
+        """Fill the smoothed grid with what a picture shows; False if the picture is too small for one."""
+        if self.fits:
+            detect_grid.sample_grid(image, color.table, self.stride, self.grid)
+            detect_grid.smooth_grid(self.grid, self.sums, self.smooth)
+            detect_grid.smooth_grid(self.smooth, self.sums, self.grid)
+            self.smooth, self.grid = self.grid, self.smooth
+        return self.fits
 
     def _peaks(
         self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int
@@ -138,19 +162,36 @@ class Finder(Generic[S]):
             Whether only shapes near a prediction will be taken.
         """
         seen: list[tuple[float, float, float]] = []
+        for starts in self._starts(image, color):
+            best, most = None, 0.0
+            for x, y, radius, start in starts:
+                if _covered(seen, x, y, radius):
+                    continue
+                reach = max(2.0 * self.searcher.stride, 0.2 * radius)
+                if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
+                    continue
+                state, size = self.matcher.state.copy(), self.matcher.size
+                if _covered(seen, float(state[0]), float(state[1]), size):
+                    continue
+                merit = 0.0 if self.judge.first_sight(self.matcher, expected) else self.judge.merit(self.matcher)
+                if merit > most:
+                    best, most = state, merit
+            if best is not None:
+                if len(starts) > 1:
+                    self.matcher.settle(image, color, best, Look(4.0))
+                seen.append((float(best[0]), float(best[1]), self.matcher.size))
+                yield self.matcher.state.copy(), most
+
+    def _starts(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[list[Start]]:
+        """Where fits may begin: for each candidate one or several of x, y, half-width and state."""
+        family = self.matcher.family
+        if finds_itself(family):
+            for hull in self.searcher.hulls(image, color):
+                states = [shape.state for shape in from_hull(family, hull)]
+                yield [(float(s[0]), float(s[1]), float(family.half_width(s)), s) for s in states]
+            return
         for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
-            if _covered(seen, x, y, radius):
-                continue
-            start = self.matcher.family.from_coarse(x, y, radius).state
-            reach = max(2.0 * self.searcher.stride, 0.2 * radius)
-            if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
-                continue
-            state, size = self.matcher.state.copy(), self.matcher.size
-            if _covered(seen, float(state[0]), float(state[1]), size):
-                continue
-            if not self.judge.first_sight(self.matcher, expected):
-                seen.append((float(state[0]), float(state[1]), size))
-                yield state, self.judge.merit(self.matcher)
+            yield [(x, y, radius, family.from_coarse(x, y, radius).state)]
 
 
 def _covered(seen: list[tuple[float, float, float]], x: float, y: float, size: float) -> bool:
@@ -165,7 +206,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     ----------
     frame : Frame
     family : type
-        The family of shapes: `Circle`.
+        The family of shapes: `Circle`, `Rectangle`, ...
     color : ColorModel
     limit : int
         How many at most.

@@ -26,12 +26,13 @@ BETTER = 0.03  # by how much another shape must be better
 def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
     """States around the matcher's, each to be fitted: larger and smaller on each of eight sides."""
     x, y = float(matcher.state[0]), float(matcher.state[1])
-    size = matcher.size
+    size, like = matcher.size, matcher.state.copy()
     for change in (LARGER, SMALLER):
         for side in range(8):
             away = change * size
             turn = 0.25 * math.pi * side
-            yield matcher.family.from_coarse(x + away * math.cos(turn), y + away * math.sin(turn), size + away).state
+            place = x + away * math.cos(turn), y + away * math.sin(turn)
+            yield matcher.family.from_coarse(*place, size + away, like).state
 
 
 def worth(matcher: Matcher[S]) -> float:

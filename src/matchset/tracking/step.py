@@ -32,15 +32,13 @@ WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL = range(5)
 
 
 @functools.cache
-def make_step(trace: Callable[..., Any], half_width: Callable[..., Any], p: int) -> Callable[..., tuple[int, Answer]]:
+def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., tuple[int, Answer]]:
     """Make the step of a family.
 
     Parameters
     ----------
     trace, half_width : callable
         Compiled, see `Shape`.
-    p : int
-        How many of its state's numbers are its parameters.
 
     Returns
     -------
@@ -48,7 +46,7 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any], p: int)
         ``step(image, table, runs, pixels, sums, *own, way, time, passed)``, with ``own`` the block and the tables of a
         `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, the answer.
     """
-    follow = _make_follow(make_settle(trace, half_width, p), half_width)
+    follow = _make_follow(make_settle(trace, half_width), half_width)
 
     @kernel
     def step(

@@ -3,13 +3,14 @@
 import math
 from typing import Generic, TypeVar
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape
+from matchset.shapes.shape import Shape, outline
 from matchset.tracking.detect import Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
 from matchset.tracking.judge import Judge
@@ -33,7 +34,7 @@ class Tracker(Generic[S]):
     Parameters
     ----------
     family : type
-        The family of shapes: `Circle`.
+        The family of shapes: `Circle`, `Rectangle`, ...
     color : ColorModel
         What the target looks like; the tracker adapts a copy of its own, `tracker.color`.
     points : int
@@ -86,13 +87,14 @@ class Tracker(Generic[S]):
         self._compile()
 
     def _compile(self) -> None:
-        """Run every kernel once on a small picture of a disc, so that no frame waits for the compiler."""
+        """Run every kernel once on a small picture of the shape, so that no frame waits for the compiler."""
         color = ColorModel(np.linspace(-4.0, 4.0, self.color.table.size, dtype=np.float32))
-        image = np.zeros((64, 64, color.channels), np.uint8)
-        cells = np.arange(64) - 31.5
-        image[np.hypot(cells[:, None], cells[None, :]) < 20.0] = 255
+        shape = self._family.from_coarse(31.5, 31.5, 20.0)
+        plain = np.zeros((64, 64), np.uint8)
+        cv2.fillConvexPoly(plain, np.rint(outline(shape)).astype(np.int32), 255)
+        image = np.ascontiguousarray(np.repeat(plain[:, :, np.newaxis], color.channels, axis=2))
         matcher: Matcher[S] = Matcher(self._family, 16)
-        state = self._family.from_coarse(31.5, 31.5, 20.0).state
+        state = shape.state
         matcher.settle(image, color, state, Look(6.0))
         self._judge.following(matcher)
         is_other_shape(matcher.parts.fit, matcher.parts.judge, 1.0)
@@ -104,7 +106,8 @@ class Tracker(Generic[S]):
         is_doubtful(matcher.parts.fit, 16)
         is_near(state, self._place(state).size, state, 20.0, 1.0)
         missing(16.0, 16)
-        Searcher(64, 64).candidates(image, color)
+        for _ in Finder(matcher, self._judge, Searcher(64, 64)).sightings(image, color):
+            break
         self._teach(image, matcher, color, 0.0)
 
     def start(self, shape: S) -> None:
@@ -124,6 +127,7 @@ class Tracker(Generic[S]):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
         spread = 3.0 + 0.1 * self._family.half_width(shape.state)
         self._matcher.begin(shape.state, self._time, spread)
+        self._matcher.describe_like(shape)
         self._follows = True
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
@@ -246,8 +250,9 @@ class Tracker(Generic[S]):
         """Teach the color a quarter of the outline's surroundings, another one in every frame."""
         x, y = float(matcher.state[0]), float(matcher.state[1])
         begin = self._frames // TEACH % 4
-        outline, shares = matcher.parts.outline, matcher.parts.rays[:, 2]
-        adapt_table(image, color.log_odds, self._learned, color.table, outline, shares, x, y, begin, rate)
+        parts = matcher.parts
+        shares = parts.rays[:, -1]
+        adapt_table(image, color.log_odds, self._learned, color.table, parts.outline, shares, x, y, begin, rate)
 
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
@@ -258,7 +263,7 @@ class Tracker(Generic[S]):
         best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
             return Lost(reason, self._time, None if expected is None else self._shape(expected))
-        self._try(image, best, Look(4.0))
+        self._try(image, matcher.alike(best), Look(4.0))
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None
@@ -270,7 +275,7 @@ class Tracker(Generic[S]):
     def _shape(self, state: Floats) -> S | None:
         """Shape of an extrapolated state, None where it has shrunk to nothing."""
         try:
-            return self._family.from_state(state)
+            return self._family.from_state(state, self._matcher.last)
         except ValueError:
             return None
 

@@ -117,11 +117,15 @@ class Ellipse(msgspec.Struct, frozen=True):
         """Derivative of the parameters by the state, (5, 5); of a circle's angle as if its axes differed a little."""
         c, s = math.cos(self.angle), math.sin(self.angle)
         apart = math.copysign(max(abs(self.a - self.b), SLIGHT), self.a - self.b)
-        found = np.eye(5)
-        found[2, 2:] = c * c, 2.0 * c * s, s * s
-        found[3, 2:] = s * s, -2.0 * c * s, c * c
-        found[4, 2:] = -c * s / apart, (c * c - s * s) / apart, c * s / apart
-        return found
+        return np.array(
+            [
+                (1.0, 0.0, 0.0, 0.0, 0.0),
+                (0.0, 1.0, 0.0, 0.0, 0.0),
+                (0.0, 0.0, c * c, 2.0 * c * s, s * s),
+                (0.0, 0.0, s * s, -2.0 * c * s, c * c),
+                (0.0, 0.0, -c * s / apart, (c * c - s * s) / apart, c * s / apart),
+            ]
+        )
 
     @staticmethod
     def places(n: int) -> Floats:

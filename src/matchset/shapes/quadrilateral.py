@@ -17,6 +17,7 @@ from matchset.shapes.polygon import convex_corners
 Floats = npt.NDArray[np.float64]
 U, V = np.array([-1.0, 1.0, 1.0, -1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
 CORNERS_OF = np.column_stack((np.ones(4), U, V, U * V))  # corners = CORNERS_OF @ (center, a, b, d)
+SLOPES = np.kron(CORNERS_OF, np.eye(2))
 
 
 class Quadrilateral:
@@ -45,9 +46,12 @@ class Quadrilateral:
             raise ValueError(f"a quadrilateral has four corners, got {given.tolist()}")
         if not np.array_equal(turned, given):  # the other way around: the first corner stays the first
             turned = np.roll(turned, 1, axis=0)
-        turned.setflags(write=False)
-        object.__setattr__(self, "corners", turned)
-        for name, value in zip(self.parameters, turned.ravel().tolist(), strict=True):
+        self._set(turned)
+
+    def _set(self, corners: Floats) -> None:
+        corners.setflags(write=False)
+        object.__setattr__(self, "corners", corners)
+        for name, value in zip(self.parameters, corners.ravel().tolist(), strict=True):
             object.__setattr__(self, name, value)
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -73,7 +77,12 @@ class Quadrilateral:
     @classmethod
     def from_state(cls, state: Floats, near: "Quadrilateral | None" = None) -> "Quadrilateral":  # noqa: ARG003
         """Quadrilateral of a state, ValueError if it is none."""
-        return cls(CORNERS_OF @ state.reshape(4, 2))
+        corners = CORNERS_OF @ state.reshape(4, 2)
+        if not 0.0 < linear.half_width(state) < math.inf:
+            return cls(corners)  # which says what is wrong
+        shape = cls.__new__(cls)  # convex, and known to be: this is done for every frame
+        shape._set(corners)
+        return shape
 
     @classmethod
     def from_coarse(cls, x: float, y: float, radius: float, like: Floats | None = None) -> "Quadrilateral":
@@ -107,7 +116,7 @@ class Quadrilateral:
     @property
     def slopes(self) -> Floats:
         """Derivative of the corners by the state, (8, 8)."""
-        return np.kron(CORNERS_OF, np.eye(2))
+        return SLOPES
 
     @staticmethod
     def places(n: int) -> Floats:

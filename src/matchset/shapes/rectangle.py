@@ -136,11 +136,15 @@ class Rectangle(msgspec.Struct, frozen=True):
     def slopes(self) -> Floats:
         """Derivative of the parameters by the state, (5, 5)."""
         c, s = math.cos(self.angle), math.sin(self.angle)
-        found = np.eye(5)
-        found[2, 2:] = 2.0 * c, 2.0 * s, 0.0
-        found[3, 2:] = 0.0, 0.0, 2.0
-        found[4, 2:] = -2.0 * s / self.width, 2.0 * c / self.width, 0.0
-        return found
+        return np.array(
+            [
+                (1.0, 0.0, 0.0, 0.0, 0.0),
+                (0.0, 1.0, 0.0, 0.0, 0.0),
+                (0.0, 0.0, 2.0 * c, 2.0 * s, 0.0),
+                (0.0, 0.0, 0.0, 0.0, 2.0),
+                (0.0, 0.0, -2.0 * s / self.width, 2.0 * c / self.width, 0.0),
+            ]
+        )
 
     @staticmethod
     def places(n: int) -> Floats:

@@ -122,10 +122,15 @@ class Similar(msgspec.Struct, frozen=True):
     def slopes(self) -> Floats:
         """Derivative of the parameters by the state, (4, 4)."""
         c, s = math.cos(self.angle), math.sin(self.angle)
-        size, found = self.template.size, np.eye(4)
-        found[2, 2:] = c / size, s / size
-        found[3, 2:] = -s / (size * self.scale), c / (size * self.scale)
-        return found
+        size, far = self.template.size, self.template.size * self.scale
+        return np.array(
+            [
+                (1.0, 0.0, 0.0, 0.0),
+                (0.0, 1.0, 0.0, 0.0),
+                (0.0, 0.0, c / size, s / size),
+                (0.0, 0.0, -s / far, c / far),
+            ]
+        )
 
     @classmethod
     def places(cls, n: int) -> Floats:

@@ -73,5 +73,5 @@ def symmetries(corners: Floats) -> list[Floats]:
         image = np.roll(corners, -shift, axis=0)
         matrix = np.linalg.lstsq(corners, image, rcond=None)[0].T
         if np.abs(corners @ matrix.T - image).max() < EQUAL * size:
-            found.append(matrix)
+            found.append(np.asarray(matrix, np.float64))
     return found

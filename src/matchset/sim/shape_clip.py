@@ -119,7 +119,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         c, s = math.cos(turn), math.sin(turn)
         flat: Array = size * self._unit @ np.array([[c, s], [-s, c]])
         if self.tilt == 0.0:
-            return flat + np.array([x, y])
+            return np.asarray(flat + np.array([x, y]))
         phase = np.random.default_rng((self.seed, 0x7117)).uniform(0.0, 2.0 * math.pi, 2)
         lean = self.tilt * math.sin(time / 37.0 + phase[0])
         nod = self.tilt * math.sin(time / 53.0 + phase[1])

@@ -12,6 +12,7 @@ from matchset.shapes.jit import compiled, plain
 from matchset.shapes.rules import check_family
 from matchset.shapes.shape import Shape, corners, nearest, places, slopes
 from matchset.tracking import memory, motion
+from matchset.tracking.memory import START
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
@@ -48,6 +49,9 @@ class MatchParameters(msgspec.Struct, frozen=True):
         How near an edge point must be to the outline to confirm it, in half-widths, between 1.2 and 3 px.
     turns : int
         How often the outline is traced anew at most.
+    start, side_start : float
+        Noise with which a fit begins at least, px, for round shapes and for those with corners: one side that is off
+        is not called back by the others, so it must be seen from farther.
     """
 
     margin: int = 4
@@ -57,6 +61,14 @@ class MatchParameters(msgspec.Struct, frozen=True):
     floor: float = 0.4
     tolerance: float = 0.06
     turns: int = 4
+    start: float = 1.0
+    side_start: float = 3.0
+
+
+# places of the parameters in `Views.match`
+_PLACES = {name: place for place, name in enumerate(MatchParameters.__struct_fields__)}
+SIDE_START = _PLACES["side_start"]
+assert _PLACES["start"] == START
 
 
 class Look(NamedTuple):
@@ -127,6 +139,7 @@ class Matcher(Generic[S]):
             place[: len(numbers)] = numbers
         if corners(shape) is not None:
             parts.judge[MOST_CORNERS] = math.inf  # corners speak against round shapes only
+            parts.match[START] = parts.match[SIDE_START]
         self._translates = slopes(shape) is not None
         self.last: S | None = None
         arrays = self._memory

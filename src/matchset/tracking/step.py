@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from matchset.shapes.jit import inlined, kernel
 from matchset.tracking import motion
-from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, SURPRISE, TIME, Views, views
+from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, START, SURPRISE, TIME, Views, views
 from matchset.tracking.parameters import LEAST_REACH, MOST_REACH, TRUST
 from matchset.tracking.settle import make_settle
 from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doubtful, is_near, missing, take_in
@@ -103,7 +103,7 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
             motion.predict(parts, time, missed, limits[TRUST])
             surprise = clock[SURPRISE] * missed
             ask[REACH] = min(limits[LEAST_REACH] + 2.0 * surprise, limits[MOST_REACH])
-            ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, 1.0), 0.0
+            ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, parts.match[START]), 0.0
             for k in range(parts.state.shape[0]):  # a loop compiles in a tenth of the time of `[:] =`
                 parts.state[k] = parts.expected[k]
         if not settle(image, table, parts, runs, pixels, sums, spread):

@@ -28,6 +28,7 @@ NAMES = (
     "real",
     "localization_speed",
     "localization_range",
+    "localization_methods",
     "localization_markers",
     "localization_covariance",
     "localization_prediction",

@@ -61,7 +61,7 @@ def run(options: Options) -> Section:
 
 
 def measure(task: Task) -> list[float]:
-    """Normalized errors squared of one task."""
+    """Follow the ball of one task; its normalized errors squared."""
     return _flying(task) if task.flies else _resting(task)
 
 

@@ -165,7 +165,10 @@ def _finding(name: str, what: str, results: list[Result]) -> Finding:
     figures = [Figure("rms", rms, "°", 2), Figure("missed", missed, "%", 1)]
     if results[0].blob:
         blob, blob_missed = _rms([result.blob for result in results])
-        figures += [Figure("blob rms", blob, "°", 2, aside=True), Figure("blob missed", blob_missed, "%", 1, aside=True)]
+        figures += [
+            Figure("blob rms", blob, "°", 2, aside=True),
+            Figure("blob missed", blob_missed, "%", 1, aside=True),
+        ]
     return Finding(
         name=name,
         what=what,

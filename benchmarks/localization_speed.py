@@ -24,6 +24,7 @@ class Clock:
         self.ns: dict[str, list[int]] = {}
 
     def __call__(self, name: str, function: Callable[..., Any], *arguments: object) -> Any:
+        """Call a function and note how long it took, under a name."""
         begin = time.perf_counter_ns()
         result = function(*arguments)
         self.ns.setdefault(name, []).append(time.perf_counter_ns() - begin)
@@ -70,9 +71,7 @@ def run(options: Options) -> Section:
     return Section("Localization", findings, text)
 
 
-def _timed(
-    camera: ms.CameraModel, markers: tuple[tuple[float, float, float], ...], frames: int, seed: int
-) -> Clock:
+def _timed(camera: ms.CameraModel, markers: tuple[tuple[float, float, float], ...], frames: int, seed: int) -> Clock:
     clock = Clock()
     flight = Flight(
         camera=camera,

@@ -113,6 +113,32 @@ def times_over_radius(radii: Floats, times: Floats, levels: Mapping[str, float],
     _save(figure, path)
 
 
+def range_errors(angles_deg: Sequence[float], errors: Mapping[str, Floats], path: Path) -> None:
+    """Draw the error of the range against the angle off the camera's axis: mean, and every single answer.
+
+    Parameters
+    ----------
+    angles_deg : sequence of float
+        One for each column.
+    errors : mapping of str to ndarray of shape (angles, n), float64
+        By method, %.
+    path : Path
+        A .png file.
+    """
+    figure, (axes,) = _figure(1, (9.0, 4.0))
+    axes.axhline(0.0, color=PALE, linewidth=1.0)
+    for (name, values), color in zip(errors.items(), (COLORS[1], COLORS[2], PINK), strict=True):
+        means = np.nanmean(values, axis=1)
+        axes.plot(angles_deg, values, ".", color=color, markersize=3, alpha=0.3)
+        axes.plot(angles_deg, means, color=color, linewidth=1.6, label=name)
+        _note(axes, f"{means[-1]:+.2f} %", (angles_deg[-1], float(means[-1])), (6, -4), color)
+    axes.margins(y=0.1)
+    axes.set_xlabel("angle between the camera's axis and the ball, degrees")
+    axes.set_ylabel("error of the range, %")
+    _legend(axes)
+    _save(figure, path)
+
+
 def _figure(rows: int, size: tuple[float, float], heights: tuple[int, ...] = (1,)) -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=size, dpi=110, layout="constrained")
     axes = figure.subplots(rows, 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0].tolist()

@@ -83,7 +83,7 @@ def rim(place: Floats, radius: float = RADIUS, count: int = 72) -> Floats:
     across /= np.linalg.norm(across)
     angles = 2.0 * math.pi * np.arange(count) / count
     round_it = np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(axis, across))
-    return math.sqrt(1.0 - sine * sine) * axis + sine * round_it
+    return np.asarray(math.sqrt(1.0 - sine * sine) * axis + sine * round_it)
 
 
 def place_ball(

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from matchset.app.export import write_clip
+from matchset.app.pose_table import read_poses
 from matchset.sim.clip import Clip
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -79,3 +80,36 @@ def test_without_a_camera_the_reason_is_said(tmp_path: Path) -> None:
     assert result.returncode == 1
     assert result.stderr.startswith("cannot open camera 99")
     assert "Traceback" not in result.stderr
+
+
+def test_a_rendered_balloon_is_placed(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "locate_rendered.py"))
+    errors_mm = [float(line.split("error ")[1].removesuffix(" mm")) for line in lines]
+    assert len(errors_mm) == 20
+    assert max(errors_mm) < 60.0
+    assert sorted(errors_mm)[10] < 10.0
+
+
+def test_the_rotation_of_a_rendered_balloon_is_found(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "markers_rendered.py"))
+    assert len(lines) == 15
+    assert all("full:" in line and float(line.split("off by ")[1].removesuffix("°")) < 3.0 for line in lines)
+
+
+def test_a_predicted_pose_is_nearer_to_the_truth(tmp_path: Path) -> None:
+    plain, ahead = (float(re.findall(r"([\d.]+) mm", line)[0]) for line in lines_of(run(tmp_path, "predict_pose.py")))
+    assert ahead < 0.7 * plain
+
+
+def test_a_flight_is_rendered_and_located(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "render_flight.py"))
+    words = lines[-1].split()[1:]
+    subprocess.run([sys.executable, "-m", "matchset.app.cli", *words, "-o", "out"], cwd=tmp_path, check=True)
+    poses = read_poses(tmp_path / "out" / "poses.csv")
+    truth = [[float(cell) for cell in line.split(",")] for line in (tmp_path / "flight.csv").read_text().split()[1:]]
+    assert [pose.frame for pose in poses] == [int(row[0]) for row in truth]
+    for pose, (_, time, x, y, z) in zip(poses, truth, strict=True):
+        assert pose.values is not None, pose.reason
+        assert pose.observed == "level"
+        assert pose.time == pytest.approx(time, abs=1e-3)
+        assert [pose.values[name] for name in "xyz"] == pytest.approx([x, y, z], abs=0.05)

@@ -12,10 +12,10 @@ ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def block(language: str) -> str:
-    found = re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)
-    assert found is not None
-    return found[1]
+def block(language: str, number: int = 0) -> str:
+    found = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    assert len(found) > number
+    return str(found[number])
 
 
 def files_of_the_tree() -> set[str]:
@@ -46,6 +46,21 @@ def test_the_python_of_the_readme_runs(
         assert truth is not None
         found = [float(number) for number in re.findall(r"=(-?[\d.]+)", line)]
         assert found == pytest.approx([truth.x, truth.y, truth.radius], abs=3.0)
+
+
+def test_the_meters_of_the_readme_are_those_of_the_truth(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    clip = Clip(frames=8)
+    write_clip(clip, tmp_path / "ball.mp4")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block("python", 1), "README.md", "exec"), {})
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(clip)
+    for index, line in enumerate(lines):
+        numbers = [float(number) for number in re.findall(r"-?\d+\.\d*(?:e-?\d+)?", line)]
+        assert numbers[:3] == pytest.approx(clip.truth(index).position, abs=0.02)
+        assert all(0.0 < sigma < 0.02 for sigma in numbers[3:6])
 
 
 def test_the_tree_of_the_readme_is_the_tree() -> None:

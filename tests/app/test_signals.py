@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from matchset.app.pose_table import read_poses
 from matchset.app.table import read_tracks
 
 FRAMES = 1500
@@ -58,6 +59,30 @@ def test_a_signal_leaves_whole_files(
     assert 5 <= len(rows) == len(lines) < FRAMES
     video = cv2.VideoCapture(str(tmp_path / "out.webm"))
     assert next(count for count in range(FRAMES) if not video.grab()) == len(rows)
+
+
+def test_a_signal_leaves_whole_files_of_poses_and_their_picture(long_video: Path, tmp_path: Path) -> None:
+    words = ["locate", str(long_video), "--fov", "60", "--diameter", "0.28", "--pick", "40,36", "--print", "-o", "out"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "matchset.app.cli", *words],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    lines = [process.stdout.readline() for _ in range(5)]
+    process.send_signal(signal.SIGINT)
+    lines += process.stdout.read().splitlines()
+    err = process.stderr.read()
+    assert process.wait(timeout=60) == 130, err
+    assert "Traceback" not in err
+    process.stdout.close()
+    process.stderr.close()
+    assert 5 <= len(read_poses(tmp_path / "out" / "poses.csv")) == len(lines) < FRAMES
+    picture = cv2.imread(str(tmp_path / "out" / "poses.png"))
+    assert picture is not None
 
 
 def test_a_reader_that_leaves_ends_the_run_quietly(tracking: subprocess.Popen[str], tmp_path: Path) -> None:

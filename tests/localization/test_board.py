@@ -3,10 +3,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from boards import BoardCamera, poses, seen_corners
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
+from boards import BoardCamera, poses, seen_corners
 from matchset.localization.board import Board, BoardFinder, View, blur_at
 
 CAMERA = ms.CameraModel(

@@ -16,7 +16,7 @@ from matchset.app.patience import if_slow
 from matchset.app.screen import Hint, counting
 from matchset.app.still_ball import Still, still_moments
 from matchset.app.target import Target, Wish, check_wish, known_target, target_in
-from matchset.app.track_command import COMPILING
+from matchset.app.trackers import COMPILING
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.localization.ball_focal import BallFocal, HeldBall, focal_from_ball

@@ -1,4 +1,4 @@
-"""The command line: `matchset track`, `learn`, `calibrate`, `score`, `demo` and `radio`.
+"""The command line: `matchset track`, `learn`, `calibrate`, `locate`, `score`, `demo` and `radio`.
 
 Heavy imports wait inside the commands, so that `matchset --help` answers at once.
 """
@@ -9,6 +9,19 @@ from typing import Annotated
 
 import typer
 
+from matchset.app.cli_locate import LOCATE_EPILOG, locate
+from matchset.app.cli_options import (
+    AnnotatedVideo,
+    Candidate,
+    Color,
+    Folder,
+    Force,
+    Hsv,
+    Pick,
+    Points,
+    Source,
+    ToStdout,
+)
 from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
 from matchset.app.radio_cli import radio
 
@@ -22,11 +35,6 @@ app = typer.Typer(
     epilog=EXIT_CODES,
 )
 app.add_typer(radio)
-
-Source = Annotated[
-    str, typer.Argument(help="A video file, a picture, a folder of pictures, a camera's number, or a URL.")
-]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite what exists.")]
 
 
 @app.callback(invoke_without_command=True)
@@ -62,37 +70,16 @@ frame, time, found, x, y, radius, their standard deviations, support, and why it
 @app.command(epilog=TRACK_EPILOG)
 def track(
     source: Source,
-    pick: Annotated[
-        str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")
-    ] = None,
-    candidate: Annotated[
-        str | None, typer.Option(metavar="N[@FRAME]", help="The ball-like thing that 'learn' numbered N.")
-    ] = None,
-    color: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="A color that 'learn' saved; several are joined."),
-    ] = None,
-    hsv: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="LOW:HIGH",
-            help="OpenCV's HSV range H,S,V:H,S,V; a low hue above the high one wraps at red.",
-        ),
-    ] = None,
-    video: Annotated[
-        Path | None,
-        typer.Option(metavar="OUT.mp4", help="Write the annotated video: .mp4 (VP9), or .webm (20 times as fast)."),
-    ] = None,
-    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")] = None,
+    pick: Pick = None,
+    candidate: Candidate = None,
+    color: Color = None,
+    hsv: Hsv = None,
+    video: AnnotatedVideo = None,
+    out: Folder = None,
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False,
-    to_stdout: Annotated[
-        bool,
-        typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there."),
-    ] = False,
+    to_stdout: ToStdout = False,
     force: Force = False,
-    points: Annotated[
-        int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")
-    ] = 64,
+    points: Points = 64,
 ) -> None:
     """Follow a ball through a video, or before a camera, and write its circle for every frame."""
     with errors_in_one_line():
@@ -184,16 +171,10 @@ def calibrate(
     at: Annotated[
         str | None, typer.Option(metavar="M,M,...", help="From the lens to the ball's nearest point, in turn, m.")
     ] = None,
-    pick: Annotated[
-        str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")
-    ] = None,
-    candidate: Annotated[
-        str | None, typer.Option(metavar="N[@FRAME]", help="The ball-like thing that 'learn' numbered N.")
-    ] = None,
-    color: Annotated[
-        list[Path] | None, typer.Option(metavar="FILE", help="The ball's color, saved by 'learn'; several are joined.")
-    ] = None,
-    hsv: Annotated[list[str] | None, typer.Option(metavar="LOW:HIGH", help="OpenCV's HSV range of the ball.")] = None,
+    pick: Pick = None,
+    candidate: Candidate = None,
+    color: Color = None,
+    hsv: Hsv = None,
     out: Annotated[Path | None, typer.Option("-o", metavar="FILE.toml", help="The camera file.")] = None,
     force: Force = False,
 ) -> None:
@@ -212,6 +193,8 @@ def calibrate(
         )
     raise typer.Exit(code)
 
+
+app.command(epilog=LOCATE_EPILOG)(locate)
 
 SCORE_EPILOG = """
 [bold]Definitions[/bold]

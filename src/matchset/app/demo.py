@@ -15,7 +15,7 @@ from matchset.app.draw import shape_names
 from matchset.app.ending import StopRequest
 from matchset.app.follow import Tally, follow
 from matchset.app.learn_command import write_picture
-from matchset.app.outlets import Outlets, table_in
+from matchset.app.outlets import track_outlets
 from matchset.app.patience import if_slow
 from matchset.app.recorder import Recorder
 from matchset.app.row import Row
@@ -24,7 +24,7 @@ from matchset.app.score import Score, circles, error_px, score
 from matchset.app.score_command import print_score
 from matchset.app.screen import counting
 from matchset.app.sheet import WIDTH_PX, Shot, picture_sheet
-from matchset.app.track_command import COMPILING
+from matchset.app.trackers import COMPILING
 from matchset.app.truth import COLUMNS, Truth
 from matchset.image.color import ColorModel
 from matchset.shapes.circle import Circle
@@ -89,7 +89,7 @@ def _track(clip: Clip, folder: Path, tally: Tally, stop: StopRequest) -> _Show:
     wanted = {round((place + 0.5) * len(clip) / _SHOTS) for place in range(_SHOTS)}
     with ExitStack() as stack:
         recorder = Recorder(folder / "demo.webm", clip.fps, (clip.width, clip.height))
-        outlets = stack.enter_context(Outlets(table_in(folder, shape_names(Circle), jsonl=False), recorder))
+        outlets = stack.enter_context(track_outlets(folder, shape_names(Circle), False, recorder))
         bar = stack.enter_context(counting("rendering, tracking, recording", len(clip)))
         for step in follow(frames, lambda _: tracker, gaps=False, stop=stop):
             truth = _truth(clip, step.row.frame)

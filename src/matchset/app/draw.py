@@ -99,7 +99,7 @@ def describe(row: Row) -> str:
     return "   ".join(numbers) + " px" + support
 
 
-def caption(image: Picture, left: str, right: str = "", bad: bool = False) -> None:
+def caption(image: Picture, left: str, right: str = "", bad: bool = False, line: int = 0) -> None:
     """Darken the lower edge of a picture and write two texts on it, as far as they fit.
 
     Parameters
@@ -110,12 +110,16 @@ def caption(image: Picture, left: str, right: str = "", bad: bool = False) -> No
         The texts.
     bad : bool
         Whether the left text tells of a loss; a bar at its side says so in color too.
+    line : int
+        Which line, from the lowest.
     """
     height, width = image.shape[:2]
     size = min(max(11, round(height / 36)), 28)
-    strip = image[-round(1.9 * size) :]
+    high = round(1.9 * size)
+    bottom = height - line * high
+    strip = image[max(bottom - high, 0) : max(bottom, 0)]
     strip //= 3
-    middle = height - 0.95 * size
+    middle = bottom - 0.95 * size
     cv2.rectangle(strip, (0, 0), (max(2, size // 4), strip.shape[0]), COASTING if bad else OUTLINE, cv2.FILLED)
     draw_text(image, left, (0.9 * size, middle), size)
     room = width - text_width(left, size) - text_width(right, size) - 3.0 * size

@@ -47,6 +47,25 @@ class Step(msgspec.Struct, frozen=True):
     seconds: float = 0.0
 
 
+class Counted(Protocol):
+    """What `Tally` needs to know of a frame: a `Step`, or what is made of it."""
+
+    @property
+    def frame(self) -> Frame | None:
+        """The frame; None if it did not decode."""
+        ...
+
+    @property
+    def row(self) -> Any:
+        """With `found` and `reason`."""
+        ...
+
+    @property
+    def seconds(self) -> float:
+        """Computing time, s."""
+        ...
+
+
 class Tally:
     """Figures of a run: how many frames, how many found, why not, how fast."""
 
@@ -60,7 +79,7 @@ class Tally:
         """What the tracker took for a frame, ms; the median over frames, 0 without any."""
         return 1000.0 * sorted(self.seconds)[len(self.seconds) // 2] if self.seconds else 0.0
 
-    def count(self, step: Step) -> None:
+    def count(self, step: Counted) -> None:
         """Take a step into account."""
         self.frames += 1
         self.found += step.row.found

@@ -1,29 +1,66 @@
 """Where the answers of a run go: table, JSON lines, annotated video, a pipe."""
 
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Generic, Protocol, Self, TypeVar
 
-import msgspec
+import numpy as np
+import numpy.typing as npt
 
+from matchset.app.cell_writer import Cell, json_line
 from matchset.app.draw import annotate
 from matchset.app.ending import forget_stdout
 from matchset.app.follow import Step
 from matchset.app.recorder import Recorder
-from matchset.app.table import TableWriter, cells
+from matchset.app.runs import output_file
+from matchset.app.table import TableWriter
+from matchset.image.video import Video
 
-_ENCODER = msgspec.json.Encoder()
+Picture = npt.NDArray[np.uint8]
+
+_FPS_IF_UNKNOWN = 30.0
 
 
-class Outlets:
+class Table(Protocol):
+    """A table on disk, such as `TableWriter`."""
+
+    def cells(self, row: Any) -> dict[str, Cell]:
+        """Return a row's values by column, None where there is none."""
+        ...
+
+    def write(self, row: Any) -> None:
+        """Append one row."""
+        ...
+
+    def close(self) -> None:
+        """Finish the files."""
+        ...
+
+
+class Entry(Protocol):
+    """One frame of a run: its row of the table, and what else is drawn."""
+
+    @property
+    def row(self) -> Any:
+        """The row."""
+        ...
+
+
+E = TypeVar("E", bound=Entry)
+
+
+class Outlets(Generic[E]):
     """The files of a run, and its pipe; leaving the `with` block finishes them all.
 
     Parameters
     ----------
-    table : TableWriter
+    table : Table
         The table.
+    draw : callable
+        From an entry to its annotated frame; None where there is no frame.
     recorder : Recorder, optional
         The annotated video.
 
@@ -33,31 +70,30 @@ class Outlets:
         Whether the reader of stdout has gone.
     """
 
-    def __init__(self, table: TableWriter, recorder: Recorder | None = None) -> None:
-        self._table, self._recorder = table, recorder
+    def __init__(self, table: Table, draw: Callable[[E], Picture | None], recorder: Recorder | None = None) -> None:
+        self._table, self._draw, self._recorder = table, draw, recorder
         self.pipe_closed = False
 
-    def write(self, step: Step) -> None:
+    def write(self, entry: E) -> None:
         """Write one frame's answer to every file."""
-        self._table.write(step.row)
-        if self._recorder is not None and step.frame is not None:
-            self._recorder.write(annotate(step.frame, step.answer, step.row))
+        self._table.write(entry.row)
+        if self._recorder is not None:
+            picture = self._draw(entry)
+            if picture is not None:
+                self._recorder.write(picture)
 
-    def print(self, step: Step, parameters: Sequence[str], extra: dict[str, float]) -> None:
+    def print(self, entry: E, extra: dict[str, Cell]) -> None:
         """Write one frame's answer to stdout as a line of JSON.
 
         Parameters
         ----------
-        step : Step
+        entry : Entry
             The frame.
-        parameters : sequence of str
-            The names of the shape's parameters.
-        extra : dict of str to float
+        extra : dict of str to value
             What else to tell, by name.
         """
         try:
-            line = _ENCODER.encode(cells(step.row, parameters) | extra).decode()
-            sys.stdout.write(line + "\n")
+            sys.stdout.write(json_line(self._table.cells(entry.row) | extra))
             sys.stdout.flush()
         except BrokenPipeError:
             self.pipe_closed = True
@@ -78,6 +114,29 @@ class Outlets:
         self.close()
 
 
-def table_in(folder: Path, parameters: Sequence[str], jsonl: bool) -> TableWriter:
-    """Begin the tables of a run in its folder."""
-    return TableWriter(folder / "tracks.csv", parameters, folder / "tracks.jsonl" if jsonl else None)
+def track_outlets(folder: Path, parameters: Sequence[str], jsonl: bool, recorder: Recorder | None) -> Outlets[Step]:
+    """Begin the files of a run that tracks: its tables in `folder`, and its video."""
+    table = TableWriter(folder / "tracks.csv", parameters, folder / "tracks.jsonl" if jsonl else None)
+    return Outlets(table, _drawn, recorder)
+
+
+def recorder_for(path: Path | None, video: Video, force: bool) -> Recorder | None:
+    """Begin the annotated video of a source, if one is wanted; what the user should know of it goes to stderr."""
+    if path is None:
+        return None
+    size = video.width, video.height
+    recorder = Recorder(output_file(path, force), video.fps or _FPS_IF_UNKNOWN, size, video.live)
+    if recorder.note:
+        print("note: " + recorder.note, file=sys.stderr)
+    return recorder
+
+
+def live_figures(video: Video, taken: float) -> dict[str, Cell]:
+    """Return what a pipe is told of a live frame taken at a time, s, besides its row; nothing of a file's."""
+    if not video.live:
+        return {}
+    return {"age_ms": round(1000.0 * (time.monotonic() - taken), 1), "dropped": video.dropped}
+
+
+def _drawn(step: Step) -> Picture | None:
+    return None if step.frame is None else annotate(step.frame, step.answer, step.row)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-_PINK, _INK, _PALE = "#ff28be", "#444444", "#bbbbbb"
+PINK, INK, PALE = "#ff28be", "#444444", "#bbbbbb"
 
 
 def error_plot(
@@ -37,36 +37,37 @@ def error_plot(
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     figure.subplots_adjust(left=0.045, right=0.985, top=0.9, bottom=0.14, hspace=0.2)
     _draw_errors(above, time, np.asarray(error, float))
-    below.plot(time, np.asarray(radius, float), color=_INK, linewidth=1.0)
+    below.plot(time, np.asarray(radius, float), color=INK, linewidth=1.0)
     below.set_ylim(bottom=0)
     below.set_ylabel("radius, px")
     below.set_xlabel("time, s")
     for axes in (above, below):
-        _calm(axes)
+        calm(axes)
     canvas.draw()  # type: ignore[no-untyped-call]
     rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(rgba[..., 2::-1])
 
 
 def _draw_errors(axes: Axes, time: Sequence[float], errors: npt.NDArray[np.float64]) -> None:
-    axes.plot(time, errors, color=_PINK, linewidth=1.2)
+    axes.plot(time, errors, color=PINK, linewidth=1.2)
     lost = np.asarray(time)[np.isnan(errors)]
-    axes.plot(lost, np.zeros(len(lost)), "|", color=_INK, markersize=8, clip_on=False)
+    axes.plot(lost, np.zeros(len(lost)), "|", color=INK, markersize=8, clip_on=False)
     title = "|Δx| + |Δy| + |Δr| against the truth, frame by frame"
     if np.isfinite(errors).any():
         mean = float(np.nanmean(errors))
-        axes.axhline(mean, color=_INK, linewidth=0.8, linestyle=(0, (4, 4)))
+        axes.axhline(mean, color=INK, linewidth=0.8, linestyle=(0, (4, 4)))
         title += f"; dashed: their mean, {mean:.2f} px"
     axes.set_ylim(bottom=0)
-    axes.set_title(title, loc="left", color=_INK, fontsize=11)
+    axes.set_title(title, loc="left", color=INK, fontsize=11)
     axes.set_ylabel("error, px")
 
 
-def _calm(axes: Axes) -> None:
+def calm(axes: Axes) -> None:
+    """Take from a plot what is not data."""
     axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(_PALE)
-    axes.tick_params(color=_PALE, labelcolor=_INK, labelsize=9)
-    axes.yaxis.label.set_color(_INK)
-    axes.xaxis.label.set_color(_INK)
+    axes.spines[["left", "bottom"]].set_color(PALE)
+    axes.tick_params(color=PALE, labelcolor=INK, labelsize=9)
+    axes.yaxis.label.set_color(INK)
+    axes.xaxis.label.set_color(INK)
     axes.grid(axis="y", color="#eeeeee")
     axes.margins(x=0.01)

@@ -42,6 +42,12 @@ class Row(msgspec.Struct, frozen=True):
         """Whether this frame's pixels confirm the shape."""
         return self.shape is not None
 
+    @property
+    def brief(self) -> str:
+        """The circle in a few words, for a line that changes all the time; empty where it was not found."""
+        named = zip(("x", "y", "r"), (self.shape or {}).values(), strict=False)
+        return "  ".join(f"{name} {value:6.1f}" for name, value in named)
+
 
 def row_of(frame: int, answer: Track[Any] | Lost[Any]) -> Row:
     """Turn a tracker's answer into the row of its frame.

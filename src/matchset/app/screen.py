@@ -9,16 +9,39 @@ from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
-from matchset.app.row import Row
 from matchset.image.video import Video
 
 _SMOOTHING = 0.05
 
 
+class Told(Protocol):
+    """What a screen needs to know of a frame: a row of any table."""
+
+    @property
+    def time(self) -> float:
+        """When it was taken, s."""
+        ...
+
+    @property
+    def found(self) -> bool:
+        """Whether there is an answer."""
+        ...
+
+    @property
+    def brief(self) -> str:
+        """The answer in a few words."""
+        ...
+
+    @property
+    def reason(self) -> str:
+        """Why there is none."""
+        ...
+
+
 class Screen(Protocol):
     """Something that is told of each frame."""
 
-    def show(self, row: Row) -> None:
+    def show(self, row: Told) -> None:
         """Take note of a frame's row."""
         ...
 
@@ -46,12 +69,12 @@ class Rate:
         return 1.0 / self._period if self._period else None
 
 
-def live_line(row: Row, rate: float | None, age: float, dropped: int) -> Text:
+def live_line(row: Told, rate: float | None, age: float, dropped: int) -> Text:
     """Say a live frame in one line.
 
     Parameters
     ----------
-    row : Row
+    row : Told
         The answer.
     rate : float or None
         Frames per second.
@@ -63,11 +86,10 @@ def live_line(row: Row, rate: float | None, age: float, dropped: int) -> Text:
     line = Text(no_wrap=True, overflow="ellipsis")
     speed = "    -" if rate is None else f"{rate:5.1f}"
     line.append(f"{speed} frames/s   age {1000.0 * age:4.0f} ms   dropped {dropped:<4d}   ", style="dim")
-    if row.shape is None:
-        line.append(f"Lost: {row.reason}", style="yellow")
+    if row.found:
+        line.append(row.brief, style="bold")
     else:
-        named = zip(("x", "y", "r"), row.shape.values(), strict=False)
-        line.append("  ".join(f"{name} {value:6.1f}" for name, value in named), style="bold")
+        line.append(f"Lost: {row.reason}", style="yellow")
     return line
 
 
@@ -78,7 +100,7 @@ class LiveLine:
         self._video, self._rate = video, Rate()
         self._live = Live(console=console, refresh_per_second=15, transient=True)
 
-    def show(self, row: Row) -> None:
+    def show(self, row: Told) -> None:
         """Show a frame's row."""
         now = time.monotonic()
         self._live.update(live_line(row, self._rate.tick(now), now - row.time, self._video.dropped))
@@ -107,7 +129,7 @@ class Bar:
         self._progress = Progress(*columns, console=console, disable=not visible, transient=True)
         self._task = self._progress.add_task(words, total=length)
 
-    def show(self, row: Row) -> None:  # noqa: ARG002 - counted, not looked at
+    def show(self, row: Told) -> None:  # noqa: ARG002 - counted, not looked at
         """Count a frame."""
         self.advance()
 
@@ -156,10 +178,10 @@ def counting(words: str, length: int | None) -> Bar:
     return Bar(words, length, console, console.is_terminal)
 
 
-def screen_for(video: Video, quiet: bool) -> Screen:
+def screen_for(video: Video, quiet: bool, words: str = "tracking") -> Screen:
     """Choose what to show for a video: nothing if `quiet` or if stderr is no terminal."""
     console = Console(stderr=True, highlight=False)
     if video.live and console.is_terminal and not quiet:
         return LiveLine(video, console)
     visible = console.is_terminal and not quiet and not video.live
-    return Bar("tracking", video.length, console, visible)
+    return Bar(words, video.length, console, visible)

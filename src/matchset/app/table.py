@@ -1,19 +1,15 @@
 """The table of a run, `tracks.csv`, and the same as JSON lines, `tracks.jsonl`: written and read back."""
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import msgspec
-
+from matchset.app.cell_writer import Cell, CellWriter
 from matchset.app.csv_file import Cells, read_csv
 from matchset.app.row import Row
 
 _STD = "_std"
-_ENCODER = msgspec.json.Encoder()
 
 
 def columns(parameters: Sequence[str]) -> list[str]:
@@ -21,7 +17,7 @@ def columns(parameters: Sequence[str]) -> list[str]:
     return ["frame", "time", "found", *parameters, *(name + _STD for name in parameters), "support", "reason"]
 
 
-def cells(row: Row, parameters: Sequence[str]) -> dict[str, int | float | str | None]:
+def cells(row: Row, parameters: Sequence[str]) -> dict[str, Cell]:
     """Return a row's values by column, None where there is none.
 
     Parameters
@@ -32,7 +28,7 @@ def cells(row: Row, parameters: Sequence[str]) -> dict[str, int | float | str | 
         The names of the shape's parameters.
     """
     shape, std = row.shape or {}, row.std or {}
-    values: dict[str, int | float | str | None] = {
+    values: dict[str, Cell] = {
         "frame": row.frame,
         "time": round(row.time, 6),
         "found": int(row.found),
@@ -41,17 +37,6 @@ def cells(row: Row, parameters: Sequence[str]) -> dict[str, int | float | str | 
     values |= {name + _STD: std.get(name) for name in parameters}
     values |= {"support": row.support, "reason": row.reason}
     return values
-
-
-def csv_line(row: Row, parameters: Sequence[str]) -> str:
-    """Return a row as one line of `tracks.csv`, with its line end."""
-    values = ["" if value is None else str(value) for value in cells(row, parameters).values()]
-    return _joined(values)
-
-
-def json_line(row: Row, parameters: Sequence[str]) -> str:
-    """Return a row as one line of `tracks.jsonl`, with its line end."""
-    return _ENCODER.encode(cells(row, parameters)).decode() + "\n"
 
 
 class TableWriter:
@@ -69,22 +54,19 @@ class TableWriter:
 
     def __init__(self, csv_path: Path, parameters: Sequence[str], jsonl_path: Path | None = None) -> None:
         self._parameters = tuple(parameters)
-        # Line buffering hands each row to the system in one piece, so what a crash leaves behind is readable.
-        self._csv = csv_path.open("w", encoding="utf-8", newline="", buffering=1)
-        self._jsonl = None if jsonl_path is None else jsonl_path.open("w", encoding="utf-8", buffering=1)
-        self._csv.write(_joined(columns(self._parameters)))
+        self._writer = CellWriter(csv_path, columns(self._parameters), jsonl_path)
+
+    def cells(self, row: Row) -> dict[str, Cell]:
+        """Return a row's values by column, None where there is none."""
+        return cells(row, self._parameters)
 
     def write(self, row: Row) -> None:
         """Append one row."""
-        self._csv.write(csv_line(row, self._parameters))
-        if self._jsonl is not None:
-            self._jsonl.write(json_line(row, self._parameters))
+        self._writer.write(self.cells(row))
 
     def close(self) -> None:
         """Finish the files."""
-        self._csv.close()
-        if self._jsonl is not None:
-            self._jsonl.close()
+        self._writer.close()
 
     def __enter__(self) -> Self:
         return self
@@ -138,9 +120,3 @@ def _row(line: Cells) -> Row:
         support=line.number("support") if line.text("support") else None,
         reason=line.text("reason"),
     )
-
-
-def _joined(values: Sequence[str]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(values)
-    return text.getvalue()

@@ -96,11 +96,39 @@ def target_in(video: Video, wish: Wish) -> tuple[Target, Frame]:
     return Target(ColorModel.pick(frame.image, x, y), (x, y), frame.index), frame
 
 
-def parse_pick(text: str) -> tuple[float, float, int | None]:
+def target_for(source: str, video: Video, wish: Wish) -> tuple[Target, tuple[Frame, ...]]:
+    """Find out what to follow in a video that is about to be read.
+
+    Parameters
+    ----------
+    source : str
+        What was opened: a file is opened once more to look at it.
+    video : Video
+        Not yet read.
+    wish : Wish
+        What to follow, as typed.
+
+    Returns
+    -------
+    tuple of Target and tuple of Frame
+        And the frames that a live source gave away for it, which are to be followed all the same.
+    """
+    known = known_target(wish)
+    if known is not None:
+        return known, ()
+    if video.live:
+        target, frame = target_in(video, wish)
+        return msgspec.structs.replace(target, frame=frame.index), (frame,)
+    with Video(source) as look:
+        target, _ = target_in(look, wish)
+    return target, ()
+
+
+def parse_pick(text: str, option: str = "--pick") -> tuple[float, float, int | None]:
     """Read ``X,Y`` or ``X,Y@FRAME``."""
     found = _PICK.fullmatch(text)
     if found is None:
-        raise ValueError(f"--pick is X,Y or X,Y@FRAME, as in 427,146@60, got {text!r}")
+        raise ValueError(f"{option} is X,Y or X,Y@FRAME, as in 427,146@60, got {text!r}")
     return float(found[1]), float(found[2]), None if found[3] is None else int(found[3])
 
 

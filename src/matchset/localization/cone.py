@@ -2,9 +2,9 @@
 
 A ray r (unit vector) touches the sphere with center p and radius R where r.p = |p| cos(alpha), sin(alpha) = R / |p|.
 With q = p / (|p| cos(alpha)) that is ``r.q = 1``: linear in q, for any angle off the axis, and
-``p = R q / sqrt(q.q - 1)``. A point lies ``e = (r.q - 1) / (dr/dn . q)`` px outside the outline, dr/dn the change of its
-ray per px along the outward normal: squares of these px are weighed, so an outline counts the same everywhere in the
-picture. Distortion is taken out of these points alone.
+``p = R q / sqrt(q.q - 1)``. A point lies ``e = (r.q - 1) / (dr/dn . q)`` px outside the outline, dr/dn the change of
+its ray per px along the outward normal: these px are squared and summed, so an outline counts the same everywhere in
+the picture. Distortion is taken out of these points alone.
 """
 
 import math
@@ -18,7 +18,8 @@ from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 
-ROUNDS = 10
+ROUNDS = 16
+EARLY = 6  # rounds of least absolute values before the biweight
 CUT = 4.7  # standard deviations at which Tukey's biweight gives up a point
 STEP = 0.25  # px along the normal over which the change of a ray is measured
 NEAREST = 0.97  # sine of the largest half-angle: nearer the ball all but touches the camera
@@ -27,7 +28,7 @@ DONE, FEW, FLAT, NEAR = 0, 1, 2, 3
 
 @kernel
 def _ray(intrinsics: Floats, widest: float, x: float, y: float, ray: Floats) -> bool:
-    """Unit vector of a pixel; False where the lens has none."""
+    """Write the unit vector of a pixel; False where the lens has none."""
     u, v, seen = undistort(intrinsics, widest, x, y)
     scale = 1.0 / math.sqrt(u * u + v * v + 1.0)
     ray[0], ray[1], ray[2] = u * scale, v * scale, scale
@@ -77,12 +78,16 @@ def _solve(rays: Floats, slopes: Floats, weights: Floats, q: Floats, normal: Flo
         return False
     for j in range(3):
         q[j] = inverse[j, 0] * b[0] + inverse[j, 1] * b[1] + inverse[j, 2] * b[2]
-    return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] > 1.0
+    return bool(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] > 1.0)
 
 
 @kernel
-def _weigh(rays: Floats, slopes: Floats, q: Floats, floor: float, weights: Floats) -> float:
-    """Weigh the points by how far from the cone they lie; the standard deviation of the good ones, px."""
+def _weigh(rays: Floats, slopes: Floats, q: Floats, floor: float, early: bool, weights: Floats) -> float:
+    """Weigh the points by how far from the cone they lie; the standard deviation of the good ones, px.
+
+    Early on by the inverse of their distance (least absolute values), since a finger along the rim can tilt the first
+    cone so far that the biweight would believe the finger.
+    """
     n, count = rays.shape[0], 0
     errors, order = np.empty(n), np.empty(n)
     for i in range(n):
@@ -96,7 +101,10 @@ def _weigh(rays: Floats, slopes: Floats, q: Floats, floor: float, weights: Float
         weights[i] = 0.0
         if rays[i, 2] > 0.0:
             z = errors[i] / (CUT * sigma)
-            weights[i] = (1.0 - z * z) ** 2 if z * z < 1.0 else 0.0
+            if early:
+                weights[i] = sigma / max(abs(errors[i]), sigma)
+            else:
+                weights[i] = (1.0 - z * z) ** 2 if z * z < 1.0 else 0.0
     return sigma
 
 
@@ -209,10 +217,12 @@ def fit_cone(
         if not _solve(rays, slopes, weights, q, normal, inverse):
             return FLAT, 0.0, 0.0
         change = abs(q[0] - last[0]) + abs(q[1] - last[1]) + abs(q[2] - last[2])
-        if turn > 1 and change < 1e-10 + (1e-4 if robust else 1e-8) * math.sqrt(inverse[0, 0] + inverse[1, 1]):
+        if turn > (EARLY if robust else 1) and change < 1e-10 + (1e-4 if robust else 1e-8) * math.sqrt(
+            inverse[0, 0] + inverse[1, 1]
+        ):
             break
         if robust:
-            noise = _weigh(rays, slopes, q, floor, weights)
+            noise = _weigh(rays, slopes, q, floor, turn < EARLY, weights)
     square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] - 1.0
     if not square > 1e-12:
         return FLAT, 0.0, 0.0

@@ -69,9 +69,7 @@ class Localizer:
     ('position', [0.0, 0.0, 1.91])
     """
 
-    def __init__(
-        self, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters | None = None
-    ) -> None:
+    def __init__(self, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters | None = None) -> None:
         self.camera, self.target = camera, target
         self.parameters = parameters or LocalizerParameters()
         self._bodies = target.directions

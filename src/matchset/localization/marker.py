@@ -16,7 +16,7 @@ GRAZING = 0.2  # least cosine between the marker's direction and its line of sig
 
 @kernel
 def _cut(intrinsics: Floats, widest: float, x: float, y: float, position: Floats, reach: float, out: Floats) -> bool:
-    """Unit vector from `position` to where the ray of a pixel first comes within `reach` of it."""
+    """Write the unit vector from `position` to where the ray of a pixel first comes within `reach` of it."""
     u, v, seen = undistort(intrinsics, widest, x, y)
     if not seen:
         return False
@@ -28,7 +28,11 @@ def _cut(intrinsics: Floats, widest: float, x: float, y: float, position: Floats
     if not depth > (GRAZING * reach) ** 2:
         return False
     t = along - math.sqrt(depth)
-    out[0], out[1], out[2] = (t * rx - position[0]) / reach, (t * ry - position[1]) / reach, (t * rz - position[2]) / reach
+    out[0], out[1], out[2] = (
+        (t * rx - position[0]) / reach,
+        (t * ry - position[1]) / reach,
+        (t * rz - position[2]) / reach,
+    )
     return True
 
 

@@ -1,6 +1,7 @@
 """The ball's markers, found inside its outline and followed from frame to frame: `MarkerTracker`."""
 
 import math
+from collections.abc import Iterable
 
 import cv2
 import msgspec
@@ -9,7 +10,8 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.marker_fit import fit_marker, look, teach
+from matchset.localization.marker_fit import fit_marker
+from matchset.localization.marker_look import look, teach, tell_apart
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import channels_last
@@ -20,7 +22,6 @@ Image = npt.NDArray[np.uint8]
 
 GRID = 48  # cells across the ball in which markers are looked for at first
 RIM = 2.0 * math.pi * np.arange(16) / 16
-TINY = 1e-9
 
 
 class MarkerParameters(msgspec.Struct, frozen=True):
@@ -39,8 +40,8 @@ class MarkerParameters(msgspec.Struct, frozen=True):
         Least share of the variance around a marker that the marker explains.
     farthest : float
         How far from the ball's middle a marker may be, in ball radii: 0.95 is 72 degrees off the line of sight.
-    search : int
-        Markers not seen yet are looked for every so many frames while others are.
+    patience : int
+        For how many frames a marker that is not seen is expected where it was last.
     memory : float
         Share of what is known of the colors that one frame leaves.
     inflation : float
@@ -51,11 +52,11 @@ class MarkerParameters(msgspec.Struct, frozen=True):
     """
 
     soft: float = 0.7
-    least_size: float = 0.2
+    least_size: float = 0.1
     least_height: float = 0.4
     least_explained: float = 0.3
     farthest: float = 0.95
-    search: int = 3
+    patience: int = 5
     memory: float = 0.9
     inflation: float = 4.0
     floor: float = 0.15
@@ -85,7 +86,7 @@ class MarkerTracker:
         self._places: Floats = np.zeros((0, 2))  # of the markers, from the ball's middle, in ball radii
         self._sums: Floats = np.zeros((2, 10))
         self._axis, self._ground = np.zeros(4), np.zeros(3)
-        self._frames = 0
+        self._missed: list[int] = []  # frames for which each of them has not been seen
 
     def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
         """Find the markers in a frame.
@@ -109,14 +110,12 @@ class MarkerTracker:
         """
         self.color.check(frame.image)
         if isinstance(ball, Lost):
-            self._places = np.zeros((0, 2))
+            self._places, self._missed = np.zeros((0, 2)), []
             return ()
         image = channels_last(frame.image)
         circle = np.array([ball.shape.x, ball.shape.y, ball.shape.radius])
-        wanted = len(self.target.markers)
-        if len(self._places) < wanted and (len(self._places) == 0 or self._frames % self.parameters.search == 0):
+        if len(self._places) - sum(missed > 0 for missed in self._missed) < len(self.target.markers):
             self._look(image, circle)
-        self._frames += 1
         if len(self._places) == 0:
             return ()
         places = np.ascontiguousarray(circle[:2] + circle[2] * self._places)
@@ -136,52 +135,63 @@ class MarkerTracker:
         for k in found:
             place = ((left, top) + step * centers[k] - circle[:2]) / radius
             squeezed = math.sqrt(max(1.0 - float(place @ place), 0.05))
-            if len(self._places) == len(self.target.markers):
+            if len(self._places) - sum(missed > 0 for missed in self._missed) == len(self.target.markers):
                 break
             if not self.parameters.least_size * squeezed < stats[k, cv2.CC_STAT_AREA] / whole < 4.0:
                 continue
-            if all(np.hypot(*(place - other)) > self._size for other in self._places):
-                self._places = np.vstack((self._places, place))
+            if _alone(place, self._places, self._size):
+                self._places = np.vstack((place, self._places))
+                self._missed.insert(0, 0)
 
     def _teach(self, image: Image, circle: Floats, places: Floats) -> None:
         """Learn which direction of color tells marker from ball: Fisher's linear discriminant."""
         sums = np.zeros((2, 10))
         step = max(int(circle[2] / 12.0), 1)
-        teach(image, circle, places, len(places), self._size, self._depth, step, sums)
+        count = self._missed.count(0)  # those that were seen in the last frame come first
+        teach(image, circle, places, count, self._size, self._depth, step, sums)
         if sums[0, 0] < 1.0 or sums[1, 0] < 8.0:
             return
         fresh = sums / sums[:, :1]
         known = bool(self._sums[0, 0])
         self._sums = self.parameters.memory * self._sums + (1.0 - self.parameters.memory) * fresh if known else fresh
-        marker, ground = self._sums[0, 1:4], self._sums[1, 1:4]
-        within = np.zeros((3, 3))
-        within[np.tril_indices(3)] = self._sums[1, 4:]
-        within = within + np.tril(within, -1).T - np.outer(ground, ground)
-        direction = np.linalg.solve(within + np.eye(3), marker - ground)
-        gap = float(direction @ (marker - ground))
-        self._ground = ground / max(float(ground @ ground), TINY)
-        if gap > TINY:
-            self._axis = np.append(direction, -float(direction @ ground)) / gap
+        tell_apart(self._sums, self._axis, self._ground)
 
     def _follow(self, image: Image, circle: Floats, places: Floats, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
-        """Place every marker; forget those that are not there."""
-        tracks, kept = [], []
-        limits = self.parameters
+        """Place every marker; expect those that are not there for a while, then forget them."""
+        tracks: list[Track[Circle]] = []
+        kept: list[Floats] = []
+        unseen: list[int] = []
+        limits, before = self.parameters, self._places
         for k in range(len(places)):
             covariance = np.zeros((2, 2))
             height, _, explained = fit_marker(
-                image, circle, places, len(places), k, self._size, self._depth, limits.soft, self._axis, self._ground, covariance
+                image,
+                circle,
+                places,
+                len(places),
+                k,
+                self._size,
+                self._depth,
+                limits.soft,
+                self._axis,
+                self._ground,
+                covariance,
             )
             place = (places[k] - circle[:2]) / circle[2]
-            if height < limits.least_height or explained < limits.least_explained:
-                continue
-            if not np.hypot(*place) < limits.farthest * self._depth:
-                continue
-            if any(np.hypot(*(place - other)) < self._size for other in kept):
+            if (
+                height < limits.least_height
+                or explained < limits.least_explained
+                or not np.hypot(*place) < limits.farthest * self._depth
+                or not _alone(place, kept, self._size)
+            ):
+                places[k] = circle[:2] + circle[2] * before[k]
+                unseen.append(k)
                 continue
             kept.append(place)
             tracks.append(self._track(places[k], place, circle, covariance, explained, ball))
-        self._places = np.array(kept).reshape(-1, 2)
+        hoped = [k for k in unseen if self._missed[k] < limits.patience and _alone(before[k], kept, self._size)]
+        self._missed = [0] * len(kept) + [self._missed[k] + 1 for k in hoped]
+        self._places = np.array([*kept, *(before[k] for k in hoped)]).reshape(-1, 2)
         return tuple(tracks)
 
     def _track(
@@ -198,3 +208,8 @@ class MarkerTracker:
         wide[:2, :2] = self.parameters.inflation * covariance + self.parameters.floor**2 * np.eye(2)
         wide[2, 2] = (radius / circle[2]) ** 2 * ball.covariance[2, 2] + (0.05 * radius) ** 2
         return Track(Circle(float(at[0]), float(at[1]), radius), wide, explained, rim, ball.time)
+
+
+def _alone(place: Floats, others: Iterable[Floats], apart: float) -> bool:
+    """Whether no other marker is nearer than `apart`."""
+    return all(math.hypot(*(place - other).tolist()) > apart for other in others)

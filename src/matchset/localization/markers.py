@@ -15,16 +15,16 @@ Ints = npt.NDArray[np.int64]
 
 NOTHING, LEVEL, FULL = 0, 1, 2
 STRANGER = 20.0  # cost of a marker that is seen but is none of the ball's
-ABSENT, FACING = 4.0, 0.6  # cost of one that should be seen and is not: cosine to the line of sight above this
+ABSENT, FACING = 4.0, 0.7  # cost of one that should be seen and is not: cosine to the line of sight above this
 TILT = 0.3  # rad by which vehicles are usually tilted at most, while nothing else speaks
-TURN = 0.35  # rad by which the ball turns at most between two frames
+TURN = 0.2  # rad by which the ball turns at most between two frames
 UNLIKE = 0.15  # rad from which two rotations are different answers
 APART = 0.35  # rad by which the angle between two markers may be wrong for a choice to be tried
 
 
 @kernel
 def _surprise(turn: Floats, bodies: Floats, who: Ints, position: Floats, last: Floats, known: bool) -> float:
-    """What else speaks against an answer: a jump or a tilt, and markers that should be seen and are not."""
+    """Tell what else speaks against an answer: a jump or a tilt, and markers that should be seen and are not."""
     vector, out = np.empty(3), np.empty(3)
     if known:
         cost = (turn_from(last, turn, vector) / TURN) ** 2

@@ -102,9 +102,9 @@ class Member:
         self.circle, self.time, self.usual = circle, time, circle.radius
         self._velocity = [0.0, 0.0, 0.0]
 
-    def take_in(self, ball: Track[Circle], alone: bool) -> None:
-        """Learn from a sighting where the ball is and how it moves; its usual size only while it touches no other."""
-        self.usual += SLOW * (ball.shape.radius - self.usual) if alone else 0.0
+    def take_in(self, ball: Track[Circle], clear: bool) -> None:
+        """Learn from a sighting where the ball is and how it moves; its usual size only from a clear one."""
+        self.usual += SLOW * (ball.shape.radius - self.usual) if clear else 0.0
         passed = ball.time - self.time
         if passed > 0.0:
             new = (ball.shape.x, ball.shape.y, ball.shape.radius)

@@ -13,7 +13,9 @@ from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
-MIXED = 0.1  # change of size, as a logarithm, of a ball that touches another: their outlines were mixed up
+MIXED = 0.07  # change of size, as a logarithm, of a ball that touches another: their outlines were mixed up
+
+WELL_SEEN = 0.8  # support from which the size of a ball that touches another is believed
 
 
 class NeighborsParameters(msgspec.Struct, frozen=True):
@@ -135,7 +137,8 @@ class Neighbors:
                     self._hidden.add(name)
                     ball = Lost(f"hidden behind neighbor {same}", frame.time, place)
                 else:
-                    member.take_in(ball, not any(_touch(ball.shape, circle) for _, circle in taken))
+                    touches = any(_touch(ball.shape, circle) for _, circle in taken)
+                    member.take_in(ball, not touches or ball.support > WELL_SEEN)
                     taken.append((name, ball.shape))
             else:
                 self._hidden.add(name)

@@ -39,7 +39,7 @@ class BallTarget(msgspec.Struct, frozen=True):
             raise ValueError(f"a ball's diameter must be positive, got {self.diameter} m")
         if not 0.0 < self.marker_diameter < self.diameter:
             raise ValueError(
-                f"a marker must be smaller than its ball of {self.diameter} m, got a diameter of {self.marker_diameter} m"
+                f"a marker must be smaller than its ball of {self.diameter} m, got {self.marker_diameter} m"
             )
         if len(self.markers) > MOST:
             raise ValueError(f"a ball has at most {MOST} markers, got {len(self.markers)}")

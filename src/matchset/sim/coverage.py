@@ -55,8 +55,9 @@ def _shade(
 ) -> tuple[float, float, float]:
     """Color of the sphere where the ray (u, v, 1) meets it, or of its outline next to the ray.
 
-    `more` holds the directions to all markers but the first; `soften` is the width of the marker's border, rad as seen from the center of the sphere. The directions
-    to the eye and half way to the light are those at the center of the sphere.
+    `more` holds the directions to all markers but the first; `soften` is the width of a marker's border, rad
+    as seen from the center of the sphere. The directions to the eye and half way to the light are those at
+    the center of the sphere.
     """
     dd = u * u + v * v + 1.0
     dc = u * sphere[0] + v * sphere[1] + sphere[2]

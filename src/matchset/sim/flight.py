@@ -71,7 +71,8 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
 
     def __iter__(self) -> Iterator[Frame]:
         view, background = _room(self.camera, self.seed if self.scene_seed is None else self.scene_seed)
-        last, before = np.empty((0, 3)), np.empty(0)
+        last: Picture = background
+        before = np.empty(0)
         for index in range(self.frames):
             times = [time / self.fps for _, time in fields(index, self.link.interlaced)]
             poses = np.array([self._pose(time) for time in times])
@@ -108,7 +109,7 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
 
 @functools.lru_cache(maxsize=2)
 def _room(camera: CameraModel, seed: int) -> tuple[LensView, Picture]:
-    """A lens and the room behind it: flights before the same background often follow each other."""
+    """Make a lens and the room behind it: flights before the same background often follow each other."""
     view = LensView(camera)
     background = Scene.room(seed).render(view.pinhole, *viewpoint(seed))
     background.flags.writeable = False

@@ -38,26 +38,27 @@ class LensView:
             self._plan()
 
     def _plan(self) -> None:
-        shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
-        rows, columns = np.indices((self.camera.height, self.camera.width)).reshape(2, -1).astype(np.float64)
-        slopes = []
-        for down in shifts:
-            for across in shifts:
-                rays = self.camera.rays(np.column_stack((columns + across, rows + down)))
-                with np.errstate(invalid="ignore"):
-                    slopes.append(rays[:, :2] / rays[:, 2:])
-        seen = np.abs(np.concatenate(slopes))
-        right, down = (min(float(np.nanmax(seen[:, k])), _WIDEST) for k in range(2))
+        shape = self.camera.height, self.camera.width
+        rows, columns = np.indices(shape).reshape(2, -1).astype(np.float64)
+        rays = self.camera.rays(np.column_stack((columns, rows)))
+        with np.errstate(invalid="ignore"):
+            slopes = [(rays[:, k] / rays[:, 2]).reshape(shape) for k in range(2)]
+        right, below = (min(float(np.nanmax(np.abs(slope))), _WIDEST) for slope in slopes)
         focal = _FINER * self.camera.fx
-        width, height = 2 * math.ceil(focal * right) + 4, 2 * math.ceil(focal * down) + 4
+        width, height = 2 * math.ceil(focal * right) + 8, 2 * math.ceil(focal * below) + 8
         self.pinhole = CameraModel(
             width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0
         )
-        shape = self.camera.height, self.camera.width
-        for slope in slopes:
-            x, y = focal * slope[:, 0] + self.pinhole.cx, focal * slope[:, 1] + self.pinhole.cy
-            x, y = (np.nan_to_num(each, nan=-1e4).astype(np.float32).reshape(shape) for each in (x, y))
-            self._maps.append((x, y))
+        shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+        bends = [np.gradient(slope) for slope in slopes]
+        for down in shifts:
+            for across in shifts:
+                places = [
+                    focal * (slope + down * bend[0] + across * bend[1]) + center
+                    for slope, bend, center in zip(slopes, bends, (self.pinhole.cx, self.pinhole.cy), strict=True)
+                ]
+                maps = [np.nan_to_num(place, nan=-1e4).astype(np.float32) for place in places]
+                self._maps.append((maps[0], maps[1]))
 
     def bend(self, picture: Picture) -> Picture:
         """Bend a picture of the pinhole camera.

@@ -13,7 +13,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, from_hull
 from matchset.tracking import detect_grid
-from matchset.tracking.judge import Judge
+from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.regions import region_hulls
 from matchset.tracking.track import Track
@@ -150,7 +150,7 @@ class Finder(Generic[S]):
         self.matcher, self.judge, self.searcher = matcher, judge, searcher
 
     def sightings(
-        self, image: npt.NDArray[np.uint8], color: ColorModel, expected: bool = False
+        self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior = Prior.NONE
     ) -> Iterator[tuple[Floats, float]]:
         """Yield the confirmed shapes of a picture, likeliest first: state and merit; the matcher holds the rest.
 
@@ -158,8 +158,8 @@ class Finder(Generic[S]):
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        expected : bool
-            Whether only shapes near a prediction will be taken.
+        prior : Prior
+            What is known of them before.
         """
         seen: list[tuple[float, float, float]] = []
         for starts in self._starts(image, color):
@@ -173,7 +173,7 @@ class Finder(Generic[S]):
                 state, size = self.matcher.state.copy(), self.matcher.size
                 if _covered(seen, float(state[0]), float(state[1]), size):
                     continue
-                merit = 0.0 if self.judge.first_sight(self.matcher, expected) else self.judge.merit(self.matcher)
+                merit = 0.0 if self.judge.first_sight(self.matcher, prior) else self.judge.merit(self.matcher)
                 if merit > most:
                     best, most = state, merit
             if best is not None:
@@ -185,13 +185,14 @@ class Finder(Generic[S]):
     def _starts(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[list[Start]]:
         """Where fits may begin: for each candidate one or several of x, y, half-width and state."""
         family = self.matcher.family
-        if finds_itself(family):
-            for hull in self.searcher.hulls(image, color):
-                states = [shape.state for shape in from_hull(family, hull)]
-                yield [(float(s[0]), float(s[1]), float(family.half_width(s)), s) for s in states]
-            return
-        for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
-            yield [(x, y, radius, family.from_coarse(x, y, radius).state)]
+        for sought in color.sought_in(image):
+            if finds_itself(family):
+                for hull in self.searcher.hulls(image, sought):
+                    states = [shape.state for shape in from_hull(family, hull)]
+                    yield [(float(s[0]), float(s[1]), float(family.half_width(s)), s) for s in states]
+                continue
+            for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
+                yield [(x, y, radius, family.from_coarse(x, y, radius).state)]
 
 
 def _covered(seen: list[tuple[float, float, float]], x: float, y: float, size: float) -> bool:
@@ -223,8 +224,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     """
     if limit < 1:
         raise ValueError(f"detect needs a limit of at least 1, got {limit}")
-    color.check(frame.image)
-    image = channels_last(frame.image)
+    image, color = channels_last(frame.image), color.seen_in(frame.image)
     finder = _finder(family, image.shape[1], image.shape[0])
     found = [(merit, finder.matcher.track(frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])

@@ -14,12 +14,13 @@ import numpy.typing as npt
 
 from matchset.shapes.shape import Shape
 from matchset.tracking.matcher import Matcher
-from matchset.tracking.memory import EVIDENCE, INSIDE, USUAL
+from matchset.tracking.memory import EVIDENCE, INSIDE, SURPRISE, USUAL
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 
 LARGER, SMALLER = 0.15, -0.13  # changes of size that are tried, in half-widths
+AIM = 1.0  # px: as exact a prediction may be
 BETTER = 0.03  # by how much another shape must be better
 
 
@@ -36,7 +37,10 @@ def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
 
 
 def worth(matcher: Matcher[S]) -> float:
-    """How good a fit is beside others: evidence, an inside of the right color, and the size that is usual."""
+    """How good a fit is beside others: evidence, inside of the right color, usual size, expected place."""
     usual = matcher.clock(USUAL)
     change = abs(math.log(matcher.size / usual)) if usual > 0.0 else 0.0
+    x, y = matcher.state.item(0), matcher.state.item(1)
+    far = math.hypot(x - matcher.parts.expected.item(0), y - matcher.parts.expected.item(1))
+    change += max(far - 2.0 * matcher.clock(SURPRISE) - AIM, 0.0) / matcher.size
     return matcher.fit(EVIDENCE) + 0.3 * matcher.fit(INSIDE) - 0.5 * change

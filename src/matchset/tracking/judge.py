@@ -1,16 +1,19 @@
 """Is it there? The verdicts in words, and what a first sight must show."""
 
+import enum
+import math
 from typing import TypeVar
 
 import numpy as np
 
 from matchset.shapes.shape import Shape
 from matchset.tracking.matcher import Matcher
-from matchset.tracking.memory import CONFIRMED, CORE, EVIDENCE, INSIDE, SEEN
+from matchset.tracking.memory import CONFIRMED, CORE, CORNERS, EVIDENCE, HOLLOW, INSIDE, SEEN
 from matchset.tracking.verdict import (
     EDGELESS,
     FOREIGN,
     LEFT,
+    MOST_CORNERS,
     OTHER_SHAPE,
     OUTSIDE,
     UNCONFIRMED,
@@ -21,7 +24,24 @@ from matchset.tracking.verdict import (
 
 S = TypeVar("S", bound=Shape)
 
+ROUND = 1.5  # corners that noise and a stick leave on a disc, in standard deviations
 WHOLE = 0.9  # share of the outline in the picture from which a shape counts as whole
+
+
+class Prior(enum.Enum):
+    """What is known of a shape before it is seen.
+
+    Attributes
+    ----------
+    NONE
+        Nothing: there may be none in the picture.
+    PRESENT
+        It is in the picture: somebody clicked at it, or it was followed until now.
+    HERE
+        It is expected about here.
+    """
+
+    NONE, PRESENT, HERE = range(3)
 
 
 class Judge:
@@ -52,20 +72,25 @@ class Judge:
         parts = matcher.parts
         return self.words(matcher, following(parts.fit, parts.judge, matcher.points))
 
-    def first_sight(self, matcher: Matcher[S], expected: bool = False) -> str:
+    def first_sight(self, matcher: Matcher[S], prior: Prior = Prior.PRESENT) -> str:
         """Why a shape found by a search is not confirmed, in words; empty if it is.
 
-        A shape that is `expected` about here needs less evidence than one that may be anywhere.
+        A shape that is expected about here needs less evidence than one that may be anywhere; one that nothing else
+        speaks for needs more, the more corners it has. So does one of which only a part is in the picture.
         """
         limits, fit = self.parameters, matcher.fit
         if fit(SEEN) < limits.in_picture * matcher.points:
             return "most of it is outside the picture"
         least = limits.evidence, limits.small_evidence, limits.tiny_evidence
         whole = fit(SEEN) >= WHOLE * matcher.points  # at the border a card may pass for a ball that leaves
-        leeway = limits.expected if expected and whole else 1.0
-        if fit(EVIDENCE) < leeway * np.interp(matcher.size, (8.0, 12.0, 24.0), least[::-1]):
+        leeway = limits.expected if prior is Prior.HERE and whole else 1.0
+        doubt = limits.part_doubt * max(WHOLE - fit(SEEN) / matcher.points, 0.0)
+        if prior is Prior.NONE and matcher.parts.judge[MOST_CORNERS] < math.inf:
+            doubt += limits.corner_doubt * max(fit(CORNERS) - ROUND, 0.0)
+        if fit(EVIDENCE) < leeway * np.interp(matcher.size, (8.0, 12.0, 24.0), least[::-1]) + doubt:
             return f"only {100.0 * fit(EVIDENCE):.0f} % of the outline speaks for it"
-        if is_other_shape(matcher.parts.fit, matcher.parts.judge, 1.0):
+        unfilled = prior is Prior.NONE and fit(HOLLOW) < -limits.first_rim
+        if unfilled or is_other_shape(matcher.parts.fit, matcher.parts.judge, 1.0):
             return "its outline has another shape"
         if fit(INSIDE) < limits.first_inside or fit(CORE) < limits.first_core:
             return _content(matcher)

@@ -3,28 +3,31 @@
 import math
 from typing import Generic, TypeVar
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape, outline
+from matchset.shapes.shape import Shape
 from matchset.tracking.detect import Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
-from matchset.tracking.judge import Judge
+from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
-from matchset.tracking.memory import CONFIRMED, INSIDE, SEEN, SPEED, SURPRISE, TIME
+from matchset.tracking.memory import CONFIRMED, EVIDENCE, INSIDE, SEEN, SPEED, SURPRISE, TIME
+from matchset.tracking.palette import learn, suited
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.place import Place
 from matchset.tracking.track import Lost, Track
-from matchset.tracking.verdict import is_doubtful, is_near, is_other_shape, missing
+from matchset.tracking.verdict import is_doubtful, is_near, missing
+from matchset.tracking.warm_up import warm_up
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
+PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
+FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
 TEACH = 3  # every so many frames the color may learn: light changes slowly
 
 
@@ -75,6 +78,7 @@ class Tracker(Generic[S]):
         self.parameters = parameters or TrackerParameters()
         self.color = color.copy()
         self._learned = self.color.log_odds.copy()
+        self._begun: S | None = None
         self._family = family
         self._matcher: Matcher[S] = Matcher(family, points, track=self.parameters)
         self._judge = Judge()
@@ -83,32 +87,8 @@ class Tracker(Generic[S]):
         self._finder: Finder[S] | None = None
         self._kind: tuple[int, ...] | None = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = 0
-        self._compile()
-
-    def _compile(self) -> None:
-        """Run every kernel once on a small picture of the shape, so that no frame waits for the compiler."""
-        color = ColorModel(np.linspace(-4.0, 4.0, self.color.table.size, dtype=np.float32))
-        shape = self._family.from_coarse(31.5, 31.5, 20.0)
-        plain = np.zeros((64, 64), np.uint8)
-        cv2.fillConvexPoly(plain, np.rint(outline(shape)).astype(np.int32), 255)
-        image = np.ascontiguousarray(np.repeat(plain[:, :, np.newaxis], color.channels, axis=2))
-        matcher: Matcher[S] = Matcher(self._family, 16)
-        state = shape.state
-        matcher.settle(image, color, state, Look(6.0))
-        self._judge.following(matcher)
-        is_other_shape(matcher.parts.fit, matcher.parts.judge, 1.0)
-        matcher.track(0.0)
-        matcher.begin(state, 0.0, 1.0)
-        matcher.take_in(1.0)
-        matcher.predict(2.0, 1.0)
-        matcher.advance(image, color, 2.0, 1.0)
-        is_doubtful(matcher.parts.fit, 16)
-        is_near(state, self._place(state).size, state, 20.0, 1.0)
-        missing(16.0, 16)
-        for _ in Finder(matcher, self._judge, Searcher(64, 64)).sightings(image, color):
-            break
-        self._teach(image, matcher, color, 0.0)
+        self._frames, self._faint = 0, 0
+        warm_up(family, color.table.size, color.channels)
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -128,6 +108,7 @@ class Tracker(Generic[S]):
         spread = 3.0 + 0.1 * self._family.half_width(shape.state)
         self._matcher.begin(shape.state, self._time, spread)
         self._matcher.describe_like(shape)
+        self._begun = shape
         self._follows = True
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
@@ -151,6 +132,8 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._admit(frame)
+        if self.color.gray and (self._begun is not None or not self._follows):
+            self._adopt(image)
         if not self._follows:
             return self._search(image, "nothing of this color and shape is in the picture")
         found = self._matcher.advance(image, self.color, frame.time, self._interval)
@@ -159,8 +142,7 @@ class Tracker(Generic[S]):
             if reason:
                 return self._search(image, reason)
             found = self._matcher.take_in(frame.time)
-        if self._frames % TEACH == 0:
-            self._learn(image)
+        self._learn(image)
         return found
 
     def _admit(self, frame: Frame) -> Image:
@@ -205,11 +187,24 @@ class Tracker(Generic[S]):
         if is_doubtful(matcher.parts.fit, matcher.points):
             reason = self._look_again(image, reason, speed)
         here, there = self._place(expected), self._place(matcher.state)
+        if not reason:
+            reason = self._faintly()
         if not reason and not is_near(matcher.state, there.size, expected, here.size, surprise):
             reason = self._judge.first_sight(matcher)
             if not reason and not here.reachable(there, missed, limits):
                 reason = "it would have jumped or changed its size faster than it can"
         return reason
+
+    def _faintly(self) -> str:
+        """Why a shape that speaks faintly for itself is given up, empty if it is not: that cannot go on for long."""
+        evidence = self._matcher.fit(EVIDENCE)
+        if evidence < FAINT:
+            self._faint += 1
+        elif evidence > CLEAR:
+            self._faint = 0
+        if self._faint <= PATIENCE:
+            return ""
+        return "hardly anything has spoken for it for a while"
 
     def _try(self, image: Image, state: Floats, look: Look) -> str:
         """Fit near a state; why it is not confirmed, empty if it is."""
@@ -236,23 +231,19 @@ class Tracker(Generic[S]):
         here, there = self._place(expected), self._place(state)
         if here.about(there):
             return True
-        return not self._judge.first_sight(self._matcher) and here.reachable(there, missed, self.parameters)
+        lone = math.hypot(there.x - here.x, there.y - here.y) > FAR * max(here.size, there.size)
+        prior = Prior.NONE if lone else Prior.PRESENT
+        return not self._judge.first_sight(self._matcher, prior) and here.reachable(there, missed, self.parameters)
 
     def _learn(self, image: Image) -> None:
-        """Learn the color from a shape that is whole and well confirmed."""
-        matcher, limits = self._matcher, self.parameters
-        seen = matcher.fit(SEEN)
-        good = seen == matcher.points and matcher.fit(CONFIRMED) >= limits.adapt_support * seen
-        if good and limits.adapt_rate > 0.0 and matcher.fit(INSIDE) >= limits.adapt_inside:
-            self._teach(image, matcher, self.color, limits.adapt_rate)
+        """Learn the color, in every third frame a little."""
+        if self._frames % TEACH == 0:
+            learn(image, self._matcher, self.color, self._learned, self._frames // TEACH, self.parameters)
 
-    def _teach(self, image: Image, matcher: Matcher[S], color: ColorModel, rate: float) -> None:
-        """Teach the color a quarter of the outline's surroundings, another one in every frame."""
-        x, y = float(matcher.state[0]), float(matcher.state[1])
-        begin = self._frames // TEACH % 4
-        parts = matcher.parts
-        shares = parts.rays[:, -1]
-        adapt_table(image, color.log_odds, self._learned, color.table, parts.outline, shares, x, y, begin, rate)
+    def _adopt(self, image: Image) -> None:
+        """Take the model as it suits this picture, and the shape that was said to be in it."""
+        self.color = suited(self.color, image, self._begun)
+        self._learned, self._begun = self.color.log_odds.copy(), None
 
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
@@ -263,13 +254,17 @@ class Tracker(Generic[S]):
         best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
             return Lost(reason, self._time, None if expected is None else self._shape(expected))
+        lone = expected is None and self._wish is None
         self._try(image, matcher.alike(best), Look(4.0))
+        if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
+            return Lost(refuted, self._time)
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None
+        if matcher.fit(EVIDENCE) > CLEAR:
+            self._faint = 0
         found = matcher.take_in(self._time)
-        if self._frames % TEACH == 0:
-            self._learn(image)
+        self._learn(image)
         return found
 
     def _shape(self, state: Floats) -> S | None:
@@ -284,8 +279,9 @@ class Tracker(Generic[S]):
         if self._finder is None:
             self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
         missed = self._missed() if expected is not None else 1.0
+        prior = Prior.HERE if expected is not None else Prior.PRESENT if self._wish is not None else Prior.NONE
         best, most = None, 0.0
-        for state, merit in self._finder.sightings(image, self.color, expected is not None):
+        for state, merit in self._finder.sightings(image, self.color, prior):
             if expected is not None and not self._can_be(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:

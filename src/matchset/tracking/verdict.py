@@ -62,6 +62,14 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     wave, corners, hollow : float
         Largest correlation of neighboring residuals, harmonic of a corner and emptiness of the middle: above them it
         is another shape.
+    corner_doubt : float
+        By how much more evidence is asked of a shape that nothing speaks for yet, per unit of corners beyond those of
+        a disc: less finds a half-covered ball sooner, more keeps a card from passing for one.
+    part_doubt : float
+        By how much more evidence is asked at first sight per share of the outline outside the picture.
+    first_rim : float
+        By how much emptier than the middle the inside next to the rim may be, of a shape that nothing speaks for yet:
+        a card before a foreign ring fills the middle and not the rim.
     bent : float
         Largest modes, in half-widths: 0.1 is an ellipse of axis ratio 1.22.
     inflation : float
@@ -84,9 +92,12 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     wave: float = 0.5
     corners: float = 4.0
     hollow: float = 0.28
+    corner_doubt: float = 0.06
+    part_doubt: float = 0.5
+    first_rim: float = 0.5
     bent: float = 0.1
-    inflation: float = 1.8
-    center_floor: float = 0.02
+    inflation: float = 1.4
+    center_floor: float = 0.01
     size_floor: float = 0.05
 
 
@@ -182,7 +193,7 @@ def answer(parts: Views) -> tuple[float, Floats, Floats]:
         parts.found,
         4.0 * max(fit[NOISE], 0.4),
         parts.covariance,
-        limits[INFLATION],
+        limits[INFLATION] / max(fit[AGREEMENT], 0.1) ** 2,
         limits[CENTER_FLOOR] ** 2,
         limits[SIZE_FLOOR] ** 2,
     )

@@ -1,0 +1,118 @@
+"""Where the ball is, drawn into its frame: `annotate_pose`."""
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.draw import COASTING, as_color, caption, draw_circle, draw_points
+from matchset.app.locate import Sighting
+from matchset.app.pose_row import POSITION, PoseRow
+from matchset.app.text import draw_text, text_width
+from matchset.image.frame import Frame
+from matchset.localization.camera_model import CameraModel
+from matchset.localization.pose import Pose
+from matchset.tracking.track import Track
+
+Picture = npt.NDArray[np.uint8]
+
+MARKER = (90, 255, 255)
+"""Color of a marker's circle, BGR."""
+AXES = ((80, 80, 255), (80, 230, 80), (255, 190, 60))
+"""Colors of the ball's x, y and z, BGR."""
+_LENGTH = 1.7  # of the drawn axes, in ball radii
+_SHIFT = 4
+
+
+def annotate_pose(frame: Frame, sighting: Sighting, camera: CameraModel, radius: float) -> Picture:
+    """Draw a pose into a copy of its frame.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    sighting : Sighting
+        What was found in it.
+    camera : CameraModel
+        What filmed it.
+    radius : float
+        Of the ball, m.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 3), uint8
+        BGR, with the ball's outline, its match-set, its markers and, where the rotation is observed, the axes of the
+        ball frame (x red, y green, z blue); its distance beside it, and the numbers of the row below.
+    """
+    image, row, ball = as_color(frame.image), sighting.row, sighting.ball
+    if isinstance(ball, Track):
+        draw_points(image, ball.match_set)
+        draw_circle(image, ball.shape)
+    elif ball.predicted is not None:
+        draw_circle(image, ball.predicted, COASTING, dashed=True)
+    for marker in sighting.markers:
+        draw_circle(image, marker.shape, MARKER)
+    if isinstance(sighting.pose, Pose) and isinstance(ball, Track):
+        _draw_axes(image, sighting.pose, camera, radius)
+        _label(image, f"{sighting.pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
+    if row.observed in ("level", "full"):
+        caption(image, describe_seen(row), line=1)
+    caption(image, describe_place(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
+    return image
+
+
+def describe_place(row: PoseRow) -> str:
+    """Say where the ball is: ``x +0.121 ±0.0011   y -0.040 ±0.0009   z +1.912 ±0.0084 m``."""
+    if row.values is None:
+        return f"Lost: {row.reason}"
+    return "   ".join(_with_std(row, name, "+z.3f", ".4f") for name in POSITION) + " m"
+
+
+def describe_seen(row: PoseRow) -> str:
+    """Say where the camera is as the ball sees it: ``level:  side +0.12 ±0.021   ...   yaw +3.1°``."""
+    if row.values is None or "side" not in row.values:
+        return ""
+    yaw_deg = math.degrees(row.values["yaw"])
+    numbers = "   ".join(_with_std(row, name, "+z.2f", ".3f") for name in ("side", "height", "heading"))
+    return f"{row.observed}:  {numbers} m   yaw {yaw_deg:+z.1f}°"
+
+
+def _with_std(row: PoseRow, name: str, number: str, deviation: str) -> str:
+    value = (row.values or {})[name]
+    std = (row.std or {}).get(name)
+    return f"{name} {value:{number}}" + ("" if std is None else f" ±{std:{deviation}}")
+
+
+def _draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) -> None:
+    if pose.turn is None:
+        return
+    ends = pose.position + _LENGTH * radius * pose.turn.T
+    # Those that point away from the camera first: the ball's z comes last where it looks at the camera.
+    for axis in np.argsort(-ends[:, 2]).tolist():
+        line = np.array((pose.position + 0.4 * (ends[axis] - pose.position), ends[axis]))
+        if (line[:, 2] <= 0.1 * radius).any() or not _drawable(camera, line):
+            continue
+        begin, end = (tuple(round(float(part) * (1 << _SHIFT)) for part in point) for point in camera.project(line))
+        for color, width in (((30, 30, 30), 4), (AXES[axis], 2)):
+            cv2.line(image, begin, end, color, width, cv2.LINE_AA, _SHIFT)
+
+
+def _drawable(camera: CameraModel, points: npt.NDArray[np.float64]) -> bool:
+    try:
+        return bool(np.abs(camera.project(points)).max() < 2**20)
+    except ValueError:  # beyond where the lens model has an image
+        return False
+
+
+def _label(image: Picture, words: str, x: float, y: float, radius: float) -> None:
+    """Write beside a ball, above it or, at the upper border, below."""
+    height, width = image.shape[:2]
+    size = min(max(14, round(height / 24)), 40)
+    wide = text_width(words, size)
+    left = min(max(x - wide / 2.0, 4.0), width - wide - 4.0)
+    above = y - radius - 0.9 * size
+    middle = above if above > 0.7 * size else min(y + radius + 0.9 * size, height - 5.0 * size)
+    for shift in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        draw_text(image, words, (left + shift[0], middle + shift[1]), size, (20, 20, 20))
+    draw_text(image, words, (left, middle), size)

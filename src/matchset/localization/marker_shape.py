@@ -1,0 +1,75 @@
+"""What a marker looks like: a patch of the sphere, an ellipse in the picture.
+
+At offset o from the middle of the ball (radius r, in the picture) the rim of the patch is an ellipse with semi-axes
+``a = r m`` across and ``a sqrt(1 - |o|^2 / (r k)^2)`` along o; m and k are the radius of the patch and the distance of
+its rim's middle from the ball's center, in ball radii.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.shapes.jit import kernel
+
+Floats = npt.NDArray[np.float64]
+
+EDGE_ON = 0.25  # least ratio of the ellipse's axes that is drawn
+
+
+@kernel
+def ellipse(place: Floats, ball: Floats, depth: float) -> tuple[float, float, float]:
+    """Find the direction of the short axis and the ratio of the axes for a marker.
+
+    Parameters
+    ----------
+    place : (2,)
+        Its middle, px.
+    ball : (3,)
+        x, y, radius, px.
+    depth : float
+        k of the file's docstring.
+    """
+    ox, oy = place[0] - ball[0], place[1] - ball[1]
+    far = math.sqrt(ox * ox + oy * oy)
+    share = far / (ball[2] * depth)
+    ratio = math.sqrt(max(1.0 - share * share, EDGE_ON * EDGE_ON))
+    if far < 1e-6:
+        return 1.0, 0.0, ratio
+    return ox / far, oy / far, ratio
+
+
+@kernel
+def coverage(
+    dx: float, dy: float, ux: float, uy: float, a: float, ratio: float, soft: float
+) -> tuple[float, float, float]:
+    """Softened ellipse at (dx, dy) from its middle.
+
+    Parameters
+    ----------
+    dx, dy : float
+        px.
+    ux, uy, ratio : float
+        See `ellipse`.
+    a : float
+        Long semi-axis, px.
+    soft : float
+        Softness of the rim, px.
+
+    Returns
+    -------
+    tuple of 3 floats
+        Share of marker, and how that grows as the ellipse moves to the right and down, per px.
+    """
+    along, across = (dx * ux + dy * uy) / ratio, dy * ux - dx * uy
+    far = math.sqrt(along * along + across * across)
+    if far < 1e-9:
+        return 1.0, 0.0, 0.0
+    nx, ny = (along * ux / ratio - across * uy) / far, (along * uy / ratio + across * ux) / far
+    slope = math.sqrt(nx * nx + ny * ny)
+    z = (a - far) / (slope * soft)
+    if z * z > 36.0:
+        return (1.0 if z > 0.0 else 0.0), 0.0, 0.0
+    share = 1.0 / (1.0 + math.exp(-z))
+    steep = share * (1.0 - share) / (soft * slope)
+    return share, steep * nx, steep * ny

@@ -1,0 +1,56 @@
+import json
+from pathlib import Path
+
+import numpy as np
+
+from matchset.app.pose_row import PoseRow, pose_row_of
+from matchset.app.pose_table import PoseWriter, read_poses
+from matchset.localization.pose import UNSEEN, Pose
+from matchset.tracking.track import Lost
+
+UNTURNED = np.diag((0.01, 0.02, 0.03, 1.0, 1.0, 1.0)) ** 2
+
+
+def pose(turn: bool) -> Pose:
+    covariance = UNTURNED.copy()
+    covariance[3:, 3:] = (0.0001 if turn else UNSEEN) * np.eye(3)
+    matrix = np.diag((-1.0, 1.0, -1.0)) if turn else None
+    return Pose(
+        position=np.array((0.1, -0.0, 2.0)),
+        turn=matrix,
+        covariance=covariance,
+        observed="full" if turn else "position",
+        time=0.5,
+    )
+
+
+def rows() -> list[PoseRow]:
+    return [pose_row_of(0, pose(True)), pose_row_of(1, pose(False)), pose_row_of(7, Lost('gone, "far"', 0.9))]
+
+
+def test_poses_are_read_back_as_they_were_written(tmp_path: Path) -> None:
+    table = PoseWriter(tmp_path, jsonl=True)
+    for row in rows():
+        table.write(row)
+    assert read_poses(tmp_path / "poses.csv") == rows()  # every row is on disk before the next one
+    table.close()
+    lines = [json.loads(line) for line in (tmp_path / "poses.jsonl").read_text().splitlines()]
+    assert [line["side"] for line in lines] == [0.1, None, None]
+    assert [line["reason"] for line in lines] == ["", "", 'gone, "far"']
+
+
+def test_what_is_not_known_stays_empty(tmp_path: Path) -> None:
+    table = PoseWriter(tmp_path, jsonl=False)
+    for row in rows():
+        table.write(row)
+    table.close()
+    _, full, position, lost = (tmp_path / "poses.csv").read_text().splitlines()
+    assert full.startswith("0,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,0.1,0.0,2.0,0.049958,")
+    assert position == "1,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,,,,0.049958,,,,0.005043,position,"
+    assert lost == '7,0.9,0,,,,,,,,,,,,,,,,"gone, ""far"""'
+    assert not (tmp_path / "poses.jsonl").exists()
+
+
+def test_a_row_in_a_few_words() -> None:
+    assert rows()[0].brief == "x  +0.100  y  +0.000  z  +2.000 m  full"
+    assert rows()[2].brief == ""

@@ -1,0 +1,119 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import matchset as ms
+from balls import PINHOLE, Floats
+from matchset.localization.marker_fit import fit_marker
+from matchset.localization.marker_shape import coverage, ellipse
+from matchset.sim.flight import Flight
+from naive_marker import picture_of_marker
+
+BLUE = ms.ColorModel.hsv((95, 120, 20), (119, 255, 255))
+PURPLE = ms.ColorModel.hsv((132, 110, 20), (165, 255, 255))
+PLACE = np.array((0.1, -0.05, 1.5))
+
+
+def looking(off_deg: float, side_deg: float, place: Floats = PLACE) -> Rotation:
+    """Rotation whose marker 0 looks `off_deg` past the camera, to a side."""
+    sight = -place / np.linalg.norm(place)
+    side = math.radians(side_deg)
+    across = np.cross(sight, (math.cos(side), math.sin(side), 0.0))
+    away = Rotation.from_rotvec(math.radians(off_deg) * across / np.linalg.norm(across)).apply(sight)
+    y = np.array((0.0, 1.0, 0.0)) - away[1] * away
+    y /= np.linalg.norm(y)
+    return Rotation.from_matrix(np.column_stack((np.cross(y, away), y, away)))
+
+
+def errors_deg(preset: str, off_deg: float, side_deg: float, frames: int = 5, seed: int = 100) -> list[float]:
+    turn = looking(off_deg, side_deg)
+    flight = Flight(
+        camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn,
+        frames=frames, seed=seed, scene_seed=5, preset=preset,
+    )  # fmt: skip
+    target, found = ms.BallTarget(), []
+    x, y = PINHOLE.project(PLACE[np.newaxis])[0].tolist()
+    tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=(x, y))
+    finder, localizer = ms.MarkerTracker(PURPLE, target), ms.Localizer(PINHOLE, target)
+    for frame in flight:
+        ball = tracker.update(frame)
+        pose = localizer.update(ball, finder.update(frame, ball))
+        assert isinstance(pose, ms.Pose)
+        if frame.index > 0:
+            assert pose.observed == "level"
+            assert pose.turn is not None
+            cosine = float(pose.turn[:, 2] @ turn.as_matrix()[:, 2])
+            found.append(math.degrees(math.acos(min(cosine, 1.0))))
+    return found
+
+
+@pytest.mark.parametrize(("off", "side"), [(0.0, 0.0), (40.0, 0.0), (60.0, 180.0), (40.0, 90.0)])
+def test_the_direction_of_a_marker_on_analog_video(off: float, side: float) -> None:
+    errors = errors_deg("typical", off, side)
+    assert math.sqrt(np.mean(np.square(errors))) < 3.0
+
+
+def test_the_direction_of_a_marker_on_clean_video() -> None:
+    assert max(errors_deg("clean", 30.0, 20.0)) < 1.0
+
+
+def test_a_marker_out_of_sight_leaves_the_position() -> None:
+    turn = looking(150.0, 0.0)
+    flight = Flight(camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn, frames=3, seed=1, scene_seed=5)
+    x, y = PINHOLE.project(PLACE[np.newaxis])[0].tolist()
+    tracker, finder = ms.Tracker(ms.Circle, BLUE | PURPLE, start=(x, y)), ms.MarkerTracker(PURPLE, ms.BallTarget())
+    localizer = ms.Localizer(PINHOLE, ms.BallTarget())
+    for frame in flight:
+        ball = tracker.update(frame)
+        assert ball
+        assert finder.update(frame, ball) == ()
+        pose = localizer.update(ball, ())
+        assert isinstance(pose, ms.Pose)
+        assert (pose.observed, pose.rotation) == ("position", None)
+
+
+def test_a_lost_ball_has_no_markers_and_gray_pictures_are_refused() -> None:
+    finder = ms.MarkerTracker(PURPLE, ms.BallTarget())
+    frame = ms.Frame(np.zeros((60, 80, 3), np.uint8))
+    assert finder.update(frame, ms.Lost("gone", 0.0)) == ()
+    with pytest.raises(ValueError, match="gray"):
+        finder.update(ms.Frame(np.zeros((60, 80), np.uint8)), ms.Lost("gone", 0.0))
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0), (0.5, -0.3), (-0.2, 0.8)])
+def test_the_fit_finds_the_ellipse_of_a_patch_to_a_fraction_of_a_pixel(at: tuple[float, float]) -> None:
+    size, depth = 0.214, 0.977
+    ball = np.array((60.3, 59.6, 40.0))
+    truth = ball[:2] + 40.0 * np.array(at)
+    image = picture_of_marker(ball, truth, size, depth)
+    places = (truth + np.array((1.7, -1.2)))[np.newaxis].copy()
+    covariance = np.empty((2, 2))
+    axis = np.array((0.0, 0.0, 1.0 / 120.0, -40.0 / 120.0))  # red rises from 40 to 160
+    ground = np.array((1.0 / 200.0, 0.0, 0.0))  # blue is 200 all over
+    height, noise, explained = fit_marker(image, ball, places, 1, 0, size, depth, 0.4, axis, ground, covariance)
+    np.testing.assert_allclose(places[0], truth, atol=0.06)
+    assert height == pytest.approx(1.0, abs=0.2)
+    assert explained > 0.97
+    assert noise < 0.1
+    assert np.linalg.eigvalsh(covariance).min() > 0.0
+
+
+def test_the_derivative_of_the_coverage_is_its_change() -> None:
+    ball, rng = np.array((0.0, 0.0, 40.0)), np.random.default_rng(0)
+    for _ in range(50):
+        place = rng.uniform(-25.0, 25.0, 2)
+        ux, uy, ratio = ellipse(place, ball, 0.977)
+        dx, dy = rng.uniform(-10.0, 10.0, 2)
+        share, right, down = coverage(dx, dy, ux, uy, 8.6, ratio, 1.0)
+        assert 0.0 <= share <= 1.0
+        numeric = [
+            (
+                coverage(dx - h, dy - v, ux, uy, 8.6, ratio, 1.0)[0]
+                - coverage(dx + h, dy + v, ux, uy, 8.6, ratio, 1.0)[0]
+            )
+            / 2e-4
+            for h, v in ((1e-4, 0.0), (0.0, 1e-4))
+        ]
+        np.testing.assert_allclose((right, down), numeric, atol=0.03)  # the slope itself is taken to be constant

@@ -225,7 +225,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     if limit < 1:
         raise ValueError(f"detect needs a limit of at least 1, got {limit}")
     image, color = channels_last(frame.image), color.seen_in(frame.image)
-    finder = _finder(family, image.shape[1], image.shape[0])
+    finder = _finder(family, image.shape[1], image.shape[0], max(SearchParameters().candidates, limit + limit // 5))
     found = [(merit, finder.matcher.track(frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])
     return [track for _, track in found[:limit]]
@@ -235,16 +235,19 @@ class _Memory(threading.local):
     """The finder that a thread used last: its working memory takes longer to make than a search takes."""
 
     finder: Finder[Any] | None = None
+    wanted: tuple[Any, ...] = ()
 
 
 _memory = _Memory()
 
 
-def _finder(family: type[S], width: int, height: int) -> Finder[S]:
+def _finder(family: type[S], width: int, height: int, candidates: int) -> Finder[S]:
     """Working memory for a search in this thread."""
-    finder = _memory.finder
-    if finder is None or finder.matcher.family is not family or finder.searcher.size != (width, height):
-        finder = _memory.finder = Finder(Matcher(family, 64), Judge(), Searcher(width, height))
+    finder, wanted = _memory.finder, (family, width, height, candidates)
+    if finder is None or _memory.wanted != wanted:
+        parameters = SearchParameters(candidates=candidates)
+        finder = _memory.finder = Finder(Matcher(family, 64), Judge(), Searcher(width, height, parameters))
+        _memory.wanted = wanted
     finder.matcher.forget()
     return finder
 

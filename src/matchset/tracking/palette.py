@@ -64,6 +64,4 @@ def learn(
         return
     x, y, parts = float(matcher.state[0]), float(matcher.state[1]), matcher.parts
     shares = parts.rays[:, -1]
-    adapt_table(
-        image, color.log_odds, first, color.table, parts.outline, shares, x, y, turn % 4, limits.adapt_rate
-    )
+    adapt_table(image, color.log_odds, first, color.table, parts.outline, shares, x, y, turn % 4, limits.adapt_rate)

@@ -13,7 +13,7 @@ from matchset.tracking.detect import Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
-from matchset.tracking.memory import CONFIRMED, EVIDENCE, INSIDE, SEEN, SPEED, SURPRISE, TIME
+from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
 from matchset.tracking.palette import learn, suited
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.place import Place

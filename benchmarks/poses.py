@@ -146,7 +146,7 @@ def learn(flight: Flight) -> tuple[ms.ColorModel, ms.ColorModel]:
 
 
 def observe(flight: Flight, target: ms.BallTarget | None = None, warm_up: int = 1) -> Iterator[Sight]:
-    """Follow the ball of a flight and place it in every frame, from two clicks.
+    """Follow the ball of a flight and place it in every frame, from a click on it and, for a `turn`, on its marker.
 
     Parameters
     ----------
@@ -165,7 +165,8 @@ def observe(flight: Flight, target: ms.BallTarget | None = None, warm_up: int = 
     target = target or ms.BallTarget(2.0 * balloon.radius, flight.markers, 2.0 * balloon.marker_radius)
     ball_color, marker_color = learn(flight)
     click = flight.camera.project(flight.place(0.0)[np.newaxis])[0]
-    tracker = ms.Tracker(ms.Circle, ball_color | marker_color, start=(float(click[0]), float(click[1])))
+    both = ball_color if flight.turn is None else ball_color | marker_color
+    tracker = ms.Tracker(ms.Circle, both, start=(float(click[0]), float(click[1])))
     finder = ms.MarkerTracker(marker_color, target)
     localizer = ms.Localizer(flight.camera, target)
     for frame in flight:

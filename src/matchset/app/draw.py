@@ -100,7 +100,7 @@ def draw_shape(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE
 
 
 def _dashes(corners: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]]:
-    """Ends of 18 dashes along a closed outline, (2, 2) each."""
+    """Return the ends of 18 dashes along a closed outline, (2, 2) each."""
     closed = np.vstack((corners, corners[:1]))
     way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))))
     at = way[-1] * (np.arange(18)[:, None] + np.array([0.0, 0.55])) / 18

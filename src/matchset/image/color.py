@@ -189,7 +189,7 @@ class ColorModel:
         return ColorModel(log_odds_of(self.gray, level_in(image) if level is None else level, channels), self.gray)
 
     def sought_in(self, image: npt.NDArray[np.uint8]) -> "list[ColorModel]":
-        """Models by which a search finds candidates in a picture: itself, or dark and light where edges are asked for."""
+        """Models by which a search finds candidates: itself, or dark and light where edges are asked for."""
         if self.gray != "edges":
             return [self]
         level, channels = level_in(image), self.channels

@@ -20,6 +20,7 @@ from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
 HOPELESS = 0.25  # agreement below which a candidate is given up at once
+MOVING = 8.0  # px per frame that a shape may move at first sight
 BORDER = 12  # cells of radius up to which votes are counted finely
 Floats = npt.NDArray[np.float64]
 Start = tuple[float, float, float, Floats]
@@ -170,17 +171,17 @@ class Finder(Generic[S]):
                 reach = max(2.0 * self.searcher.stride, 0.2 * radius)
                 if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
                     continue
-                state, size = self.matcher.state.copy(), self.matcher.size
-                if _covered(seen, float(state[0]), float(state[1]), size):
+                if self._covered(seen) or self._refuted(image, color, prior) or self._covered(seen):
                     continue
-                merit = 0.0 if self.judge.first_sight(self.matcher, prior) else self.judge.merit(self.matcher)
-                if merit > most:
-                    best, most = state, merit
-            if best is not None:
-                if len(starts) > 1:
-                    self.matcher.settle(image, color, best, Look(4.0))
-                seen.append((float(best[0]), float(best[1]), self.matcher.size))
-                yield self.matcher.state.copy(), most
+                merit = self.judge.merit(self.matcher)
+                if best is None or merit > most:
+                    best, most = self.matcher.state.copy(), merit
+            if best is None:
+                continue
+            if len(starts) > 1:
+                self.matcher.settle(image, color, best, Look(4.0))
+            seen.append((float(best[0]), float(best[1]), self.matcher.size))
+            yield self.matcher.state.copy(), most
 
     def _starts(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[list[Start]]:
         """Where fits may begin: for each candidate one or several of x, y, half-width and state."""
@@ -193,6 +194,27 @@ class Finder(Generic[S]):
                 continue
             for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
                 yield [(x, y, radius, family.from_coarse(x, y, radius).state)]
+
+    def _covered(self, seen: list[tuple[float, float, float]]) -> bool:
+        """Whether the shape that was fitted is one that was seen already."""
+        return _covered(seen, float(self.matcher.state[0]), float(self.matcher.state[1]), self.matcher.size)
+
+    def _refuted(self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior) -> str:
+        """Judge the shape that was fitted: why it is none, empty if it is one.
+
+        A second look lets the two fields of an interlaced picture disagree, as they do where it moves.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        prior : Prior
+            What is known of it before.
+        """
+        reason = self.judge.first_sight(self.matcher, prior)
+        if reason and self.matcher.settle(image, color, self.matcher.state.copy(), Look(4.0, MOVING)):
+            reason = self.judge.first_sight(self.matcher, prior)
+        return reason
 
 
 def _covered(seen: list[tuple[float, float, float]], x: float, y: float, size: float) -> bool:

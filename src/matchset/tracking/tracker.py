@@ -9,7 +9,7 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape
-from matchset.tracking.detect import Finder, Searcher, channels_last
+from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
@@ -255,7 +255,7 @@ class Tracker(Generic[S]):
         if best is None:
             return Lost(reason, self._time, None if expected is None else self._shape(expected))
         lone = expected is None and self._wish is None
-        self._try(image, matcher.alike(best), Look(4.0))
+        self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0))
         if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
             return Lost(refuted, self._time)
         if expected is None:

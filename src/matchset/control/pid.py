@@ -1,0 +1,121 @@
+"""A controller whose terms can be looked at: `Pid`."""
+
+import math
+from typing import NamedTuple
+
+import msgspec
+
+
+class PidParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """Gains of a `Pid`; units are those of its output per unit of its input.
+
+    Parameters
+    ----------
+    proportional : float
+        Per unit of error. More holds tighter, until delay makes it swing.
+    integral : float
+        Per unit of error and s. More forgets constant disturbances sooner, and overshoots.
+    derivative : float
+        Per unit of error per s. More damps, and passes on noise.
+    smoothing : float
+        Time constant of the low-pass on the derivative, s; 0 for none.
+    most : float
+        Largest output.
+    most_integral : float
+        Largest integral term.
+    """
+
+    proportional: float
+    integral: float = 0.0
+    derivative: float = 0.0
+    smoothing: float = 0.0
+    most: float = math.inf
+    most_integral: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("proportional", "integral", "derivative", "smoothing"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        for name in ("most", "most_integral"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+
+
+class Terms(NamedTuple):
+    """What the last output was made of; `output` is their sum within the limit."""
+
+    proportional: float = 0.0
+    integral: float = 0.0
+    derivative: float = 0.0
+    output: float = 0.0
+
+
+class Pid:
+    """u = P e + I integral(e dt) - D dy/dt, with e = goal - y.
+
+    The derivative is that of the measurement y, so a new goal does not kick; it is low-passed. While the output is at
+    its limit the integral does not grow further that way.
+
+    Parameters
+    ----------
+    parameters : PidParameters
+
+    Attributes
+    ----------
+    terms : Terms
+        Of the last update.
+    """
+
+    def __init__(self, parameters: PidParameters) -> None:
+        self.parameters = parameters
+        self.terms = Terms()
+        self._last: float | None = None
+        self._rate = 0.0
+
+    def reset(self, keep_integral: bool = False) -> None:
+        """Forget the past, on request all but the integral term: what it learned of a bias still holds."""
+        self.terms = Terms(integral=self.terms.integral if keep_integral else 0.0)
+        self._last, self._rate = None, 0.0
+
+    def update(self, goal: float, measured: float, step: float, rate: float | None = None) -> float:
+        """Answer to a measurement.
+
+        Parameters
+        ----------
+        goal, measured : float
+        step : float
+            Time since the last update, s.
+        rate : float, optional
+            dy/dt where something else measures it; otherwise the difference quotient.
+
+        Returns
+        -------
+        float
+            The output, within -most ... most.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite or the step not positive.
+        """
+        if not (math.isfinite(goal) and math.isfinite(measured) and 0.0 < step < math.inf):
+            raise ValueError(f"a controller needs numbers, got goal {goal}, measured {measured}, step {step}")
+        gains = self.parameters
+        if rate is None:
+            rate = 0.0 if self._last is None else (measured - self._last) / step
+        elif not math.isfinite(rate):
+            raise ValueError(f"a controller needs numbers, got rate {rate}")
+        fresh = self._last is None
+        self._last = measured
+        self._rate = rate if fresh else self._rate + (rate - self._rate) * step / (gains.smoothing + step)
+        error = goal - measured
+        proportional, derivative = gains.proportional * error, -gains.derivative * self._rate
+        integral = self.terms.integral + gains.integral * error * step
+        integral = min(max(integral, -gains.most_integral), gains.most_integral)
+        total = proportional + integral + derivative
+        if abs(total) > gains.most and total * error > 0.0:
+            integral = self.terms.integral
+            total = proportional + integral + derivative
+        output = min(max(total, -gains.most), gains.most)
+        self.terms = Terms(proportional, integral, derivative, output)
+        return output

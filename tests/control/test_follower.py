@@ -1,0 +1,115 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from matchset.control.command import Command
+from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
+from matchset.control.own_motion import GRAVITY, OwnMotion, Sticks
+from matchset.localization.pose import Pose
+from matchset.tracking.track import Lost
+
+STEP, LATENCY = 1.0 / 30.0, 0.067
+SPREAD = np.diag([1e-4] * 3 + [1e-3] * 3)
+TURNS = Rotation.from_euler("y", math.pi).as_matrix()  # the ball frame of a vehicle that looks along +z
+
+
+class World:
+    """A vehicle that obeys the follower's own model, biased, and a neighbor that does as it is told."""
+
+    def __init__(self, follower: Follower, start: tuple[float, float, float], bias: float = 0.0) -> None:
+        self.follower, self.bias = follower, bias
+        self.motion = OwnMotion(follower.parameters.own)
+        self.start = np.array(start)
+        self.neighbor, self.neighbor_yaw = np.zeros(3), 0.0
+
+    def see(self, time: float) -> Pose:
+        state = self.motion.at(time)
+        turn = state.turn
+        ball = Rotation.from_euler("y", self.neighbor_yaw).as_matrix() @ TURNS
+        return Pose(
+            position=turn.T @ (self.neighbor - self.start - state.place),
+            turn=turn.T @ ball,
+            covariance=SPREAD,
+            observed="level",
+            time=time,
+        )
+
+    def obey(self, command: Command, now: float) -> None:
+        limits = self.follower.parameters
+        tilt = limits.own.full_tilt
+        lift = GRAVITY * (command.throttle / limits.hover * 0.95 - 1.0)
+        turning = limits.own.full_yaw_rate * command.yaw
+        self.motion.sent(Sticks(tilt * command.roll + self.bias, tilt * command.pitch - self.bias, turning, lift), now)
+
+    def place(self, time: float) -> tuple[float, float, float]:
+        """Side, height and heading in the level frame of the neighbor's ball."""
+        away = self.start + self.motion.at(time).place - self.neighbor
+        out = -np.array((math.sin(self.neighbor_yaw), 0.0, math.cos(self.neighbor_yaw)))
+        return float(away @ np.array((out[2], 0.0, -out[0]))), -float(away[1]), float(away @ out)
+
+
+def run(world: World, seconds: float, begin: float = 0.0, lost: bool = False) -> list[Answer | None]:
+    answers = []
+    for k in range(round(seconds / STEP)):
+        taken = begin + k * STEP
+        now = taken + LATENCY
+        pose = Lost[Pose]("hidden", taken) if lost else world.see(taken)
+        answer = world.follower.update(pose, now)
+        answers.append(answer)
+        wish = None if answer is None else answer.wish
+        command = Command(throttle=0.55) if wish is None else clipped(wish)
+        world.follower.sent(command, now)
+        world.obey(command, now)
+    return answers
+
+
+def clipped(wish: tuple[float, ...]) -> Command:
+    roll, pitch, yaw = (min(max(value, -1.0), 1.0) for value in wish[:3])
+    return Command(roll, pitch, yaw, min(max(wish[3], 0.0), 1.0))
+
+
+def test_it_goes_to_its_place_and_stays_with_biased_sticks() -> None:
+    world = World(Follower(SetPlace(side=0.1, height=-0.2, heading=1.5)), (0.5, 0.5, -2.0), bias=0.035)
+    run(world, 12.0)
+    assert world.place(12.0) == pytest.approx((0.1, -0.2, 1.5), abs=0.02)
+    run(world, 3.0, 12.0)
+    assert world.place(15.0) == pytest.approx((0.1, -0.2, 1.5), abs=0.01)
+
+
+def test_it_goes_around_a_neighbor_that_turns_and_turns_with_it() -> None:
+    world = World(Follower(), (0.0, 0.0, -1.5))
+    run(world, 2.0)
+    world.neighbor_yaw = 0.35
+    answers = run(world, 12.0, 2.0)
+    assert world.place(14.0) == pytest.approx((0.0, 0.0, 1.5), abs=0.02)
+    assert world.motion.at(14.0).yaw == pytest.approx(0.35, abs=0.02)
+    answer = answers[-1]
+    assert answer is not None
+    assert abs(answer.bearing) < 0.02
+    assert (answer.side, answer.height, answer.heading) == pytest.approx(world.place(14.0), abs=0.02)
+
+
+def test_with_the_ball_hidden_it_flies_on_for_a_while_and_then_has_no_answer() -> None:
+    world = World(Follower(), (0.2, 0.1, -1.7))
+    run(world, 8.0)
+    answers = run(world, 2.0, 8.0, lost=True)
+    known = [answer is not None for answer in answers]
+    assert all(known[:30])
+    assert not any(known[40:])
+    assert world.place(9.0) == pytest.approx((0.0, 0.0, 1.5), abs=0.1)
+
+
+def test_before_the_first_sight_and_without_a_marker_it_has_no_answer() -> None:
+    follower = Follower()
+    assert follower.update(Lost("nothing there", 0.0), 0.1) is None
+    alone = Pose(position=np.array((0.0, 0.0, 2.0)), turn=None, covariance=SPREAD, observed="position", time=0.2)
+    assert follower.update(alone, 0.3) is None
+
+
+def test_bad_numbers_are_refused() -> None:
+    with pytest.raises(ValueError, match="hover"):
+        FollowerParameters(hover=1.5)
+    with pytest.raises(ValueError, match="reach"):
+        FollowerParameters(reach=math.nan)

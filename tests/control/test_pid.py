@@ -1,0 +1,76 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from matchset.control.pid import Pid, PidParameters
+
+STEP = 0.02
+
+
+def test_the_terms_are_those_of_the_equation() -> None:
+    pid = Pid(PidParameters(proportional=2.0, integral=0.5, derivative=0.1))
+    pid.update(1.0, 0.0, STEP)
+    output = pid.update(1.0, 0.3, STEP)
+    assert pid.terms.proportional == pytest.approx(2.0 * 0.7)
+    assert pid.terms.integral == pytest.approx(0.5 * STEP * 1.7)
+    assert pid.terms.derivative == pytest.approx(-0.1 * 0.3 / STEP)
+    assert output == pid.terms.output == pytest.approx(sum(pid.terms[:3]))
+
+
+def test_a_new_goal_does_not_kick() -> None:
+    pid = Pid(PidParameters(proportional=1.0, derivative=10.0))
+    pid.update(0.0, 0.0, STEP)
+    assert pid.update(1.0, 0.0, STEP) == 1.0
+
+
+def test_the_derivative_is_low_passed() -> None:
+    pid = Pid(PidParameters(proportional=0.0, derivative=1.0, smoothing=0.1))
+    pid.update(0.0, 0.0, STEP)
+    for k in range(1, 26):
+        pid.update(0.0, k * STEP, STEP)
+    assert -1.0 < pid.terms.derivative < -0.95
+    assert Pid(PidParameters(proportional=0.0, derivative=1.0)).update(0.0, 0.0, STEP, rate=0.4) == -0.4
+
+
+def test_the_integral_does_not_wind_up_at_the_limit() -> None:
+    pid = Pid(PidParameters(proportional=1.0, integral=1.0, most=0.5))
+    for _ in range(500):
+        assert pid.update(10.0, 0.0, STEP) == 0.5
+    assert pid.terms.integral == 0.0
+    assert pid.update(0.0, 1.0, STEP) == -0.5
+    assert pid.update(0.0, 0.1, STEP) < 0.0
+
+
+def test_a_constant_disturbance_is_forgotten() -> None:
+    pid = Pid(PidParameters(proportional=4.0, integral=2.0, derivative=3.0, most_integral=2.0))
+    place, speed = 0.5, 0.0
+    for _ in range(1500):
+        speed += (pid.update(0.0, place, STEP, speed) + 0.7) * STEP
+        place += speed * STEP
+    assert abs(place) < 1e-3
+    assert pid.terms.integral == pytest.approx(-0.7, abs=1e-2)
+    pid.reset(keep_integral=True)
+    assert pid.terms.integral == pytest.approx(-0.7, abs=1e-2)
+
+
+@given(st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 2, st.floats(1e-4, 1.0)), max_size=30))
+def test_the_output_stays_within_its_limit(calls: list[tuple[float, float, float]]) -> None:
+    pid = Pid(PidParameters(proportional=3.0, integral=2.0, derivative=1.0, most=0.7, most_integral=0.2))
+    for goal, measured, step in calls:
+        assert abs(pid.update(goal, measured, step)) <= 0.7
+        assert abs(pid.terms.integral) <= 0.2
+
+
+@pytest.mark.parametrize("bad", [(math.nan, 0.0, STEP), (0.0, math.inf, STEP), (0.0, 0.0, 0.0), (0.0, 0.0, math.nan)])
+def test_what_is_no_number_is_refused(bad: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match="needs numbers"):
+        Pid(PidParameters(proportional=1.0)).update(*bad)
+
+
+def test_gains_that_are_none_are_refused() -> None:
+    with pytest.raises(ValueError, match="smoothing"):
+        PidParameters(proportional=1.0, smoothing=-1.0)
+    with pytest.raises(ValueError, match="most_integral"):
+        PidParameters(proportional=1.0, most_integral=0.0)

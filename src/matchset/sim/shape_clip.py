@@ -19,7 +19,9 @@ from matchset.sim.shutter import fields, sub_exposures
 
 Array = npt.NDArray[np.float64]
 
-STICK = (92.0, 104.0, 112.0)  # color of what hides a part, BGR
+SKIN = (120.0, 150.0, 196.0)  # color of what hides a part, BGR
+FINGERS = 0.0, 2.4  # directions from which they reach in, rad
+TIP = 0.55  # how near to the center, in half-widths
 SHADE = 0.12  # by how much one side of the thing is lighter than its middle
 
 
@@ -56,7 +58,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
     tilt : float
         How far it turns out of the picture's plane, rad: 0 keeps it parallel.
     hidden : float
-        Share of the outline behind a stick, 0 ... 0.6.
+        Share of the outline behind two fingers that hold it, 0 ... 0.6.
     exposure : float
         Share of the frame's period during which the shutter is open: motion blur.
     """
@@ -113,6 +115,12 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         turn = phase[0] + self.spin * 40.0 * math.sin(time / 40.0 + phase[1])
         return x, y, reach / self._reach, float(turn)
 
+    @property
+    def first_click(self) -> tuple[float, float]:
+        """Where one would click in the first frame: in its middle, px."""
+        x, y = self.outline(0.0).mean(axis=0).tolist()
+        return x, y
+
     def outline(self, time: float) -> Array:
         """Exact outline at a time in frames, (k, 2), px."""
         x, y, size, turn = self.place(time)
@@ -130,19 +138,26 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         cx, cy = (x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy
         return np.column_stack((camera.cx + camera.fx * (cx + u) / z, camera.cy + camera.fy * (cy + v) / z))
 
-    def stick(self, time: float) -> Array:
-        """Outline of what hides a part of it, (4, 2), px: a stick through its center, as wide as needed."""
+    def fingers(self, time: float) -> list[Array]:
+        """Outlines of what hides a part of it, (4, 2) px each: two fingers that reach in from the rim."""
         outline = _dense(self.outline(time))
-        middle, angle = outline.mean(axis=0), 0.7 + 0.35 * math.sin(0.05 * time + self.seed)
-        along, across = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
-        half = float(np.quantile(np.abs((outline - middle) @ across), self.hidden))
-        corners: Array = np.array([(-900, -half), (900, -half), (900, half), (-900, half)]) @ np.array([along, across])
-        return np.asarray(corners + middle)
+        off = outline - outline.mean(axis=0)
+        found = []
+        for turn in FINGERS:
+            angle = self.seed + turn + 0.3 * math.sin(0.05 * time + turn)
+            along, across = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
+            ahead = off @ along > 0.0
+            wide = np.sort(np.abs(off[ahead] @ across))
+            half = float(wide[min(round(0.5 * self.hidden * len(off)), len(wide) - 1)])
+            tip = TIP * float((off @ along).max())
+            corners = np.array([(tip, -half), (900.0, -half), (900.0, half), (tip, half)])
+            found.append(outline.mean(axis=0) + corners @ np.array([along, across]))
+        return found
 
     @property
     def _unit(self) -> Array:
         """Outline of an area of pi."""
-        corners: Array = np.array(self.corners)
+        corners: Array = np.array(self.corners, np.float64)
         corners *= math.sqrt(math.pi / cv2.contourArea(corners.astype(np.float32)))
         return corners
 
@@ -172,7 +187,8 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         outlines = [self.outline(t) for t in times]
         draw_flat(picture, outlines, self._look(outlines[len(outlines) // 2]), rows)
         if self.hidden > 0.0:
-            draw_flat(picture, [self.stick(t) for t in times], STICK, rows)
+            for each in zip(*(self.fingers(t) for t in times), strict=True):
+                draw_flat(picture, list(each), SKIN, rows)
 
     def _look(self, outline: Array) -> Picture:
         """Color of the thing, a little lighter on one side."""

@@ -114,6 +114,8 @@ class Matcher(Generic[S]):
         The state that the last fit reached; overwritten by the next one.
     last : Shape or None
         The last answer.
+    has_corners : bool
+        Whether the family's shapes have corners.
     """
 
     def __init__(
@@ -137,7 +139,8 @@ class Matcher(Generic[S]):
         for place, parameters in zip((parts.match, parts.judge, parts.track), chosen, strict=True):
             numbers = msgspec.structs.astuple(parameters)
             place[: len(numbers)] = numbers
-        if corners(shape) is not None:
+        self.has_corners = corners(shape) is not None
+        if self.has_corners:
             parts.judge[MOST_CORNERS] = math.inf  # corners speak against round shapes only
             parts.match[START] = parts.match[SIDE_START]
         self._translates = slopes(shape) is not None

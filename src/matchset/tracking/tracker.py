@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape
+from matchset.shapes.shape import Shape, finds_itself
 from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
 from matchset.tracking.judge import Judge, Prior
@@ -28,6 +28,7 @@ Image = npt.NDArray[np.uint8]
 FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
 PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
 FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
+AGAIN = 4  # every so many frames a shape that is confirmed and doubtful is looked at again; circles always are
 TEACH = 3  # every so many frames the color may learn: light changes slowly
 
 
@@ -81,6 +82,7 @@ class Tracker(Generic[S]):
         self._begun: S | None = None
         self._family = family
         self._matcher: Matcher[S] = Matcher(family, points, track=self.parameters)
+        self._doubts = AGAIN if finds_itself(family) else 1
         self._judge = Judge()
         self._wish = start
         self._follows = False
@@ -184,7 +186,7 @@ class Tracker(Generic[S]):
         speed, surprise = self._interval * matcher.clock(SPEED), matcher.clock(SURPRISE)
         if reason and limits.least_reach + 2.0 * surprise * missed < limits.most_reach:
             reason = self._try(image, expected, Look(limits.most_reach, speed))
-        if is_doubtful(matcher.parts.fit, matcher.points):
+        if is_doubtful(matcher.parts.fit, matcher.points) and (reason or self._frames % self._doubts == 0):
             reason = self._look_again(image, reason, speed)
         here, there = self._place(expected), self._place(matcher.state)
         if not reason:
@@ -258,6 +260,8 @@ class Tracker(Generic[S]):
         self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0))
         if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
             return Lost(refuted, self._time)
+        if not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
+            return Lost(reason, self._time, None if expected is None else self._shape(expected))
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None

@@ -23,7 +23,7 @@ class ShapeTask(msgspec.Struct, frozen=True):
     seed, frames : int
         Of the sequence.
     hidden : float
-        Share of the outline behind two fingers.
+        Share of the outline behind four fingers.
     peer : bool
         Whether the contour of a mask is measured too.
     """

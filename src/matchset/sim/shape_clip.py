@@ -20,8 +20,8 @@ from matchset.sim.shutter import fields, sub_exposures
 Array = npt.NDArray[np.float64]
 
 SKIN = (120.0, 150.0, 196.0)  # color of what hides a part, BGR
-FINGERS = 0.0, 2.4  # directions from which they reach in, rad
-TIP = 0.55  # how near to the center, in half-widths
+FINGERS = 0.0, 1.1, 2.6, 4.2  # directions from which they reach in, rad
+TIP = 0.5  # how near to the center, in half-widths
 SHADE = 0.12  # by how much one side of the thing is lighter than its middle
 
 
@@ -58,7 +58,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
     tilt : float
         How far it turns out of the picture's plane, rad: 0 keeps it parallel.
     hidden : float
-        Share of the outline behind two fingers that hold it, 0 ... 0.6.
+        Share of the outline behind four fingers that hold it, 0 ... 0.6.
     exposure : float
         Share of the frame's period during which the shutter is open: motion blur.
     """
@@ -139,7 +139,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         return np.column_stack((camera.cx + camera.fx * (cx + u) / z, camera.cy + camera.fy * (cy + v) / z))
 
     def fingers(self, time: float) -> list[Array]:
-        """Outlines of what hides a part of it, (4, 2) px each: two fingers that reach in from the rim."""
+        """Outlines of what hides a part of it, (k, 2) px each: four fingers that reach in from the rim."""
         outline = _dense(self.outline(time))
         off = outline - outline.mean(axis=0)
         found = []
@@ -148,9 +148,11 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
             along, across = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
             ahead = off @ along > 0.0
             wide = np.sort(np.abs(off[ahead] @ across))
-            half = float(wide[min(round(0.5 * self.hidden * len(off)), len(wide) - 1)])
+            half = float(wide[min(round(self.hidden / len(FINGERS) * len(off)), len(wide) - 1)])
             tip = TIP * float((off @ along).max())
-            corners = np.array([(tip, -half), (900.0, -half), (900.0, half), (tip, half)])
+            bend = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 15)
+            round_tip = np.column_stack((tip + half * (1.0 - np.cos(bend)), half * np.sin(bend)))
+            corners = np.vstack(((900.0, -half), round_tip, (900.0, half)))[::-1]
             found.append(outline.mean(axis=0) + corners @ np.array([along, across]))
         return found
 

@@ -62,7 +62,7 @@ class MatchParameters(msgspec.Struct, frozen=True):
     tolerance: float = 0.06
     turns: int = 4
     start: float = 1.0
-    side_start: float = 3.0
+    side_start: float = 2.0
 
 
 # places of the parameters in `Views.match`

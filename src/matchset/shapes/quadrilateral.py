@@ -35,6 +35,7 @@ class Quadrilateral:
     """
 
     parameters: ClassVar[tuple[str, ...]] = ("x0", "y0", "x1", "y1", "x2", "y2", "x3", "y3")
+    steady: ClassVar[int] = 6  # d, by which opposite sides are not parallel
     __slots__ = ("corners", *parameters)
 
     corners: Floats

@@ -92,6 +92,14 @@ def nearest(family: type[Any], state: Floats, reference: Floats) -> Floats:
     return found
 
 
+def steady(family: type[Any]) -> float:
+    """From which number on a state hardly changes from frame to frame: it then stays where little of it is seen.
+
+    A family may say so in an attribute ``steady``: the perspective of a quadrilateral. Without one all may change.
+    """
+    return float(getattr(family, "steady", math.inf))
+
+
 def finds_itself(family: type[Any]) -> bool:
     """Whether the family begins at the hull of a region of its color; otherwise a search votes for circles."""
     return hasattr(family, "from_hull")

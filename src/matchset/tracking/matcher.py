@@ -10,9 +10,9 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.shapes.jit import compiled, plain
 from matchset.shapes.rules import check_family
-from matchset.shapes.shape import Shape, corners, nearest, places, slopes
+from matchset.shapes.shape import Shape, corners, nearest, places, slopes, steady
 from matchset.tracking import memory, motion
-from matchset.tracking.memory import START
+from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
@@ -143,6 +143,7 @@ class Matcher(Generic[S]):
         if self.has_corners:
             parts.judge[MOST_CORNERS] = math.inf  # corners speak against round shapes only
             parts.match[START] = parts.match[SIDE_START]
+        parts.track[STEADY] = steady(family)
         self._translates = slopes(shape) is not None
         self.last: S | None = None
         arrays = self._memory

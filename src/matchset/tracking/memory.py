@@ -23,6 +23,7 @@ NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE,
 # and its half-width over the last well-confirmed frames, px
 TIME, SPEED, SURPRISE, USUAL = range(4)
 
+STEADY = LIMITS - 1  # place in `Views.track`: from which number on a state changes slowly, see `shapes.shape.steady`
 START = 7  # place in `Views.match`: noise with which a fit begins at least, px
 
 # places in `Views.look`: how far to look for a shape, see `Look`

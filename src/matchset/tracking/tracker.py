@@ -253,6 +253,8 @@ class Tracker(Generic[S]):
         if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
             self._follows = False
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
+        if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
+            self._follows, expected = False, None
         best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
             return Lost(reason, self._time, None if expected is None else self._shape(expected))

@@ -19,6 +19,7 @@ HERE = Path(__file__).resolve().parent
 # What is timed comes first, while the machine is cool and nothing else runs.
 NAMES = (
     "speed",
+    "shapes_speed",
     "startup",
     "memory",
     "accuracy",
@@ -26,6 +27,8 @@ NAMES = (
     "reacquisition",
     "false_locks",
     "real",
+    "shapes_accuracy",
+    "shapes_tags",
     "localization_speed",
     "localization_range",
     "localization_methods",

@@ -1,7 +1,6 @@
 """The shapes that are measured: what is rendered, which family follows it, and how far an answer is from the truth."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -113,7 +112,9 @@ def _cases() -> dict[str, Case]:
 def ellipse_errors(found: Any, truth: tuple[float, float, float, float]) -> Errors:
     """Distance of the centers and mean difference of the semi-axes, px, and difference of the angles, degrees."""
     x, y, size, turn = truth
-    a, b, angle = (found.a, found.b, found.angle) if found.a >= found.b else (found.b, found.a, found.angle + math.pi / 2)
+    a, b, angle = (
+        (found.a, found.b, found.angle) if found.a >= found.b else (found.b, found.a, found.angle + math.pi / 2)
+    )
     off = math.remainder(angle - turn, math.pi)
     true = size * math.sqrt(ASPECT), size / math.sqrt(ASPECT)
     return {

@@ -22,7 +22,7 @@ Floats = npt.NDArray[np.float64]
 LARGER, SMALLER = 0.15, -0.13  # changes of size that are tried, in half-widths
 AIM = 1.0  # px: as exact a prediction may be
 SIDE_MOVES = 0.4, 0.2, -0.2  # by how far a side is moved out and in, in half-widths
-LEAST_FREE = 5  # numbers of a state from which a side can move alone
+LEAST_FREE, MOST_FREE = 5, 7  # numbers of a state with which a side can move alone, and nothing else is free
 APART, MOST_SIDES = 1e-6, 8  # squared difference of normals that parts two sides; most sides that are moved
 BETTER = 0.03  # by how much another shape must be better
 
@@ -45,7 +45,7 @@ def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
 
 def _sides(matcher: Matcher[S]) -> list[npt.NDArray[np.bool_]]:
     """Which lines cross which side of the outline; none where it has no sides, or they cannot move by themselves."""
-    if not matcher.has_corners or len(matcher.state) < LEAST_FREE:
+    if not matcher.has_corners or not LEAST_FREE <= len(matcher.state) <= MOST_FREE:
         return []
     normals = matcher.parts.outline[:, 2:4]
     first = np.flatnonzero(((normals - np.roll(normals, 1, axis=0)) ** 2).sum(axis=1) > APART)

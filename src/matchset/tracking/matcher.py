@@ -16,7 +16,7 @@ from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
-from matchset.tracking.verdict import MOST_CORNERS, SURE, JudgeParameters
+from matchset.tracking.verdict import MOST_CORNERS, MOST_HOLLOW, SURE, JudgeParameters
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -142,6 +142,7 @@ class Matcher(Generic[S]):
         self.has_corners = corners(shape) is not None
         if self.has_corners:
             parts.judge[MOST_CORNERS] = math.inf  # corners speak against round shapes only
+            parts.judge[MOST_HOLLOW] = math.inf  # and a printed mark has another color inside
             parts.match[START] = parts.match[SIDE_START]
         parts.track[STEADY] = steady(family)
         self._translates = slopes(shape) is not None
@@ -219,6 +220,13 @@ class Matcher(Generic[S]):
     def describe_like(self, shape: S) -> None:
         """Describe the next answer as this shape is: a square has four angles."""
         self.last = shape
+
+    def shape_of(self, state: Floats) -> S | None:
+        """Shape of an extrapolated state, None where it has shrunk to nothing."""
+        try:
+            return self.family.from_state(state, self.last)
+        except ValueError:
+            return None
 
     def alike(self, state: Floats) -> Floats:
         """Of the states with the same outline the one nearest to the last one that was seen."""

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself
+from matchset.tracking.begin import begin_near
 from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
 from matchset.tracking.judge import Judge, Prior
@@ -107,8 +108,7 @@ class Tracker(Generic[S]):
         """
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
-        spread = 3.0 + 0.1 * self._family.half_width(shape.state)
-        self._matcher.begin(shape.state, self._time, spread)
+        self._matcher.begin(shape.state, self._time, 3.0 + 0.1 * self._family.half_width(shape.state))
         self._matcher.describe_like(shape)
         self._begun = shape
         self._follows = True
@@ -134,7 +134,7 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._admit(frame)
-        if self.color.gray and (self._begun is not None or not self._follows):
+        if self._begun is not None or (self.color.gray and not self._follows):
             self._adopt(image)
         if not self._follows:
             return self._search(image, "nothing of this color and shape is in the picture")
@@ -244,8 +244,13 @@ class Tracker(Generic[S]):
 
     def _adopt(self, image: Image) -> None:
         """Take the model as it suits this picture, and the shape that was said to be in it."""
-        self.color = suited(self.color, image, self._begun)
-        self._learned, self._begun = self.color.log_odds.copy(), None
+        said, self._begun = self._begun, None
+        if self.color.gray:
+            self.color = suited(self.color, image, said)
+            self._learned = self.color.log_odds.copy()
+        if said is not None and self._doubts > 1:
+            state, spread = begin_near(image, self.color, self._matcher, said)
+            self._matcher.begin(state, -math.inf, spread)
 
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
@@ -257,13 +262,13 @@ class Tracker(Generic[S]):
             self._follows, expected = False, None
         best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
-            return Lost(reason, self._time, None if expected is None else self._shape(expected))
+            return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         lone = expected is None and self._wish is None
         self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0))
         if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
             return Lost(refuted, self._time)
         if not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
-            return Lost(reason, self._time, None if expected is None else self._shape(expected))
+            return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None
@@ -272,13 +277,6 @@ class Tracker(Generic[S]):
         found = matcher.take_in(self._time)
         self._learn(image)
         return found
-
-    def _shape(self, state: Floats) -> S | None:
-        """Shape of an extrapolated state, None where it has shrunk to nothing."""
-        try:
-            return self._family.from_state(state, self._matcher.last)
-        except ValueError:
-            return None
 
     def _choose(self, image: Image, expected: Floats | None) -> Floats | None:
         """State of the sighting to go on with, or None."""

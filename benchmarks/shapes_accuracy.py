@@ -13,7 +13,7 @@ FRAMES, QUICK_FRAMES = 100, 40
 SEEDS = 4
 WORLDS = {"typical": ("typical", 0.0), "a third hidden": ("typical", THIRD), "bad": ("bad", 0.0)}
 # name of a figure: unit, digits, bar, prize
-GOALS = {
+GOALS: dict[str, tuple[str, int, float, float]] = {
     "center": ("px", 3, 0.5, 0.25),
     "axes": ("px", 3, 0.5, 0.25),
     "angle": ("deg", 3, 1.5, 0.75),
@@ -74,7 +74,7 @@ def exactness(case: str, trials: list[ShapeTrial]) -> Finding:
     ours, _ = _answers(trials)
     means = _means(ours)
     figures = [Figure(name, value, GOALS[name][0], GOALS[name][1]) for name, value in means.items()]
-    goals = [[_goal(name, GOALS[name][2 + k]) for name in means] for k in (0, 1)]
+    goals = [[_goal(name, GOALS[name][2:][k]) for name in means] for k in (0, 1)]
     lost = Figure("lost", _lost(ours), "%", 1)
     return Finding(
         name=f"shape_{case.replace(' ', '_')}",

@@ -19,6 +19,6 @@ else:
 if picture is None:
     sys.exit(f"error: {path} is not a picture")
 
-for track in ms.detect(ms.Frame(picture), ms.Ellipse, ms.ColorModel.light(), limit=30):
+for track in ms.detect(ms.Frame(np.asarray(picture, np.uint8)), ms.Ellipse, ms.ColorModel.light(), limit=30):
     coin = track.shape
     print(f"x {coin.x:.1f}  y {coin.y:.1f}  {coin.a:.1f} × {coin.b:.1f} px, {track.support:.0%} of it confirmed")

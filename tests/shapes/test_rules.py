@@ -74,7 +74,7 @@ def greedy(state: Floats, places: Floats, outline: Floats) -> None:
     outline[0, 7] = 1.0
 
 
-BROKEN = {
+BROKEN: dict[str, dict[str, Any]] = {
     "has no": {"half_width": None},
     "parameters must be": {"parameters": ["x", "y", "radius"]},
     "state must be a float64 array": {"state": property(lambda self: [self.x, self.y, self.radius])},
@@ -89,7 +89,7 @@ BROKEN = {
 
 @pytest.mark.parametrize("words", list(BROKEN))
 def test_a_broken_rule_is_named(words: str) -> None:
-    changes: dict[str, Any] = BROKEN[words]
+    changes = BROKEN[words]
     family: Any = type("Broken", (Disc,), changes)
     if changes == {"half_width": None}:
         family = type("Broken", (), {"parameters": Disc.parameters})

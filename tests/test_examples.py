@@ -56,6 +56,27 @@ def test_a_video_is_tracked(tmp_path: Path) -> None:
     assert all("radius" in line for line in lines)
 
 
+def test_a_rectangle_is_tracked(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "track_rectangle.py"))
+    errors_px = [float(line.split("off by ")[1].removesuffix(" px")) for line in lines]
+    assert len(errors_px) == 30
+    assert sum(errors_px) / 30 < 0.7
+
+
+def test_coins_are_found(tmp_path: Path) -> None:
+    assert len(lines_of(run(tmp_path, "detect_coins.py"))) >= 3
+
+
+def test_the_corners_of_a_mark_are_found(tmp_path: Path) -> None:
+    (line,) = lines_of(run(tmp_path, "printed_mark.py"))
+    assert line.startswith("[[")
+
+
+def test_a_shape_is_given_by_a_picture(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "shape_from_picture.py"))
+    assert [line.split("  ")[0] for line in lines] == ["x 150.0", "x 430.0"]
+
+
 def test_a_missing_video_is_one_line(tmp_path: Path) -> None:
     result = run(tmp_path, "track_video.py", "nothing.mp4", "1", "1")
     assert (result.returncode, result.stderr) == (1, "error: no such file: nothing.mp4\n")

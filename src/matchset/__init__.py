@@ -13,6 +13,11 @@ from matchset.localization.neighbors import Neighbors
 from matchset.localization.pose import Pose
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
+from matchset.shapes.convex import Convex
+from matchset.shapes.ellipse import Ellipse
+from matchset.shapes.polygon import Polygon
+from matchset.shapes.quadrilateral import Quadrilateral
+from matchset.shapes.rectangle import Rectangle
 from matchset.tracking.detect import detect
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
@@ -22,6 +27,8 @@ __all__ = [
     "CameraModel",
     "Circle",
     "ColorModel",
+    "Convex",
+    "Ellipse",
     "Frame",
     "LinkError",
     "Localizer",
@@ -29,8 +36,11 @@ __all__ = [
     "MarkerTracker",
     "Neighbor",
     "Neighbors",
+    "Polygon",
     "Pose",
     "PoseFilter",
+    "Quadrilateral",
+    "Rectangle",
     "Track",
     "Tracker",
     "Video",

@@ -17,9 +17,11 @@ from matchset.app.cli_options import (
     Color,
     Folder,
     Force,
+    Gray,
     Hsv,
     Pick,
     Points,
+    ShapeName,
     Source,
     ToStdout,
 )
@@ -62,8 +64,12 @@ TRACK_EPILOG = f"""
 
   matchset track red.mp4 --hsv 170,120,80:10,255,255
 
+  matchset track sign.mp4 --shape octagon --pick 310,200
+
+  matchset track eye.mp4 --shape ellipse --gray dark --pick 200,150
+
 Without -o everything goes to a new folder, runs/0001-track and so on. tracks.csv holds one row a frame:
-frame, time, found, x, y, radius, their standard deviations, support, and why it was lost.
+frame, time, found, the shape's parameters (x, y, radius), their standard deviations, support, and why it was lost.
 
 {EXIT_CODES}
 """
@@ -76,6 +82,8 @@ def track(
     candidate: Candidate = None,
     color: Color = None,
     hsv: Hsv = None,
+    gray: Gray = None,
+    shape: ShapeName = "circle",
     video: AnnotatedVideo = None,
     out: Folder = None,
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False,
@@ -83,13 +91,13 @@ def track(
     force: Force = False,
     points: Points = 64,
 ) -> None:
-    """Follow a ball through a video, or before a camera, and write its circle for every frame."""
+    """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
     with errors_in_one_line():
         from matchset.app import track_command
         from matchset.app.target import Wish
 
-        wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()))
-        options = track_command.TrackOptions(source, wish, out, video, jsonl, to_stdout, force, points)
+        wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()), gray)
+        options = track_command.TrackOptions(source, wish, out, video, jsonl, to_stdout, force, points, shape)
         code = track_command.track(options)
     raise typer.Exit(code)
 
@@ -120,13 +128,14 @@ def learn(
         Path | None,
         typer.Option("-o", metavar="FILE", help="The color file (.npz); without a pick, the picture."),
     ] = None,
+    shape: ShapeName = "circle",
     force: Force = False,
 ) -> None:
     """Show where the ball is, in a picture with a pixel grid; with a pick, learn its color and save it."""
     with errors_in_one_line():
         from matchset.app import learn_command
 
-        options = learn_command.LearnOptions(source, frame, pick, out, force)
+        options = learn_command.LearnOptions(source, frame, pick, out, force, shape)
         code = learn_command.learn(options)
     raise typer.Exit(code)
 
@@ -233,13 +242,19 @@ def score(
 def demo(
     out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for what it writes.")] = None,
     frames: Annotated[int, typer.Option(min=10, max=100_000, help="Length of the clip.")] = 300,
+    shape: ShapeName = "circle",
     force: Force = False,
 ) -> None:
     """Track a rendered clip with exact truth: no camera, no network, under a minute."""
     with errors_in_one_line():
-        from matchset.app.demo import run_demo
+        if shape == "circle":
+            from matchset.app.demo import run_demo
 
-        code = run_demo(out, frames, force)
+            code = run_demo(out, frames, force)
+        else:
+            from matchset.app.shape_demo import run_shape_demo
+
+            code = run_shape_demo(shape, out, frames, force)
     raise typer.Exit(code)
 
 

@@ -24,6 +24,19 @@ Hsv = Annotated[
         help="OpenCV's HSV range H,S,V:H,S,V; a low hue above the high one wraps at red.",
     ),
 ]
+Gray = Annotated[
+    str | None,
+    typer.Option(metavar="dark|light|edges", help="Brightness in place of color; a --pick then says where."),
+]
+ShapeName = Annotated[
+    str,
+    typer.Option(
+        "--shape",
+        metavar="SHAPE",
+        help="circle, ellipse, rectangle, quadrilateral, triangle, hexagon, octagon, corners '0,0 4,0 0,3', "
+        "or a picture of the outline; ':affine' behind it: seen from the side.",
+    ),
+]
 AnnotatedVideo = Annotated[
     Path | None,
     typer.Option(

@@ -13,11 +13,14 @@ from matchset.app.candidates import Candidate, find_candidates
 from matchset.app.draw import as_color
 from matchset.app.grid import grid_picture
 from matchset.app.runs import output_file, output_folder
+from matchset.app.shape_option import parse_shape
 from matchset.app.still import ball_like_frame, frame_at
 from matchset.app.target import parse_pick
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
+from matchset.shapes.circle import Circle
+from matchset.tracking.detect import detect
 
 
 class LearnOptions(msgspec.Struct, frozen=True):
@@ -28,6 +31,7 @@ class LearnOptions(msgspec.Struct, frozen=True):
     pick: str | None = None
     out: Path | None = None
     force: bool = False
+    shape: str = "circle"
 
 
 def learn(options: LearnOptions) -> int:
@@ -38,6 +42,7 @@ def learn(options: LearnOptions) -> int:
     int
         The exit code.
     """
+    family = parse_shape(options.shape)
     if options.pick is None:
         return _show(options)
     x, y, at = parse_pick(options.pick)
@@ -55,7 +60,11 @@ def learn(options: LearnOptions) -> int:
     print(f"color saved:  {path}")
     print(f"look at it:   {picture}")
     print("The ball should be bright, all else dark. Then type:\n")
-    print(f"  {command('track', options.source, '--color', str(path))}")
+    words = ("--shape", options.shape) if family is not Circle else ()
+    if words:
+        found = detect(frame, family, color)
+        print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
+    print(f"  {command('track', options.source, '--color', str(path), *words)}")
     return ending.FOUND
 
 

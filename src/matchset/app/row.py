@@ -44,9 +44,9 @@ class Row(msgspec.Struct, frozen=True):
 
     @property
     def brief(self) -> str:
-        """The circle in a few words, for a line that changes all the time; empty where it was not found."""
-        named = zip(("x", "y", "r"), (self.shape or {}).values(), strict=False)
-        return "  ".join(f"{name} {value:6.1f}" for name, value in named)
+        """The shape in a few words, for a line that changes all the time; empty where it was not found."""
+        named = list((self.shape or {}).items())[:3]
+        return "  ".join(f"{'r' if name == 'radius' else name} {value:6.1f}" for name, value in named)
 
 
 def row_of(frame: int, answer: Track[Any] | Lost[Any]) -> Row:
@@ -66,7 +66,7 @@ def row_of(frame: int, answer: Track[Any] | Lost[Any]) -> Row:
     """
     if isinstance(answer, Lost):
         return Row(frame, answer.time, reason=answer.reason)
-    names = answer.shape.__struct_fields__
+    names = answer.shape.parameters
     variances = np.diagonal(answer.covariance)
     return Row(
         frame=frame,

@@ -1,4 +1,4 @@
-"""What to follow, as the command line says it: `--pick`, `--candidate`, `--color` or `--hsv`."""
+"""What to follow, as the command line says it: `--pick`, `--candidate`, `--color`, `--hsv` or `--gray`."""
 
 import functools
 import operator
@@ -37,22 +37,26 @@ class Target(msgspec.Struct, frozen=True):
 
 
 class Wish(msgspec.Struct, frozen=True):
-    """The options that say what to follow, as typed; exactly one of the four is given."""
+    """The options that say what to follow, as typed; exactly one of the five is given, or `pick` with `gray`."""
 
     pick: str | None = None
     candidate: str | None = None
     colors: tuple[Path, ...] = ()
     hsv: tuple[str, ...] = ()
+    gray: str | None = None
 
 
 def check_wish(wish: Wish, source: str) -> None:
     """Refuse a wish that is none or several, or does not read (ValueError)."""
     given = sum(map(bool, (wish.pick is not None, wish.candidate is not None, wish.colors, wish.hsv)))
-    if given > 1:
-        raise ValueError("give one of --pick, --candidate, --color and --hsv, not several")
+    if given + (wish.gray is not None and wish.pick is None) > 1:
+        raise ValueError("give one of --pick, --candidate, --color, --hsv and --gray, not several")
+    if wish.gray is not None:
+        parse_gray(wish.gray)
+        return
     if given == 0:
         raise ValueError(
-            "say what to follow: --pick X,Y[@FRAME], --candidate N, --color FILE or --hsv LOW:HIGH; "
+            "say what to follow: --pick X,Y[@FRAME], --candidate N, --color FILE, --hsv LOW:HIGH or --gray dark; "
             f"'matchset learn {source}' shows where the ball is"
         )
     if wish.pick is not None:
@@ -62,7 +66,10 @@ def check_wish(wish: Wish, source: str) -> None:
 
 
 def known_target(wish: Wish) -> Target | None:
-    """Return the target if no picture is needed to tell it: a color file or HSV ranges."""
+    """Return the target if no picture is needed to tell it: a color file, HSV ranges, or brightness."""
+    if wish.gray is not None:
+        x, y, index = parse_pick(wish.pick) if wish.pick is not None else (0.0, 0.0, None)
+        return Target(parse_gray(wish.gray), None if wish.pick is None else (x, y), index or 0)
     models = [ColorModel.load(path) for path in wish.colors] + [parse_hsv(text) for text in wish.hsv]
     return Target(functools.reduce(operator.or_, models)) if models else None
 
@@ -138,6 +145,14 @@ def parse_candidate(text: str) -> tuple[int, int | None]:
     if found is None:
         raise ValueError(f"--candidate is N or N@FRAME, as in 1@60, got {text!r}")
     return int(found[1]), None if found[2] is None else int(found[2])
+
+
+def parse_gray(text: str) -> ColorModel:
+    """Read ``dark``, ``light`` or ``edges``."""
+    models = {"dark": ColorModel.dark, "light": ColorModel.light, "edges": ColorModel.edges}
+    if text not in models:
+        raise ValueError(f"--gray is dark, light or edges, got {text!r}")
+    return models[text]()
 
 
 def parse_hsv(text: str) -> ColorModel:

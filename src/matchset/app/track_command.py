@@ -10,19 +10,18 @@ from pathlib import Path
 import msgspec
 
 from matchset.app import ending
-from matchset.app.draw import shape_names
 from matchset.app.ending import StopRequest
 from matchset.app.follow import Follower, Tally, follow
 from matchset.app.outlets import live_figures, recorder_for, track_outlets
 from matchset.app.recorder import codecs_for
 from matchset.app.runs import output_folder
 from matchset.app.screen import screen_for
+from matchset.app.shape_option import parse_shape
 from matchset.app.summary import sum_up
 from matchset.app.target import Wish, check_wish, target_for
 from matchset.app.trackers import trackers_for
 from matchset.image.frame import Frame
 from matchset.image.video import Video
-from matchset.shapes.circle import Circle
 
 
 class TrackOptions(msgspec.Struct, frozen=True):
@@ -36,6 +35,7 @@ class TrackOptions(msgspec.Struct, frozen=True):
     print: bool = False
     force: bool = False
     points: int = 64
+    shape: str = "circle"
 
 
 def track(options: TrackOptions) -> int:
@@ -47,11 +47,12 @@ def track(options: TrackOptions) -> int:
         The exit code.
     """
     check_wish(options.wish, shlex.quote(options.source))
+    family = parse_shape(options.shape)
     if options.video is not None:
         codecs_for(options.video)
     with StopRequest() as stop, Video(options.source) as video:
         target, ahead = target_for(options.source, video, options.wish)
-        trackers = trackers_for(target, options.points)
+        trackers = trackers_for(target, options.points, family)
         folder = output_folder(options.folder, "track", options.force)
         tally = Tally()
         try:
@@ -77,7 +78,9 @@ def _run(
 ) -> None:
     with ExitStack() as stack:
         recorder = recorder_for(options.video, video, options.force)
-        outlets = stack.enter_context(track_outlets(folder, shape_names(Circle), options.jsonl, recorder))
+        outlets = stack.enter_context(
+            track_outlets(folder, parse_shape(options.shape).parameters, options.jsonl, recorder)
+        )
         screen = stack.enter_context(screen_for(video, quiet=options.print))
         for step in follow(frames, trackers, gaps=not video.live, stop=stop):
             outlets.write(step)

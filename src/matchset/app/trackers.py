@@ -1,6 +1,7 @@
 """Which tracker begins where: `trackers_for`."""
 
 from collections.abc import Callable
+from typing import Any
 
 from matchset.app.follow import Follower
 from matchset.app.patience import if_slow
@@ -12,7 +13,7 @@ from matchset.tracking.tracker import Tracker
 COMPILING = "compiling kernels (only once on this machine) ..."
 
 
-def trackers_for(target: Target, points: int) -> Callable[[Frame], Follower | None]:
+def trackers_for(target: Target, points: int, family: type[Any] = Circle) -> Callable[[Frame], Follower | None]:
     """Make the trackers; a click counts in its own frame, so the tracker begins anew there.
 
     Parameters
@@ -21,6 +22,8 @@ def trackers_for(target: Target, points: int) -> Callable[[Frame], Follower | No
         What to follow.
     points : int
         Size of the match-set.
+    family : type
+        The family of shapes.
 
     Returns
     -------
@@ -28,8 +31,8 @@ def trackers_for(target: Target, points: int) -> Callable[[Frame], Follower | No
         Asked before each frame: a new tracker to go on with, or None to keep the one there is.
     """
     with if_slow(COMPILING):
-        searching = Tracker(Circle, target.color, points=points)
-        clicked = None if target.start is None else Tracker(Circle, target.color, points=points, start=target.start)
+        searching = Tracker(family, target.color, points=points)
+        clicked = None if target.start is None else Tracker(family, target.color, points=points, start=target.start)
     begun = False
 
     def follower_at(frame: Frame) -> Follower | None:

@@ -7,25 +7,20 @@ gray ones by their value; a pixel costs one read whatever taught the table.
 """
 
 from pathlib import Path
+from typing import cast
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.chroma import chroma, density, look_up
 from matchset.image.frame import check_image
+from matchset.image.gray import Gray, level_in, log_odds_of
+from matchset.image.learned import bin_centers, learned_color, learned_gray
 from matchset.image.region import calm, grow, surroundings
 
 LIMIT = 4.0  # largest log-odds: one pixel can be wrong
 WHITE = 127  # table value of a pixel that is surely target
 VERSION = 1
-UNKNOWN = 0.06, 0.12  # shares of target and background that may have any color at all
-
-
-def bin_centers() -> npt.NDArray[np.float32]:
-    """BGR value in the middle of each of the 32 x 32 x 32 cells, (32768, 3)."""
-    level = np.arange(32, dtype=np.float32) * 8.0 + 3.5
-    return np.stack(np.meshgrid(level, level, level, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 class ColorModel:
@@ -37,13 +32,17 @@ class ColorModel:
         Log-odds of target against background of each BGR cell ``(b >> 3) << 10 | (g >> 3) << 5 | r >> 3``, or of each
         gray value; clipped to +-4.
 
+    gray : str
+        "dark", "light" or "edges" for a model that asks for brightness and suits any picture; empty for a color.
+
     Raises
     ------
     ValueError
         If the table has another size or holds numbers that are not finite.
     """
 
-    def __init__(self, log_odds: npt.NDArray[np.float32]) -> None:
+    def __init__(self, log_odds: npt.NDArray[np.float32], gray: Gray = "") -> None:
+        self.gray: Gray = gray
         values = np.array(log_odds, np.float32)
         if values.shape not in ((32768,), (256,)) or not np.isfinite(values).all():
             raise ValueError(f"a color table has 32768 or 256 finite numbers, got shape {values.shape}")
@@ -105,7 +104,7 @@ class ColorModel:
         outside = surroundings(target)
         if not outside.any():
             raise ValueError(f"{origin}: no background is left to learn from")
-        learn = _learned_color if image.ndim == 3 else _learned_gray
+        learn = learned_color if image.ndim == 3 else learned_gray
         model = cls(learn(image[target], image[outside]))
         alike = model._scores(image) > 0
         hits = np.mean(alike[target])
@@ -145,17 +144,68 @@ class ColorModel:
             share += (hue & (s >= low[1]) & (s <= high[1]) & (v >= low[2]) & (v <= high[2])).ravel()
         return cls(3.0 * (2.0 * share / 27.0 - 1.0))
 
+    @classmethod
+    def dark(cls) -> "ColorModel":
+        """Dark things on light ground, in color or gray pictures: pupils, holes, printed marks.
+
+        How dark is dark follows from each picture: the level that parts it best in two, or, where a tracker is told
+        where to `start`, the middle between both sides of that outline.
+        """
+        return cls(log_odds_of("dark", 127.5, 1), "dark")
+
+    @classmethod
+    def light(cls) -> "ColorModel":
+        """Light things on dark ground, in color or gray pictures; see `dark`."""
+        return cls(log_odds_of("light", 127.5, 1), "light")
+
+    @classmethod
+    def edges(cls) -> "ColorModel":
+        """Things that differ from the ground somehow, darker here and lighter there: only contrast counts.
+
+        Less sure than any other model, since nothing is asked of the inside: `Tracker.start` says best where it is.
+        """
+        return cls(log_odds_of("edges", 127.5, 1), "edges")
+
+    def seen_in(self, image: npt.NDArray[np.uint8], level: float | None = None) -> "ColorModel":
+        """Model for a picture: itself for a color; for brightness with the picture's own level between dark and light.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+        level : float, optional
+            The level, if it is known.
+
+        Raises
+        ------
+        ValueError
+            If a color was learned on another kind of picture.
+        """
+        if not self.gray:
+            self.check(image)
+            return self
+        channels = 3 if image.ndim == 3 and image.shape[2] == 3 else 1
+        if self.gray == "edges" and channels == self.channels:
+            return self
+        return ColorModel(log_odds_of(self.gray, level_in(image) if level is None else level, channels), self.gray)
+
+    def sought_in(self, image: npt.NDArray[np.uint8]) -> "list[ColorModel]":
+        """Models by which a search finds candidates: itself, or dark and light where edges are asked for."""
+        if self.gray != "edges":
+            return [self]
+        level, channels = level_in(image), self.channels
+        return [ColorModel(log_odds_of(each, level, channels), each) for each in ("dark", "light")]
+
     def __or__(self, other: "ColorModel") -> "ColorModel":
         """Either color: the larger log-odds of the two (Epstein & Feldman, Section 4, filter a)."""
         if not isinstance(other, ColorModel):
             return NotImplemented
-        if self.channels != other.channels:
-            raise ValueError("a color and a gray model cannot be joined")
+        if self.channels != other.channels or self.gray or other.gray:
+            raise ValueError("a color and a gray model cannot be joined, nor can models of brightness")
         return ColorModel(np.maximum(self.log_odds, other.log_odds))
 
     def copy(self) -> "ColorModel":
         """Make a model of its own, so that adapting it leaves this one alone."""
-        return ColorModel(self.log_odds)
+        return ColorModel(self.log_odds, self.gray)
 
     def _scores(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
         if image.ndim == 2:
@@ -181,12 +231,11 @@ class ColorModel:
             If the picture is gray and the model is not, or the other way around.
         """
         check_image(image)
-        self.check(image)
-        return np.where(self._scores(image) > 0, 255, 0).astype(np.uint8)
+        return np.where(self.seen_in(image)._scores(image) > 0, 255, 0).astype(np.uint8)
 
     def check(self, image: npt.NDArray[np.uint8]) -> None:
         """Refuse a picture of another kind than the one that was learned (ValueError)."""
-        if (3 if image.ndim == 3 else 1) != self.channels:
+        if not self.gray and (3 if image.ndim == 3 and image.shape[2] == 3 else 1) != self.channels:
             kinds = {3: "color", 1: "gray"}
             raise ValueError(
                 f"the model was learned on {kinds[self.channels]} pictures, this one is {kinds[4 - self.channels]}"
@@ -203,7 +252,7 @@ class ColorModel:
         path = Path(path)
         partial = path.with_name(path.name + ".part")
         with partial.open("wb") as file:
-            np.savez_compressed(file, matchset_color=np.int64(VERSION), log_odds=self.log_odds)
+            np.savez_compressed(file, matchset_color=np.int64(VERSION), log_odds=self.log_odds, gray=self.gray)
         partial.replace(path)
 
     @classmethod
@@ -222,35 +271,12 @@ class ColorModel:
         try:
             with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
                 version, log_odds = int(archive["matchset_color"]), np.asarray(archive["log_odds"])
-            if version == VERSION:
-                return cls(log_odds)
+                gray = str(archive["gray"]) if "gray" in archive else ""
+            if version == VERSION and gray in ("", "dark", "light", "edges"):
+                return cls(log_odds, cast(Gray, gray))
         except FileNotFoundError:
             raise ValueError(f"no such color file: {path}") from None
         except Exception as error:  # whatever NumPy and zipfile make of a foreign file
             words = " ".join(str(error).split())
             raise ValueError(f"not a color file: {path} ({words or type(error).__name__})") from error
         raise ValueError(f"color file {path} has version {version}, this matchset reads version {VERSION}")
-
-
-def _learned_color(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
-    """Log-odds of the BGR cells: chroma counts, lightness only where the background says so."""
-    inside = chroma(target)
-    width = np.clip(inside[:, :2].std(axis=0) * len(inside) ** (-1 / 6), 0.018, 0.06)
-    wanted = density(inside, (float(width[0]), float(width[1]), 0.9))
-    other = density(chroma(background), (0.02, 0.02, 0.3))
-    cells = chroma(bin_centers())
-    uniform = 1.0 / (0.25 * wanted.size)
-    odds = (look_up(wanted, cells) * (1 - UNKNOWN[0]) + UNKNOWN[0] * uniform) / (
-        look_up(other, cells) * (1 - UNKNOWN[1]) + UNKNOWN[1] * uniform
-    )
-    return np.asarray(np.log(odds), np.float32)
-
-
-def _learned_gray(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
-    """Log-odds of the 256 gray values."""
-    shares = []
-    for pixels, unknown in zip((target, background), UNKNOWN, strict=True):
-        counts = np.bincount(pixels.ravel(), minlength=256).astype(np.float32)
-        smooth = cv2.GaussianBlur(counts.reshape(1, -1), (0, 0), 6.0, borderType=cv2.BORDER_REPLICATE).ravel()
-        shares.append(smooth / smooth.sum() * (1 - unknown) + unknown / 256.0)
-    return np.asarray(np.log(shares[0] / shares[1]), np.float32)

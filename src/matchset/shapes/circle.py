@@ -68,6 +68,8 @@ class Circle(msgspec.Struct, frozen=True):
     y: float
     radius: float
 
+    parameters: ClassVar[tuple[str, ...]] = ("x", "y", "radius")
+
     def __post_init__(self) -> None:
         if not (math.isfinite(self.x) and math.isfinite(self.y) and 0.0 < self.radius < math.inf):
             raise ValueError(f"a circle needs finite numbers and a positive radius, got {self}")
@@ -78,7 +80,7 @@ class Circle(msgspec.Struct, frozen=True):
         return np.array([self.x, self.y, self.radius, 0.0, 0.0])
 
     @classmethod
-    def from_state(cls, state: Floats) -> "Circle":
+    def from_state(cls, state: Floats, near: "Circle | None" = None) -> "Circle":  # noqa: ARG003 - there is one
         """Least-squares circle of a near-circle.
 
         The ellipse with modes c, s and e^2 = (c^2 + s^2) / radius^2 has, to second order, the least-squares circle of
@@ -87,6 +89,8 @@ class Circle(msgspec.Struct, frozen=True):
         Parameters
         ----------
         state : ndarray of shape (5,), float64
+        near : Circle, optional
+            Of no effect: a circle has one description.
 
         Raises
         ------
@@ -97,7 +101,7 @@ class Circle(msgspec.Struct, frozen=True):
         return cls(x, y, radius + (c * c + s * s) / radius if radius > 0.0 else radius)
 
     @classmethod
-    def from_coarse(cls, x: float, y: float, radius: float) -> "Circle":
+    def from_coarse(cls, x: float, y: float, radius: float, like: Floats | None = None) -> "Circle":  # noqa: ARG003
         """Circle from what a search saw: center and half-width, px."""
         return cls(x, y, radius)
 

@@ -7,10 +7,11 @@ guard their divisions themselves. `fastmath` is off; in `summing` kernels alone 
 that they are added several at a time. On one machine results are the same, bit for bit, from run to run.
 """
 
+import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -74,8 +75,26 @@ def inlined(function: F) -> F:
 
 
 def compiled(function: F) -> F:
-    """Compile a function that a user wrote, or leave it as it is if it is compiled."""
-    return function if hasattr(function, "py_func") else kernel(function)
+    """Compile a function that a user wrote, or leave it as it is if it is compiled; asked again, the same."""
+    if hasattr(function, "py_func"):
+        return function
+    if function not in _COMPILED:
+        _COMPILED[function] = _compiled_for_user(function)
+    found: F = _COMPILED[function]
+    return found
+
+
+_COMPILED: dict[Any, Any] = {}
+
+
+def _compiled_for_user(function: F) -> F:
+    """Compile a function; its code, and that of kernels that hold it, is kept only if another process finds it."""
+    alone: Any = numba.njit(nogil=True, error_model="numpy")
+    if function.__module__ not in sys.modules:  # made by exec
+        return cast(F, alone(function))
+    if getattr(sys.modules[function.__module__], "__file__", None) is None:  # typed into a shell
+        return cast(F, _identified(alone(function)))
+    return kernel(function)
 
 
 def plain(function: F) -> F:

@@ -11,11 +11,12 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape
+from matchset.shapes.shape import Shape, finds_itself, from_hull
 from matchset.tracking import detect_grid
 from matchset.tracking.doubt import drawn_out
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.regions import region_hulls
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
@@ -23,6 +24,7 @@ HOPELESS = 0.25  # agreement below which a candidate is given up at once
 MOVING = 8.0  # px per frame that a shape may move at first sight
 BORDER = 12  # cells of radius up to which votes are counted finely
 Floats = npt.NDArray[np.float64]
+Start = tuple[float, float, float, Floats]
 
 
 class SearchParameters(msgspec.Struct, frozen=True):
@@ -82,12 +84,8 @@ class Searcher:
         ndarray of shape (k, 4), float64
             x, y, radius, px; share of the outline that boundary cells confirm.
         """
-        if not self.fits:
+        if not self._look(image, color):
             return np.zeros((0, 4))
-        detect_grid.sample_grid(image, color.table, self.stride, self.grid)
-        detect_grid.smooth_grid(self.grid, self.sums, self.smooth)
-        detect_grid.smooth_grid(self.smooth, self.sums, self.grid)
-        self.smooth, self.grid = self.grid, self.smooth
         count = detect_grid.find_edges(self.smooth, self.edges)
         near = self._peaks(count, self.near, 1, BORDER, 1)
         far = self._peaks(count, self.far, BORDER - 3, self.longest, 2)
@@ -98,6 +96,32 @@ class Searcher:
         rough[:, 0] += 0.25 * self.stride
         rough[:, 1] += 0.5 * self.stride
         return rough
+
+    def hulls(self, image: npt.NDArray[np.uint8], color: ColorModel) -> list[Floats]:
+        """Rough convex outlines of the regions that look like the target, largest first.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+
+        Returns
+        -------
+        list of ndarray of shape (m, 2), float64
+            px.
+        """
+        if not self._look(image, color):
+            return []
+        return region_hulls(self.smooth, self.stride, self.parameters.candidates)
+
+    def _look(self, image: npt.NDArray[np.uint8], color: ColorModel) -> bool:
+        """Fill the smoothed grid with what a picture shows; False if the picture is too small for one."""
+        if self.fits:
+            detect_grid.sample_grid(image, color.table, self.stride, self.grid)
+            detect_grid.smooth_grid(self.grid, self.sums, self.smooth)
+            detect_grid.smooth_grid(self.smooth, self.sums, self.grid)
+            self.smooth, self.grid = self.grid, self.smooth
+        return self.fits
 
     def _peaks(
         self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int
@@ -140,22 +164,41 @@ class Finder(Generic[S]):
             What is known of them before.
         """
         seen: list[tuple[float, float, float]] = []
-        for x, y, radius, _ in self.searcher.candidates(image, color).tolist():
-            if _covered(seen, x, y, radius):
+        for starts in self._starts(image, color):
+            best, most = None, 0.0
+            for x, y, radius, start in starts:
+                if _covered(seen, x, y, radius):
+                    continue
+                reach = max(2.0 * self.searcher.stride, 0.2 * radius)
+                if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
+                    continue
+                if self._covered(seen) or self._refuted(image, color, prior) or self._covered(seen):
+                    continue
+                merit = self.judge.merit(self.matcher)
+                if best is None or merit > most:
+                    best, most = self.matcher.state.copy(), merit
+            if best is None:
                 continue
-            start = self.matcher.family.from_coarse(x, y, radius).state
-            reach = max(2.0 * self.searcher.stride, 0.2 * radius)
-            if not self.matcher.settle(image, color, start, Look(reach, least=HOPELESS)):
+            if len(starts) > 1:
+                self.matcher.settle(image, color, best, Look(4.0))
+            seen.append((float(best[0]), float(best[1]), self.matcher.size))
+            yield self.matcher.state.copy(), most
+
+    def _starts(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[list[Start]]:
+        """Where fits may begin: for each candidate one or several of x, y, half-width and state."""
+        family = self.matcher.family
+        for sought in color.sought_in(image):
+            if finds_itself(family):
+                for hull in self.searcher.hulls(image, sought):
+                    states = [shape.state for shape in from_hull(family, hull)]
+                    yield [(float(s[0]), float(s[1]), float(family.half_width(s)), s) for s in states]
                 continue
-            state, size = self.matcher.state.copy(), self.matcher.size
-            if _covered(seen, float(state[0]), float(state[1]), size):
-                continue
-            if self._refuted(image, color, prior):
-                continue
-            state, size = self.matcher.state.copy(), self.matcher.size
-            if not _covered(seen, float(state[0]), float(state[1]), size):
-                seen.append((float(state[0]), float(state[1]), size))
-                yield state, self.judge.merit(self.matcher)
+            for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
+                yield [(x, y, radius, family.from_coarse(x, y, radius).state)]
+
+    def _covered(self, seen: list[tuple[float, float, float]]) -> bool:
+        """Whether the shape that was fitted is one that was seen already."""
+        return _covered(seen, float(self.matcher.state[0]), float(self.matcher.state[1]), self.matcher.size)
 
     def _refuted(self, image: npt.NDArray[np.uint8], color: ColorModel, prior: Prior) -> str:
         """Judge the shape that was fitted: why it is none, empty if it is one.
@@ -196,7 +239,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     ----------
     frame : Frame
     family : type
-        The family of shapes: `Circle`.
+        The family of shapes: `Circle`, `Rectangle`, ...
     color : ColorModel
     limit : int
         How many at most.
@@ -213,9 +256,8 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     """
     if limit < 1:
         raise ValueError(f"detect needs a limit of at least 1, got {limit}")
-    color.check(frame.image)
-    image = channels_last(frame.image)
-    finder = _finder(family, image.shape[1], image.shape[0])
+    image, color = channels_last(frame.image), color.seen_in(frame.image)
+    finder = _finder(family, image.shape[1], image.shape[0], max(SearchParameters().candidates, limit + limit // 5))
     found = [(merit, finder.matcher.track(frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])
     return [track for _, track in found[:limit]]
@@ -225,16 +267,19 @@ class _Memory(threading.local):
     """The finder that a thread used last: its working memory takes longer to make than a search takes."""
 
     finder: Finder[Any] | None = None
+    wanted: tuple[Any, ...] = ()
 
 
 _memory = _Memory()
 
 
-def _finder(family: type[S], width: int, height: int) -> Finder[S]:
+def _finder(family: type[S], width: int, height: int, candidates: int) -> Finder[S]:
     """Working memory for a search in this thread."""
-    finder = _memory.finder
-    if finder is None or finder.matcher.family is not family or finder.searcher.size != (width, height):
-        finder = _memory.finder = Finder(Matcher(family, 64), Judge(), Searcher(width, height))
+    finder, wanted = _memory.finder, (family, width, height, candidates)
+    if finder is None or _memory.wanted != wanted:
+        parameters = SearchParameters(candidates=candidates)
+        finder = _memory.finder = Finder(Matcher(family, 64), Judge(), Searcher(width, height, parameters))
+        _memory.wanted = wanted
     finder.matcher.forget()
     return finder
 

@@ -2,7 +2,7 @@
 
 A hand, a stripe or a dark background can pull a fit to a wrong shape that touches the right one on one side. So shapes
 a little larger and a little smaller, moved to each of eight sides, are fitted too, and the one with the best evidence
-stays.
+stays. A shape with sides may have lost one of them, so its sides are moved one by one.
 """
 
 import math
@@ -21,6 +21,9 @@ Floats = npt.NDArray[np.float64]
 
 LARGER, SMALLER = 0.15, -0.13  # changes of size that are tried, in half-widths
 AIM = 1.0  # px: as exact a prediction may be
+SIDE_MOVES = 0.4, 0.2, -0.2  # by how far a side is moved out and in, in half-widths
+LEAST_FREE, MOST_FREE = 5, 7  # numbers of a state with which a side can move alone, and nothing else is free
+APART, MOST_SIDES = 1e-6, 8  # squared difference of normals that parts two sides; most sides that are moved
 BETTER = 0.03  # by how much another shape must be better
 STRETCH = 0.01  # half-widths by which the modes must grow to be worth a look
 ROUNDS = 4  # of reweighting
@@ -29,13 +32,40 @@ FARTHEST, ENOUGH = 0.4, 0.7  # half-widths up to which residuals count, and the 
 
 def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
     """States around the matcher's, each to be fitted: larger and smaller on each of eight sides."""
+    sides = _sides(matcher)
+    if sides:
+        yield from _moved_sides(matcher, sides)
+        return
     x, y = float(matcher.state[0]), float(matcher.state[1])
-    size = matcher.size
+    size, like = matcher.size, matcher.state.copy()
     for change in (LARGER, SMALLER):
         for side in range(8):
             away = change * size
             turn = 0.25 * math.pi * side
-            yield matcher.family.from_coarse(x + away * math.cos(turn), y + away * math.sin(turn), size + away).state
+            place = x + away * math.cos(turn), y + away * math.sin(turn)
+            yield matcher.family.from_coarse(*place, size + away, like).state
+
+
+def _sides(matcher: Matcher[S]) -> list[npt.NDArray[np.bool_]]:
+    """Which lines cross which side of the outline; none where it has no sides, or they cannot move by themselves."""
+    if not matcher.has_corners or not LEAST_FREE <= len(matcher.state) <= MOST_FREE:
+        return []
+    normals = matcher.parts.outline[:, 2:4]
+    first = np.flatnonzero(((normals - np.roll(normals, 1, axis=0)) ** 2).sum(axis=1) > APART)
+    if not 3 <= len(first) <= MOST_SIDES:
+        return []
+    which = (np.searchsorted(first, np.arange(len(normals)), side="right") - 1) % len(first)
+    return [which == k for k in range(len(first))]
+
+
+def _moved_sides(matcher: Matcher[S], sides: list[npt.NDArray[np.bool_]]) -> Iterator[Floats]:
+    """States that move one side alone out or in, as well as the family can."""
+    outline, s = matcher.parts.outline, len(matcher.state)
+    moves, state, size = outline[:, 4 : 4 + s].copy(), matcher.state.copy(), matcher.size
+    for side in sides:
+        step = np.linalg.lstsq(moves, side.astype(np.float64), rcond=None)[0]
+        for change in SIDE_MOVES:
+            yield state + change * size * step
 
 
 def worth(matcher: Matcher[S]) -> float:

@@ -1,6 +1,7 @@
 """Is it there? The verdicts in words, and what a first sight must show."""
 
 import enum
+import math
 from typing import TypeVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from matchset.tracking.verdict import (
     EDGELESS,
     FOREIGN,
     LEFT,
+    MOST_CORNERS,
     OTHER_SHAPE,
     OUTSIDE,
     UNCONFIRMED,
@@ -84,7 +86,7 @@ class Judge:
         whole = fit(SEEN) >= WHOLE * matcher.points  # at the border a card may pass for a ball that leaves
         leeway = limits.expected if prior is Prior.HERE and whole else 1.0
         doubt = limits.part_doubt * max(WHOLE - fit(SEEN) / matcher.points, 0.0)
-        if prior is Prior.NONE:
+        if prior is Prior.NONE and matcher.parts.judge[MOST_CORNERS] < math.inf:
             doubt += limits.corner_doubt * max(fit(CORNERS) - ROUND, 0.0)
         if fit(EVIDENCE) < leeway * np.interp(matcher.size, (8.0, 12.0, 24.0), least[::-1]) + doubt:
             return f"only {100.0 * fit(EVIDENCE):.0f} % of the outline speaks for it"

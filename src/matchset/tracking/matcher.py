@@ -9,12 +9,14 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.shapes.jit import compiled, plain
-from matchset.shapes.shape import Shape
+from matchset.shapes.rules import check_family
+from matchset.shapes.shape import Shape, corners, nearest, places, slopes, steady
 from matchset.tracking import memory, motion
+from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
-from matchset.tracking.verdict import SURE, JudgeParameters
+from matchset.tracking.verdict import MOST_CORNERS, MOST_HOLLOW, SURE, JudgeParameters
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -47,6 +49,9 @@ class MatchParameters(msgspec.Struct, frozen=True):
         How near an edge point must be to the outline to confirm it, in half-widths, between 1.2 and 3 px.
     turns : int
         How often the outline is traced anew at most.
+    start, side_start : float
+        Noise with which a fit begins at least, px, for round shapes and for those with corners: one side that is off
+        is not called back by the others, so it must be seen from farther.
     """
 
     margin: int = 4
@@ -56,6 +61,14 @@ class MatchParameters(msgspec.Struct, frozen=True):
     floor: float = 0.4
     tolerance: float = 0.06
     turns: int = 4
+    start: float = 1.0
+    side_start: float = 2.0
+
+
+# places of the parameters in `Views.match`
+_PLACES = {name: place for place, name in enumerate(MatchParameters.__struct_fields__)}
+SIDE_START = _PLACES["side_start"]
+assert _PLACES["start"] == START
 
 
 class Look(NamedTuple):
@@ -99,6 +112,10 @@ class Matcher(Generic[S]):
     ----------
     state : ndarray of shape (s,), float64
         The state that the last fit reached; overwritten by the next one.
+    last : Shape or None
+        The last answer.
+    has_corners : bool
+        Whether the family's shapes have corners.
     """
 
     def __init__(
@@ -109,20 +126,27 @@ class Matcher(Generic[S]):
         judge: JudgeParameters | None = None,
         track: TrackerParameters | None = None,
     ) -> None:
+        check_family(family)
         self.family, self.points = family, points
-        start = family.from_coarse(0.0, 0.0, 1.0).state
-        count = len(family.__struct_fields__)
-        self._memory = memory.Memory(points, len(start), count)
+        shape = family.from_coarse(0.0, 0.0, 1.0)
+        where = places(family, points)
+        self._memory = memory.Memory(points, len(shape.state), len(family.parameters), where.shape[1])
         self.parts = parts = self._memory.parts
-        self._step = make_step(compiled(family.trace), compiled(family.half_width), count)
-        angles = 2.0 * math.pi * (np.arange(points) + 0.5) / points
-        shares = INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)
-        parts.rays[:] = np.column_stack((np.cos(angles), np.sin(angles), shares))
+        self._step = make_step(compiled(family.trace), compiled(family.half_width))
+        parts.rays[:] = np.column_stack((where, INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)))
         self.state = parts.state
         chosen = (match or MatchParameters(), judge or JudgeParameters(), track or TrackerParameters())
         for place, parameters in zip((parts.match, parts.judge, parts.track), chosen, strict=True):
             numbers = msgspec.structs.astuple(parameters)
             place[: len(numbers)] = numbers
+        self.has_corners = corners(shape) is not None
+        if self.has_corners:
+            parts.judge[MOST_CORNERS] = math.inf  # corners speak against round shapes only
+            parts.judge[MOST_HOLLOW] = math.inf  # and a printed mark has another color inside
+            parts.match[START] = parts.match[SIDE_START]
+        parts.track[STEADY] = steady(family)
+        self._translates = slopes(shape) is not None
+        self.last: S | None = None
         arrays = self._memory
         self._own = arrays.block, *arrays.tables
         self._work = arrays.runs, arrays.pixels, arrays.sums, *self._own
@@ -161,7 +185,7 @@ class Matcher(Generic[S]):
         verdict, (support, points, covariance) = self._step(image, color.table, *self._work, FOLLOW, time, passed)
         if verdict != SURE:
             return verdict
-        return Track(self.family.from_state(self.state), covariance, support, points, time)
+        return self._answer(support, points, covariance, time)
 
     def predict(self, time: float, missed: float) -> Floats:
         """Extrapolate the motion to a time, s, `missed` frames after the last sighting; the state, (s,), expected."""
@@ -183,12 +207,36 @@ class Matcher(Generic[S]):
     def _tell(self, way: int, time: float) -> Track[S]:
         """Answer with what was fitted, taken in or not."""
         _, (support, points, covariance) = self._step(NOTHING, NO_COLOR, *self._work, way, time, 1.0)
-        return Track(self.family.from_state(self.state), covariance, support, points, time)
+        return self._answer(support, points, covariance, time)
+
+    def _answer(self, support: float, points: Floats, covariance: Floats, time: float) -> Track[S]:
+        """Describe the state by the family's parameters, as the last one was described."""
+        self.last = shape = self.family.from_state(self.state, self.last)
+        by = slopes(shape) if self._translates else None
+        if by is not None:
+            covariance = by @ covariance @ by.T
+        return Track(shape, covariance, support, points, time)
+
+    def describe_like(self, shape: S) -> None:
+        """Describe the next answer as this shape is: a square has four angles."""
+        self.last = shape
+
+    def shape_of(self, state: Floats) -> S | None:
+        """Shape of an extrapolated state, None where it has shrunk to nothing."""
+        try:
+            return self.family.from_state(state, self.last)
+        except ValueError:
+            return None
+
+    def alike(self, state: Floats) -> Floats:
+        """Of the states with the same outline the one nearest to the last one that was seen."""
+        return nearest(self.family, state, self.parts.seen)
 
     def forget(self) -> None:
         """Begin anew: nothing is left of earlier pictures."""
         fit = self.parts.fit
         fit[:] = 0.0
+        self.last = None
         fit[memory.GRAIN] = FIRST_GRAIN
 
     def trust_modes(self) -> None:

@@ -95,5 +95,6 @@ def measure(
     fit[SEEN], fit[CONFIRMED], fit[AGREEMENT], fit[EVIDENCE], fit[WAVE], fit[CORNERS] = review_lines(
         found, edges, runs, parts.rays, tolerance
     )
-    fit[INSIDE], fit[CORE], fit[HOLLOW] = count_inside(image, table, outline, parts.rays[:, 2], state[0], state[1])
+    shares = parts.rays[:, parts.rays.shape[1] - 1]
+    fit[INSIDE], fit[CORE], fit[HOLLOW] = count_inside(image, table, outline, shares, state[0], state[1])
     return noise, moved

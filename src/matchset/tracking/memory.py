@@ -26,6 +26,9 @@ FIELDS = 13
 # frame times the distance between the fields along it, and of that way squared, px^2
 TIME, SPEED, SURPRISE, USUAL, SHEARED, MOVED = range(6)
 
+STEADY = LIMITS - 1  # place in `Views.track`: from which number on a state changes slowly, see `shapes.shape.steady`
+START = 7  # place in `Views.match`: noise with which a fit begins at least, px
+
 # places in `Views.look`: how far to look for a shape, see `Look`
 REACH, RATE, SIGMA, LEAST = range(4)
 
@@ -45,9 +48,9 @@ class Views(NamedTuple):
         Offset of the first pixel of each line, and offset per pixel, px.
     found : (n, 3)
         What the fit took on each line, see `fit_lines`.
-    rays : (n, 3)
-        Cosine and sine of the angle of each line around the shape, and a share of the way from the center to the
-        outline where the inside is looked at.
+    rays : (n, >= 3)
+        The place of each line on the outline, see `shapes.shape.places`: cosine and sine of its angle first; in the
+        last column a share of the way from the center to the outline where the inside is looked at.
     covariance : (p, s + 2)
     state, begin : (s,)
         Where the fit is, and where it began.
@@ -127,6 +130,8 @@ class Memory:
         Number of lines.
     states, count : int
         How many numbers the state of the shape has, and how many of them are its parameters.
+    width : int
+        How many numbers tell of a line's place.
 
     Attributes
     ----------
@@ -143,14 +148,14 @@ class Memory:
         What `match_lines` reads and adds up.
     """
 
-    def __init__(self, n: int, states: int, count: int) -> None:
+    def __init__(self, n: int, states: int, count: int, width: int = 2) -> None:
         self.block = np.zeros(5 * states + 3 * count + FITS + CLOCKS + LOOKS + 3 * LIMITS)
         self.tables = (
             np.zeros((n, states + 6)),
             np.zeros((n, CANDIDATES, 3)),
             np.zeros((n, 2)),
             np.zeros((n, 3)),
-            np.zeros((n, 3)),
+            np.zeros((n, width + 1)),
             np.zeros((count, states + 2)),
         )
         self.parts = plain(views)(self.block, *self.tables)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import inlined
-from matchset.tracking.memory import FIELDS, MOVED, RATE, SHEARED, SPEED, SURPRISE, TIME, Views
+from matchset.tracking.memory import FIELDS, MOVED, RATE, SHEARED, SPEED, STEADY, SURPRISE, TIME, Views
 
 Floats = npt.NDArray[np.float64]
 
@@ -89,7 +89,7 @@ def predict(parts: Views, time: float, missed: float, trust: float) -> None:
     for k in range(velocity.shape[0]):
         parts.expected[k] = parts.seen[k] + ahead * velocity[k]
     for k in range(spread.shape[0]):
-        parts.room[k] = missed * (trust * spread[k] + LEAST)
+        parts.room[k] = missed * (LEAST if k >= parts.track[STEADY] else trust * spread[k] + LEAST)
     parts.clock[SPEED], parts.clock[SURPRISE] = math.hypot(velocity[0], velocity[1]), spread[0]
 
 

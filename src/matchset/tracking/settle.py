@@ -22,15 +22,13 @@ NEAR = 0.04  # px: a square move below so much of the half-width leaves the line
 SMALL, LARGE = 2.0, 1e5  # half-widths between which a shape can be fitted, px
 
 
-def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any], p: int) -> Callable[..., bool]:
+def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., bool]:
     """Compile the fit for a family of shapes.
 
     Parameters
     ----------
     trace, half_width : callable
         Compiled, see `Shape`.
-    p : int
-        How many of the state's numbers are parameters; the others are modes.
 
     Returns
     -------
@@ -68,7 +66,7 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any], p: in
                 break
             reach, sigma = max(4.0, 2.0 + 0.5 * speed), 1.0
         size, modes = half_width(state), 0.0
-        for k in range(p, state.shape[0]):
+        for k in range(parts.spread.shape[0], state.shape[0]):
             modes += state[k] * state[k]
         fit[NOISE], fit[SIZE], fit[BENT] = noise, size, math.sqrt(modes) / size
         return bool(SMALL < size < LARGE)

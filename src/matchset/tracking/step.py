@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from matchset.shapes.jit import inlined, kernel
 from matchset.tracking import motion
-from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, SURPRISE, TIME, Views, views
+from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, START, SURPRISE, TIME, Views, views
 from matchset.tracking.parameters import LEAST_REACH, MOST_REACH, TRUST
 from matchset.tracking.settle import make_settle
 from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doubtful, is_near, missing, take_in
@@ -32,15 +32,13 @@ WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL = range(5)
 
 
 @functools.cache
-def make_step(trace: Callable[..., Any], half_width: Callable[..., Any], p: int) -> Callable[..., tuple[int, Answer]]:
+def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., tuple[int, Answer]]:
     """Make the step of a family.
 
     Parameters
     ----------
     trace, half_width : callable
         Compiled, see `Shape`.
-    p : int
-        How many of its state's numbers are its parameters.
 
     Returns
     -------
@@ -48,7 +46,7 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any], p: int)
         ``step(image, table, runs, pixels, sums, *own, way, time, passed)``, with ``own`` the block and the tables of a
         `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, the answer.
     """
-    follow = _make_follow(make_settle(trace, half_width, p), half_width)
+    follow = _make_follow(make_settle(trace, half_width), half_width)
 
     @kernel
     def step(
@@ -105,7 +103,7 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
             motion.predict(parts, time, missed, limits[TRUST])
             surprise = clock[SURPRISE] * missed
             ask[REACH] = min(limits[LEAST_REACH] + 2.0 * surprise, limits[MOST_REACH])
-            ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, 1.0), 0.0
+            ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, parts.match[START]), 0.0
             for k in range(parts.state.shape[0]):  # a loop compiles in a tenth of the time of `[:] =`
                 parts.state[k] = parts.expected[k]
         if not settle(image, table, parts, runs, pixels, sums, spread):

@@ -6,15 +6,16 @@ from typing import Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape
+from matchset.shapes.shape import Shape, finds_itself
+from matchset.tracking.begin import begin_near
 from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, alternatives, worth
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
-from matchset.tracking.memory import CONFIRMED, EVIDENCE, INSIDE, SEEN, SPEED, SURPRISE, TIME
+from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
+from matchset.tracking.palette import learn, suited
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.place import Place
 from matchset.tracking.track import Lost, Track
@@ -28,6 +29,7 @@ Image = npt.NDArray[np.uint8]
 FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
 PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
 FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
+AGAIN = 4  # every so many frames a shape that is confirmed and doubtful is looked at again; circles always are
 TEACH = 3  # every so many frames the color may learn: light changes slowly
 
 
@@ -37,7 +39,7 @@ class Tracker(Generic[S]):
     Parameters
     ----------
     family : type
-        The family of shapes: `Circle`.
+        The family of shapes: `Circle`, `Rectangle`, ...
     color : ColorModel
         What the target looks like; the tracker adapts a copy of its own, `tracker.color`.
     points : int
@@ -78,8 +80,10 @@ class Tracker(Generic[S]):
         self.parameters = parameters or TrackerParameters()
         self.color = color.copy()
         self._learned = self.color.log_odds.copy()
+        self._begun: S | None = None
         self._family = family
         self._matcher: Matcher[S] = Matcher(family, points, track=self.parameters)
+        self._doubts = AGAIN if finds_itself(family) else 1
         self._judge = Judge()
         self._wish = start
         self._follows = False
@@ -104,8 +108,9 @@ class Tracker(Generic[S]):
         """
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
-        spread = 3.0 + 0.1 * self._family.half_width(shape.state)
-        self._matcher.begin(shape.state, self._time, spread)
+        self._matcher.begin(shape.state, self._time, 3.0 + 0.1 * self._family.half_width(shape.state))
+        self._matcher.describe_like(shape)
+        self._begun = shape
         self._follows = True
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
@@ -129,6 +134,8 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._admit(frame)
+        if self._begun is not None or (self.color.gray and not self._follows):
+            self._adopt(image)
         if not self._follows:
             return self._search(image, "nothing of this color and shape is in the picture")
         found = self._matcher.advance(image, self.color, frame.time, self._interval)
@@ -137,8 +144,7 @@ class Tracker(Generic[S]):
             if reason:
                 return self._search(image, reason)
             found = self._matcher.take_in(frame.time)
-        if self._frames % TEACH == 0:
-            self._learn(image)
+        self._learn(image)
         return found
 
     def _admit(self, frame: Frame) -> Image:
@@ -180,7 +186,7 @@ class Tracker(Generic[S]):
         speed, surprise = self._interval * matcher.clock(SPEED), matcher.clock(SURPRISE)
         if reason and limits.least_reach + 2.0 * surprise * missed < limits.most_reach:
             reason = self._try(image, expected, Look(limits.most_reach, speed))
-        if is_doubtful(matcher.parts.fit, matcher.points):
+        if is_doubtful(matcher.parts.fit, matcher.points) and (reason or self._frames % self._doubts == 0):
             reason = self._look_again(image, reason, speed)
         here, there = self._place(expected), self._place(matcher.state)
         if not reason:
@@ -232,20 +238,19 @@ class Tracker(Generic[S]):
         return not self._judge.first_sight(self._matcher, prior) and here.reachable(there, missed, self.parameters)
 
     def _learn(self, image: Image) -> None:
-        """Learn the color from a shape that is whole and well confirmed."""
-        matcher, limits = self._matcher, self.parameters
-        seen = matcher.fit(SEEN)
-        good = seen == matcher.points and matcher.fit(CONFIRMED) >= limits.adapt_support * seen
-        if good and limits.adapt_rate > 0.0 and matcher.fit(INSIDE) >= limits.adapt_inside:
-            self._teach(image)
+        """Learn the color, in every third frame a little."""
+        if self._frames % TEACH == 0:
+            learn(image, self._matcher, self.color, self._learned, self._frames // TEACH, self.parameters)
 
-    def _teach(self, image: Image) -> None:
-        """Teach the color a quarter of the outline's surroundings, another one in every frame."""
-        matcher, color, rate = self._matcher, self.color, self.parameters.adapt_rate
-        x, y = float(matcher.state[0]), float(matcher.state[1])
-        begin = self._frames // TEACH % 4
-        outline, shares = matcher.parts.outline, matcher.parts.rays[:, 2]
-        adapt_table(image, color.log_odds, self._learned, color.table, outline, shares, x, y, begin, rate)
+    def _adopt(self, image: Image) -> None:
+        """Take the model as it suits this picture, and the shape that was said to be in it."""
+        said, self._begun = self._begun, None
+        if self.color.gray:
+            self.color = suited(self.color, image, said)
+            self._learned = self.color.log_odds.copy()
+        if said is not None and self._doubts > 1:
+            state, spread = begin_near(image, self.color, self._matcher, said)
+            self._matcher.begin(state, -math.inf, spread)
 
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
@@ -253,29 +258,25 @@ class Tracker(Generic[S]):
         if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
             self._follows = False
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
+        if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
+            self._follows, expected = False, None
         best = self._choose(image, expected) if self.parameters.search else None
         if best is None:
-            return Lost(reason, self._time, None if expected is None else self._shape(expected))
+            return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         lone = expected is None and self._wish is None
-        self._try(image, best, Look(4.0, MOVING if lone else 0.0))
+        self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0))
         if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
             return Lost(refuted, self._time)
+        if not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
+            return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None
         if matcher.fit(EVIDENCE) > CLEAR:
             self._faint = 0
         found = matcher.take_in(self._time)
-        if self._frames % TEACH == 0:
-            self._learn(image)
+        self._learn(image)
         return found
-
-    def _shape(self, state: Floats) -> S | None:
-        """Shape of an extrapolated state, None where it has shrunk to nothing."""
-        try:
-            return self._family.from_state(state)
-        except ValueError:
-            return None
 
     def _choose(self, image: Image, expected: Floats | None) -> Floats | None:
         """State of the sighting to go on with, or None."""

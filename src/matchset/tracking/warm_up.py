@@ -2,11 +2,12 @@
 
 from typing import TypeVar
 
+import cv2
 import numpy as np
 
 from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
-from matchset.shapes.shape import Shape
+from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.detect import Searcher
 from matchset.tracking.judge import Judge
 from matchset.tracking.matcher import Look, Matcher
@@ -14,11 +15,11 @@ from matchset.tracking.verdict import is_doubtful, is_near, is_other_shape, miss
 
 S = TypeVar("S", bound=Shape)
 
-MIDDLE, SIZE = 31.5, 20.0  # of a disc in a small picture, px
+MIDDLE, SIZE = 31.5, 20.0  # of a shape in a small picture, px
 
 
 def warm_up(family: type[S], cells: int, channels: int) -> None:
-    """Run every kernel of a tracker once on a small picture of a disc, so that no frame waits for the compiler.
+    """Run every kernel of a tracker once on a small picture of the shape, so that no frame waits for the compiler.
 
     Parameters
     ----------
@@ -30,11 +31,11 @@ def warm_up(family: type[S], cells: int, channels: int) -> None:
         Of the pictures to come.
     """
     color = ColorModel(np.linspace(-4.0, 4.0, cells, dtype=np.float32))
-    image = np.zeros((64, 64, channels), np.uint8)
-    places = np.arange(64) - MIDDLE
-    image[np.hypot(places[:, None], places[None, :]) < SIZE] = 255
     matcher: Matcher[S] = Matcher(family, 16)
-    state = family.from_coarse(MIDDLE, MIDDLE, SIZE).state
+    shape = family.from_coarse(MIDDLE, MIDDLE, SIZE)
+    state, plain = shape.state, np.zeros((64, 64), np.uint8)
+    cv2.fillConvexPoly(plain, np.rint(outline(shape)).astype(np.int32), 255)
+    image = np.ascontiguousarray(np.repeat(plain[:, :, np.newaxis], channels, axis=2))
     matcher.settle(image, color, state, Look(6.0))
     parts = matcher.parts
     Judge().following(matcher)
@@ -47,6 +48,7 @@ def warm_up(family: type[S], cells: int, channels: int) -> None:
     matcher.take_in(1.0)
     matcher.predict(2.0, 1.0)
     matcher.advance(image, color, 2.0, 1.0)
-    Searcher(64, 64).candidates(image, color)
+    searcher = Searcher(64, 64)
+    searcher.hulls(image, color) if finds_itself(family) else searcher.candidates(image, color)
     first = color.log_odds.copy()
-    adapt_table(image, color.log_odds, first, color.table, parts.outline, parts.rays[:, 2], MIDDLE, MIDDLE, 0, 0.0)
+    adapt_table(image, color.log_odds, first, color.table, parts.outline, parts.rays[:, -1], MIDDLE, MIDDLE, 0, 0.0)

@@ -1,0 +1,78 @@
+"""Which shape is looked for, as the command line says it: `--shape`."""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from matchset.shapes.circle import Circle
+from matchset.shapes.convex import Convex
+from matchset.shapes.ellipse import Ellipse
+from matchset.shapes.polygon import Polygon
+from matchset.shapes.quadrilateral import Quadrilateral
+from matchset.shapes.rectangle import Rectangle
+
+_FAMILIES: dict[str, type[Any]] = {
+    "circle": Circle,
+    "ellipse": Ellipse,
+    "rectangle": Rectangle,
+    "quadrilateral": Quadrilateral,
+}
+_REGULAR = {"triangle": 3, "pentagon": 5, "hexagon": 6, "octagon": 8}
+_POINTS = re.compile(r"\s*(?:-?\d+(?:\.\d+)?,-?\d+(?:\.\d+)?[\s;]+){2,}-?\d+(?:\.\d+)?,-?\d+(?:\.\d+)?\s*")
+NAMES = ", ".join([*_FAMILIES, *_REGULAR])
+
+
+def parse_shape(text: str) -> type[Any]:
+    """Read a shape.
+
+    Parameters
+    ----------
+    text : str
+        A name ("circle", "ellipse", "rectangle", "quadrilateral", a regular "triangle", "pentagon", "hexagon" or
+        "octagon"); corners, "0,0 4,0 0,3"; or a picture file of an outline, bright inside. Behind a name, corners or
+        file ":affine": it is seen from the side.
+
+    Returns
+    -------
+    type
+        The family of shapes.
+
+    Raises
+    ------
+    ValueError
+        If it is none of them.
+    """
+    what, _, motion = text.partition(":affine")
+    if motion:
+        raise ValueError(f"behind ':affine' nothing follows, got --shape {text!r}")
+    affine = text != what
+    name = what.strip().lower()
+    if name in _FAMILIES:
+        if affine:
+            raise ValueError(f"--shape {name} has no ':affine'; choose quadrilateral or ellipse")
+        return _FAMILIES[name]
+    if name in _REGULAR:
+        turns = [2.0 * math.pi * k / _REGULAR[name] - 0.5 * math.pi for k in range(_REGULAR[name])]
+        return Polygon.of([(math.cos(t), math.sin(t)) for t in turns], "affine" if affine else "similarity")
+    if _POINTS.fullmatch(what):
+        corners = [tuple(map(float, each.split(","))) for each in re.split(r"[\s;]+", what.strip())]
+        return Polygon.of(corners, "affine" if affine else "similarity")
+    return _outline_in(Path(what), affine)
+
+
+def _outline_in(path: Path, affine: bool) -> type[Any]:
+    """Read the outline of the bright thing in a picture file."""
+    try:
+        packed = np.frombuffer(path.read_bytes(), np.uint8)
+    except OSError:
+        raise ValueError(
+            f"--shape is {NAMES}, corners as '0,0 4,0 0,3', or a picture file; got {str(path)!r}"
+        ) from None
+    picture = cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE) if len(packed) else None
+    if picture is None:
+        raise ValueError(f"--shape: {path} is not a picture")
+    return Convex.of(np.asarray(picture > 127), "affine" if affine else "similarity")

@@ -1,0 +1,94 @@
+"""Brightness in place of color: dark things, light things, and edges of either kind.
+
+Nothing is learned here: a thing is dark if it is darker than a level, and the level comes from the picture itself, as
+the gray value that parts its pixels best in two (Otsu's method), or from what lies on the two sides of an outline.
+"""
+
+import functools
+import math
+from typing import Literal
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Gray = Literal["", "dark", "light", "edges"]
+
+SOFT = 12.0  # gray levels per unit of log-odds: how gradual the step from target to background is
+SAMPLES = 96  # rows and columns of a picture that are looked at for its level, at most
+WITHIN, BEYOND = 0.8, 1.25  # how far out both sides of an outline are looked at, in half-widths
+HARDLY = 1e-2  # log-odds of everything where edges alone count: the inside says nothing
+
+
+def log_odds_of(gray: Gray, level: float, channels: int) -> npt.NDArray[np.float32]:
+    """Log-odds of a table for dark or light things, or for edges.
+
+    Parameters
+    ----------
+    gray : "dark", "light" or "edges"
+    level : float
+        The gray value between target and background.
+    channels : int
+        3 for the 32 x 32 x 32 cells of color pictures, 1 for 256 gray values.
+
+    Returns
+    -------
+    ndarray of shape (32768,) or (256,), float32
+    """
+    values = _lightness() if channels == 3 else np.arange(256, dtype=np.float32)
+    if gray == "edges":
+        return np.full(values.shape, HARDLY, np.float32)
+    sign = 1.0 if gray == "light" else -1.0
+    return np.asarray(sign * (values - np.float32(level)) / SOFT, np.float32)
+
+
+@functools.cache
+def _lightness() -> npt.NDArray[np.float32]:
+    """Gray value in the middle of each color cell."""
+    level = np.arange(32, dtype=np.float32) * 8.0 + 3.5
+    b, g, r = np.meshgrid(level, level, level, indexing="ij")
+    return np.asarray(0.114 * b + 0.587 * g + 0.299 * r, np.float32).ravel()
+
+
+def level_in(image: npt.NDArray[np.uint8]) -> float:
+    """Gray value that parts a picture best in dark and light, from a few thousand of its pixels.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+    """
+    rows, columns = image.shape[:2]
+    few = np.ascontiguousarray(image[:: max(rows // SAMPLES, 1), :: max(columns // SAMPLES, 1)])
+    if few.ndim == 3:
+        few = np.asarray(cv2.cvtColor(few, cv2.COLOR_BGR2GRAY) if few.shape[2] == 3 else few[:, :, 0], np.uint8)
+    level, _ = cv2.threshold(few, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    return float(level) + 0.5
+
+
+def level_across(image: npt.NDArray[np.uint8], points: Floats, x: float, y: float) -> float:
+    """Gray value half way between the two sides of an outline.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+    points : ndarray of shape (n, 2), float64
+        The outline, px.
+    x, y : float
+        Its center, px.
+
+    Returns
+    -------
+    float
+        NaN where the picture does not hold both sides.
+    """
+    center, sides = np.array([x, y]), []
+    for share in (WITHIN, BEYOND):
+        places = np.rint(center + share * (points - center)).astype(np.int64)
+        inside = ((places >= 0) & (places < image.shape[1::-1])).all(axis=1)
+        pixels = image[places[inside, 1], places[inside, 0]].reshape(int(inside.sum()), -1).astype(np.float64)
+        if len(pixels) == 0:
+            return math.nan
+        weights = (0.114, 0.587, 0.299) if pixels.shape[1] == 3 else (1.0,)
+        sides.append(float(np.median(pixels @ np.array(weights))))
+    return 0.5 * (sides[0] + sides[1])

@@ -1,0 +1,75 @@
+"""`--shape` and `--gray`: what they read, what they refuse, and a run with them."""
+
+import csv
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import matchset as ms
+from matchset.app.cli import app
+from matchset.app.shape_option import parse_shape
+from matchset.sim.flat import draw_flat
+
+run = CliRunner().invoke
+
+
+def test_names_corners_and_pictures(tmp_path: Path) -> None:
+    assert parse_shape("circle") is ms.Circle
+    assert parse_shape("Rectangle") is ms.Rectangle
+    assert parse_shape("quadrilateral") is ms.Quadrilateral
+    assert parse_shape("octagon").parameters == ("x", "y", "scale", "angle")
+    assert len(parse_shape("0,0 4,0 0,3:affine").parameters) == 6
+    picture = np.zeros((80, 100), np.uint8)
+    cv2.ellipse(picture, (50, 40), (30, 20), 0, 0, 360, 255, -1)
+    cv2.imwrite(str(tmp_path / "leaf.png"), picture)
+    assert parse_shape(str(tmp_path / "leaf.png")).parameters == ("x", "y", "scale", "angle")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("blob", "or a picture file"),
+        ("circle:affine", "has no ':affine'"),
+        ("0,0 4,0 4,4 2,1", "convex"),
+        ("octagon:affine2", "nothing follows"),
+    ],
+)
+def test_what_is_no_shape_is_refused(text: str, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        parse_shape(text)
+
+
+def write_video(path: Path, frames: int = 6) -> None:
+    """A dark rectangle that turns on a light ground."""
+    folder = path
+    folder.mkdir()
+    for index in range(frames):
+        picture = np.full((240, 320, 3), (210, 205, 200), np.float32)
+        corners = ms.Rectangle(150 + 2 * index, 120, 120, 70, 0.2 + 0.02 * index).corners
+        draw_flat(picture, [corners], (60, 50, 40))
+        cv2.imwrite(str(folder / f"{index:03d}.png"), np.rint(picture).astype(np.uint8))
+
+
+def test_a_dark_rectangle_is_written_by_its_parameters(tmp_path: Path) -> None:
+    write_video(tmp_path / "video")
+    words = ["track", str(tmp_path / "video"), "--shape", "rectangle", "--gray", "dark", "-o", str(tmp_path / "out")]
+    result = run(app, [*words, "--video", str(tmp_path / "seen.webm")])
+    assert result.exit_code == 0, result.output
+    with (tmp_path / "out" / "tracks.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    assert list(rows[0])[3:8] == ["x", "y", "width", "height", "angle"]
+    assert "angle_std" in rows[0]
+    assert [row["found"] for row in rows] == ["1"] * 6
+    assert float(rows[-1]["width"]) == pytest.approx(120.0, abs=1.0)
+    assert float(rows[-1]["angle"]) == pytest.approx(0.3, abs=0.01)
+    assert (tmp_path / "seen.webm").stat().st_size > 0
+
+
+def test_a_wrong_gray_is_one_line(tmp_path: Path) -> None:
+    write_video(tmp_path / "video", 1)
+    result = run(app, ["track", str(tmp_path / "video"), "--gray", "pale"])
+    assert result.exit_code == 2
+    assert "--gray is dark, light or edges" in result.output

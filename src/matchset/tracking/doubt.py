@@ -83,7 +83,7 @@ def drawn_out(matcher: Matcher[S]) -> Floats | None:
 
     A fit from afar keeps the modes still, and may stay so on an outline that a lens draws far out of shape.
     """
-    parts, p = matcher.parts, len(matcher.family.__struct_fields__)
+    parts, p = matcher.parts, len(matcher.family.parameters)
     residuals, state = parts.found[:, 0], matcher.state.copy()
     near = np.abs(residuals) < FARTHEST * matcher.size
     if len(state) == p or np.count_nonzero(near) < ENOUGH * matcher.points:

@@ -22,6 +22,7 @@ Floats = npt.NDArray[np.float64]
 LARGER, SMALLER = 0.15, -0.13  # changes of size that are tried, in half-widths
 AIM = 1.0  # px: as exact a prediction may be
 BETTER = 0.03  # by how much another shape must be better
+DRAWN, SURELY = 0.15, 0.75  # by how much more evidence must speak for an outline drawn out, and at least how much
 STRETCH = 0.01  # half-widths by which the modes must grow to be worth a look
 ROUNDS = 4  # of reweighting
 FARTHEST, ENOUGH = 0.4, 0.7  # half-widths up to which residuals count, and the share of the lines that must have one

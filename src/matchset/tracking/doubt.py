@@ -25,6 +25,7 @@ SIDE_MOVES = 0.4, 0.2, -0.2  # by how far a side is moved out and in, in half-wi
 LEAST_FREE, MOST_FREE = 5, 7  # numbers of a state with which a side can move alone, and nothing else is free
 APART, MOST_SIDES = 1e-6, 8  # squared difference of normals that parts two sides; most sides that are moved
 BETTER = 0.03  # by how much another shape must be better
+DRAWN, SURELY = 0.15, 0.75  # by how much more evidence must speak for an outline drawn out, and at least how much
 STRETCH = 0.01  # half-widths by which the modes must grow to be worth a look
 ROUNDS = 4  # of reweighting
 FARTHEST, ENOUGH = 0.4, 0.7  # half-widths up to which residuals count, and the share of the lines that must have one

@@ -11,7 +11,7 @@ from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself
 from matchset.tracking.begin import begin_near
 from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
-from matchset.tracking.doubt import BETTER, alternatives, worth
+from matchset.tracking.doubt import BETTER, DRAWN, SURELY, alternatives, drawn_out, worth
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
@@ -204,9 +204,7 @@ class Tracker(Generic[S]):
             self._faint += 1
         elif evidence > CLEAR:
             self._faint = 0
-        if self._faint <= PATIENCE:
-            return ""
-        return "hardly anything has spoken for it for a while"
+        return "hardly anything has spoken for it for a while" if self._faint > PATIENCE else ""
 
     def _try(self, image: Image, state: Floats, look: Look) -> str:
         """Fit near a state; why it is not confirmed, empty if it is."""
@@ -219,7 +217,13 @@ class Tracker(Generic[S]):
         """Go on with the best of the shapes around a doubtful one; why it is not confirmed, empty if it is."""
         matcher = self._matcher
         best, most = matcher.state.copy(), -math.inf if reason else worth(matcher) + BETTER
-        for start in list(alternatives(matcher)):
+        drawn, starts = drawn_out(matcher), list(alternatives(matcher))
+        if drawn is not None:
+            least = max(matcher.fit(EVIDENCE) + DRAWN, SURELY)
+            matcher.trust_modes()
+            if not self._try(image, drawn, Look(5.0, speed)) and matcher.fit(EVIDENCE) > least:
+                return ""
+        for start in starts:
             if not self._try(image, start, Look(5.0, speed, 2.0)) and worth(matcher) > most:
                 best, most = matcher.state.copy(), worth(matcher)
         return self._try(image, best, Look(3.0, speed, 1.0))

@@ -48,13 +48,18 @@ def test_the_python_of_the_readme_runs(
         assert found == pytest.approx([truth.x, truth.y, truth.radius], abs=3.0)
 
 
+def test_the_shapes_of_the_readme_can_be_made(capsys: pytest.CaptureFixture[str]) -> None:
+    exec(compile(block("python", 1), "README.md", "exec"), {})
+    assert "angle" in capsys.readouterr().out
+
+
 def test_the_meters_of_the_readme_are_those_of_the_truth(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     clip = Clip(frames=8)
     write_clip(clip, tmp_path / "ball.mp4")
     monkeypatch.chdir(tmp_path)
-    exec(compile(block("python", 1), "README.md", "exec"), {})
+    exec(compile(block("python", 2), "README.md", "exec"), {})
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == len(clip)
     for index, line in enumerate(lines):

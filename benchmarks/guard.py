@@ -30,7 +30,7 @@ from benchmarks.workers import one_thread
 LIMITS = Path(__file__).resolve().parent / "limits.toml"
 QUARTER = 1.25
 ROUNDS = 3
-RADII = (20, 60, 120)
+RADII = (20, 40, 120)
 POOL, LAPS = 24, 8
 SEQUENCES = ("clean", "typical", "bad", "hard", "occlusion", "clutter", "light", "shrink", "fast", "hidden")
 SEEDS, FRAMES = (100, 101), 70

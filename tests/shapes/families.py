@@ -115,7 +115,9 @@ def fit(family: type[Any], points: Points, start: Any, lines: int = 64, spread: 
         seen = np.isfinite(meets) & (np.arange(lines) >= points.hidden * lines)
         edges[seen, 0, 0], edges[seen, 0, 1:] = (meets + errors)[seen], 1.0
         size, room = float(family.half_width(state)), np.full(p, spread)
-        noise, moved = fit_lines(rows, edges, state, begin, room, size, 0.0, 0.4, 8.0, 0.05, covariance, found, np.zeros(2))
+        noise, moved = fit_lines(
+            rows, edges, state, begin, room, size, 0.0, 0.4, 8.0, 0.05, covariance, found, np.zeros(2)
+        )
         assert noise > 0.0, "no fit"
         if moved < 1e-7:
             break

@@ -22,16 +22,15 @@ from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
 from matchset.localization.camera_model import CameraModel
 from matchset.sim.eye import Sight
+from matchset.sim.pal import PRESETS
 from matchset.sim.rope import RopeParameters
 from matchset.sim.studio import FIELD, Studio
 from matchset.sim.vehicle import VehicleParameters, toy
 from matchset.sim.world import RATE, ChainParameters, World
 
-FPS = 30
-FRAME = RATE // FPS  # steps
+FPS, FRAME = 30, RATE // 30  # pictures a second, steps a picture
 SCHEME = "sim://"
-PLACE = SetPlace(height=-0.19)
-"""Beside the next one, at its height: its ball is above its frame, and its camera on it."""
+PLACE = SetPlace(height=-0.19)  # at the next one's height: its ball is above its frame, and its camera on it
 
 
 class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -111,10 +110,11 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         ):
             if not low <= getattr(self, name) <= high:
                 raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
-
-        if self.model is not None and (self.model.width, self.model.height) != (self.width, self.height):
-            size = f"{self.model.width} x {self.model.height}"
-            raise ValueError(f"width and height are {self.width} x {self.height}, but the camera is for {size} px")
+        if self.pal not in PRESETS:
+            raise ValueError(f"pal must be one of {', '.join(PRESETS)}, got {self.pal!r}")
+        model, size = self.model, f"{self.width} x {self.height}"
+        if model is not None and (model.width, model.height) != (self.width, self.height):
+            raise ValueError(f"width and height are {size}, but the camera is for {model.width} x {model.height} px")
 
     def chain(self, place: SetPlace) -> ChainParameters:
         """Tell the world what is simulated."""

@@ -15,6 +15,7 @@ from matchset.tracking.track import Lost, Track
 
 MIXED = 0.07  # change of size, as a logarithm, of a ball that touches another: their outlines were mixed up
 
+HALF_SEEN = 0.55  # support below which a ball beside a nearer one cannot be placed: its outline ends in the other's
 WELL_SEEN = 0.8  # support from which the size of a ball that touches another is believed
 
 
@@ -132,7 +133,7 @@ class Neighbors:
             ball = member.follow(frame, name in self._hidden)
             self._hidden.discard(name)
             if isinstance(ball, Track):
-                same = next((other for other, circle in taken if _mistaken(ball.shape, member.usual, circle)), None)
+                same = next((other for other, circle in taken if _mistaken(ball, member.usual, circle)), None)
                 if same is not None:
                     self._hidden.add(name)
                     ball = Lost(f"hidden behind neighbor {same}", frame.time, place)
@@ -184,10 +185,11 @@ def _touch(one: Circle, other: Circle) -> bool:
     return math.hypot(one.x - other.x, one.y - other.y) < one.radius + other.radius
 
 
-def _mistaken(circle: Circle, usual: float, nearer: Circle) -> bool:
-    """Whether a ball of a usual radius, seen at `circle`, is really a nearer one, or mixed up with its outline."""
+def _mistaken(ball: Track[Circle], usual: float, nearer: Circle) -> bool:
+    """Whether a ball of a usual radius is really a nearer one, mixed up with its outline, or half behind it."""
+    circle = ball.shape
     if not _touch(circle, nearer):
         return False
     far = math.hypot(circle.x - nearer.x, circle.y - nearer.y)
     same = far < 0.4 * nearer.radius and abs(circle.radius - nearer.radius) < 0.25 * nearer.radius
-    return same or abs(math.log(circle.radius / usual)) > MIXED
+    return same or abs(math.log(circle.radius / usual)) > MIXED or ball.support < HALF_SEEN

@@ -5,6 +5,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.peers.parts.contour import enclosing
+from benchmarks.peers.parts.mask import COLOR_CHOICES
 from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
 from benchmarks.peers.parts.target_color import hsv_range
 
@@ -23,9 +24,7 @@ class Parameters(msgspec.Struct, frozen=True):
 
 
 CHOICES: Choices = {
-    "hue": (8, 12, 16, 22, 30, 45, 60),
-    "saturation": (0.15, 0.3, 0.45, 0.6, 0.75),
-    "value": (0.1, 0.2, 0.35, 0.5),
+    **COLOR_CHOICES,
     "blur": (3, 5, 7, 11),
     "rounds": (0, 1, 2, 3),
 }

@@ -3,12 +3,12 @@
 import cv2
 import msgspec
 
+from benchmarks.peers.parts.hough import hough_circles
 from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_range, looks_right
+from benchmarks.peers.parts.target_color import hsv_range
 
 NAME = "HoughCircles (ALT), gray whole frame"
 NEEDS = "color"
-MOST = 40  # candidates that are checked for color
 
 
 class Parameters(msgspec.Struct, frozen=True):
@@ -33,25 +33,18 @@ CHOICES: Choices = {
 def follow(start: Start, parameters: Parameters) -> Step:
     """Detect in every frame; of the circles with the ball's color inside, the largest."""
     bounds = hsv_range(start, 22, 0.4, 0.3)
-    size = (parameters.blur, parameters.blur)
 
     def step(image: Image) -> Circle3 | None:
-        gray = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), size, 0)
-        circles = cv2.HoughCircles(
-            gray,
+        found = hough_circles(
+            image,
             cv2.HOUGH_GRADIENT_ALT,
-            dp=parameters.dp,
-            minDist=20,
-            param1=parameters.edge,
-            param2=parameters.perfection,
-            minRadius=parameters.least_radius,
-            maxRadius=135,
+            bounds,
+            parameters.blur,
+            parameters.dp,
+            parameters.edge,
+            parameters.perfection,
+            parameters.least_radius,
         )
-        if circles is None:
-            return None
-        rows = circles.reshape(-1, circles.shape[-1])[:MOST]
-        found = [(float(c[0]), float(c[1]), float(c[2])) for c in rows]
-        right = [circle for circle in found if looks_right(image, circle, bounds)]
-        return max(right, key=lambda circle: circle[2], default=None)
+        return max(found, key=lambda circle: circle[2], default=None)
 
     return step

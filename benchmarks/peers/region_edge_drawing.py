@@ -4,6 +4,7 @@ import cv2
 import msgspec
 
 from benchmarks.peers.parts.ellipses import edge_drawing
+from benchmarks.peers.parts.mask import COLOR_CHOICES
 from benchmarks.peers.parts.region import around_the_last
 from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
 from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
@@ -25,9 +26,7 @@ class Parameters(msgspec.Struct, frozen=True):
 
 
 CHOICES: Choices = {
-    "hue": (8, 12, 16, 22, 30, 45, 60),
-    "saturation": (0.15, 0.3, 0.45, 0.6, 0.75),
-    "value": (0.1, 0.2, 0.35, 0.5),
+    **COLOR_CHOICES,
     "blur": (3, 5, 9),
     "opening": (0, 3),
     "reach": (1.25, 1.45),

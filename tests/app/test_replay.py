@@ -3,7 +3,6 @@
 import math
 import re
 import signal
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +12,14 @@ import numpy as np
 import pytest
 from blue_ball import Matchset
 from chain_flight import Flown
-from hypothesis import given
-from hypothesis import strategies as st
 
-from matchset.app.encoding import decode, encode, frame_of, outcome_of, step_message, to_png
+from matchset.app.encoding import encode, outcome_of, step_message
 from matchset.app.flight_outlets import FlightFiles, FlightOutlets
 from matchset.app.flight_recording import FlightRecording
 from matchset.app.flight_run import Tick
 from matchset.app.loop import Step
 from matchset.app.mcap_file import Kind, McapReader, McapWriter, Message
-from matchset.app.messages import CONFIGURATION, Picture, StepMessage
+from matchset.app.messages import CONFIGURATION
 from matchset.app.recorded_flight import RecordedFlight
 from matchset.app.replay import Replay
 from matchset.app.step_difference import first_difference
@@ -142,33 +139,6 @@ def test_damage_is_said_and_never_anything_else(flown: Flown, tmp_path: Path) ->
         assert any(word in words for word in ("damaged", "MCAP", "recording"))
 
 
-@pytest.mark.parametrize(
-    ("content", "words"), [(b"", "is empty"), (b"hello, this is no recording at all", "is no MCAP file")]
-)
-def test_other_files_are_refused(tmp_path: Path, content: bytes, words: str) -> None:
-    path = tmp_path / "other.mcap"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=words):
-        RecordedFlight(path)
-
-
-def test_mcap_files_of_others_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "other.mcap"
-    with McapWriter(path, [Kind("/chatter", "std_msgs/String", b"{}")]) as out:
-        out.write(Message("/chatter", b"\xa2hi"), 0.0, 0)
-    with pytest.raises(ValueError, match="no recording of a flight"):
-        RecordedFlight(path)
-
-
-@pytest.mark.parametrize(("form", "words"), [(2, "its format is 2, this matchset reads 1"), ("x", "no _?[A-Z]")])
-def test_other_formats_are_refused(tmp_path: Path, form: object, words: str) -> None:
-    path = tmp_path / "newer.mcap"
-    with McapWriter(path, [Kind(CONFIGURATION, "c", b"{}")]) as out:
-        out.write(Message(CONFIGURATION, msgspec.msgpack.encode({"format": form})), 0.0, 0)
-    with pytest.raises(ValueError, match=words):
-        RecordedFlight(path)
-
-
 def test_parameters_of_another_version_are_refused_by_name(flown: Flown, tmp_path: Path, recording: Path) -> None:
     first = next(iter(McapReader(recording)))
     content = msgspec.msgpack.decode(first.data)
@@ -187,38 +157,6 @@ def test_a_missing_picture_is_named(flown: Flown, recording: Path, tmp_path: Pat
             out.write(each, 0.0, number)
     with pytest.raises(ValueError, match="tick 1 lacks the picture of follower 2"):
         list(RecordedFlight(tmp_path / "less.mcap"))
-
-
-def test_without_mcap_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setitem(sys.modules, "mcap", None)
-    with pytest.raises(ValueError, match=r"pip install 'matchset\[record\]'"):
-        FlightFiles(record=tmp_path / "a.mcap").check()
-    with pytest.raises(ValueError, match=r"pip install 'matchset\[record\]'"):
-        RecordedFlight(tmp_path / "a.mcap")
-
-
-@given(st.lists(st.floats(), max_size=8))
-def test_numbers_are_written_to_the_last_bit(numbers: list[float]) -> None:
-    back = msgspec.msgpack.decode(encode(np.array(numbers)))
-    np.testing.assert_array_equal(np.array(numbers).view(np.uint64), np.array(back, np.float64).view(np.uint64))
-
-
-@given(st.binary(max_size=60))
-def test_bytes_that_are_no_message_are_refused(data: bytes) -> None:
-    with pytest.raises(ValueError, match="is no"):
-        decode(data, StepMessage)
-
-
-def test_pictures_are_kept_without_loss(flown: Flown) -> None:
-    frame = flown.ticks[0].steps[0].frame
-    assert frame is not None
-    for image in (frame.image, frame.image[..., 1].copy()):
-        back = frame_of(Picture(7, 0.25, to_png(image)))
-        np.testing.assert_array_equal(back.image, image)
-        assert (back.index, back.time) == (7, 0.25)
-    for png in (b"", b"no picture"):
-        with pytest.raises(ValueError, match="frame 7 does not decode"):
-            frame_of(Picture(7, 0.25, png))
 
 
 def test_the_first_difference_is_named(flown: Flown) -> None:

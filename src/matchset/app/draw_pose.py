@@ -1,6 +1,7 @@
 """Where the ball is, drawn into its frame: `annotate_pose`."""
 
 import math
+from collections.abc import Iterable
 
 import cv2
 import numpy as np
@@ -13,7 +14,8 @@ from matchset.app.text import draw_text, text_width
 from matchset.image.frame import Frame
 from matchset.localization.camera_model import CameraModel
 from matchset.localization.pose import Pose
-from matchset.tracking.track import Track
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
 
@@ -45,21 +47,44 @@ def annotate_pose(frame: Frame, sighting: Sighting, camera: CameraModel, radius:
         BGR, with the ball's outline, its match-set, its markers and, where the rotation is observed, the axes of the
         ball frame (x red, y green, z blue); its distance beside it, and the numbers of the row below.
     """
-    image, row, ball = as_color(frame.image), sighting.row, sighting.ball
+    image, row = as_color(frame.image), sighting.row
+    draw_seen(image, sighting.ball, sighting.markers, sighting.pose, camera, radius)
+    if row.observed in ("level", "full"):
+        caption(image, describe_seen(row), line=1)
+    caption(image, describe_place(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
+    return image
+
+
+def draw_seen(
+    image: Picture,
+    ball: Track[Circle] | Lost[Circle],
+    markers: Iterable[Track[Circle]],
+    pose: Pose | Lost[Pose],
+    camera: CameraModel,
+    radius: float,
+) -> None:
+    """Draw into a picture a ball's outline with its match-set, or dashed where it should be; markers, axes, distance.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8, written
+    ball, markers, pose
+        What was found in it.
+    camera : CameraModel
+        What filmed it.
+    radius : float
+        Of the ball, m.
+    """
     if isinstance(ball, Track):
         draw_points(image, ball.match_set)
         draw_circle(image, ball.shape)
     elif ball.predicted is not None:
         draw_circle(image, ball.predicted, COASTING, dashed=True)
-    for marker in sighting.markers:
+    for marker in markers:
         draw_circle(image, marker.shape, MARKER)
-    if isinstance(sighting.pose, Pose) and isinstance(ball, Track):
-        draw_axes(image, sighting.pose, camera, radius)
-        label_ball(image, f"{sighting.pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
-    if row.observed in ("level", "full"):
-        caption(image, describe_seen(row), line=1)
-    caption(image, describe_place(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
-    return image
+    if isinstance(pose, Pose) and isinstance(ball, Track):
+        draw_axes(image, pose, camera, radius)
+        label_ball(image, f"{pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
 
 
 def describe_place(row: PoseRow) -> str:

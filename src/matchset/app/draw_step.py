@@ -3,14 +3,12 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.draw import COASTING, as_color, caption, draw_circle, draw_points
-from matchset.app.draw_pose import MARKER, draw_axes, label_ball
+from matchset.app.draw import as_color, caption
+from matchset.app.draw_pose import draw_seen
 from matchset.app.loop import Step
 from matchset.app.step_words import age_words, place_words, state_words
 from matchset.app.text import draw_text
 from matchset.localization.camera_model import CameraModel
-from matchset.localization.pose import Pose
-from matchset.tracking.track import Track
 
 Picture = npt.NDArray[np.uint8]
 
@@ -39,17 +37,7 @@ def annotate_step(step: Step, number: int, camera: CameraModel, radius: float, w
         dark where no picture came.
     """
     image = _picture(step, camera)
-    ball = step.ball
-    if isinstance(ball, Track):
-        draw_points(image, ball.match_set)
-        draw_circle(image, ball.shape)
-    elif ball.predicted is not None:
-        draw_circle(image, ball.predicted, COASTING, dashed=True)
-    for marker in step.markers:
-        draw_circle(image, marker.shape, MARKER)
-    if isinstance(step.pose, Pose) and isinstance(ball, Track):
-        draw_axes(image, step.pose, camera, radius)
-        label_ball(image, f"{step.pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
+    draw_seen(image, step.ball, step.markers, step.pose, camera, radius)
     if words:
         _write(image, step, number)
     return image

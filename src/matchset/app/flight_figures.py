@@ -3,7 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight_log import PHASES, SETTLED, FlightLog
+from matchset.app.flight_log import PHASES, FlightLog
+from matchset.app.flight_score import SETTLING
 
 Floats = npt.NDArray[np.float64]
 
@@ -14,7 +15,7 @@ HEADINGS = (
     "losses",
     "longest, s",
     "error of the circle, px (mean, 95 %)",
-    f"off the set place, cm rms from {SETTLED:g} s on (side, height, heading)",
+    f"off the set place, cm rms from {SETTLING:g} s on (side, height, heading)",
     "age, ms (median, 95 %)",
     "computing, µs (median)",
     "at the end",
@@ -34,7 +35,7 @@ def follower_figures(log: FlightLog, number: int) -> tuple[str, ...]:
     to_see, error = follower.inside, follower.error_px[np.isfinite(follower.error_px)]
     age = 1000.0 * follower.age[np.isfinite(follower.age)]
     spent = 1e6 * follower.processing[np.isfinite(follower.processing)]
-    off = 100.0 * np.sqrt((log.off_place(number) ** 2).mean(axis=0)) if len(log.off_place(number)) else np.empty(0)
+    off = 100.0 * log.spread(number)
     return (
         f"{number + 1} watches {number + 2}",
         str(figures.frames),
@@ -53,17 +54,15 @@ def verdict(log: FlightLog) -> str:
     """Say in one sentence how the flight ended."""
     time = f"{log.tally.time:.1f} s"
     if log.crashes:
-        return f"{time}; " + "; ".join(
-            f"vehicle {each.vehicle} {each.what} at {each.time:.1f} s" for each in log.crashes
-        )
+        return f"{time}; " + "; ".join(each.words for each in log.crashes)
     if not log.tally.ticks:
         return "nothing was flown"
     down = [str(k + 1) for k, follower in enumerate(log.followers) if PHASES[follower.phase[-1]] == "cut"]
     if down:
         return f"{time}; vehicle {' and '.join(down)} came down along the safety path"
-    if not len(log.off_place(0)):
+    spread = [value for k in range(len(log.followers)) for value in log.spread(k).tolist()]
+    if not spread:
         return f"{time}, nobody crashed"
-    spread = [float(np.sqrt((log.off_place(k) ** 2).mean(axis=0)).max()) for k in range(len(log.followers))]
     return f"{time}, nobody crashed; worst axis {100.0 * max(spread):.1f} cm rms off the set place"
 
 

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from matchset.app.common_frame import composed, from_last
 from matchset.app.flight_run import Crash, Tick
+from matchset.app.flight_score import SETTLING
 from matchset.app.flight_setting import Setting
 from matchset.app.flight_tally import FlightTally
 from matchset.app.loop import Step
@@ -19,8 +20,6 @@ from matchset.tracking.track import Track
 Floats = npt.NDArray[np.float64]
 
 PHASES: tuple[Phase, ...] = ("locked", "flying", "holding", "descending", "cut")
-SETTLED = 5.0
-"""s from the beginning after which a place should be held."""
 _COLUMNS = 19
 _NONE = (math.nan,) * 3
 
@@ -135,7 +134,12 @@ class FlightLog:
         """Subtract the set place of a follower, from 0, from its true one, once it should be held: (n, 3), m."""
         log, place = self.followers[number], self.setting.parameters.pilot.place
         off: Floats = log.true - (place.side, place.height, place.heading)
-        return off[log.time >= SETTLED]
+        return off[log.time >= SETTLING]
+
+    def spread(self, number: int) -> Floats:
+        """Root mean square of `off_place` in each axis, (3,), m; empty if the flight was not that long."""
+        off = self.off_place(number)
+        return np.sqrt((off**2).mean(axis=0)) if len(off) else np.empty(0)
 
     def _row(self, tick: Tick, number: int, place: Floats | None) -> tuple[float, ...]:
         step, answer = tick.steps[number], tick.steps[number].answer

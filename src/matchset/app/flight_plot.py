@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from matchset.app.flight_log import SETTLED, FlightLog, FollowerLog
+from matchset.app.flight_log import FlightLog, FollowerLog
+from matchset.app.flight_score import SETTLING
 from matchset.app.palette import as_hex, vehicle_rgb
 from matchset.app.plot import INK, PALE, PINK, calm
 from matchset.localization.chain import FACING_AWAY, seen_from_last
@@ -81,7 +82,7 @@ def errors_png(log: FlightLog) -> bytes:
     distances = [100.0 * np.linalg.norm(log.off_place(k), axis=1) for k in range(len(log.followers))]
     most = max((float(each.max()) for each in distances if each.size), default=1.0)
     _histogram(right, log, lambda k: distances[k], np.linspace(0.0, most, 41))
-    right.set_title(f"true distance from the set place, from {SETTLED:g} s on", loc="left", color=INK, fontsize=11)
+    right.set_title(f"true distance from the set place, from {SETTLING:g} s on", loc="left", color=INK, fontsize=11)
     right.set_xlabel("cm")
     for axes in (left, right):
         axes.set_ylabel("share of the frames, %")

@@ -57,6 +57,11 @@ class Crash(msgspec.Struct, frozen=True):
     vehicle: int
     what: str
 
+    @property
+    def words(self) -> str:
+        """Say who, what and when: ``vehicle 1 hit the floor at 3.2 s``."""
+        return f"vehicle {self.vehicle} {self.what} at {self.time:.1f} s"
+
 
 class Tick(msgspec.Struct, frozen=True, kw_only=True):
     """One turn of all loops: one picture of every camera.

@@ -114,8 +114,7 @@ class FlightJudge:
             if step.memory.phase in DOWN and not self._landed:
                 self._landed, self._down = f"vehicle {who + 1}: {step.memory.reason}", tick.time
         if tick.crashes and not self._crash:
-            first = tick.crashes[0]
-            self._crash = f"vehicle {first.vehicle} {first.what} at {first.time:.1f} s"
+            self._crash = tick.crashes[0].words
 
     @property
     def over(self) -> bool:

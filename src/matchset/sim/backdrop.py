@@ -4,7 +4,6 @@ One ray a pixel, no interpolation between texels, and a texel either hides what 
 picture shows no more.
 """
 
-import math
 import threading
 from typing import NamedTuple
 
@@ -12,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import kernel
-from matchset.sim.surface import Surface
+from matchset.sim.surface import Surface, span
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -116,31 +115,6 @@ def homography(corner: Floats, turn: Floats, place: Floats, lens: Floats, h: Flo
 
 
 @kernel
-def span(h: Floats, y: int, width: int) -> tuple[int, int]:
-    """First and last pixel of a line that a surface may fill: s >= 0, t >= 0, w >= 0, s <= w, t <= w."""
-    s0, t0, w0 = h[0, 1] * y + h[0, 2], h[1, 1] * y + h[1, 2], h[2, 1] * y + h[2, 2]
-    low, high = 0.0, width - 1.0
-    for i in range(5):
-        if i == 0:
-            slope, value = h[0, 0], s0
-        elif i == 1:
-            slope, value = h[1, 0], t0
-        elif i == 2:
-            slope, value = h[2, 0], w0
-        elif i == 3:
-            slope, value = h[2, 0] - h[0, 0], w0 - s0
-        else:
-            slope, value = h[2, 0] - h[1, 0], w0 - t0
-        if slope > 0.0:
-            low = max(low, -value / slope)
-        elif slope < 0.0:
-            high = min(high, -value / slope)
-        elif value <= 0.0:
-            high = -1.0
-    return math.ceil(low), math.floor(max(high, -1.0))
-
-
-@kernel
 def draw_flat(
     picture: Words,
     nearest: Depth,
@@ -180,7 +154,7 @@ def draw_flat(
         tall, wide, first_texel = sizes[k, 0], sizes[k, 1], sizes[k, 2]
         slope_s, slope_t, slope_w = h[0, 0] * wide, h[1, 0] * tall, h[2, 0]
         for y in range(height):
-            first, last = span(h, y, width)
+            first, last = span(h, float(y), width)
             if first > last:
                 continue
             start_s, start_t = (h[0, 1] * y + h[0, 2]) * wide, (h[1, 1] * y + h[1, 2]) * tall

@@ -88,7 +88,7 @@ def draw_surfaces(
 
 
 @kernel
-def _span(h: Array, y: float, width: int) -> tuple[int, int]:
+def span(h: Array, y: float, width: int) -> tuple[int, int]:
     """First and last x of a row with w > 0, 0 <= s <= w, 0 <= t <= w, where (s, t, w) = h (x, y, 1)."""
     low, high = 0.0, width - 1.0
     for i in range(5):
@@ -111,7 +111,7 @@ def _draw_surface(picture: Picture, nearest: Picture, h: Array, texture: Texture
     rows, columns = texture.shape[0], texture.shape[1]
     one, opacity = np.float32(1.0), np.float32(1.0 / 255.0)
     for y in range(picture.shape[0]):
-        first, last = _span(h, float(y), picture.shape[1])
+        first, last = span(h, float(y), picture.shape[1])
         for x in range(first, last + 1):
             w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
             if w <= nearest[y, x]:

@@ -12,17 +12,26 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape
 from matchset.tracking.matcher import Matcher
-from matchset.tracking.memory import EVIDENCE, INSIDE, SURPRISE, USUAL
+from matchset.tracking.memory import AGREEMENT, EVIDENCE, INSIDE, SURPRISE, USUAL
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+Lines = npt.NDArray[np.bool_]
 
 LARGER, SMALLER = 0.15, -0.13  # changes of size that are tried, in half-widths
 AIM = 1.0  # px: as exact a prediction may be
-SIDE_MOVES = 0.4, 0.2, -0.2  # by how far a side is moved out and in, in half-widths
-LEAST_FREE, MOST_FREE = 5, 7  # numbers of a state with which a side can move alone, and nothing else is free
+# by how far both ends of a side are moved, in half-widths
+SIDE_INWARD = (-0.2, -0.2), (-0.2, 0.0), (0.0, -0.2), (-0.4, -0.4)
+SIDE_OUTWARD = (0.2, 0.2), (0.2, 0.0), (0.0, 0.2), (0.4, 0.4)
+WORST = 2  # sides that are moved: those that least speaks for
+BEYOND, LEAST_BEYOND = 0.1, 4.0  # half-widths, and px, beyond the outline where the target must not be
+SPILL = 2.0  # evidence that is worth the share of the lines where it is
+CELL = np.array([1024, 32, 1])  # places in a table of colors by their five highest bits of B, G and R
+OFF = 3.0  # px from the outline from which an edge point does not speak for its side
 APART, MOST_SIDES = 1e-6, 8  # squared difference of normals that parts two sides; most sides that are moved
 BETTER = 0.03  # by how much another shape must be better
 DRAWN, SURELY = 0.15, 0.75  # by how much more evidence must speak for an outline drawn out, and at least how much
@@ -31,11 +40,11 @@ ROUNDS = 4  # of reweighting
 FARTHEST, ENOUGH = 0.4, 0.7  # half-widths up to which residuals count, and the share of the lines that must have one
 
 
-def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
-    """States around the matcher's, each to be fitted: larger and smaller on each of eight sides."""
+def alternatives(matcher: Matcher[S], image: Image, color: ColorModel) -> Iterator[Floats]:
+    """States around the matcher's, each to be fitted: larger and smaller on each of eight sides, or of its own."""
     sides = _sides(matcher)
     if sides:
-        yield from _moved_sides(matcher, sides)
+        yield from _moved_sides(matcher, sides, spilled(matcher, image, color))
         return
     x, y = float(matcher.state[0]), float(matcher.state[1])
     size, like = matcher.size, matcher.state.copy()
@@ -47,9 +56,9 @@ def alternatives(matcher: Matcher[S]) -> Iterator[Floats]:
             yield matcher.family.from_coarse(*place, size + away, like).state
 
 
-def _sides(matcher: Matcher[S]) -> list[npt.NDArray[np.bool_]]:
+def _sides(matcher: Matcher[S]) -> list[Lines]:
     """Which lines cross which side of the outline; none where it has no sides, or they cannot move by themselves."""
-    if not matcher.has_corners or not LEAST_FREE <= len(matcher.state) <= MOST_FREE:
+    if not matcher.sides_move:
         return []
     normals = matcher.parts.outline[:, 2:4]
     first = np.flatnonzero(((normals - np.roll(normals, 1, axis=0)) ** 2).sum(axis=1) > APART)
@@ -59,24 +68,58 @@ def _sides(matcher: Matcher[S]) -> list[npt.NDArray[np.bool_]]:
     return [which == k for k in range(len(first))]
 
 
-def _moved_sides(matcher: Matcher[S], sides: list[npt.NDArray[np.bool_]]) -> Iterator[Floats]:
-    """States that move one side alone out or in, as well as the family can."""
-    outline, s = matcher.parts.outline, len(matcher.state)
-    moves, state, size = outline[:, 4 : 4 + s].copy(), matcher.state.copy(), matcher.size
-    for side in sides:
-        step = np.linalg.lstsq(moves, side.astype(np.float64), rcond=None)[0]
-        for change in SIDE_MOVES:
-            yield state + change * size * step
+def _moved_sides(matcher: Matcher[S], sides: list[Lines], spills: Lines) -> Iterator[Floats]:
+    """States in which one of the sides that least speaks for is moved alone, at one end or both.
+
+    Outward only where the target is seen beyond it.
+    """
+    parts, s = matcher.parts, len(matcher.state)
+    moves, state, size = parts.outline[:, 4 : 4 + s].copy(), matcher.state.copy(), matcher.size
+    speaks = _speaks(matcher)
+    for side in sorted(sides, key=lambda each: float(speaks[each].mean()))[:WORST]:
+        toward = np.linspace(0.0, 1.0, np.count_nonzero(side))
+        ends = np.zeros((len(side), 2))
+        ends[side] = np.column_stack((1.0 - toward, toward))
+        steps = np.linalg.lstsq(moves, ends, rcond=None)[0]
+        for change in SIDE_INWARD + (SIDE_OUTWARD if spills[side].any() else ()):
+            yield state + size * steps @ np.array(change)
 
 
-def worth(matcher: Matcher[S]) -> float:
-    """How good a fit is beside others: evidence, inside of the right color, usual size, expected place."""
+def _speaks(matcher: Matcher[S]) -> Floats:
+    """How much each line speaks for the outline: near to it, and with a step in color."""
+    parts = matcher.parts
+    off = parts.found[:, 0] / OFF
+    color = parts.edges[np.arange(matcher.points), parts.found[:, 2].astype(np.intp), 2]
+    return np.asarray(np.maximum(1.0 - off * off, 0.0) * color)
+
+
+def spilled(matcher: Matcher[S], image: Image, color: ColorModel) -> Lines:
+    """Which lines show the target beyond the outline: what stands before it hides it, and never adds to it."""
+    outline = matcher.parts.outline
+    beyond = max(BEYOND * matcher.size, LEAST_BEYOND)
+    columns, rows = np.rint(outline[:, :2] + beyond * outline[:, 2:4]).astype(np.intp).T
+    seen = (columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])
+    pixels = image[rows[seen], columns[seen]].astype(np.intp)
+    cells = pixels[:, 0] if color.channels == 1 else (pixels >> 3) @ CELL
+    seen[seen] = color.table[cells] > 0
+    return np.asarray(seen)
+
+
+def worth(matcher: Matcher[S], image: Image, color: ColorModel) -> float:
+    """How good a fit is beside others: evidence, inside of the right color, usual size, expected place.
+
+    Where sides move alone, only edge points with a step in color count, and what the outline leaves out counts against
+    it: any straight edge of the background may pass for a side.
+    """
     usual = matcher.clock(USUAL)
     change = abs(math.log(matcher.size / usual)) if usual > 0.0 else 0.0
     x, y = matcher.state.item(0), matcher.state.item(1)
     far = math.hypot(x - matcher.parts.expected.item(0), y - matcher.parts.expected.item(1))
     change += max(far - 2.0 * matcher.clock(SURPRISE) - AIM, 0.0) / matcher.size
-    return matcher.fit(EVIDENCE) + 0.3 * matcher.fit(INSIDE) - 0.5 * change
+    evidence = matcher.fit(EVIDENCE)
+    if matcher.sides_move:
+        evidence += evidence - matcher.fit(AGREEMENT) - SPILL * float(spilled(matcher, image, color).mean())
+    return evidence + 0.3 * matcher.fit(INSIDE) - 0.5 * change
 
 
 def drawn_out(matcher: Matcher[S]) -> Floats | None:

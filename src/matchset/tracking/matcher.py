@@ -16,7 +16,7 @@ from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
-from matchset.tracking.verdict import MOST_CORNERS, MOST_HOLLOW, SURE, JudgeParameters
+from matchset.tracking.verdict import MOST_CORNERS, MOST_HOLLOW, SIDE_DOUBT, SURE, JudgeParameters, is_doubtful
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -25,6 +25,7 @@ S = TypeVar("S", bound=Shape)
 INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it blur mixes with the background
 FIRST_GRAIN = 2.0  # noise that is assumed before the first look, gray levels
 NOTHING, NO_COLOR = np.zeros((1, 1, 3), np.uint8), np.zeros(256, np.int8)
+LEAST_FREE, MOST_FREE = 5, 8  # numbers of a state with which a side can move alone, and nothing else is free
 GOLDEN = 0.6180339887  # spreads the places inside evenly
 
 
@@ -116,6 +117,8 @@ class Matcher(Generic[S]):
         The last answer.
     has_corners : bool
         Whether the family's shapes have corners.
+    sides_move : bool
+        Whether one of its sides can move without the others, as that of a rectangle can and that of a template cannot.
     """
 
     def __init__(
@@ -144,6 +147,9 @@ class Matcher(Generic[S]):
             parts.judge[MOST_CORNERS] = math.inf  # corners speak against round shapes only
             parts.judge[MOST_HOLLOW] = math.inf  # and a printed mark has another color inside
             parts.match[START] = parts.match[SIDE_START]
+        self.sides_move = self.has_corners and LEAST_FREE <= len(shape.state) <= MOST_FREE
+        if not self.sides_move:
+            parts.judge[SIDE_DOUBT] = -math.inf
         parts.track[STEADY] = steady(family)
         self._translates = slopes(shape) is not None
         self.last: S | None = None
@@ -250,6 +256,11 @@ class Matcher(Generic[S]):
     def clock(self, place: int) -> float:
         """Look up what is known of the motion: the number at a place of `Views.clock`."""
         return self.parts.clock.item(place)
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether the last fit should be looked at again."""
+        return is_doubtful(self.parts.fit, self.parts.judge, self.points)
 
     @property
     def size(self) -> float:

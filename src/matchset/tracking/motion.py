@@ -29,11 +29,18 @@ def correct(parts: Views, time: float) -> None:
         if passed > 0.0:
             missed = fitted[k] - state[k] - velocity[k] * passed
             if k < spread.shape[0]:
-                velocity[k] += TRUST / passed * missed
+                velocity[k] = (velocity[k] + TRUST / passed * missed) * _known(parts, k)
                 spread[k] = max(abs(missed), MEMORY * spread[k] + (1.0 - MEMORY) * abs(missed))
         state[k] = fitted[k]
     spread[0] = spread[1] = max(spread[0], spread[1])
     parts.clock[TIME] = time
+
+
+@inlined
+def _known(parts: Views, k: int) -> float:
+    """Share that the velocity of a parameter keeps: none where the edge points told nothing of it."""
+    room = parts.room[k] * parts.room[k]
+    return min(max(2.0 * (1.0 - parts.covariance[k, k] / room), 0.0), 1.0) if room > 0.0 and k > 1 else 1.0
 
 
 @inlined

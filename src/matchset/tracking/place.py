@@ -1,7 +1,10 @@
 """Can it be the same shape? Where one is expected, and how far from there it may turn up."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from matchset.tracking.parameters import TrackerParameters
 
@@ -32,3 +35,8 @@ class Place(NamedTuple):
         larger, smaller = max(self.size, other.size), min(self.size, other.size)
         far = math.hypot(other.x - self.x, other.y - self.y)
         return larger <= smaller * limits.growth**missed and far <= limits.jump * larger * missed + 10.0
+
+
+def place_of(family: type[Any], state: npt.NDArray[np.float64]) -> Place:
+    """Center and size of a state of a family of shapes."""
+    return Place(float(state[0]), float(state[1]), float(family.half_width(state)))

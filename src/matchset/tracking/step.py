@@ -114,7 +114,7 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
         if verdict == SURE:
             size = parts.fit[SIZE]
             near = is_near(parts.state, size, parts.expected, half_width(parts.expected), clock[SURPRISE])
-            if is_doubtful(parts.fit, n) or not near:
+            if is_doubtful(parts.fit, parts.judge, n) or not near:
                 verdict = DOUBTFUL
         return verdict
 

@@ -17,9 +17,9 @@ from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
 from matchset.tracking.palette import learn, suited
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.place import Place
+from matchset.tracking.place import place_of
 from matchset.tracking.track import Lost, Track
-from matchset.tracking.verdict import is_doubtful, is_near, missing
+from matchset.tracking.verdict import is_near, missing
 from matchset.tracking.warm_up import warm_up
 
 S = TypeVar("S", bound=Shape)
@@ -29,7 +29,7 @@ Image = npt.NDArray[np.uint8]
 FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
 PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
 FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
-AGAIN = 4  # every so many frames a shape that is confirmed and doubtful is looked at again; circles always are
+AGAIN = 3  # every so many frames a shape that is confirmed and doubtful is looked at again; circles always are
 TEACH = 3  # every so many frames the color may learn: light changes slowly
 
 
@@ -186,9 +186,9 @@ class Tracker(Generic[S]):
         speed, surprise = self._interval * matcher.clock(SPEED), matcher.clock(SURPRISE)
         if reason and limits.least_reach + 2.0 * surprise * missed < limits.most_reach:
             reason = self._try(image, expected, Look(limits.most_reach, speed))
-        if is_doubtful(matcher.parts.fit, matcher.points) and (reason or self._frames % self._doubts == 0):
+        if matcher.is_doubtful and (reason or self._frames % self._doubts == 0):
             reason = self._look_again(image, reason, speed)
-        here, there = self._place(expected), self._place(matcher.state)
+        here, there = place_of(self._family, expected), place_of(self._family, matcher.state)
         if not reason:
             reason = self._faintly()
         if not reason and not is_near(matcher.state, there.size, expected, here.size, surprise):
@@ -216,25 +216,22 @@ class Tracker(Generic[S]):
     def _look_again(self, image: Image, reason: str, speed: float) -> str:
         """Go on with the best of the shapes around a doubtful one; why it is not confirmed, empty if it is."""
         matcher = self._matcher
-        best, most = matcher.state.copy(), -math.inf if reason else worth(matcher) + BETTER
-        drawn, starts = drawn_out(matcher), list(alternatives(matcher))
+        best, most = matcher.state.copy(), -math.inf if reason else worth(matcher, image, self.color) + BETTER
+        drawn, starts = drawn_out(matcher), list(alternatives(matcher, image, self.color))
         if drawn is not None:
             least = max(matcher.fit(EVIDENCE) + DRAWN, SURELY)
             matcher.trust_modes()
             if not self._try(image, drawn, Look(5.0, speed)) and matcher.fit(EVIDENCE) > least:
                 return ""
         for start in starts:
-            if not self._try(image, start, Look(5.0, speed, 2.0)) and worth(matcher) > most:
-                best, most = matcher.state.copy(), worth(matcher)
+            lost = self._try(image, start, Look(5.0, speed, 2.0))
+            if not lost and (value := worth(matcher, image, self.color)) > most:
+                best, most = matcher.state.copy(), value
         return self._try(image, best, Look(3.0, speed, 1.0))
-
-    def _place(self, state: Floats) -> Place:
-        """Center and size of a state."""
-        return Place(float(state[0]), float(state[1]), self._family.half_width(state))
 
     def _can_be(self, state: Floats, expected: Floats, missed: float) -> bool:
         """Whether a sighting can be the lost shape: near its prediction, or farther off with full evidence."""
-        here, there = self._place(expected), self._place(state)
+        here, there = place_of(self._family, expected), place_of(self._family, state)
         if here.about(there):
             return True
         lone = math.hypot(there.x - here.x, there.y - here.y) > FAR * max(here.size, there.size)
@@ -269,10 +266,9 @@ class Tracker(Generic[S]):
             return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         lone = expected is None and self._wish is None
         self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0))
-        if lone and (refuted := self._judge.first_sight(matcher, Prior.NONE)):
-            return Lost(refuted, self._time)
-        if not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
-            return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
+        refuted = self._judge.first_sight(matcher, self._prior(expected))
+        if refuted or not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
+            return Lost(refuted or reason, self._time, None if expected is None else matcher.shape_of(expected))
         if expected is None:
             matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
         self._follows, self._wish = True, None
@@ -282,14 +278,16 @@ class Tracker(Generic[S]):
         self._learn(image)
         return found
 
+    def _prior(self, expected: Floats | None) -> Prior:
+        """Say what is known beforehand of a sighting."""
+        return Prior.HERE if expected is not None else Prior.PRESENT if self._wish is not None else Prior.NONE
+
     def _choose(self, image: Image, expected: Floats | None) -> Floats | None:
         """State of the sighting to go on with, or None."""
         if self._finder is None:
             self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
-        missed = self._missed() if expected is not None else 1.0
-        prior = Prior.HERE if expected is not None else Prior.PRESENT if self._wish is not None else Prior.NONE
-        best, most = None, 0.0
-        for state, merit in self._finder.sightings(image, self.color, prior):
+        missed, best, most = self._missed() if expected is not None else 1.0, None, 0.0
+        for state, merit in self._finder.sightings(image, self.color, self._prior(expected)):
             if expected is not None and not self._can_be(state, expected, missed):
                 continue
             if expected is None and self._wish is not None:

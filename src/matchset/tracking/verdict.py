@@ -30,7 +30,6 @@ Floats = npt.NDArray[np.float64]
 
 CERTAIN = 0.85  # evidence from which neighbors may err together, as on an ellipse, and the lens may bend it
 LEEWAY = 1.5  # of the limits on another shape while motion speaks for it, or almost all of its outline
-DOUBT = 0.7  # agreement below which a fit is looked at again
 PRESENT = 0.3  # share of the lines in the picture below which a shape has left it
 SMALLEST = 6.0  # half-width below which there is nothing to tell apart, px
 
@@ -72,6 +71,9 @@ class JudgeParameters(msgspec.Struct, frozen=True):
         a card before a foreign ring fills the middle and not the rim.
     bent : float
         Largest modes, in half-widths: 0.1 is an ellipse of axis ratio 1.22.
+    doubt, side_doubt : float
+        Agreement below which a fit is looked at again, and evidence below which one of a shape is whose sides move
+        alone: one of them may follow another edge while the others look well. More costs time, less finds it late.
     inflation : float
         By how much the covariance of independent edge points is enlarged, since neighboring points err together.
     center_floor, size_floor : float
@@ -96,6 +98,8 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     part_doubt: float = 0.5
     first_rim: float = 0.5
     bent: float = 0.1
+    doubt: float = 0.7
+    side_doubt: float = 0.92
     inflation: float = 1.4
     center_floor: float = 0.01
     size_floor: float = 0.05
@@ -106,6 +110,7 @@ _PLACES = {name: place for place, name in enumerate(JudgeParameters.__struct_fie
 SUPPORT, LEAST_AGREEMENT, IN_PICTURE = _PLACES["support"], _PLACES["least_agreement"], _PLACES["in_picture"]
 LEAST_INSIDE, LEAST_CORE = _PLACES["inside"], _PLACES["core"]
 MOST_WAVE, MOST_CORNERS, MOST_BENT, MOST_HOLLOW = (_PLACES[name] for name in ("wave", "corners", "bent", "hollow"))
+DOUBT, SIDE_DOUBT = _PLACES["doubt"], _PLACES["side_doubt"]
 INFLATION, CENTER_FLOOR, SIZE_FLOOR = (_PLACES[name] for name in ("inflation", "center_floor", "size_floor"))
 
 
@@ -159,9 +164,10 @@ def missing(seen: float, points: int) -> int:
 
 
 @kernel
-def is_doubtful(fit: Floats, points: int) -> bool:
-    """Whether a fit should be looked at again, since its edge points hardly agree."""
-    return bool(fit[NOISE] > 0.0 and fit[AGREEMENT] < DOUBT and fit[SEEN] > 0.5 * points and fit[SIZE] > SMALLEST)
+def is_doubtful(fit: Floats, limits: Floats, points: int) -> bool:
+    """Whether a fit should be looked at again, since its edge points hardly agree, or too few have the color's step."""
+    weak = fit[AGREEMENT] < limits[DOUBT] or fit[EVIDENCE] < limits[SIDE_DOUBT]
+    return bool(weak and fit[NOISE] > 0.0 and fit[SEEN] > 0.5 * points and fit[SIZE] > SMALLEST)
 
 
 @kernel

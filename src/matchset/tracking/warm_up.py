@@ -40,7 +40,7 @@ def warm_up(family: type[S], cells: int, channels: int) -> None:
     parts = matcher.parts
     Judge().following(matcher)
     is_other_shape(parts.fit, parts.judge, 1.0)
-    is_doubtful(parts.fit, 16)
+    is_doubtful(parts.fit, parts.judge, 16)
     is_near(state, family.half_width(state), state, SIZE, 1.0)
     missing(16.0, 16)
     matcher.track(0.0)

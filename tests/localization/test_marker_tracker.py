@@ -92,7 +92,9 @@ def test_the_fit_finds_the_ellipse_of_a_patch_to_a_fraction_of_a_pixel(at: tuple
     covariance = np.empty((2, 2))
     axis = np.array((0.0, 0.0, 1.0 / 120.0, -40.0 / 120.0))  # red rises from 40 to 160
     ground = np.array((1.0 / 200.0, 0.0, 0.0))  # blue is 200 all over
-    height, noise, explained = fit_marker(image, ball, places, 1, 0, size, depth, 0.4, axis, ground, covariance)
+    height, noise, explained = fit_marker(
+        image, ball, places, 1, 0, size, depth, 0.4, axis, ground, np.zeros(1), covariance
+    )
     np.testing.assert_allclose(places[0], truth, atol=0.06)
     assert height == pytest.approx(1.0, abs=0.2)
     assert explained > 0.97

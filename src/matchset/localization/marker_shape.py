@@ -17,6 +17,9 @@ Floats = npt.NDArray[np.float64]
 EDGE_ON = 0.25  # least ratio of the ellipse's axes that is drawn
 
 
+VAGUE = 0.05  # standard deviation of a marker's radius, as a share of it
+
+
 @kernel
 def ellipse(place: Floats, ball: Floats, depth: float) -> tuple[float, float, float]:
     """Find the direction of the short axis and the ratio of the axes for a marker.
@@ -61,15 +64,52 @@ def coverage(
     tuple of 3 floats
         Share of marker, and how that grows as the ellipse moves to the right and down, per px.
     """
-    along, across = (dx * ux + dy * uy) / ratio, dy * ux - dx * uy
-    far = math.sqrt(along * along + across * across)
-    if far < 1e-9:
+    narrow = 1.0 / ratio
+    along, across = (dx * ux + dy * uy) * narrow, dy * ux - dx * uy
+    square = along * along + across * across
+    if square < 1e-18:
         return 1.0, 0.0, 0.0
-    nx, ny = (along * ux / ratio - across * uy) / far, (along * uy / ratio + across * ux) / far
-    slope = math.sqrt(nx * nx + ny * ny)
-    z = (a - far) / (slope * soft)
+    near = 1.0 / math.sqrt(square)
+    nx, ny = (along * ux * narrow - across * uy) * near, (along * uy * narrow + across * ux) * near
+    flat = 1.0 / (soft * math.sqrt(nx * nx + ny * ny))
+    z = (a - square * near) * flat
     if z * z > 36.0:
         return (1.0 if z > 0.0 else 0.0), 0.0, 0.0
     share = 1.0 / (1.0 + math.exp(-z))
-    steep = share * (1.0 - share) / (soft * slope)
+    steep = share * (1.0 - share) * flat
     return share, steep * nx, steep * ny
+
+
+@kernel
+def describe(
+    place: Floats, ball: Floats, size: float, depth: float, covariance: Floats, spread: float, rim: Floats, wide: Floats
+) -> float:
+    """Describe a marker as a circle: the radius of its ellipse's area, px.
+
+    Parameters
+    ----------
+    place, ball, depth
+        See `ellipse`.
+    size : float
+        m of the file's docstring.
+    covariance : (2, 2)
+        Of its place, px^2.
+    spread : float
+        Variance of the ball's radius, px^2.
+    rim : (k, 2), written
+        Points of the ellipse, px.
+    wide : (3, 3), written
+        Covariance of x, y and the radius, px^2.
+    """
+    ux, uy, ratio = ellipse(place, ball, depth)
+    a = size * ball[2]
+    for k in range(rim.shape[0]):
+        turn = 2.0 * math.pi * k / rim.shape[0]
+        along, across = a * ratio * math.cos(turn), a * math.sin(turn)
+        rim[k, 0] = place[0] + along * ux - across * uy
+        rim[k, 1] = place[1] + along * uy + across * ux
+    radius = a * math.sqrt(ratio)
+    wide[:] = 0.0
+    wide[:2, :2] = covariance
+    wide[2, 2] = (radius / ball[2]) ** 2 * spread + (VAGUE * radius) ** 2
+    return float(radius)

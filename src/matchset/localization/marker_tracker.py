@@ -1,7 +1,7 @@
 """The ball's markers, found inside its outline and followed from frame to frame: `MarkerTracker`."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import cv2
 import msgspec
@@ -12,6 +12,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.marker_fit import fit_marker
 from matchset.localization.marker_look import look, teach, tell_apart
+from matchset.localization.marker_shape import describe
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import channels_last
@@ -19,9 +20,10 @@ from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+Place = tuple[float, float]
 
 GRID = 48  # cells across the ball in which markers are looked for at first
-RIM = 2.0 * math.pi * np.arange(16) / 16
+RIM = 16  # points of a marker's match-set
 
 
 class MarkerParameters(msgspec.Struct, frozen=True):
@@ -86,6 +88,7 @@ class MarkerTracker:
         self._places: Floats = np.zeros((0, 2))  # of the markers, from the ball's middle, in ball radii
         self._sums: Floats = np.zeros((2, 10))
         self._axis, self._ground = np.zeros(4), np.zeros(3)
+        self._tied: Floats = np.zeros(1)  # what `fit_marker` knows of the noise
         self._missed: list[int] = []  # frames for which each of them has not been seen
 
     def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
@@ -139,7 +142,7 @@ class MarkerTracker:
                 break
             if not self.parameters.least_size * squeezed < stats[k, cv2.CC_STAT_AREA] / whole < 4.0:
                 continue
-            if _alone(place, self._places, self._size):
+            if _alone(place.tolist(), self._places.tolist(), self._size):
                 self._places = np.vstack((place, self._places))
                 self._missed.insert(0, 0)
 
@@ -159,9 +162,9 @@ class MarkerTracker:
     def _follow(self, image: Image, circle: Floats, places: Floats, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
         """Place every marker; expect those that are not there for a while, then forget them."""
         tracks: list[Track[Circle]] = []
-        kept: list[Floats] = []
+        kept: list[Place] = []
         unseen: list[int] = []
-        limits, before = self.parameters, self._places
+        limits, before, (x, y, radius) = self.parameters, self._places.tolist(), circle.tolist()
         for k in range(len(places)):
             covariance = np.zeros((2, 2))
             height, _, explained = fit_marker(
@@ -175,41 +178,39 @@ class MarkerTracker:
                 limits.soft,
                 self._axis,
                 self._ground,
+                self._tied,
                 covariance,
             )
-            place = (places[k] - circle[:2]) / circle[2]
+            place = (places.item(k, 0) - x) / radius, (places.item(k, 1) - y) / radius
             if (
                 height < limits.least_height
                 or explained < limits.least_explained
-                or not np.hypot(*place) < limits.farthest * self._depth
+                or not math.hypot(*place) < limits.farthest * self._depth
                 or not _alone(place, kept, self._size)
             ):
-                places[k] = circle[:2] + circle[2] * before[k]
+                places[k] = x + radius * before[k][0], y + radius * before[k][1]
                 unseen.append(k)
                 continue
             kept.append(place)
-            tracks.append(self._track(places[k], place, circle, covariance, explained, ball))
+            tracks.append(self._track(places[k], circle, covariance, explained, ball))
         hoped = [k for k in unseen if self._missed[k] < limits.patience and _alone(before[k], kept, self._size)]
         self._missed = [0] * len(kept) + [self._missed[k] + 1 for k in hoped]
         self._places = np.array([*kept, *(before[k] for k in hoped)]).reshape(-1, 2)
         return tuple(tracks)
 
     def _track(
-        self, at: Floats, place: Floats, circle: Floats, covariance: Floats, explained: float, ball: Track[Circle]
+        self, at: Floats, circle: Floats, covariance: Floats, explained: float, ball: Track[Circle]
     ) -> Track[Circle]:
         """Answer with a marker: the circle of its ellipse's area, and its rim for a match-set."""
-        far = float(np.hypot(*place))
-        ratio = math.sqrt(max(1.0 - (far / self._depth) ** 2, 0.05))
-        a = self._size * float(circle[2])
-        u = place / far if far > 1e-6 else np.array([1.0, 0.0])
-        rim = at + a * (ratio * np.outer(np.cos(RIM), u) + np.outer(np.sin(RIM), (-u[1], u[0])))
-        radius = a * math.sqrt(ratio)
-        wide = np.zeros((3, 3))
-        wide[:2, :2] = self.parameters.inflation * covariance + self.parameters.floor**2 * np.eye(2)
-        wide[2, 2] = (radius / circle[2]) ** 2 * ball.covariance[2, 2] + (0.05 * radius) ** 2
-        return Track(Circle(float(at[0]), float(at[1]), radius), wide, explained, rim, ball.time)
+        limits, rim, wide = self.parameters, np.empty((RIM, 2)), np.empty((3, 3))
+        covariance *= limits.inflation
+        covariance[0, 0] += limits.floor**2
+        covariance[1, 1] += limits.floor**2
+        spread = ball.covariance.item(2, 2)
+        radius = describe(at, circle, self._size, self._depth, covariance, spread, rim, wide)
+        return Track(Circle(at.item(0), at.item(1), radius), wide, explained, rim, ball.time)
 
 
-def _alone(place: Floats, others: Iterable[Floats], apart: float) -> bool:
+def _alone(place: Sequence[float], others: Iterable[Sequence[float]], apart: float) -> bool:
     """Whether no other marker is nearer than `apart`."""
-    return all(math.hypot(*(place - other).tolist()) > apart for other in others)
+    return all(math.dist(place, other) > apart for other in others)

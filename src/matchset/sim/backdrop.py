@@ -52,9 +52,7 @@ class Backdrop:
         texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
         self._texels: Words = np.concatenate(texels).view(np.uint32)[:, 0].copy()
 
-    def draw(
-        self, picture: Words, window: Window, turn: Floats, place: Floats, columns: Ints | None = None
-    ) -> None:
+    def draw(self, picture: Words, window: Window, turn: Floats, place: Floats, columns: Ints | None = None) -> None:
         """Draw what a camera sees over a picture, in place.
 
         Parameters

@@ -114,7 +114,7 @@ def bend(
     start: int,
     step: int,
 ) -> None:
-    """Write lines start, start + step, ... of a frame: the room's picture at places (px, counted through) and shares."""
+    """Write lines start, start + step, ... of a frame: the room at places (px, counted through) and shares."""
     height, width = room.shape
     for y in range(height):
         line, out = room[y], spread[y]

@@ -9,6 +9,7 @@ from matchset.shapes.jit import kernel
 
 Array = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.float32]
+AnyPicture = Picture | npt.NDArray[np.uint8]
 _BLOCK = 8
 _DEVIATION = 1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0)
 
@@ -37,7 +38,7 @@ def _to_byte(value: np.float32) -> np.uint8:
 
 
 @kernel
-def expose(picture: Picture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]) -> None:
+def expose(picture: AnyPicture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]) -> None:
     """Write gain * picture, cut off at 255, + white noise of deviation sigma in each channel, as bytes."""
     height, width = picture.shape[0], picture.shape[1]
     scale, top = np.float32(sigma), np.float32(255.0)
@@ -54,7 +55,7 @@ def expose(picture: Picture, gain: Array, sigma: float, counter: np.uint32, out:
 
 @kernel
 def transmit(
-    picture: Picture,
+    picture: AnyPicture,
     gain: Array,
     shift: Array,
     luma_noise: float,
@@ -90,7 +91,7 @@ def transmit(
 
 
 @kernel
-def _move(row: Picture, whole: int, line: Picture) -> None:
+def _move(row: AnyPicture, whole: int, line: Picture) -> None:
     """Write B, G and R of a row of pixels, from its pixel `whole` on; beyond its ends it stays as it ends."""
     width, count = row.shape[0], line.shape[1]
     first, last = max(-whole, 0), min(width - whole, count)

@@ -92,7 +92,7 @@ class Rope:
 
     def yaw(self, time: float) -> float:
         """Yaw of the vehicle at a time, rad."""
-        return float(yaw_of(self.waves, time))
+        return yaw_of(self.waves, time)
 
     def turn(self, time: float, arm: Floats | None = None) -> Floats:
         """Rotation matrix of the vehicle: its down axis along the rope (or an earlier `arm`), turned by the yaw."""
@@ -110,7 +110,8 @@ def yaw_of(waves: Floats, time: float) -> float:
     """Yaw at a time, rad; `waves` holds its amplitude (rad), the periods (s) of its two waves, and their phases."""
     slow = SHARES[0] * math.sin(2.0 * math.pi * time / waves[1] + waves[3])
     fast = SHARES[1] * math.sin(2.0 * math.pi * time / waves[2] + waves[4])
-    return waves[0] * (slow + fast)
+    yaw: float = waves[0] * (slow + fast)
+    return yaw
 
 
 @kernel

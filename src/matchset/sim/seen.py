@@ -70,7 +70,8 @@ def window_of(
         box[2 + j] = min(math.ceil(high) + MARGIN, size[j])
     box[0] -= box[0] % 2
     box[2] -= box[2] % 2
-    return box[2] - box[0] > 2 and box[3] - box[1] > 2
+    wide, tall = box[2] - box[0] > 2, box[3] - box[1] > 2
+    return bool(wide and tall)
 
 
 @kernel

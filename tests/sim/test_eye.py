@@ -46,7 +46,10 @@ def test_a_ball_is_where_the_camera_model_projects_it(camera: CameraModel) -> No
     eye = Eye(camera, Backdrop([wall(5.0, 20.0, (0, 0, 0))]), white, interlaced=True)
     place = np.array((0.35, -0.2, 1.6))
     sight = Sight(place + np.array((0.0, 0.19, 0.0)), LEVEL, place)
-    frame = eye.join([eye.expose(field, NOWHERE, LEVEL, [(sight, Look())]) for field in (0, 1)])[..., 0]
+    picture = eye.frame()
+    for field in (0, 1):
+        eye.expose(field, NOWHERE, LEVEL, [(sight, Look())], picture)
+    frame = picture[..., 0]
     rows, columns = np.indices((480, 640))
     bright = frame > 60.0
     circle = np.linspace(0.0, 2.0 * np.pi, 400)
@@ -67,11 +70,11 @@ def test_a_ball_is_where_the_camera_model_projects_it(camera: CameraModel) -> No
 
 def test_fields_are_exposed_at_their_own_times() -> None:
     eye = Eye(PINHOLE, Backdrop([wall(5.0, 20.0, (0, 0, 0))]), Balloon(), interlaced=True)
-    fields = []
+    frame = eye.frame()
     for field, x in enumerate((-0.02, 0.02)):
         place = np.array((x, 0.0, 1.5))
-        fields.append(eye.expose(field, NOWHERE, LEVEL, [(Sight(place, LEVEL, place), Look())]))
-    frame = eye.join(fields)[..., 0]
+        eye.expose(field, NOWHERE, LEVEL, [(Sight(place, LEVEL, place), Look())], frame)
+    frame = frame[..., 0]
     columns = np.indices(frame.shape)[1]
     means = [columns[k::2][frame[k::2] > 100.0].mean() for k in (0, 1)]
     assert means[1] - means[0] == pytest.approx(PINHOLE.fx * 0.04 / 1.5, rel=0.1)
@@ -83,6 +86,7 @@ def test_what_is_nearer_hides_the_ball_and_who_is_behind_is_not_drawn() -> None:
     board = Look(Backdrop([wall(0.0, 0.3, (90, 90, 90))]), below=0.5, ball=False)
     held = Sight(np.array((0.0, 0.0, 0.8)), LEVEL, np.array((0.0, 0.0, 0.8)))
     behind = Sight(np.array((0.0, 0.0, -1.0)), LEVEL, np.array((0.0, 0.0, -1.0)))
-    shown = eye.expose(0, NOWHERE, LEVEL, [(ball, Look()), (held, board), (behind, Look())])
+    shown = eye.frame()
+    eye.expose(0, NOWHERE, LEVEL, [(ball, Look()), (held, board), (behind, Look())], shown)
     assert set(np.unique(shown[..., 0])) <= set(range(91))
     assert shown[shown.shape[0] // 2, shown.shape[1] // 2, 0] == 90

@@ -145,7 +145,7 @@ def test_misuse() -> None:
         Pal(luma_noise=-1.0)
     with pytest.raises(ValueError, match=r"1\.5"):
         Pal(lost_lines=1.5)
-    with pytest.raises(ValueError, match="uint8"):
-        degrade(np.zeros((4, 4, 3), np.uint8), CLEAN, 0)
+    with pytest.raises(ValueError, match="int16"):
+        degrade(np.zeros((4, 4, 3), np.int16), CLEAN, 0)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="sensor_noise"):
         degrade(flat(), Pal(sensor_noise=1.0, luma_noise=1.0), 0)

@@ -52,7 +52,7 @@ class Backdrop:
         texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
         self._texels: Words = np.concatenate(texels).view(np.uint32)[:, 0].copy()
 
-    def draw(self, picture: Words, window: Window, turn: Floats, place: Floats) -> None:
+    def draw(self, picture: Words, window: Window, turn: Floats, place: Floats, columns: Ints | None = None) -> None:
         """Draw what a camera sees over a picture, in place.
 
         Parameters
@@ -65,10 +65,15 @@ class Backdrop:
             Turns vectors of the surfaces' frame into that of the camera.
         place : ndarray of shape (3,)
             Origin of the surfaces' frame in that of the camera, m.
+        columns : ndarray of shape (h, 2), int64, optional
+            First and last column of each row that is wanted; all by default.
         """
         nearest = self._depth(picture.shape)
         turn = np.ascontiguousarray(turn)
-        draw_flat(picture, nearest, self._corners, turn, place, *window, self._sizes, self._texels)
+        if columns is None:
+            columns = np.zeros((picture.shape[0], 2), np.int64)
+            columns[:, 1] = picture.shape[1] - 1
+        draw_flat(picture, nearest, self._corners, turn, place, *window, self._sizes, self._texels, columns)
 
     def _depth(self, shape: tuple[int, ...]) -> Depth:
         """Depth buffer that each thread keeps: fresh pages cost more than drawing on them."""
@@ -86,18 +91,47 @@ def as_words(picture: Bytes) -> Words:
 
 
 @kernel
-def homography(corner: Floats, turn: Floats, place: Floats, lens: Floats, h: Floats) -> bool:
-    """Write the map from pixels (x, y, 1) to (s, t, 1) / depth of a surface; False if it is seen from its edge.
-
-    With u, v and o the surface's sides and origin seen from the camera, its rows are v x o, o x u and u x v over the
-    determinant, times the inverse of the pinhole's matrix.
-    """
-    m = np.zeros((3, 3))
+def seen_from(corner: Floats, turn: Floats, place: Floats, m: Floats) -> None:
+    """Write sides and origin of a surface as the camera sees them: the columns of m, (3, 3)."""
     for j in range(3):
         for k in range(3):
+            total = 0.0
             for i in range(3):
-                m[j, k] += turn[j, i] * corner[i, k]
+                total += turn[j, i] * corner[i, k]
+            m[j, k] = total
         m[j, 2] += place[j]
+
+
+@kernel
+def rows_of(m: Floats, lens: Floats, height: int, width: int) -> tuple[int, int]:
+    """First row that may show a surface, and the one after the last; a pixel more on either side than need be."""
+    left, right, top, bottom, before = width + 1.0, -2.0, height + 1.0, -2.0, 0
+    for corner in range(4):
+        s, t = float(corner % 2), float(corner // 2)
+        z = m[2, 2] + s * m[2, 0] + t * m[2, 1]
+        if z <= 0.0:
+            continue
+        before += 1
+        z = max(z, 1e-9)
+        x = lens[2] + lens[0] * (m[0, 2] + s * m[0, 0] + t * m[0, 1]) / z
+        y = lens[3] + lens[1] * (m[1, 2] + s * m[1, 0] + t * m[1, 1]) / z
+        left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
+    if before == 0:
+        return 0, 0
+    if before < 4:  # it reaches behind the camera
+        return 0, height
+    if right < -1.0 or left > width:
+        return 0, 0
+    return int(max(top - 1.0, 0.0)), int(min(bottom + 2.0, float(height)))
+
+
+@kernel
+def homography(m: Floats, lens: Floats, h: Floats) -> bool:
+    """Write the map from pixels (x, y, 1) to (s, t, 1) / depth of a surface; False if it is seen from its edge.
+
+    With u, v and o the surface's sides and origin seen from the camera, the columns of m, its rows are v x o, o x u and
+    u x v over the determinant, times the inverse of the pinhole's matrix.
+    """
     rows = np.empty((3, 3))
     for k in range(3):
         a, b = (k + 1) % 3, (k + 2) % 3
@@ -127,6 +161,7 @@ def draw_flat(
     cy: float,
     sizes: Ints,
     texels: Words,
+    columns: Ints,
 ) -> None:
     """Draw surfaces into a picture and its depth buffer.
 
@@ -145,29 +180,40 @@ def draw_flat(
         Rows and columns of its texture, and where that begins.
     texels : (m,)
         BGRA of all textures.
+    columns : (h, 2)
+        First and last column of each row that is wanted.
     """
     height, width = picture.shape[0], picture.shape[1]
-    h, lens = np.empty((3, 3)), np.array((fx, fy, cx, cy))
+    h, m, lens = np.empty((3, 3)), np.empty((3, 3)), np.array((fx, fy, cx, cy))
+    places, inverse = np.empty(width, np.int32), np.empty(width)
     for k in range(corners.shape[0]):
-        if not homography(corners[k], turn, place, lens, h):
+        seen_from(corners[k], turn, place, m)
+        top, bottom = rows_of(m, lens, height, width)
+        if top >= bottom or not homography(m, lens, h):
             continue
-        tall, wide, first_texel = sizes[k, 0], sizes[k, 1], sizes[k, 2]
+        tall, wide = np.int32(sizes[k, 0]), np.int32(sizes[k, 1])
+        texture = texels[sizes[k, 2] : sizes[k, 2] + sizes[k, 0] * sizes[k, 1]]
         slope_s, slope_t, slope_w = h[0, 0] * wide, h[1, 0] * tall, h[2, 0]
-        for y in range(height):
+        for y in range(top, bottom):
             first, last = span(h, float(y), width)
+            first, last = max(first, columns[y, 0]), min(last, columns[y, 1])
             if first > last:
                 continue
             start_s, start_t = (h[0, 1] * y + h[0, 2]) * wide, (h[1, 1] * y + h[1, 2]) * tall
             start_w = h[2, 1] * y + h[2, 2]
-            line, depth = picture[y], nearest[y]
-            for x in range(first, last + 1):
-                w = slope_w * x + start_w
+            line, depth = picture[y, first : last + 1], nearest[y, first : last + 1]
+            for x in range(line.shape[0]):  # several pixels at a time
+                at = float(first + x)
+                w = slope_w * at + start_w
+                unit = 1.0 / w
+                i = max(min(np.int32((slope_t * at + start_t) * unit), tall - np.int32(1)), np.int32(0))
+                j = max(min(np.int32((slope_s * at + start_s) * unit), wide - np.int32(1)), np.int32(0))
+                places[x], inverse[x] = np.int32(i * wide) + j, w
+            for x in range(line.shape[0]):
+                w = inverse[x]
                 if w <= depth[x] or w > 1.0 / NEAR:
                     continue
-                unit = 1.0 / w
-                i = min(int((slope_t * x + start_t) * unit), tall - 1)
-                j = min(int((slope_s * x + start_s) * unit), wide - 1)
-                texel = texels[first_texel + i * wide + j]
+                texel = texture[np.uint32(places[x])]
                 if texel >= OPAQUE:
                     depth[x] = w
                     line[x] = texel

@@ -9,6 +9,7 @@ from matchset.shapes.jit import kernel
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]
+Words = npt.NDArray[np.uint32]
 
 
 @kernel
@@ -136,6 +137,35 @@ def draw_sphere(
                 picture[y, x, 0] += alpha * (blue - picture[y, x, 0])
                 picture[y, x, 1] += alpha * (green - picture[y, x, 1])
                 picture[y, x, 2] += alpha * (red - picture[y, x, 2])
+
+
+@kernel
+def draw_sphere_on_words(picture: Words, lens: Array, center: Array, radius: float, look: Array) -> None:
+    """Blend a sphere that does not move over a picture of words, B in the lowest byte, as `draw_sphere` would."""
+    spheres, none = np.empty((1, 7)), np.empty((0, 3))
+    square = center[0] ** 2 + center[1] ** 2 + center[2] ** 2
+    tangent_sq = square - radius**2
+    spheres[0, 0], spheres[0, 1], spheres[0, 2], spheres[0, 3] = center[0], center[1], center[2], square
+    spheres[0, 4], spheres[0, 5] = tangent_sq, 4.0 * radius * math.sqrt(tangent_sq) / min(lens[0], lens[1])
+    spheres[0, 6] = radius / math.sqrt(tangent_sq)
+    soften = center[2] / (lens[0] * radius)
+    shape = np.array([float(picture.shape[0]), float(picture.shape[1])])
+    box = _sphere_box(lens, spheres, radius, shape, 0, 1)
+    per_pixel, half, byte = 1.0 / lens[0], np.float32(0.5), np.uint32(255)
+    for y in range(box[2], box[3] + 1):
+        v = (y - lens[3]) / lens[1]
+        for x in range(box[0], box[1] + 1):
+            u = (x - lens[2]) * per_pixel
+            alpha = _sphere_coverage(u, v, lens, spheres, 0)
+            if alpha > 0.0:
+                color = _shade(u, v, spheres[0], radius, soften, look, none)
+                word, new = picture[y, x], np.uint32(0)
+                for k in range(3):
+                    shift = np.uint32(8 * k)
+                    under = np.float32((word >> shift) & byte)
+                    over = np.float32(under + alpha * (color[k] - under))
+                    new |= np.uint32(np.uint32(np.int32(over + half)) << shift)
+                picture[y, x] = new | (word & np.uint32(0xFF000000))
 
 
 @kernel

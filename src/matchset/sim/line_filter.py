@@ -9,6 +9,7 @@ from matchset.shapes.jit import kernel
 
 Array = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.float32]
+AnyPicture = Picture | npt.NDArray[np.uint8]
 _BLOCK = 8
 _DEVIATION = 1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0)
 
@@ -37,7 +38,7 @@ def _to_byte(value: np.float32) -> np.uint8:
 
 
 @kernel
-def expose(picture: Picture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]) -> None:
+def expose(picture: AnyPicture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]) -> None:
     """Write gain * picture, cut off at 255, + white noise of deviation sigma in each channel, as bytes."""
     height, width = picture.shape[0], picture.shape[1]
     scale, top = np.float32(sigma), np.float32(255.0)
@@ -54,7 +55,7 @@ def expose(picture: Picture, gain: Array, sigma: float, counter: np.uint32, out:
 
 @kernel
 def transmit(
-    picture: Picture,
+    picture: AnyPicture,
     gain: Array,
     shift: Array,
     luma_noise: float,
@@ -72,13 +73,7 @@ def transmit(
     for y in range(height):
         whole = math.floor(-shift[y])
         part = np.float32(-shift[y] - whole)
-        for x in range(width + 1):
-            source = min(max(x + whole, 0), width - 1)
-            line[0, x], line[1, x], line[2, x] = (
-                picture[y, source, 0],
-                picture[y, source, 1],
-                picture[y, source, 2],
-            )
+        _move(picture[y], int(min(max(whole, -width), width)), line)
         for k in range(3):
             level, channel = np.float32(gain[k]), line[k]
             for x in range(width):
@@ -93,6 +88,20 @@ def transmit(
         _add_noise(luma, luma_sigma, start)
         _add_noise(blue, chroma_sigma, np.uint32(start + np.uint32(width)))
         _add_noise(red, chroma_sigma, np.uint32(start + np.uint32(2 * width)))
+
+
+@kernel
+def _move(row: AnyPicture, whole: int, line: Picture) -> None:
+    """Write B, G and R of a row of pixels, from its pixel `whole` on; beyond its ends it stays as it ends."""
+    width, count = row.shape[0], line.shape[1]
+    first, last = max(-whole, 0), min(width - whole, count)
+    for k in range(3):
+        channel = line[k]
+        channel[:first] = row[0, k]
+        channel[last:] = row[width - 1, k]
+    source, within = row[first + whole : last + whole], line[:, first:last]
+    for x in range(last - first):
+        within[0, x], within[1, x], within[2, x] = source[x, 0], source[x, 1], source[x, 2]
 
 
 @kernel

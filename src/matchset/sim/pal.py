@@ -85,7 +85,7 @@ PRESETS = {"clean": CLEAN, "typical": TYPICAL, "bad": BAD}
 
 
 def degrade(
-    picture: Picture,
+    picture: Picture | npt.NDArray[np.uint8],
     pal: Pal,
     seed: int,
     gain: tuple[float, float, float] = (1.0, 1.0, 1.0),
@@ -95,7 +95,7 @@ def degrade(
 
     Parameters
     ----------
-    picture : ndarray of shape (h, w, 3), float32
+    picture : ndarray of shape (h, w, 3), float32 or uint8
         BGR, 0 ... 255; unchanged.
     pal : Pal
         The link.
@@ -111,15 +111,16 @@ def degrade(
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
-    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.float32:
-        raise ValueError(f"a picture must be float32 of shape (h, w, 3), got {picture.dtype}, {picture.shape}")
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype not in (np.float32, np.uint8):
+        kind = f"{picture.dtype}, {picture.shape}"
+        raise ValueError(f"a picture must be float32 or uint8 of shape (h, w, 3), got {kind}")
     height, width = picture.shape[:2]
     rng = np.random.default_rng((seed, 0x9A1))
     shift = np.asarray(rng.standard_normal(height) * pal.line_jitter)
     lost = np.asarray(rng.random(height) < pal.lost_lines)
     counter = rng.integers(0, 2**32, dtype=np.uint32)
     if pal.blur > 0.0:
-        picture = _blurred(picture, pal.blur)
+        picture = _blurred(picture.astype(np.float32, copy=False), pal.blur)
     out = np.empty((height, width, 3), np.uint8)
     if not _is_analog(pal):
         expose(picture, np.array(gain), pal.sensor_noise, counter, out)

@@ -104,7 +104,7 @@ def paint_balloon(
     rows: Rows = ALL_ROWS,
 ) -> None:
     """Draw a balloon over any part of a pinhole's picture: `window` is fx, fy, cx, cy; the rest as `draw_balloon`."""
-    look = _appearance(balloon, light if light is not None else Light(), centers.mean(axis=0))
+    look = appearance(balloon, light if light is not None else Light(), centers.mean(axis=0))
     lens = np.array(window)
     square = (centers**2).sum(axis=1)
     tangent_sq = square - balloon.radius**2
@@ -133,8 +133,8 @@ def draw_occluder(picture: Picture, occluders: list[Occluder], rows: Rows = ALL_
     draw_bars(picture, places, np.array(occluders[0].color, dtype=np.float64), rows.start, rows.step)
 
 
-def _appearance(balloon: Balloon, light: Light, center: Array) -> Array:
-    """Pack what `_shade` needs into one array."""
+def appearance(balloon: Balloon, light: Light, center: Array) -> Array:
+    """Pack what the kernels that draw a sphere need of its looks into one array: `center` is (3,), m, camera frame."""
     to_eye = -center / np.linalg.norm(center)
     to_light = np.array(light.direction) / math.hypot(*light.direction)
     between = to_light + to_eye

@@ -62,12 +62,15 @@ class Rope:
     ----------
     place, velocity : (3,)
         Of the vehicle, m and m/s.
+    waves : (5,)
+        See `yaw_of`.
     """
 
     def __init__(self, parameters: RopeParameters, anchor: npt.ArrayLike, rng: np.random.Generator) -> None:
         self.parameters = parameters
         self.anchor = np.array(anchor, np.float64)
-        plane, phase, *self._phases = rng.uniform(0.0, 2.0 * math.pi, 4)
+        plane, phase, *phases = rng.uniform(0.0, 2.0 * math.pi, 4)
+        self.waves = np.array((math.radians(parameters.yaw_deg), *parameters.yaw_periods, *phases))
         way = np.array((math.cos(plane), 0.0, math.sin(plane)))
         out = parameters.swing * math.cos(phase)
         self._arm = out * way + np.array((0.0, math.sqrt(parameters.length**2 - out**2), 0.0))
@@ -89,25 +92,43 @@ class Rope:
 
     def yaw(self, time: float) -> float:
         """Yaw of the vehicle at a time, rad."""
-        waves = [
-            share * math.sin(2.0 * math.pi * time / period + phase)
-            for share, period, phase in zip(SHARES, self.parameters.yaw_periods, self._phases, strict=True)
-        ]
-        return math.radians(self.parameters.yaw_deg) * sum(waves)
+        return yaw_of(self.waves, time)
 
     def turn(self, time: float, arm: Floats | None = None) -> Floats:
         """Rotation matrix of the vehicle: its down axis along the rope (or an earlier `arm`), turned by the yaw."""
-        down = (self._arm if arm is None else arm) / self.parameters.length
-        yaw = self.yaw(time)
-        ahead = np.array((math.sin(yaw), 0.0, math.cos(yaw)))
-        right = np.cross(down, ahead)
-        right /= np.linalg.norm(right)
-        turn: Floats = np.column_stack((right, down, np.cross(right, down)))
+        turn = np.empty((3, 3))
+        hanging(self._arm if arm is None else arm, self.yaw(time), self.parameters.length, turn)
         return turn
 
     def step(self, step: float) -> None:
         """Let time pass, s: one step of the classical Runge-Kutta method."""
         swing(self._arm, self.velocity, self.parameters.length, self.parameters.damping, step)
+
+
+@kernel
+def yaw_of(waves: Floats, time: float) -> float:
+    """Yaw at a time, rad; `waves` holds its amplitude (rad), the periods (s) of its two waves, and their phases."""
+    slow = SHARES[0] * math.sin(2.0 * math.pi * time / waves[1] + waves[3])
+    fast = SHARES[1] * math.sin(2.0 * math.pi * time / waves[2] + waves[4])
+    yaw: float = waves[0] * (slow + fast)
+    return yaw
+
+
+@kernel
+def hanging(arm: Floats, yaw: float, length: float, turn: Floats) -> None:
+    """Write the rotation of what hangs on a rope's arm, turned by a yaw: (3, 3)."""
+    ahead = (math.sin(yaw), 0.0, math.cos(yaw))
+    for k in range(3):
+        turn[k, 1] = arm[k] / length
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        turn[k, 0] = turn[a, 1] * ahead[b] - turn[b, 1] * ahead[a]
+    far = math.sqrt(turn[0, 0] * turn[0, 0] + turn[1, 0] * turn[1, 0] + turn[2, 0] * turn[2, 0])
+    for k in range(3):
+        turn[k, 0] /= far
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        turn[k, 2] = turn[a, 0] * turn[b, 1] - turn[b, 0] * turn[a, 1]
 
 
 @kernel

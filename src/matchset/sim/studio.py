@@ -52,13 +52,13 @@ class Studio:
 
     def picture(self, who: int, step: int) -> npt.NDArray[np.uint8]:
         """Take the picture of a camera whose exposure has its middle at a step, BGR, uint8."""
-        fields = []
+        frame = self._eye.frame()
         for field in range(self._eye.fields):
             at = step + FIELD * (2 * field - 1) * (self._eye.fields - 1)
             sights = self.world.sights(at)
-            fields.append(self._expose(field, sights[who], who, sights, at))
+            self._expose(field, sights[who], who, sights, at, frame)
         seed = (self.world.seed * 64 + who) * 1_000_003 + step
-        return degrade(self._eye.join(fields), self._link, seed, work=self._eye.planes())
+        return degrade(frame, self._link, seed, work=self._eye.planes())
 
     def sample(self, who: int) -> npt.NDArray[np.uint8]:
         """Take a picture of a ball that is held 1 m before a camera, the marker toward it."""
@@ -66,8 +66,10 @@ class Studio:
         lens = lens_of(me)
         ball = lens + me.turn[:, 2]
         held = Sight(ball, me.turn, ball)
-        fields = [self._eye.expose(field, lens, me.turn, [(held, Look())]) for field in range(self._eye.fields)]
-        return degrade(self._eye.join(fields), self._link, self.world.seed * 64 + who)
+        frame = self._eye.frame()
+        for field in range(self._eye.fields):
+            self._eye.expose(field, lens, me.turn, [(held, Look())], frame)
+        return degrade(frame, self._link, self.world.seed * 64 + who)
 
     def inside(self, who: int, step: int) -> bool:
         """Whether the next one's ball has its middle in a camera's picture at a step, and nothing is held before it."""
@@ -75,13 +77,15 @@ class Studio:
         place = sights[who].turn.T @ (sights[who + 1].ball - lens_of(sights[who]))
         return not self._is_hidden(who, step / RATE) and bool(self._camera.visible(place[np.newaxis])[0])
 
-    def _expose(self, field: int, me: Sight, who: int, sights: list[Sight], step: int) -> npt.NDArray[np.uint8]:
+    def _expose(
+        self, field: int, me: Sight, who: int, sights: list[Sight], step: int, frame: npt.NDArray[np.uint8]
+    ) -> None:
         lens = lens_of(me)
         others = [(sight, self._looks[k]) for k, sight in enumerate(sights) if k != who]
         if self._is_hidden(who, step / RATE):
             middle = lens + 0.5 * (sights[who + 1].ball - lens)
             others.append((Sight(middle, me.turn, middle), _BOARD))
-        return self._eye.expose(field, lens, me.turn, others)
+        self._eye.expose(field, lens, me.turn, others, frame)
 
     def _is_hidden(self, who: int, time: float) -> bool:
         return time > QUIET and (time + 0.37 * self._every * who) % self._every < self._hidden

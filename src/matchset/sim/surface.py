@@ -102,7 +102,7 @@ def span(h: Array, y: float, width: int) -> tuple[int, int]:
             high = min(high, -value / slope)
         elif value <= 0.0:
             high = -1.0
-    return math.ceil(low), math.floor(max(high, -1.0))
+    return math.ceil(min(low, float(width))), math.floor(max(high, -1.0))  # within what an integer holds
 
 
 @kernel

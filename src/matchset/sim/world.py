@@ -8,9 +8,10 @@ import numpy.typing as npt
 
 from matchset.control.command import Command
 from matchset.control.follower import SetPlace
+from matchset.sim import chain_motion
 from matchset.sim.eye import BACKWARD, Sight
 from matchset.sim.furniture import FLOOR
-from matchset.sim.quadrotor import GRAVITY, PLACE, SPEED, TURN, constants, downwash, resting, rotation, step_vehicle
+from matchset.sim.quadrotor import GRAVITY, PLACE, SIZE, SPEED, constants, resting, rotation
 from matchset.sim.room import BACK, BEHIND, HALF_WIDTH
 from matchset.sim.rope import Rope, RopeParameters
 from matchset.sim.vehicle import VehicleParameters, toy
@@ -85,18 +86,17 @@ class World:
         self.rope = Rope(parameters.rope, (0.0, 0.2 - parameters.rope.length, _far_end(parameters)), rng)
         self._rng = np.random.default_rng((seed, 0xF117))
         self._constants = constants(toy)
-        self._disc = 4.0 * math.pi * toy.rotor_radius**2
         self._sent: list[list[tuple[int, Command]]] = [[] for _ in range(count)]
         self._active = [Command()] * count
-        self._heard = [0] * count
-        self._held = [True] * count  # each begins in a hand, which lets go when the motors pull
-        self._ended = [False] * count
-        self._goal, self._wind = np.zeros(4), np.zeros(3)
+        self._sticks, self._heard = np.zeros((count, 4)), np.zeros(count, np.int64)
+        self._held = np.ones(count, np.bool_)  # each begins in a hand, which lets go when the motors pull
+        self._ended, self._hits = np.zeros(count, np.bool_), np.zeros(count, np.int64)
         length = parameters.place.heading * (count - 1)
         self.room_scale = max(length / ROOM_LENGTH, 1.0)
         self.states = self._begin(rng)
-        self._history: dict[int, tuple[Floats, Floats]] = {}
-        self._remember()
+        self._chain = _chain_constants(parameters, self.room_scale)
+        self._past, self._past_arms = np.empty((KEPT, count, SIZE)), np.empty((KEPT, 3))
+        self._past[0], self._past_arms[0] = self.states, self.rope.arm
 
     @property
     def time(self) -> float:
@@ -113,21 +113,20 @@ class World:
     def advance(self, step: int) -> None:
         """Let time pass until a step."""
         while self.step < step:
-            self._step()
+            due = self._hear(self.step + 1)
+            self._fly(min([step, *(when - 1 for when in due)]))
 
     def sights(self, step: int) -> list[Sight]:
         """Where everyone was at a step of the last second."""
-        states, arm = self._history[max(step, 0)]
-        up = self.parameters.vehicle.ball_height * UP
-        sights = []
-        for who, state in enumerate(states):
-            turn = np.empty((3, 3))
-            rotation(state, turn)
-            if who == self.parameters.vehicles - 1:
-                turn = self.rope.turn(max(step, 0) * STEP, arm)
-            place = state[PLACE : PLACE + 3].copy()
-            sights.append(Sight(place, turn, place + turn @ up))
-        return sights
+        step = max(step, 0)
+        if not self.step - KEPT < step <= self.step:
+            raise ValueError(f"step {step} is not among the last {KEPT} before step {self.step}")
+        count = self.parameters.vehicles
+        places, turns, balls = np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3))
+        states, arm, yaw = self._past[step % KEPT], self._past_arms[step % KEPT], self.rope.yaw(step * STEP)
+        height, length = self.parameters.vehicle.ball_height, self.rope.parameters.length
+        chain_motion.seen(states, arm, yaw, length, height, places, turns, balls)
+        return [Sight(*each) for each in zip(places, turns, balls, strict=True)]
 
     def place(self, who: int, step: int | None = None) -> Floats:
         """Side, height and heading of a follower's camera in the level frame of its neighbor's ball: the truth, m."""
@@ -153,81 +152,93 @@ class World:
             states[who] = resting(there + matrix @ off, yaw, thrust)
         return states
 
-    def _step(self) -> None:
-        toy = self.parameters.vehicle
-        self.rope.step(STEP)
-        self.step += 1
-        fade = STEP / toy.level_wander_time
-        kick = math.radians(toy.level_wander_deg) * math.sqrt(2.0 * fade)
-        self._wander += -fade * self._wander + kick * self._rng.standard_normal(self._wander.shape)
-        for who in range(self.parameters.vehicles - 1):
-            self._wanted(who)
-            self._held[who] = self._held[who] and self._goal[3] < 0.5 * toy.mass * GRAVITY
-            if not (self._ended[who] or self._held[who]):
-                downwash(self.states, who, self._disc, toy.air_density, self._wind)
-                step_vehicle(self.states[who], self._goal, self._wind, self._constants, STEP)
-        self._hang()
-        self._remember()
-        if self.step % LOOK == 0:
-            self._look_for_crashes()
+    def _hear(self, step: int) -> list[int]:
+        """Let commands act that have arrived by a step; tells when the next of each arrives."""
+        due = []
+        for who, queue in enumerate(self._sent):
+            while queue and queue[0][0] <= step:
+                self._heard[who], self._active[who] = queue.pop(0)
+                heard = self._active[who]
+                self._sticks[who] = heard.roll, heard.pitch, heard.yaw, heard.throttle
+            if queue:
+                due.append(queue[0][0])
+        return due
 
-    def _wanted(self, who: int) -> None:
-        """Tell what a vehicle's electronics make of its sticks: roll, pitch, yaw rate and thrust."""
-        toy, queue = self.parameters.vehicle, self._sent[who]
-        while queue and queue[0][0] <= self.step:
-            self._heard[who], self._active[who] = queue.pop(0)
-        sticks = self._active[who]
-        if (self.step - self._heard[who]) * STEP > toy.failsafe:
-            sticks = Command()
-        used = min((self._age[who] + self.time) / toy.flight_time, 1.0)
-        most = toy.thrust_to_weight * toy.mass * GRAVITY * (1.0 - toy.battery_sag * used)
-        tilt = math.radians(toy.full_tilt_deg)
-        goal, bias, wander = self._goal, self._bias[who], self._wander[who]
-        goal[0] = tilt * sticks.roll + bias[0] + wander[0]
-        goal[1] = tilt * sticks.pitch + bias[1] + wander[1]
-        goal[2] = math.radians(toy.full_yaw_rate_deg) * sticks.yaw
-        goal[3] = most * sticks.throttle
+    def _fly(self, until: int) -> None:
+        """Let steps pass under the same sticks."""
+        kicks = self._rng.standard_normal((until - self.step, *self._wander.shape))
+        while self.step < until:
+            before = self.step
+            self.step = chain_motion.fly(
+                self.states,
+                self.rope.arm,
+                self.rope.velocity,
+                self.rope.anchor,
+                self._wander,
+                kicks,
+                self._sticks,
+                self._heard,
+                self._held,
+                self._ended,
+                self._bias,
+                self._age,
+                self._constants,
+                self._chain,
+                self.rope.waves,
+                self._past,
+                self._past_arms,
+                before,
+                until,
+                LOOK,
+                self._hits,
+            )
+            kicks = kicks[self.step - before :]
+            if self.step % LOOK == 0:
+                self._note_crashes()
 
-    def _hang(self) -> None:
-        """Put the last one where its rope has it."""
-        state, half = self.states[-1], 0.5 * self.rope.yaw(self.time)
-        state[PLACE : PLACE + 3] = self.rope.anchor
-        state[PLACE : PLACE + 3] += self.rope.arm
-        state[SPEED : SPEED + 3] = self.rope.velocity
-        state[TURN], state[TURN + 2] = math.cos(half), math.sin(half)
-
-    def _remember(self) -> None:
-        self._history[self.step] = (self.states.copy(), self.rope.arm.copy())
-        self._history.pop(self.step - KEPT, None)
-
-    def _look_for_crashes(self) -> None:
-        sights = self.sights(self.step)
-        ball = self.parameters.vehicle.ball_radius
-        wide, near, far = (self.room_scale * edge for edge in (HALF_WIDTH, BEHIND, BACK))
-        for who, sight in enumerate(sights[:-1]):
-            if self._ended[who]:
-                continue
-            x, y, z = sight.place
-            what = ""
-            if y > FLOOR - 0.03:
-                what = "hit the floor"
-            elif sight.ball[1] < -FLOOR + ball:
-                what = "hit the ceiling"
-            elif abs(x) > wide - ball or not near + ball < z < far - ball:
-                what = "hit a wall"
-            for other, neighbor in enumerate(sights):
-                if other != who and _touch(sight, neighbor, ball):
-                    what = f"hit vehicle {other + 1}"
-            if what:
+    def _note_crashes(self) -> None:
+        """End the flight of whoever hit something."""
+        for who, hit in enumerate(self._hits.tolist()):
+            if hit != chain_motion.NOTHING:
                 self._ended[who] = True
                 self.states[who, SPEED : SPEED + 3] = 0.0
-                self.crashes.append((self.time, who, what))
+                self.crashes.append((self.time, who, _HITS[hit] if hit < len(_HITS) else f"hit vehicle {hit - 3}"))
+        self._hits[:] = chain_motion.NOTHING
 
 
-def _touch(one: Sight, two: Sight, ball: float) -> bool:
-    """Whether two vehicles touch: their balls, or a frame, which fills a sphere around its place, anything."""
-    parts = ((one.ball, ball), (one.place, FRAME_RADIUS)), ((two.ball, ball), (two.place, FRAME_RADIUS))
-    return any(math.dist(here, there) < a + b for here, a in parts[0] for there, b in parts[1])
+_HITS = ("", "hit the floor", "hit the ceiling", "hit a wall")
+
+
+def _chain_constants(parameters: ChainParameters, room_scale: float) -> Floats:
+    """Pack what the kernels of `chain_motion` need, in their order."""
+    toy, rope = parameters.vehicle, parameters.rope
+    fade = STEP / toy.level_wander_time
+    wide, near, far = (room_scale * edge for edge in (HALF_WIDTH, BEHIND, BACK))
+    return np.array(
+        [
+            STEP,
+            math.radians(toy.full_tilt_deg),
+            math.radians(toy.full_yaw_rate_deg),
+            toy.thrust_to_weight * toy.mass * GRAVITY,
+            toy.battery_sag,
+            toy.flight_time,
+            toy.failsafe,
+            fade,
+            math.radians(toy.level_wander_deg) * math.sqrt(2.0 * fade),
+            4.0 * math.pi * toy.rotor_radius**2,
+            toy.air_density,
+            toy.mass * GRAVITY,
+            rope.length,
+            rope.damping,
+            toy.ball_height,
+            toy.ball_radius,
+            wide,
+            near,
+            far,
+            FLOOR,
+            FRAME_RADIUS,
+        ]
+    )
 
 
 def lens_of(me: Sight) -> Floats:

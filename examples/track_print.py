@@ -16,7 +16,7 @@ try:
         corners = [tuple(map(float, word.split(","))) for word in words[1:]]
     else:  # a dark card that turns before a room
         card = ((-1.5, -1.0), (1.5, -1.0), (1.5, 1.0), (-1.5, 1.0))
-        clip = ShapeClip(corners=card, color=(40.0, 40.0, 40.0), tilt=0.4, frames=30, seed=100)
+        clip = ShapeClip(corners=card, color=(40.0, 40.0, 40.0), tilt=0.4, frames=30, seed=101)
         frames, corners = (frame for frame, _ in clip), clip.outline(0.0).round(-1).tolist()
     tracker = ms.Tracker(ms.Quadrilateral, ms.ColorModel.edges())
     tracker.start(ms.Quadrilateral(corners))

@@ -30,7 +30,7 @@ class EllipseParameters(msgspec.Struct, frozen=True):
     """
 
     mask: bool = True
-    blur: int = 5
+    blur: int = 17
     gradient: int = 36
     anchor: int = 8
     nearness: float = 0.5
@@ -38,7 +38,7 @@ class EllipseParameters(msgspec.Struct, frozen=True):
 
 CHOICES: dict[str, tuple[bool | float, ...]] = {
     "mask": (True, False),
-    "blur": (0, 5, 9, 13, 17, 25, 33),
+    "blur": (0, 5, 9, 13, 17, 25),
     "gradient": (12, 20, 36),
     "anchor": (2, 8),
     "nearness": (0.3, 0.5, 1.0),

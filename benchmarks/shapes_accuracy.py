@@ -140,14 +140,18 @@ def against_edge_drawing(world: str, trials: list[ShapeTrial]) -> Finding:
     if EDGE_DRAWING not in trials[0].theirs:
         return Finding(name=name, what=f"{what}: skipped, {missing()}", figures=())
     ours, theirs = _answers(trials, EDGE_DRAWING)
-    errors = [float(np.mean([scalar(each) for each in found if each is not None])) for found in (ours, theirs)]
     figures = (
         Figure("frames won", _frames_won(trials, EDGE_DRAWING), "%", 1),
-        Figure("error", errors[0], "px", 3),
-        Figure("EdgeDrawing's", errors[1], "px", 3),
+        Figure("error", _mean(ours), "px", 3),
+        Figure("EdgeDrawing's", _mean(theirs), "px", 3),
         Figure("EdgeDrawing lost", _lost(theirs), "%", 1),
     )
     return Finding(name=name, what=what, figures=figures, bar=(Goal("frames won", low=50.0),))
+
+
+def _mean(answers: list[Errors | None]) -> float | None:
+    found = [scalar(each) for each in answers if each is not None]
+    return float(np.mean(found)) if found else None
 
 
 def _frames_won(trials: list[ShapeTrial], peer: str) -> float:

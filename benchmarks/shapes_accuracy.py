@@ -8,7 +8,7 @@ from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
 from benchmarks.shapes_cases import CASES, THIRD, Errors
 from benchmarks.shapes_ellipses import missing
-from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, ShapeTask, ShapeTrial, follow_all, scalar
+from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, ShapeTask, ShapeTrial, follow_all, scalar
 
 FRAMES, QUICK_FRAMES = 100, 40
 SEEDS = 4
@@ -40,7 +40,11 @@ def run(options: Options) -> Section:
         ]
     for world in WORLDS:
         findings.append(against_contours(world, [(case, runs[case, world]) for case in CASES]))
-    findings += [against_edge_drawing(world, runs["ellipse", world]) for world in WORLDS]
+    findings += [
+        against_edge_drawing(world, runs["ellipse", world], peer)
+        for world in WORLDS
+        for peer in (EDGE_DRAWING, EDGE_GRAY)
+    ]
     text = (
         f"Seeds {', '.join(map(str, seeds))}, {frames} frames each, 640 × 480, half-width 40-100 px, one click in the "
         "first frame. *Overlap*: common area over joint area. *Hidden*: four fingers cover a third of the outline. The "
@@ -59,7 +63,7 @@ def _preset(world: str, seed: int, frames: int) -> tuple[str, int, int, float]:
 
 def peers_of(case: str) -> tuple[str, ...]:
     """Who else is measured: the contour of a mask, and for an ellipse EdgeDrawing where this OpenCV has it."""
-    return (CONTOUR, EDGE_DRAWING) if case == "ellipse" and not missing() else (CONTOUR,)
+    return (CONTOUR, EDGE_DRAWING, EDGE_GRAY) if case == "ellipse" and not missing() else (CONTOUR,)
 
 
 def _answers(trials: Iterable[ShapeTrial], peer: str = CONTOUR) -> tuple[list[Errors | None], list[Errors | None]]:
@@ -134,16 +138,18 @@ def against_contours(world: str, cases: list[tuple[str, list[ShapeTrial]]]) -> F
     )
 
 
-def against_edge_drawing(world: str, trials: list[ShapeTrial]) -> Finding:
-    """Share of the frames in which the ellipse is nearer to the truth than EdgeDrawing's, and both mean errors."""
-    name, what = f"shape_edge_drawing_{world.replace(' ', '_')}", f"ellipse against EdgeDrawing's, {world}"
-    if EDGE_DRAWING not in trials[0].theirs:
+def against_edge_drawing(world: str, trials: list[ShapeTrial], peer: str = EDGE_DRAWING) -> Finding:
+    """Share of the frames in which the ellipse is nearer to the truth than EdgeDrawing's; errors where both answer."""
+    name = f"shape_edge_{'gray' if peer == EDGE_GRAY else 'drawing'}_{world.replace(' ', '_')}"
+    what = f"ellipse against {peer}, {world}"
+    if peer not in trials[0].theirs:
         return Finding(name=name, what=f"{what}: skipped, {missing()}", figures=())
-    ours, theirs = _answers(trials, EDGE_DRAWING)
+    ours, theirs = _answers(trials, peer)
+    both = [pair for pair in zip(ours, theirs, strict=True) if None not in pair]
     figures = (
-        Figure("frames won", _frames_won(trials, EDGE_DRAWING), "%", 1),
-        Figure("error", _mean(ours), "px", 3),
-        Figure("EdgeDrawing's", _mean(theirs), "px", 3),
+        Figure("frames won", _frames_won(trials, peer), "%", 1),
+        Figure("error where both answer", _mean([one for one, _ in both]), "px", 3),
+        Figure("EdgeDrawing's", _mean([other for _, other in both]), "px", 3),
         Figure("EdgeDrawing lost", _lost(theirs), "%", 1),
     )
     return Finding(name=name, what=what, figures=figures, bar=(Goal("frames won", low=50.0),))
@@ -164,9 +170,9 @@ def _table(runs: dict[tuple[str, str], list[ShapeTrial]]) -> str:
     for (case, world), trials in runs.items():
         ours, theirs = _answers(trials)
         rows.append([f"{case}, {world}", _words(ours), f"{_lost(ours):.1f}", _words(theirs), f"{_lost(theirs):.1f}"])
-        if EDGE_DRAWING in trials[0].theirs:
-            _, theirs = _answers(trials, EDGE_DRAWING)
-            rows.append([f"the same, {EDGE_DRAWING}", "", "", _words(theirs), f"{_lost(theirs):.1f}"])
+        for peer in (each for each in trials[0].theirs if each != CONTOUR):
+            _, theirs = _answers(trials, peer)
+            rows.append([f"the same, {peer}", "", "", _words(theirs), f"{_lost(theirs):.1f}"])
     return table(["shape", "matchset", "lost, %", "contour or EdgeDrawing", "lost, %"], rows)
 
 

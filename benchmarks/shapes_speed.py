@@ -13,14 +13,18 @@ from benchmarks.options import Options
 from benchmarks.races import CONVERSION, UPDATE, Result
 from benchmarks.shapes_accuracy import peers_of
 from benchmarks.shapes_cases import CASES
-from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, METHODS
+from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, METHODS
 from benchmarks.speed import against, times_table
 from benchmarks.stopwatch import Contender, race
 
 FRAMES, QUICK_FRAMES = 100, 40
 LAPS, QUICK_LAPS = 8, 4
-NAMES = {CONTOUR: "mask, contour, fit", EDGE_DRAWING: "EdgeDrawing"}
-AHEAD = {"to the contour": NAMES[CONTOUR], "to EdgeDrawing": NAMES[EDGE_DRAWING]}  # what must take longer
+NAMES = {CONTOUR: "mask, contour, fit", EDGE_DRAWING: EDGE_DRAWING, EDGE_GRAY: EDGE_GRAY}
+AHEAD = {
+    "to the contour": NAMES[CONTOUR],
+    "to EdgeDrawing": EDGE_DRAWING,
+    "to EdgeDrawing, gray": EDGE_GRAY,
+}  # must take longer
 
 
 def run(options: Options) -> Section:
@@ -64,7 +68,7 @@ def races_of(case: str, options: Options) -> tuple[Result, Result]:
         return [Contender(name=UPDATE, frames=frames, begin=begin), rivals.convert(CONVERSION, frames, apart), *theirs]
 
     steps = count * (QUICK_LAPS if options.quick else LAPS)
-    return race(contenders(0), steps), race(contenders(count // 4), steps)
+    return race(contenders(0), steps), race(contenders(count // 5), steps)
 
 
 def finding(name: str, what: str, result: Result) -> Finding:

@@ -1,5 +1,6 @@
 """One tracker, one sequence of a flat shape, one click, and beside it what people use: `follow_shape`."""
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any
@@ -9,11 +10,15 @@ import msgspec
 import matchset as ms
 from benchmarks.shapes_cases import CASES, Errors
 from benchmarks.shapes_contours import contour_method
-from benchmarks.shapes_ellipses import ellipse_method
+from benchmarks.shapes_ellipses import GRAY, ellipse_method
 from benchmarks.workers import spread
 
-CONTOUR, EDGE_DRAWING = "contour", "EdgeDrawing"
-METHODS: dict[str, Callable[..., Callable[..., Any]]] = {CONTOUR: contour_method, EDGE_DRAWING: ellipse_method}
+CONTOUR, EDGE_DRAWING, EDGE_GRAY = "contour", "EdgeDrawing on the mask", "EdgeDrawing on the gray frame"
+METHODS: dict[str, Callable[..., Callable[..., Any]]] = {
+    CONTOUR: contour_method,
+    EDGE_DRAWING: ellipse_method,
+    EDGE_GRAY: functools.partial(ellipse_method, parameters=GRAY),
+}
 
 
 class ShapeTask(msgspec.Struct, frozen=True):

@@ -24,7 +24,7 @@ AHEAD = {
     "to the contour": NAMES[CONTOUR],
     "to EdgeDrawing": EDGE_DRAWING,
     "to EdgeDrawing, gray": EDGE_GRAY,
-}  # must take longer
+}
 
 
 def run(options: Options) -> Section:
@@ -35,7 +35,7 @@ def run(options: Options) -> Section:
         same, cold = races_of(case, options)
         name, what = f"speed_shape_{case.replace(' ', '_')}", f"{case}: `Tracker.update`"
         unseen = f"{case}: the same, on frames that nobody has touched lately"
-        findings += [finding(name, what, same), against(f"{name}_cold", unseen, cold, (UPDATE, CONVERSION), None)]
+        findings += [finding(name, what, same, cold), against(f"{name}_cold", unseen, cold, (UPDATE, CONVERSION), None)]
         tables += [f"\n**{case}, all on the same frame**\n\n{times_table(same)}"]
         tables += [f"\n**{case}, each on a frame of its own**\n\n{times_table(cold)}"]
     method = (stopwatch.__doc__ or "").partition("\n\n")[2]
@@ -43,7 +43,10 @@ def run(options: Options) -> Section:
 
 
 def races_of(case: str, options: Options) -> tuple[Result, Result]:
-    """Race the tracker of a family, the conversion and the contour on `typical` frames: the same one, then others."""
+    """Race the tracker of a family and the conversion on the same `typical` frame; then, with its rivals, on others.
+
+    A rival that reads all of a frame leaves nothing of the tracker in the cache, so none is in the first race.
+    """
     count = QUICK_FRAMES if options.quick else FRAMES
     clip = CASES[case].clip("typical", options.seeds[0], count)
     pairs = list(clip)
@@ -68,14 +71,14 @@ def races_of(case: str, options: Options) -> tuple[Result, Result]:
         return [Contender(name=UPDATE, frames=frames, begin=begin), rivals.convert(CONVERSION, frames, apart), *theirs]
 
     steps = count * (QUICK_LAPS if options.quick else LAPS)
-    return race(contenders(0), steps), race(contenders(count // 5), steps)
+    return race(contenders(0)[:2], steps), race(contenders(count // 5), steps)
 
 
-def finding(name: str, what: str, result: Result) -> Finding:
-    """Hold the ratio of the medians to the conversion's, and to its rivals', against the goals."""
-    plain = against(name, what, result, (UPDATE, CONVERSION), (0.2, 0.1))
-    rivals_there = [(words, peer) for words, peer in AHEAD.items() if peer in result]
-    more = [Figure(words, result[UPDATE].median_us / result[peer].median_us, "", 3) for words, peer in rivals_there]
+def finding(name: str, what: str, same: Result, cold: Result) -> Finding:
+    """Hold the ratio of the medians to the conversion's, on the same frame, and to its rivals' against the goals."""
+    plain = against(name, what, same, (UPDATE, CONVERSION), (0.2, 0.1))
+    rivals_there = [(words, peer) for words, peer in AHEAD.items() if peer in cold]
+    more = [Figure(words, cold[UPDATE].median_us / cold[peer].median_us, "", 3) for words, peer in rivals_there]
     ahead = [Goal(words, high=1.0) for words, _ in rivals_there]
     return msgspec.structs.replace(
         plain, figures=(*plain.figures, *more), bar=(*plain.bar, *ahead), prize=(*plain.prize, *ahead)

@@ -68,6 +68,16 @@ def detect(name: str, pool: Pool, offset: int) -> Contender:
     return Contender(name=name, frames=pool.frames, begin=lambda: call, offset=offset)
 
 
+def function(name: str, frames: Sequence[ms.Frame], make: Callable[[], Callable[[Any], Any]], offset: int) -> Contender:
+    """Whatever finds something in a picture, made anew with each turn through the pool."""
+
+    def begin() -> Callable[[ms.Frame], Any]:
+        find = make()
+        return lambda frame: find(frame.image)
+
+    return Contender(name=name, frames=frames, begin=begin, offset=offset)
+
+
 def convert(name: str, frames: Sequence[ms.Frame], offset: int) -> Contender:
     """`cv2.cvtColor` to HSV and `cv2.inRange`, as everybody writes them."""
 

@@ -7,7 +7,8 @@ import numpy as np
 from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
 from benchmarks.shapes_cases import CASES, THIRD, Errors
-from benchmarks.shapes_trial import ShapeTask, ShapeTrial, follow_all, scalar
+from benchmarks.shapes_ellipses import missing
+from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, ShapeTask, ShapeTrial, follow_all, scalar
 
 FRAMES, QUICK_FRAMES = 100, 40
 SEEDS = 4
@@ -26,7 +27,9 @@ def run(options: Options) -> Section:
     """Follow every shape in every world, and hold the errors against the goals and against the contours."""
     seeds, frames = (options.seeds[:1], QUICK_FRAMES) if options.quick else (options.seeds[:SEEDS], FRAMES)
     keys = [(case, world) for case in CASES for world in WORLDS]
-    tasks = [ShapeTask(case, *_preset(world, seed, frames), peer=True) for case, world in keys for seed in seeds]
+    tasks = [
+        ShapeTask(case, *_preset(world, seed, frames), peers=peers_of(case)) for case, world in keys for seed in seeds
+    ]
     trials = follow_all(tasks, options.jobs)
     runs = {key: trials[k * len(seeds) : (k + 1) * len(seeds)] for k, key in enumerate(keys)}
     findings = []
@@ -37,12 +40,18 @@ def run(options: Options) -> Section:
         ]
     for world in WORLDS:
         findings.append(against_contours(world, [(case, runs[case, world]) for case in CASES]))
+    findings += [
+        against_edge_drawing(world, runs["ellipse", world], peer)
+        for world in WORLDS
+        for peer in (EDGE_DRAWING, EDGE_GRAY)
+    ]
     text = (
         f"Seeds {', '.join(map(str, seeds))}, {frames} frames each, 640 × 480, half-width 40-100 px, one click in the "
         "first frame. *Overlap*: common area over joint area. *Hidden*: four fingers cover a third of the outline. The "
         "contour is that of the mask `cvtColor + inRange`, with a range learned inside the true outline of the first "
         "frame, opened, through `fitEllipse`, `minAreaRect`, `approxPolyDP` or the hull. Compared are px (center and "
-        "semi-axes, or corners) or the share of the area not in common, in %; who does not answer loses the frame.\n\n"
+        "semi-axes, or corners) or the share of the area not in common, in %; who does not answer loses the frame. "
+        "EdgeDrawing's ellipse is the one nearest to its last answer, parameters from `benchmarks.shapes_search`.\n\n"
     )
     return Section("Other shapes", findings, text + _table(runs))
 
@@ -52,11 +61,16 @@ def _preset(world: str, seed: int, frames: int) -> tuple[str, int, int, float]:
     return preset, seed, frames, share
 
 
-def _answers(trials: Iterable[ShapeTrial]) -> tuple[list[Errors | None], list[Errors | None]]:
+def peers_of(case: str) -> tuple[str, ...]:
+    """Who else is measured: the contour of a mask, and for an ellipse EdgeDrawing where this OpenCV has it."""
+    return (CONTOUR, EDGE_DRAWING, EDGE_GRAY) if case == "ellipse" and not missing() else (CONTOUR,)
+
+
+def _answers(trials: Iterable[ShapeTrial], peer: str = CONTOUR) -> tuple[list[Errors | None], list[Errors | None]]:
     ours, theirs = [], []
     for trial in trials:
         ours += trial.ours
-        theirs += trial.theirs
+        theirs += trial.theirs[peer]
     return ours, theirs
 
 
@@ -110,8 +124,7 @@ def against_contours(world: str, cases: list[tuple[str, list[ShapeTrial]]]) -> F
     """Share of the frames in which the tracker is nearer to the truth than the contour; of the worst case too."""
     shares = {}
     for case, trials in cases:
-        ours, theirs = _answers(trials)
-        shares[case] = 100.0 * float(np.mean([scalar(a) < scalar(b) for a, b in zip(ours, theirs, strict=True)]))
+        shares[case] = _frames_won(trials, CONTOUR)
     worst = min(shares, key=lambda case: shares[case])
     figures = (
         Figure("frames won", float(np.mean(list(shares.values()))), "%", 1),
@@ -125,12 +138,42 @@ def against_contours(world: str, cases: list[tuple[str, list[ShapeTrial]]]) -> F
     )
 
 
+def against_edge_drawing(world: str, trials: list[ShapeTrial], peer: str = EDGE_DRAWING) -> Finding:
+    """Share of the frames in which the ellipse is nearer to the truth than EdgeDrawing's; errors where both answer."""
+    name = f"shape_edge_{'gray' if peer == EDGE_GRAY else 'drawing'}_{world.replace(' ', '_')}"
+    what = f"ellipse against {peer}, {world}"
+    if peer not in trials[0].theirs:
+        return Finding(name=name, what=f"{what}: skipped, {missing()}", figures=())
+    ours, theirs = _answers(trials, peer)
+    both = [pair for pair in zip(ours, theirs, strict=True) if None not in pair]
+    figures = (
+        Figure("frames won", _frames_won(trials, peer), "%", 1),
+        Figure("error where both answer", _mean([one for one, _ in both]), "px", 3),
+        Figure("EdgeDrawing's", _mean([other for _, other in both]), "px", 3),
+        Figure("EdgeDrawing lost", _lost(theirs), "%", 1),
+    )
+    return Finding(name=name, what=what, figures=figures, bar=(Goal("frames won", low=50.0),))
+
+
+def _mean(answers: list[Errors | None]) -> float | None:
+    found = [scalar(each) for each in answers if each is not None]
+    return float(np.mean(found)) if found else None
+
+
+def _frames_won(trials: list[ShapeTrial], peer: str) -> float:
+    ours, theirs = _answers(trials, peer)
+    return 100.0 * float(np.mean([scalar(a) < scalar(b) for a, b in zip(ours, theirs, strict=True)]))
+
+
 def _table(runs: dict[tuple[str, str], list[ShapeTrial]]) -> str:
     rows = []
     for (case, world), trials in runs.items():
         ours, theirs = _answers(trials)
         rows.append([f"{case}, {world}", _words(ours), f"{_lost(ours):.1f}", _words(theirs), f"{_lost(theirs):.1f}"])
-    return table(["shape", "matchset", "lost, %", "contour", "lost, %"], rows)
+        for peer in (each for each in trials[0].theirs if each != CONTOUR):
+            _, theirs = _answers(trials, peer)
+            rows.append([f"the same, {peer}", "", "", _words(theirs), f"{_lost(theirs):.1f}"])
+    return table(["shape", "matchset", "lost, %", "contour or EdgeDrawing", "lost, %"], rows)
 
 
 def _words(answers: list[Errors | None]) -> str:

@@ -1,33 +1,52 @@
 """How fast are the other shapes: `Tracker.update` of each family against the conversion and a mask's contour."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
+
+import msgspec
 
 import matchset as ms
 from benchmarks import rivals, stopwatch
 from benchmarks.finding import Figure, Finding, Goal, Section
 from benchmarks.options import Options
+from benchmarks.races import CONVERSION, UPDATE, Result
+from benchmarks.shapes_accuracy import peers_of
 from benchmarks.shapes_cases import CASES
-from benchmarks.shapes_contours import contour_method
-from benchmarks.speed import times_table
-from benchmarks.stopwatch import Contender, Times, race
+from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, METHODS
+from benchmarks.speed import against, times_table
+from benchmarks.stopwatch import Contender, race
 
 FRAMES, QUICK_FRAMES = 100, 40
 LAPS, QUICK_LAPS = 8, 4
-UPDATE, CONVERSION, CONTOUR = "Tracker.update", "cvtColor + inRange", "mask, contour, fit"
+NAMES = {CONTOUR: "mask, contour, fit", EDGE_DRAWING: EDGE_DRAWING, EDGE_GRAY: EDGE_GRAY}
+AHEAD = {
+    "to the contour": NAMES[CONTOUR],
+    "to EdgeDrawing": EDGE_DRAWING,
+    "to EdgeDrawing, gray": EDGE_GRAY,
+}
 
 
 def run(options: Options) -> Section:
-    """Race every family on frames of its own."""
-    results = {case: race_of(case, options) for case in CASES}
-    findings = [finding(case, result) for case, result in results.items()]
+    """Race every family on a sequence of its own, twice: all on the same frame, and each on a frame of its own."""
+    findings: list[Finding] = []
+    tables: list[str] = []
+    for case in CASES:
+        same, cold = races_of(case, options)
+        name, what = f"speed_shape_{case.replace(' ', '_')}", f"{case}: `Tracker.update`"
+        unseen = f"{case}: the same, on frames that nobody has touched lately"
+        findings += [finding(name, what, same, cold), against(f"{name}_cold", unseen, cold, (UPDATE, CONVERSION), None)]
+        tables += [f"\n**{case}, all on the same frame**\n\n{times_table(same)}"]
+        tables += [f"\n**{case}, each on a frame of its own**\n\n{times_table(cold)}"]
     method = (stopwatch.__doc__ or "").partition("\n\n")[2]
-    tables = [f"\n**{case}**\n\n{times_table(result)}" for case, result in results.items()]
     return Section("Speed of other shapes", findings, "\n".join([method, *tables]))
 
 
-def race_of(case: str, options: Options) -> dict[str, Times]:
-    """Race the tracker of a family, the conversion and the contour on the same `typical` frames."""
+def races_of(case: str, options: Options) -> tuple[Result, Result]:
+    """Race the tracker of a family and the conversion on the same `typical` frame; then, with its rivals, on others.
+
+    A rival that reads all of a frame leaves nothing of the tracker in the cache, so none is in the first race.
+    """
     count = QUICK_FRAMES if options.quick else FRAMES
     clip = CASES[case].clip("typical", options.seeds[0], count)
     pairs = list(clip)
@@ -36,35 +55,31 @@ def race_of(case: str, options: Options) -> dict[str, Times]:
     found = ms.Tracker(CASES[case].family, color, start=clip.first_click).update(first)
     if not isinstance(found, ms.Track):
         raise RuntimeError(f"{case}: not found in the first frame: {found.reason}")
-    method = contour_method(case, first.image, outline)
 
     def begin() -> Callable[[ms.Frame], Any]:
         tracker: ms.Tracker[Any] = ms.Tracker(CASES[case].family, color)
         tracker.start(found.shape)
         return tracker.update
 
-    contenders = [
-        Contender(name=UPDATE, frames=frames, begin=begin),
-        rivals.convert(CONVERSION, frames, count // 3),
-        Contender(name=CONTOUR, frames=frames, begin=lambda: lambda frame: method(frame.image), offset=2 * count // 3),
-    ]
-    return race(contenders, count * (QUICK_LAPS if options.quick else LAPS))
+    def contenders(apart: int) -> list[Contender]:
+        theirs = [
+            rivals.function(
+                NAMES[peer], frames, functools.partial(METHODS[peer], case, first.image, outline), k * apart
+            )
+            for k, peer in enumerate(peers_of(case), 2)
+        ]
+        return [Contender(name=UPDATE, frames=frames, begin=begin), rivals.convert(CONVERSION, frames, apart), *theirs]
+
+    steps = count * (QUICK_LAPS if options.quick else LAPS)
+    return race(contenders(0)[:2], steps), race(contenders(count // 5), steps)
 
 
-def finding(case: str, result: dict[str, Times]) -> Finding:
-    """Ratio of the medians to the conversion, and to the contour."""
-    ours, conversion, contour = (result[name] for name in (UPDATE, CONVERSION, CONTOUR))
-    figures = (
-        Figure("ratio", ours.median_us / conversion.median_us, "", 3),
-        Figure("of minima", ours.least_us / conversion.least_us, "", 3),
-        Figure("median", ours.median_us, "µs", 1),
-        Figure("to the contour", ours.median_us / contour.median_us, "", 3),
-        Figure("missed", 100.0 * ours.misses / len(ours.ns), "%", 2, aside=True),
-    )
-    return Finding(
-        name=f"speed_shape_{case.replace(' ', '_')}",
-        what=f"{case}: `Tracker.update` against {CONVERSION}",
-        figures=figures,
-        bar=(Goal("ratio", high=0.2), Goal("to the contour", high=1.0)),
-        prize=(Goal("ratio", high=0.1), Goal("to the contour", high=1.0)),
+def finding(name: str, what: str, same: Result, cold: Result) -> Finding:
+    """Hold the ratio of the medians to the conversion's, on the same frame, and to its rivals' against the goals."""
+    plain = against(name, what, same, (UPDATE, CONVERSION), (0.2, 0.1))
+    rivals_there = [(words, peer) for words, peer in AHEAD.items() if peer in cold]
+    more = [Figure(words, cold[UPDATE].median_us / cold[peer].median_us, "", 3) for words, peer in rivals_there]
+    ahead = [Goal(words, high=1.0) for words, _ in rivals_there]
+    return msgspec.structs.replace(
+        plain, figures=(*plain.figures, *more), bar=(*plain.bar, *ahead), prize=(*plain.prize, *ahead)
     )

@@ -1,6 +1,8 @@
 """One tracker, one sequence of a flat shape, one click, and beside it what people use: `follow_shape`."""
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
@@ -8,7 +10,15 @@ import msgspec
 import matchset as ms
 from benchmarks.shapes_cases import CASES, Errors
 from benchmarks.shapes_contours import contour_method
+from benchmarks.shapes_ellipses import GRAY, ellipse_method
 from benchmarks.workers import spread
+
+CONTOUR, EDGE_DRAWING, EDGE_GRAY = "contour", "EdgeDrawing on the mask", "EdgeDrawing on the gray frame"
+METHODS: dict[str, Callable[..., Callable[..., Any]]] = {
+    CONTOUR: contour_method,
+    EDGE_DRAWING: ellipse_method,
+    EDGE_GRAY: functools.partial(ellipse_method, parameters=GRAY),
+}
 
 
 class ShapeTask(msgspec.Struct, frozen=True):
@@ -24,8 +34,8 @@ class ShapeTask(msgspec.Struct, frozen=True):
         Of the sequence.
     hidden : float
         Share of the outline behind four fingers.
-    peer : bool
-        Whether the contour of a mask is measured too.
+    peers : tuple of str
+        Which of `METHODS` are measured too.
     """
 
     case: str
@@ -33,7 +43,7 @@ class ShapeTask(msgspec.Struct, frozen=True):
     seed: int
     frames: int
     hidden: float = 0.0
-    peer: bool = False
+    peers: tuple[str, ...] = ()
 
 
 class ShapeTrial(msgspec.Struct, frozen=True):
@@ -41,12 +51,14 @@ class ShapeTrial(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    ours, theirs : list of dict or None
-        Of the tracker, and of the contour of a mask.
+    ours : list of dict or None
+        Of the tracker.
+    theirs : dict of str to list of dict or None
+        Of each peer.
     """
 
     ours: list[Errors | None]
-    theirs: list[Errors | None]
+    theirs: dict[str, list[Errors | None]]
 
 
 def follow_shape(task: ShapeTask) -> ShapeTrial:
@@ -54,17 +66,17 @@ def follow_shape(task: ShapeTask) -> ShapeTrial:
     case = CASES[task.case]
     clip = case.clip(task.preset, task.seed, task.frames, task.hidden)
     tracker: ms.Tracker[Any] | None = None
-    result = ShapeTrial([], [])
+    result = ShapeTrial([], {name: [] for name in task.peers})
     for frame, truth in clip:
         click = clip.first_click
         if tracker is None:
             tracker = ms.Tracker(case.family, ms.ColorModel.pick(frame.image, *click), start=click)
-            find = contour_method(task.case, frame.image, truth) if task.peer else None
+            finders = {name: METHODS[name](task.case, frame.image, truth) for name in task.peers}
         answer = tracker.update(frame)
         result.ours.append(case.errors(clip, frame.index, answer.shape) if isinstance(answer, ms.Track) else None)
-        if find is not None:
+        for name, find in finders.items():
             found = find(frame.image)
-            result.theirs.append(None if found is None else case.errors(clip, frame.index, found))
+            result.theirs[name].append(None if found is None else case.errors(clip, frame.index, found))
     return result
 
 

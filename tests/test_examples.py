@@ -64,7 +64,20 @@ def test_a_rectangle_is_tracked(tmp_path: Path) -> None:
 
 
 def test_coins_are_found(tmp_path: Path) -> None:
-    assert len(lines_of(run(tmp_path, "detect_coins.py"))) >= 3
+    assert len(lines_of(run(tmp_path, "detect_coins.py"))) == 3
+
+
+def test_a_printed_card_is_tracked(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "track_print.py"))
+    assert len(lines) == 30
+    assert all("confirmed" in line for line in lines)
+
+
+def test_the_gray_modes_are_compared(tmp_path: Path) -> None:
+    dark, light, edges = lines_of(run(tmp_path, "begin_roughly.py"))
+    assert "lost" in dark
+    for line in (light, edges):
+        assert [float(each) for each in re.findall(r"[\d.]+", line)[:3]] == pytest.approx([160, 120, 40], abs=1.0)
 
 
 def test_the_corners_of_a_mark_are_found(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import matchset as ms
 from matchset.app.cli import app
 from matchset.app.shape_option import parse_shape
+from matchset.shapes.shape import outline
 from matchset.sim.flat import draw_flat
 
 run = CliRunner().invoke
@@ -66,6 +67,33 @@ def test_a_dark_rectangle_is_written_by_its_parameters(tmp_path: Path) -> None:
     assert float(rows[-1]["width"]) == pytest.approx(120.0, abs=1.0)
     assert float(rows[-1]["angle"]) == pytest.approx(0.3, abs=0.01)
     assert (tmp_path / "seen.webm").stat().st_size > 0
+
+
+@pytest.mark.parametrize("shape", ["circle", "ellipse", "quadrilateral", "0,0 4,0 0,3", "hexagon:affine", "picture"])
+def test_every_family_is_tracked_from_the_command_line(tmp_path: Path, shape: str) -> None:
+    outlines = {"circle": ms.Circle(0, 0, 45), "ellipse": ms.Ellipse(0, 0, 60, 40, 0.3)}
+    if shape == "picture":  # of an egg, bright inside
+        egg = ms.Convex.of(lambda t: 10.0 + 2.0 * np.cos(t) + 0.7 * np.cos(2.0 * t))
+        drawing = np.zeros((300, 300, 3), np.float32)
+        draw_flat(drawing, [outline(egg(150.0, 150.0, 9.0, 0.0), 360)], (255, 255, 255))
+        cv2.imwrite(str(tmp_path / "egg.png"), drawing.astype(np.uint8))
+    name = str(tmp_path / "egg.png") if shape == "picture" else shape
+    family = parse_shape(name)
+    truth = outlines.get(shape) or family.from_coarse(0.0, 0.0, 50.0)
+    (tmp_path / "video").mkdir()
+    for index in range(3):
+        picture = np.full((240, 320, 3), (210, 205, 200), np.float32)
+        draw_flat(picture, [np.add(outline(truth, 360), (150.0 + 2.0 * index, 120.0))], (60, 50, 40))
+        cv2.imwrite(str(tmp_path / "video" / f"{index}.png"), np.rint(picture).astype(np.uint8))
+    words = ["track", str(tmp_path / "video"), "--shape", name, "--gray", "dark", "-o", str(tmp_path / "out")]
+    result = run(app, words)
+    assert result.exit_code == 0, result.output
+    with (tmp_path / "out" / "tracks.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    assert list(rows[0])[3 : 3 + len(family.parameters)] == list(family.parameters)
+    assert [row["found"] for row in rows] == ["1"] * 3
+    moved = np.diff([[float(row[each]) for each in family.parameters] for row in rows], axis=0)
+    assert np.abs(moved[:, 0] - 2.0).max() < 0.3
 
 
 def test_a_wrong_gray_is_one_line(tmp_path: Path) -> None:

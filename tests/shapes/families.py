@@ -41,7 +41,9 @@ def page_example() -> Any:
     (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     folder = Path(tempfile.gettempdir()) / "matchset-add-a-shape"  # one place: compiled code is found again by it
     folder.mkdir(exist_ok=True)
-    (folder / "pick_of_the_page.py").write_text(code, encoding="utf-8")
+    file = folder / "pick_of_the_page.py"
+    if not file.exists() or file.read_text(encoding="utf-8") != code:  # a file that is written anew is compiled anew
+        file.write_text(code, encoding="utf-8")
     sys.path.insert(0, str(folder))
     try:
         return importlib.import_module("pick_of_the_page")

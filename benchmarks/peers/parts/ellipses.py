@@ -11,7 +11,7 @@ from benchmarks.peers.parts.start import Circle3
 Gray = npt.NDArray[np.uint8]
 
 
-def edge_drawing(gradient: int, anchor: int) -> Callable[[Gray], list[Circle3]]:
+def ellipse_detector(gradient: int, anchor: int) -> Callable[[Gray], npt.NDArray[np.float64]]:
     """Set EdgeDrawing up, with its validation (NFA) on.
 
     Parameters
@@ -22,7 +22,7 @@ def edge_drawing(gradient: int, anchor: int) -> Callable[[Gray], list[Circle3]]:
     Returns
     -------
     callable
-        From a gray picture to circles: center and mean semi-axis of each ellipse, px.
+        From a gray picture to ellipses, (k, 5): center, semi-axes, px, and angle of the first of them, degrees.
     """
     detector = ximgproc.createEdgeDrawing()
     settings = ximgproc.EdgeDrawing.Params()
@@ -31,13 +31,24 @@ def edge_drawing(gradient: int, anchor: int) -> Callable[[Gray], list[Circle3]]:
     settings.MinPathLength, settings.NFAValidation = 10, True
     detector.setParams(settings)
 
-    def detect(gray: Gray) -> list[Circle3]:
+    def detect(gray: Gray) -> npt.NDArray[np.float64]:
         detector.detectEdges(gray)
         detector.detectLines()
         found = detector.detectEllipses()
         if found is None:
-            return []
+            return np.zeros((0, 5))
+        e = np.asarray(found, np.float64).reshape(-1, 6)
         # Of the radius of a circle and the two semi-axes of an ellipse, one kind is 0.
-        return [(float(e[0]), float(e[1]), float(e[2] + (e[3] + e[4]) / 2.0)) for e in found.reshape(-1, 6)]
+        return np.column_stack((e[:, :2], e[:, 2:3] + e[:, 3:5], e[:, 5]))
+
+    return detect
+
+
+def edge_drawing(gradient: int, anchor: int) -> Callable[[Gray], list[Circle3]]:
+    """Do the same, to circles: center and mean semi-axis of each ellipse, px."""
+    detector = ellipse_detector(gradient, anchor)
+
+    def detect(gray: Gray) -> list[Circle3]:
+        return [(x, y, 0.5 * (a + b)) for x, y, a, b, _ in detector(gray).tolist()]
 
     return detect

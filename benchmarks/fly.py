@@ -29,7 +29,7 @@ from matchset.app.simulation_table import Limits, Row, centimeters
 from matchset.links.simulated import FPS, SimulationParameters
 
 HERE = Path(__file__).resolve().parent
-FIRST = 100  # seeds 0 to 9 were tuned on
+FIRST = 110  # seeds 0 to 9 were tuned on, 100 and 101 were looked at on the way
 PULLED = 2.0  # s
 
 

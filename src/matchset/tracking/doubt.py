@@ -81,16 +81,18 @@ def _moved_sides(matcher: Matcher[S], sides: list[Lines], spills: Lines) -> Iter
         ends = np.zeros((len(side), 2))
         ends[side] = np.column_stack((1.0 - toward, toward))
         steps = np.linalg.lstsq(moves, ends, rcond=None)[0]
-        for change in SIDE_INWARD + (SIDE_OUTWARD if spills[side].any() else ()):
+        for change in SIDE_INWARD + (SIDE_OUTWARD if spills[side].any() or not matcher.knows_color else ()):
             yield state + size * steps @ np.array(change)
 
 
 def _speaks(matcher: Matcher[S]) -> Floats:
-    """How much each line speaks for the outline: near to it, and with a step in color."""
+    """How much each line speaks for the outline: near to it, and with a step in color, if there is a color."""
     parts = matcher.parts
     off = parts.found[:, 0] / OFF
-    color = parts.edges[np.arange(matcher.points), parts.found[:, 2].astype(np.intp), 2]
-    return np.asarray(np.maximum(1.0 - off * off, 0.0) * color)
+    near = np.maximum(1.0 - off * off, 0.0)
+    if matcher.knows_color:
+        near *= parts.edges[np.arange(matcher.points), parts.found[:, 2].astype(np.intp), 2]
+    return np.asarray(near)
 
 
 def spilled(matcher: Matcher[S], image: Image, color: ColorModel) -> Lines:
@@ -116,8 +118,8 @@ def worth(matcher: Matcher[S], image: Image, color: ColorModel) -> float:
     x, y = matcher.state.item(0), matcher.state.item(1)
     far = math.hypot(x - matcher.parts.expected.item(0), y - matcher.parts.expected.item(1))
     change += max(far - 2.0 * matcher.clock(SURPRISE) - AIM, 0.0) / matcher.size
-    evidence = matcher.fit(EVIDENCE)
-    if matcher.sides_move:
+    evidence = matcher.fit(EVIDENCE) if matcher.knows_color else matcher.fit(AGREEMENT)
+    if matcher.sides_move and matcher.knows_color:
         evidence += evidence - matcher.fit(AGREEMENT) - SPILL * float(spilled(matcher, image, color).mean())
     return evidence + 0.3 * matcher.fit(INSIDE) - 0.5 * change
 

@@ -16,7 +16,7 @@ from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
-from matchset.tracking.verdict import MOST_CORNERS, MOST_HOLLOW, SIDE_DOUBT, SURE, JudgeParameters, is_doubtful
+from matchset.tracking.verdict import DOUBT, MOST_CORNERS, MOST_HOLLOW, SIDE_DOUBT, SURE, JudgeParameters, is_doubtful
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -26,6 +26,7 @@ INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it b
 FIRST_GRAIN = 2.0  # noise that is assumed before the first look, gray levels
 NOTHING, NO_COLOR = np.zeros((1, 1, 3), np.uint8), np.zeros(256, np.int8)
 LEAST_FREE, MOST_FREE = 5, 8  # numbers of a state with which a side can move alone, and nothing else is free
+PLAIN_DOUBT = 0.85  # agreement below which a fit is looked at again where no color tells the target
 GOLDEN = 0.6180339887  # spreads the places inside evenly
 
 
@@ -117,6 +118,8 @@ class Matcher(Generic[S]):
         The last answer.
     has_corners : bool
         Whether the family's shapes have corners.
+    knows_color : bool
+        Whether a color tells the target from what is around it.
     sides_move : bool
         Whether one of its sides can move without the others, as that of a rectangle can and that of a template cannot.
     """
@@ -151,6 +154,7 @@ class Matcher(Generic[S]):
         if not self.sides_move:
             parts.judge[SIDE_DOUBT] = -math.inf
         parts.track[STEADY] = steady(family)
+        self.knows_color = True
         self._translates = slopes(shape) is not None
         self.last: S | None = None
         arrays = self._memory
@@ -244,6 +248,11 @@ class Matcher(Generic[S]):
         fit[:] = 0.0
         self.last = None
         fit[memory.GRAIN] = FIRST_GRAIN
+
+    def ignore_color(self) -> None:
+        """Judge by edges alone: no color tells the target from what is around it."""
+        self.knows_color = False
+        self.parts.judge[SIDE_DOUBT], self.parts.judge[DOUBT] = -math.inf, PLAIN_DOUBT
 
     def trust_modes(self) -> None:
         """Let the next fit go where the edge points ask it to: the noise of a fit that failed holds modes to zero."""

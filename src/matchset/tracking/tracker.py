@@ -83,6 +83,8 @@ class Tracker(Generic[S]):
         self._begun: S | None = None
         self._family = family
         self._matcher: Matcher[S] = Matcher(family, points, track=self.parameters)
+        if color.gray == "edges":
+            self._matcher.ignore_color()
         self._doubts = AGAIN if finds_itself(family) else 1
         self._judge = Judge()
         self._wish = start

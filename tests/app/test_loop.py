@@ -44,7 +44,7 @@ def test_a_pulled_cable_brings_everyone_down_within_half_a_second() -> None:
 
 
 def test_a_ball_out_of_sight_for_half_a_second_is_flown_through() -> None:
-    judge = FlightJudge(flight(5.0, seed=103, vehicles=2, hidden=0.5, hidden_every=2.0))
+    judge = FlightJudge(flight(5.0, seed=103, hidden=0.5, hidden_every=2.0))
     phases = set()
     with Flight(judge.parameters) as flown:
         for tick in flown:

@@ -53,7 +53,7 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         Throttle at which it hovers, roughly; the integral finds the rest.
     lead : float
         How long after a command first acts it acts in full, s: what is predicted for that time counts for the level
-        axes. About the lag of the tilt; more is calmer, until the prediction fails.
+        axes. About the lags of the tilt; more is calmer, until the prediction fails.
     rise_lead : float
         The same for the height: about the lag of the thrust.
     ahead : float
@@ -72,17 +72,17 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0, integral=1.5, derivative=4.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
+        proportional=5.0, integral=2.5, derivative=3.3, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
     )
     rise: PidParameters = PidParameters(
         proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2
     )
-    yaw: PidParameters = PidParameters(proportional=0.5, most=1.0)
+    yaw: PidParameters = PidParameters(proportional=0.4, most=1.0)
     hover: float = 0.6
-    lead: float = 0.12
+    lead: float = 0.1
     rise_lead: float = 0.05
     ahead: float = 1.0
-    drift: float = 0.0
+    drift: float = 0.7
     own: OwnMotionParameters = OwnMotionParameters()
     motion: NeighborMotionParameters = NeighborMotionParameters()
     reach: float = 0.4

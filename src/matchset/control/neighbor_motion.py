@@ -55,15 +55,15 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
         How many poses in a row may be left out before the next one within a jump is believed and all begins anew.
     """
 
-    acceleration: float = 0.7
+    acceleration: float = 0.5
     turning: float = 0.6
-    lasting: float = 0.5
-    turn_lasting: float = 0.5
+    lasting: float = 1.0
+    turn_lasting: float = 1.0
     period: float = 2.2
     damping: float = 0.03
     sway: float = 0.07
     turn_sway: float = 0.03
-    tilt: float = 0.025
+    tilt: float = 0.012
     yaw: float = 0.01
     shared: float = 0.005
     gate: float = 5.0

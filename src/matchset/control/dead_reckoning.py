@@ -1,8 +1,8 @@
 """Kernels of dead reckoning: a vehicle's state, advanced under its sticks, kept for a second, and asked for.
 
 A state is 16 numbers: time, roll, pitch, yaw, turning, lift, velocity (3), place (3), roll and pitch as far as the
-motors have begun them, and their speeds: tilt follows its stick through a lag and a swing, ``L db/dt = stick - b``, ``T^2
-theta'' = b - theta - 2 z T theta'``, and pulls with ``g tan(theta) / heft``. A model has the fields of
+motors have begun them, and their speeds: tilt follows its stick through a lag and a swing, ``L db/dt = stick - b``,
+``T^2 theta'' = b - theta - 2 z T theta'``, and pulls with ``g tan(theta) / heft``. A model has the fields of
 `OwnMotionParameters` in their order.
 """
 

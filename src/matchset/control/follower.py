@@ -72,7 +72,7 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0, integral=2.5, derivative=3.3, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
+        proportional=5.0, integral=2.5, derivative=3.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
     )
     rise: PidParameters = PidParameters(
         proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2
@@ -82,7 +82,7 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     lead: float = 0.1
     rise_lead: float = 0.05
     ahead: float = 1.0
-    drift: float = 0.7
+    drift: float = 0.5
     own: OwnMotionParameters = OwnMotionParameters()
     motion: NeighborMotionParameters = NeighborMotionParameters()
     reach: float = 0.4

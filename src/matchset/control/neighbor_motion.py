@@ -55,7 +55,7 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
         How many poses in a row may be left out before the next one within a jump is believed and all begins anew.
     """
 
-    acceleration: float = 0.5
+    acceleration: float = 0.35
     turning: float = 0.6
     lasting: float = 1.0
     turn_lasting: float = 1.0
@@ -63,7 +63,7 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
     damping: float = 0.03
     sway: float = 0.07
     turn_sway: float = 0.03
-    tilt: float = 0.012
+    tilt: float = 0.025
     yaw: float = 0.01
     shared: float = 0.005
     gate: float = 5.0

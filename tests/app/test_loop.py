@@ -33,8 +33,8 @@ def test_a_pulled_cable_brings_everyone_down_within_half_a_second() -> None:
         ticks = list(flown)
     for who in range(2):
         steps = [tick.steps[who] for tick in ticks]
-        before = [step for step in steps if step.now < pulled][-1]
         down = [step for step in steps if step.memory.phase == "descending"]
+        before = [step for step in steps if step.now < down[0].now][-1]
         assert down[0].now - pulled <= 0.5
         assert down[0].command.throttle < before.command.throttle
         throttles = [step.command.throttle for step in steps if step.now >= down[0].now]
@@ -44,7 +44,7 @@ def test_a_pulled_cable_brings_everyone_down_within_half_a_second() -> None:
 
 
 def test_a_ball_out_of_sight_for_half_a_second_is_flown_through() -> None:
-    judge = FlightJudge(flight(5.0, seed=103, vehicles=2, hidden=0.5, hidden_every=2.0))
+    judge = FlightJudge(flight(5.0, seed=103, hidden=0.5, hidden_every=2.0))
     phases = set()
     with Flight(judge.parameters) as flown:
         for tick in flown:

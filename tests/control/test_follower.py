@@ -101,6 +101,26 @@ def test_with_the_ball_hidden_it_flies_on_for_a_while_and_then_has_no_answer() -
     assert world.place(9.0) == pytest.approx((0.0, 0.0, 1.5), abs=0.1)
 
 
+def test_it_tells_where_the_ball_should_be_in_the_picture() -> None:
+    world = World(Follower(), (0.0, 0.1, -1.5))
+    assert world.follower.expected(0.0) is None
+    run(world, 4.0)
+    there = world.follower.expected(4.2)
+    assert there is not None
+    np.testing.assert_allclose(there, world.see(4.2).position, atol=0.03)
+    assert world.follower.expected(9.0) is None
+
+
+def test_a_neighbor_that_turns_back_and_forth_is_followed_closely() -> None:
+    world, off = World(Follower(), (0.0, 0.0, -1.5), bias=0.035), []
+    for k in range(round(24.0 / STEP)):
+        world.neighbor_yaw = 0.3 * math.sin(2.0 * math.pi * k * STEP / 8.0)
+        run(world, STEP, k * STEP)
+        if k * STEP > 8.0:
+            off.append(world.place(k * STEP)[0])
+    assert np.sqrt(np.mean(np.square(off))) < 0.06
+
+
 def test_before_the_first_sight_and_without_a_marker_it_has_no_answer() -> None:
     follower = Follower()
     assert follower.update(Lost("nothing there", 0.0), 0.1) is None

@@ -53,11 +53,25 @@ def test_unseen_for_long_its_drift_stands() -> None:
 def test_an_outlier_is_refused_and_a_new_place_is_believed_after_a_while() -> None:
     motion = NeighborMotion()
     watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
-    assert not motion.update(seen((1.0, 0.0, 1.5), 3.0), STILL)
+    assert not motion.update(seen((0.6, 0.0, 1.5), 3.0), STILL)
     assert motion.time < 3.0
-    believed = [motion.update(seen((1.0, 0.0, 1.5), 3.0 + k / 30), STILL) for k in range(1, 12)]
+    believed = [motion.update(seen((0.6, 0.0, 1.5), 3.0 + k / 30), STILL) for k in range(1, 12)]
     assert believed[-1]
-    assert motion.at(3.4, 0.4)[0, 0] == pytest.approx(1.0, abs=0.05)
+    assert motion.at(3.4, 0.4)[0, 0] == pytest.approx(0.6, abs=0.05)
+
+
+@pytest.mark.parametrize("gone", [0.0, 0.5, 1.0, 2.0])
+def test_the_ball_behind_the_neighbor_is_never_taken_for_it(gone: float) -> None:
+    motion = NeighborMotion()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    assert not any(motion.update(seen((0.0, 0.0, 3.0), 3.0 + gone + k / 30), STILL) for k in range(20))
+    assert motion.update(seen((0.02, 0.0, 1.5), 3.0 + gone + 0.7), STILL)
+
+
+def test_after_three_seconds_all_begins_anew() -> None:
+    motion = NeighborMotion()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    assert motion.update(seen((0.0, 0.0, 3.0), 6.1), STILL)
 
 
 def test_the_way_of_the_marker_runs_on_past_half_a_turn() -> None:

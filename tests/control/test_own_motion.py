@@ -1,13 +1,17 @@
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from matchset.control.dead_reckoning import PITCH, ROLL, SIZE, YAW
 from matchset.control.own_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
+from matchset.sim.quadrotor import SPEED, constants, resting, rotation, step_vehicle
+from matchset.sim.vehicle import toy
 
-MODEL = OwnMotionParameters(delay=0.05, tilt_lag=0.1, drag_time=1e9)
+MODEL = OwnMotionParameters(delay=0.05, tilt_lag=1e-6, tilt_time=0.05, tilt_damping=1.0, drag_time=1e9, heft=1.0)
+TOY = toy()
 
 
 def fly(sticks: Sticks, seconds: float) -> OwnMotion:
@@ -17,7 +21,7 @@ def fly(sticks: Sticks, seconds: float) -> OwnMotion:
     return own
 
 
-def test_tilt_follows_after_a_delay_through_two_equal_lags() -> None:
+def test_tilt_swings_into_its_angle_after_a_delay() -> None:
     own = fly(Sticks(roll=0.2), 1.0)
     for time in (0.02, 0.2, 0.6):
         since = max(time - 0.05, 0.0) / 0.05
@@ -38,6 +42,33 @@ def test_tilt_and_lift_pull_along_their_axes(sticks: Sticks, way: tuple[float, .
     pull = GRAVITY * math.tan(0.1)
     assert state.velocity @ np.array(way) == pytest.approx(pull * 1.0, rel=0.12)
     assert np.linalg.norm(np.cross(state.place, way)) < 1e-9
+
+
+def test_what_is_moved_and_not_carried_slows_the_answer() -> None:
+    fast, slow = OwnMotion(MODEL), OwnMotion(msgspec.structs.replace(MODEL, heft=1.25))
+    for own in (fast, slow):
+        for k in range(31):
+            own.sent(Sticks(roll=0.1), k / 30)
+    assert slow.at(1.0).velocity[0] == pytest.approx(0.8 * fast.at(1.0).velocity[0], rel=1e-6)
+
+
+def test_the_defaults_answer_as_the_simulated_toy_does() -> None:
+    rng = np.random.default_rng(3)
+    tilts = np.repeat(rng.normal(0.0, 0.08, 40), 3)
+    own, state, turn = OwnMotion(), resting((0.0, 0.0, 0.0), 0.0, TOY.mass * GRAVITY), np.empty((3, 3))
+    goal, off, lag = np.array((0.0, 0.0, 0.0, TOY.mass * GRAVITY)), [], []
+    for k, tilt in enumerate(tilts):
+        own.sent(Sticks(roll=float(tilt)), k / 30)
+        for step in range(16 * k, 16 * k + 16):
+            arrived = math.floor((step / 480 - TOY.radio_delay) * 30 + 1e-9)
+            goal[0] = tilts[arrived] if arrived >= 0 else 0.0
+            step_vehicle(state, goal, np.zeros(3), constants(TOY), 1 / 480)
+        there = own.at((k + 1) / 30)
+        rotation(state, turn)
+        off.append(there.roll - math.asin(turn[1, 0]))
+        lag.append(there.velocity[0] - state[SPEED])
+    assert np.std(off) < math.radians(0.7)  # of 3.5 degrees
+    assert np.std(lag) < 0.01  # m/s, of 0.12
 
 
 def test_after_a_right_turn_forward_is_to_the_right() -> None:

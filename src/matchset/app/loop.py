@@ -10,6 +10,7 @@ import time
 from typing import NamedTuple, Protocol
 
 import msgspec
+import numpy as np
 
 from matchset.control.command import Command
 from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
@@ -26,6 +27,7 @@ from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
+DOUBTED = 3  # poses in a row that cannot be those of the neighbor, before it is looked for where it should be
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
 
 
@@ -128,6 +130,7 @@ class Pilot:
         self.camera, self.link = camera, link
         self.armed = False
         target = self.parameters.target
+        self._colors, self._refused = colors, 0
         self._tracker = Tracker(Circle, colors.ball)
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera.model, target)
@@ -154,6 +157,7 @@ class Pilot:
         now = self.camera.now()
         ball, markers, pose = self._look(frame, now, stamps)
         answer = self._follower.update(pose, now)
+        self._believe(pose)
         facts = Facts(now, self._frame_time, self._seen, self.armed)
         wanted, self._memory = guard(answer and answer.wish, facts, self._memory, self.parameters.safety)
         stamps.append(time.perf_counter())
@@ -187,9 +191,20 @@ class Pilot:
         pose = self._localizer.update(ball, markers)
         stamps.append(time.perf_counter())
         self._frame_time = frame.time
-        if isinstance(pose, Pose):
-            self._seen = frame.time
         return ball, markers, pose
+
+    def _believe(self, pose: Pose | Lost[Pose]) -> None:
+        """Note when the ball was seen where it can be; look for it anew when another one is followed."""
+        if not isinstance(pose, Pose):
+            return
+        if self._follower.neighbor.time == pose.time:
+            self._seen, self._refused = pose.time, 0
+            return
+        self._refused += 1
+        there = self._follower.expected(pose.time)
+        if self._refused % DOUBTED == 0 and there is not None and self.camera.model.visible(there[np.newaxis])[0]:
+            x, y = self.camera.model.project(there[np.newaxis])[0]
+            self._tracker = Tracker(Circle, self._colors.ball, start=(float(x), float(y)))
 
 
 def learn_colors(sample: Frame) -> Colors:

@@ -1,8 +1,9 @@
 """Kernels of dead reckoning: a vehicle's state, advanced under its sticks, kept for a second, and asked for.
 
-A state is 14 numbers: time, roll, pitch, yaw, turning, lift, velocity (3), place (3), and roll and pitch as far as the
-motors have begun them: tilt follows its stick through two equal lags, ``T db/dt = stick - b``, ``T dtheta/dt = b -
-theta``. A model is full_tilt, full_yaw_rate, delay, tilt_lag, yaw_lag, lift_lag, drag_time.
+A state is 16 numbers: time, roll, pitch, yaw, turning, lift, velocity (3), place (3), roll and pitch as far as the
+motors have begun them, and their speeds: tilt follows its stick through a lag and a swing, ``L db/dt = stick - b``,
+``T^2 theta'' = b - theta - 2 z T theta'``, and pulls with ``g tan(theta) / heft``. A model has the fields of
+`OwnMotionParameters` in their order.
 """
 
 import math
@@ -16,24 +17,28 @@ Floats = npt.NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s^2
 STEP = 1.0 / 120.0  # s
-SIZE = 14
-TIME, ROLL, PITCH, YAW, TURNING, LIFT, VELOCITY, PLACE, ROLL_BEGUN, PITCH_BEGUN = 0, 1, 2, 3, 4, 5, 6, 9, 12, 13
-TILT_LAG, YAW_LAG, LIFT_LAG, DRAG_TIME = 3, 4, 5, 6
+SIZE = 16
+TIME, ROLL, PITCH, YAW, TURNING, LIFT, VELOCITY, PLACE, BEGUN, SPEED = 0, 1, 2, 3, 4, 5, 6, 9, 12, 14
+TILT_LAG, TILT_TIME, TILT_DAMPING, YAW_LAG, LIFT_LAG, DRAG_TIME, HEFT = 3, 4, 5, 6, 7, 8, 9
 
 
 @kernel
 def move(state: Floats, sticks: Floats, step: float, model: Floats, after: Floats) -> None:
     """Write the state one step later under sticks: roll, pitch (rad), turning (rad/s), lift (m/s^2)."""
-    tilt = step / (0.5 * model[TILT_LAG] + step)
     after[TIME] = state[TIME] + step
-    after[ROLL_BEGUN] = state[ROLL_BEGUN] + (sticks[0] - state[ROLL_BEGUN]) * tilt
-    after[PITCH_BEGUN] = state[PITCH_BEGUN] + (sticks[1] - state[PITCH_BEGUN]) * tilt
-    after[ROLL] = state[ROLL] + (after[ROLL_BEGUN] - state[ROLL]) * tilt
-    after[PITCH] = state[PITCH] + (after[PITCH_BEGUN] - state[PITCH]) * tilt
+    begin, quick = step / (model[TILT_LAG] + step), 1.0 / model[TILT_TIME]
+    for k in range(2):  # roll, pitch
+        after[BEGUN + k] = state[BEGUN + k] + (sticks[k] - state[BEGUN + k]) * begin
+        off = after[BEGUN + k] - state[ROLL + k] - step * state[SPEED + k]
+        push = quick * (quick * off - 2.0 * model[TILT_DAMPING] * state[SPEED + k])
+        slow = 1.0 + step * quick * (2.0 * model[TILT_DAMPING] + step * quick)  # implicit: stable for every model
+        after[SPEED + k] = state[SPEED + k] + step * push / slow
+        after[ROLL + k] = state[ROLL + k] + step * after[SPEED + k]
     after[TURNING] = state[TURNING] + (sticks[2] - state[TURNING]) * step / (model[YAW_LAG] + step)
     after[LIFT] = state[LIFT] + (sticks[3] - state[LIFT]) * step / (model[LIFT_LAG] + step)
     after[YAW] = state[YAW] + after[TURNING] * step
-    right, ahead = GRAVITY * math.tan(after[ROLL]), GRAVITY * math.tan(after[PITCH])
+    pull = GRAVITY / model[HEFT]
+    right, ahead = pull * math.tan(after[ROLL]), pull * math.tan(after[PITCH])
     c, s = math.cos(after[YAW]), math.sin(after[YAW])
     fade = max(1.0 - step / model[DRAG_TIME], 0.0)
     after[VELOCITY] = fade * state[VELOCITY] + (right * c + ahead * s) * step

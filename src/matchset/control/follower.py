@@ -53,12 +53,14 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         Throttle at which it hovers, roughly; the integral finds the rest.
     lead : float
         How long after a command first acts it acts in full, s: what is predicted for that time counts for the level
-        axes. About the lag of the tilt; more is calmer, until the prediction fails.
+        axes. About the lags of the tilt; more is calmer, until the prediction fails.
     rise_lead : float
         The same for the height: about the lag of the thrust.
     ahead : float
         Share of the set place's swaying that is flown without waiting for an error, 0 ... 1. More follows a
         steady swing closer, and passes on what the next in the chain sees as shaking.
+    drift : float
+        The same for what is no sway: a turn of the neighbor that goes on for seconds.
     own : OwnMotionParameters
         How the vehicle answers to its sticks.
     motion : NeighborMotionParameters
@@ -70,16 +72,17 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0, integral=1.5, derivative=4.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
+        proportional=5.0, integral=2.5, derivative=3.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
     )
     rise: PidParameters = PidParameters(
         proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2
     )
-    yaw: PidParameters = PidParameters(proportional=0.5, most=1.0)
+    yaw: PidParameters = PidParameters(proportional=0.4, most=1.0)
     hover: float = 0.6
-    lead: float = 0.12
+    lead: float = 0.1
     rise_lead: float = 0.05
     ahead: float = 1.0
+    drift: float = 0.5
     own: OwnMotionParameters = OwnMotionParameters()
     motion: NeighborMotionParameters = NeighborMotionParameters()
     reach: float = 0.4
@@ -88,7 +91,7 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     def __post_init__(self) -> None:
         if not 0.0 < self.hover < 1.0:
             raise ValueError(f"hover must be within 0 ... 1, got {self.hover}")
-        for name in ("lead", "rise_lead", "ahead", "reach", "memory"):
+        for name in ("lead", "rise_lead", "ahead", "drift", "reach", "memory"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
 
@@ -163,14 +166,23 @@ class Follower:
     def sent(self, command: Command, now: float) -> None:
         """Note what really went out, after limits and quantization."""
         limits, hover = self.parameters.own, self.parameters.hover
+        pull = GRAVITY / limits.heft
         trims = [pid.terms.integral for pid in (self._right, self._ahead, self._rise)]
         sticks = Sticks(
-            limits.full_tilt * command.roll - math.atan(trims[0] / GRAVITY),
-            limits.full_tilt * command.pitch - math.atan(trims[1] / GRAVITY),
+            limits.full_tilt * command.roll - math.atan(trims[0] / pull),
+            limits.full_tilt * command.pitch - math.atan(trims[1] / pull),
             limits.full_yaw_rate * command.yaw,
-            GRAVITY * (command.throttle / hover - 1.0) - trims[2],
+            pull * (command.throttle / hover - 1.0) - trims[2],
         )
         self.own.sent(sticks if command.throttle > 0.0 else Sticks(), now)
+
+    def expected(self, time: float) -> Floats | None:
+        """Tell where the ball should be in the camera frame at a time, (3,), m; None if it was not seen for long."""
+        if not time - self.neighbor.time <= self.parameters.memory:
+            return None
+        own = self.own.at(time)
+        there: Floats = own.turn.T @ (self.neighbor.at(time, self.parameters.reach)[:3, 0] - own.place)
+        return there
 
     def _steer(self, acts: float, step: float) -> Answer:
         """Run the controllers for a command that begins to act at a time."""
@@ -185,13 +197,13 @@ class Follower:
         bearing = math.atan2(sight[0], sight[2]) - own.yaw
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         turning = self._yaw.update(0.0, -bearing, step)
-        model = parameters.own
+        model, pull = parameters.own, GRAVITY / parameters.own.heft
         tilt = 1.0 / max(math.cos(own.roll) * math.cos(own.pitch), 0.5)
         wish = Wish(
-            math.atan(roll / GRAVITY) / model.full_tilt,
-            math.atan(pitch / GRAVITY) / model.full_tilt,
+            math.atan(roll / pull) / model.full_tilt,
+            math.atan(pitch / pull) / model.full_tilt,
             turning / model.full_yaw_rate,
-            parameters.hover * (1.0 + rise / GRAVITY) * tilt,
+            parameters.hover * (1.0 + rise / pull) * tilt,
         )
         side = -float(sight[0] * out[1] - sight[2] * out[0])
         heading = -float(sight[0] * out[0] + sight[2] * out[1])
@@ -202,26 +214,27 @@ class Follower:
         """Accelerations to the right and ahead, m/s^2, that lead to the set place."""
         goal, speed, push = self._goal(ball)
         cos, sin = math.cos(yaw), math.sin(yaw)
-        place, velocity, share = own.place, own.velocity, self.parameters.ahead
+        place, velocity = own.place, own.velocity
         x, z = goal[0] - place[0], goal[1] - place[2]
         vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
         right, ahead = float(x * cos - z * sin), float(x * sin + z * cos)
         speed_right, speed_ahead = float(vx * cos - vz * sin), float(vx * sin + vz * cos)
         return (
-            self._right.update(0.0, -right, step, -speed_right) + share * float(push[0] * cos - push[1] * sin),
-            self._ahead.update(0.0, -ahead, step, -speed_ahead) + share * float(push[0] * sin + push[1] * cos),
+            self._right.update(0.0, -right, step, -speed_right) + float(push[0] * cos - push[1] * sin),
+            self._ahead.update(0.0, -ahead, step, -speed_ahead) + float(push[0] * sin + push[1] * cos),
         )
 
     def _goal(self, ball: Floats) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
-        """Find the set place in the frame at rest, x and z, its speed and its acceleration.
+        """Find the set place in the frame at rest, x and z, its speed, and what of its acceleration is flown.
 
         The level ball frame is z = out, y down, x = y cross z; it turns with the neighbor.
         """
         sin, cos, turning = math.sin(ball[3, 0]), math.cos(ball[3, 0]), ball[3, 1]
         side, heading = self.place.side, self.place.heading
         away = (side * cos + heading * sin, heading * cos - side * sin)
+        push = self.parameters.ahead * ball[:, 2] + self.parameters.drift * ball[:, 3]
         return (
             (ball[0, 0] + away[0], ball[2, 0] + away[1]),
             (ball[0, 1] + turning * away[1], ball[2, 1] - turning * away[0]),
-            (ball[0, 2] + ball[3, 2] * away[1], ball[2, 2] - ball[3, 2] * away[0]),
+            (float(push[0] + push[3] * away[1]), float(push[2] - push[3] * away[0])),
         )

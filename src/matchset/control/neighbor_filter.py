@@ -13,8 +13,9 @@ from matchset.shapes.jit import kernel
 Floats = npt.NDArray[np.float64]
 
 BELIEVED, REFUSED, ANEW = 0, 1, 2
-LASTING, PERIOD, DAMPING, SWAY, TILT, YAW, SHARED, GATE, PATIENCE = 2, 3, 4, 5, 7, 8, 9, 10, 11
-FORGET = 1.5  # s without a pose after which all begins anew
+LASTING, PERIOD, DAMPING, SWAY, TILT, YAW, SHARED, GATE, JUMP, PATIENCE = 2, 4, 5, 6, 8, 9, 10, 11, 12, 13
+FORGET = 3.0  # s without a pose after which all begins anew: until then a vehicle that lost its neighbor has landed
+STANDS = 0.4  # s, how far the drift is extrapolated to tell a jump
 UPRIGHT = 0.1  # share of the sway that is upright: what hangs on a rope sways level
 LATEST = 10.0  # s past the last pose; later is the same
 FIRST_SPEED = 0.5  # m/s or rad/s, of a speed that is not known yet
@@ -62,9 +63,9 @@ def marker_way(
 
 
 @kernel
-def transition(ahead: float, limits: Floats, f: Floats) -> None:
+def transition(ahead: float, lasting: float, limits: Floats, f: Floats) -> None:
     """Write the matrix that takes the five numbers of a coordinate so far ahead."""
-    lasting, w = limits[LASTING], 2.0 * math.pi / limits[PERIOD]
+    w = 2.0 * math.pi / limits[PERIOD]
     fade = math.exp(-ahead / lasting)
     f[:] = 0.0
     f[0, 0] = f[1, 1] = 1.0
@@ -80,17 +81,20 @@ def transition(ahead: float, limits: Floats, f: Floats) -> None:
 
 @kernel
 def predict(state: Floats, since: float, turn_since: float, reach: float, limits: Floats, ahead: Floats) -> None:
-    """Write x, y, z and the angle with their speeds and the accelerations of their sway, so long after the last."""
+    """Write x, y, z and the angle with their speeds and the accelerations of sway and drift, so long after the last."""
     f = np.empty((STATES, STATES))
     w = 2.0 * math.pi / limits[PERIOD]
     for axis in range(4):
         gone = min(max(since if axis < 3 else turn_since, 0.0), LATEST)
-        transition(min(gone, reach), limits, f)
+        lasting = limits[LASTING if axis < 3 else LASTING + 1]
+        transition(min(gone, reach), lasting, limits, f)
         for k in range(3):
             ahead[axis, 0] += f[0, k] * state[axis, k]
             if gone <= reach:
                 ahead[axis, 1] += f[1, k] * state[axis, k]
-        transition(gone, limits, f)
+        if gone <= reach:
+            ahead[axis, 3] = f[2, 2] * state[axis, 2]
+        transition(gone, lasting, limits, f)
         sway = f[3, 3] * state[axis, 3] + f[3, 4] * state[axis, 4]
         speed = f[4, 3] * state[axis, 3] + f[4, 4] * state[axis, 4]
         ahead[axis, 0] += sway
@@ -99,9 +103,9 @@ def predict(state: Floats, since: float, turn_since: float, reach: float, limits
 
 
 @kernel
-def spread_of(ahead: float, sigma: float, sway: float, limits: Floats, q: Floats) -> None:
+def spread_of(ahead: float, sigma: float, lasting: float, sway: float, limits: Floats, q: Floats) -> None:
     """Write the covariance that the noise adds in so long: of jerk in the drift, of acceleration in the sway."""
-    density = 2.0 * sigma**2 / limits[LASTING]
+    density = 2.0 * sigma**2 / lasting
     q[:] = 0.0
     for j in range(3):
         for k in range(3):
@@ -133,25 +137,37 @@ def take(
     limits: Floats,
     refused: npt.NDArray[np.int64],
 ) -> int:
-    """Correct coordinates first ... last - 1 by what was seen; all are believed, or none."""
+    """Correct coordinates first ... last - 1 by what was seen; all are believed, or none.
+
+    What is farther than a jump from where the neighbor should be is another one, however often it is seen.
+    """
     which = 0 if first == 0 else 1
-    sigma, sway = (limits[0], limits[SWAY]) if which == 0 else (limits[1], limits[SWAY + 1])
+    sigma, lasting, sway = limits[which], limits[LASTING + which], limits[SWAY + which]
+    apart = 0.0
+    if which == 0 and since <= FORGET:
+        ahead = np.zeros((4, 4))
+        predict(state, since, since, STANDS, limits, ahead)
+        for axis in range(3):
+            apart += (seen[axis] - ahead[axis, 0]) ** 2
+    if not apart <= limits[JUMP] ** 2:
+        refused[which] += 1
+        return REFUSED
     if not since <= FORGET or refused[which] >= limits[PATIENCE]:
         for axis in range(first, last):
             begin(state[axis], covariance[axis], seen[axis], spread[axis], sigma, sway, 2.0 * math.pi / limits[PERIOD])
         refused[which] = 0
         return ANEW
     f, q = np.empty((STATES, STATES)), np.empty((STATES, STATES))
-    transition(since, limits, f)
-    spread_of(since, sigma, sway, limits, q)
+    transition(since, lasting, limits, f)
+    spread_of(since, sigma, lasting, sway, limits, q)
     after, wide = np.zeros((last - first, STATES)), np.empty((last - first, STATES, STATES))
     far = False
     for i in range(last - first):
         axis = first + i
         if axis == 1:
-            spread_of(since, sigma, UPRIGHT * sway, limits, q)
+            spread_of(since, sigma, lasting, UPRIGHT * sway, limits, q)
         elif axis == 2:
-            spread_of(since, sigma, sway, limits, q)
+            spread_of(since, sigma, lasting, sway, limits, q)
         for j in range(STATES):
             for k in range(STATES):
                 after[i, j] += f[j, k] * state[axis, k]

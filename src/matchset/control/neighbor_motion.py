@@ -30,8 +30,8 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
         sooner and smooths less.
     turning : float
         Standard deviation of its angular acceleration, rad/s^2.
-    lasting : float
-        For how long such an acceleration lasts, s.
+    lasting, turn_lasting : float
+        For how long such an acceleration lasts, s: of the place and of the turning.
     period : float
         Of the sway, s: 2.2 for a rope of 1.2 m. A neighbor that follows something that sways, sways with it.
     damping : float
@@ -48,13 +48,17 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
         Least standard deviation of a place, m: what the shading and the lens do to all frames alike.
     gate : float
         Largest deviation from the prediction that is believed, standard deviations.
+    jump : float
+        Largest deviation from the prediction that is believed at all, m, however long it was not seen. Less than from
+        the neighbor to the next one, whose ball looks the same; more than the neighbor may move unseen.
     patience : int
-        How many poses in a row may be left out before the next one is believed and all begins anew.
+        How many poses in a row may be left out before the next one within a jump is believed and all begins anew.
     """
 
-    acceleration: float = 0.7
+    acceleration: float = 0.35
     turning: float = 0.6
-    lasting: float = 0.5
+    lasting: float = 1.0
+    turn_lasting: float = 1.0
     period: float = 2.2
     damping: float = 0.03
     sway: float = 0.07
@@ -63,7 +67,8 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
     yaw: float = 0.01
     shared: float = 0.005
     gate: float = 5.0
-    patience: int = 5
+    jump: float = 0.7
+    patience: int = 10
 
     def __post_init__(self) -> None:
         for name in self.__struct_fields__:
@@ -132,11 +137,11 @@ class NeighborMotion:
 
         Returns
         -------
-        ndarray of shape (4, 3)
-            x, y, z and the angle of the marker's way to the right of z, rad; each with its speed and the acceleration
-            of its sway.
+        ndarray of shape (4, 4)
+            x, y, z and the angle of the marker's way to the right of z, rad; each with its speed and the accelerations
+            of its sway and of its drift.
         """
-        ahead = np.zeros((4, 3))
+        ahead = np.zeros((4, 4))
         since, turn_since = time - self.time, time - self.turn_time
         predict(self._state, since, turn_since, reach, self._limits, ahead)
         return ahead

@@ -1,7 +1,7 @@
 """What the vehicle made of its commands: `OwnMotion`, dead reckoning for a vehicle that measures nothing.
 
-The commanded tilt goes through a delay and two equal first-order lags, of motors and electronics; it pulls the vehicle
-along, ``dv/dt = g tan(theta) - v/T_drag``. What constant offset of the sticks holds the vehicle still, its
+The commanded tilt goes through a delay, a lag of the motors and a damped swing of the electronics; it pulls the vehicle
+along, ``dv/dt = g tan(theta) / heft - v/T_drag``. What constant offset of the sticks holds the vehicle still, its
 trim, is no tilt and is taken off before. The place that follows drifts; it serves to compare moments less than a second
 apart.
 """
@@ -44,20 +44,30 @@ class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkn
     delay : float
         From sending a command to its first effect, s: the radio.
     tilt_lag : float
-        Sum of the two lags of the tilt, s.
+        Time constant of the motors before the tilt begins, s.
+    tilt_time : float
+        Of the tilt's swing into its angle, s: its period without damping over 2 pi.
+    tilt_damping : float
+        Damping ratio of that swing: below 1 it overshoots.
     yaw_lag, lift_lag : float
         Time constants of turning and thrust, s.
     drag_time : float
         Time in which drag takes away 63 % of a slow speed, s. Keeps the dead reckoning from running away.
+    heft : float
+        What must be accelerated, as a multiple of what the motors carry: a balloon's air weighs nothing in air and
+        has to be moved all the same, with half as much around it.
     """
 
     full_tilt: float = 0.35
     full_yaw_rate: float = 2.0
-    delay: float = 0.035
-    tilt_lag: float = 0.12
-    yaw_lag: float = 0.08
+    delay: float = 0.03
+    tilt_lag: float = 0.03
+    tilt_time: float = 0.054
+    tilt_damping: float = 0.6
+    yaw_lag: float = 0.055
     lift_lag: float = 0.05
     drag_time: float = 4.0
+    heft: float = 1.2
 
     def __post_init__(self) -> None:
         for name in self.__struct_fields__:
@@ -79,7 +89,7 @@ class OwnState:
 
     Parameters
     ----------
-    numbers : ndarray of shape (14,)
+    numbers : ndarray of shape (16,)
         See `matchset.control.dead_reckoning`.
     """
 

@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol
 import msgspec
 import numpy as np
 
+from matchset.app.first_ball import first_ball
 from matchset.control.command import Command
 from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
 from matchset.control.safety import Facts, Memory, SafetyParameters, guard
@@ -104,14 +105,22 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     ----------
     target : BallTarget
     place : SetPlace
+    near : float
+        How far off its place a follower may begin, m: the first ball that is believed is that near to where the
+        neighbor would be. Less than half of the way to the next but one, which looks the same.
     follower : FollowerParameters
     safety : SafetyParameters
     """
 
     target: BallTarget = BallTarget()
     place: SetPlace = SetPlace(height=-0.19)
+    near: float = 1.0
     follower: FollowerParameters = FollowerParameters()
     safety: SafetyParameters = SafetyParameters()
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.near < math.inf:
+            raise ValueError(f"near must be positive, got {self.near}")
 
 
 class Pilot:
@@ -134,6 +143,7 @@ class Pilot:
         self._tracker = Tracker(Circle, colors.ball)
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera.model, target)
+        self._sizer = Localizer(camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._memory = Memory()
         self._frame_time = self._seen = -math.inf
@@ -184,7 +194,10 @@ class Pilot:
         if frame is None:
             stamps.extend([stamps[-1]] * 3)
             return Lost("no picture came", now), (), Lost("no picture came", now)
-        ball = self._tracker.update(frame)
+        if self._begins(frame):
+            ball: Track[Circle] | Lost[Circle] = self._tracker.update(frame)
+        else:
+            ball = Lost("no ball is near the place where the neighbor should be", frame.time)
         stamps.append(time.perf_counter())
         markers = self._markers.update(frame, ball)
         stamps.append(time.perf_counter())
@@ -192,6 +205,17 @@ class Pilot:
         stamps.append(time.perf_counter())
         self._frame_time = frame.time
         return ball, markers, pose
+
+    def _begins(self, frame: Frame) -> bool:
+        """Whether there is a ball to follow: before the first one that was believed the nearest to its place."""
+        if self._follower.neighbor.time > -math.inf:
+            return True
+        place, near = self.parameters.place, self.parameters.near
+        there = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
+        ball = first_ball(frame, self._colors.ball, self._sizer, there, near)
+        if ball is not None:
+            self._tracker.start(ball)
+        return ball is not None
 
     def _believe(self, pose: Pose | Lost[Pose]) -> None:
         """Note when the ball was seen where it can be; look for it anew when another one is followed."""

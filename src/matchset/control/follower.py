@@ -72,7 +72,14 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0, integral=2.5, derivative=3.0, smoothing=0.02, most=3.0, most_integral=1.2, within=0.2
+        proportional=5.0,
+        integral=2.5,
+        derivative=3.0,
+        smoothing=0.02,
+        stride=0.25,
+        most=3.0,
+        most_integral=1.2,
+        within=0.2,
     )
     rise: PidParameters = PidParameters(
         proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2

@@ -19,6 +19,8 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Per unit of error per s. More damps, and passes on noise.
     smoothing : float
         Time constant of the low-pass on the derivative, s; 0 for none.
+    stride : float
+        Largest error that counts. What is farther off is approached at a speed of ``P stride / D`` and no faster.
     most : float
         Largest output.
     most_integral : float
@@ -31,6 +33,7 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     integral: float = 0.0
     derivative: float = 0.0
     smoothing: float = 0.0
+    stride: float = math.inf
     most: float = math.inf
     most_integral: float = math.inf
     within: float = math.inf
@@ -39,7 +42,7 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         for name in ("proportional", "integral", "derivative", "smoothing"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-        for name in ("most", "most_integral", "within"):
+        for name in ("stride", "most", "most_integral", "within"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
@@ -112,7 +115,8 @@ class Pid:
         self._last = measured
         self._rate = rate if fresh else self._rate + (rate - self._rate) * step / (gains.smoothing + step)
         error = goal - measured
-        proportional, derivative = gains.proportional * error, -gains.derivative * self._rate
+        near = min(max(error, -gains.stride), gains.stride)
+        proportional, derivative = gains.proportional * near, -gains.derivative * self._rate
         integral = self.terms.integral + (gains.integral * error * step if abs(error) <= gains.within else 0.0)
         integral = min(max(integral, -gains.most_integral), gains.most_integral)
         total = proportional + integral + derivative

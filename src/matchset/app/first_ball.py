@@ -1,0 +1,45 @@
+"""Which of the balls in the picture is the neighbor's, before one was ever believed: `first_ball`."""
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.localization.localizer import Localizer
+from matchset.localization.pose import Pose
+from matchset.shapes.circle import Circle
+from matchset.tracking.detect import detect
+
+MOST = 6  # balls that are looked at
+
+
+def first_ball(
+    frame: Frame, color: ColorModel, localizer: Localizer, there: npt.NDArray[np.float64], reach: float
+) -> Circle | None:
+    """Of all balls in a picture the one nearest to where the neighbor should be: the next but one looks the same.
+
+    Parameters
+    ----------
+    frame : Frame
+    color : ColorModel
+        Of the ball with its marker.
+    localizer : Localizer
+        Tells where a ball is; one that is not used for anything else.
+    there : ndarray of shape (3,)
+        Where the neighbor should be, in the camera frame, m.
+    reach : float
+        How far from there it may be at most, m.
+
+    Returns
+    -------
+    Circle or None
+        None if no ball is that near.
+    """
+    best: Circle | None = None
+    for track in detect(frame, Circle, color, limit=MOST):
+        pose = localizer.update(track)
+        if isinstance(pose, Pose):
+            far = float(np.linalg.norm(pose.position - there))
+            if far < reach:
+                best, reach = track.shape, far
+    return best

@@ -71,3 +71,9 @@ def test_the_truth_of_a_tick_is_what_the_pictures_show() -> None:
             assert tick.inside == (True,)
     assert np.abs(np.mean(errors, axis=0)).max() < 0.03
     assert np.std(errors, axis=0).max() < 0.03
+
+
+def test_a_start_half_a_meter_off_settles_although_the_next_ball_but_one_is_in_full_view() -> None:
+    score = fly_once(flight(6.5, seed=6, start_off=0.5))
+    assert score.survived, (score.crash, score.landed)
+    assert score.settled <= 6.0

@@ -83,3 +83,13 @@ def test_far_off_the_integral_stands_still() -> None:
     assert pid.terms.integral == 0.0
     pid.update(0.1, 0.0, 0.1)
     assert pid.terms.integral > 0.0
+
+
+def test_a_far_goal_is_approached_no_faster_than_the_stride_says() -> None:
+    pid, place, speed, fastest = Pid(PidParameters(proportional=5.0, derivative=3.0, stride=0.25)), 0.0, 0.0, 0.0
+    for _ in range(400):
+        speed += STEP * pid.update(3.0, place, STEP, speed)
+        place += STEP * speed
+        fastest = max(fastest, speed)
+    assert fastest <= 5.0 * 0.25 / 3.0 + 1e-9
+    assert place == pytest.approx(3.0, abs=0.02)

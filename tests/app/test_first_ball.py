@@ -1,0 +1,48 @@
+"""Of several balls the one that can be the neighbor's."""
+
+import math
+
+import numpy as np
+import pytest
+
+import matchset as ms
+from matchset.app.first_ball import first_ball
+
+CAMERA = ms.CameraModel.from_fov(640, 480, math.radians(90.0))
+BLUE, ROOM = (200, 70, 30), (120, 140, 150)
+RADIUS = 0.14  # m
+NEXT, AFTER = (
+    (0.3, -0.5, 1.0),
+    (0.0, -0.3, 2.9),
+)  # the neighbor, and its neighbor: farther off, and whole in the picture
+THERE = np.array([0.0, -0.19, 1.5])
+
+
+def room(*places: tuple[float, float, float]) -> ms.Frame:
+    """Draw balls at places, m, as discs with exact coverage."""
+    rows, columns = np.indices((480, 640))
+    image = np.full((480, 640, 3), ROOM, np.float64)
+    for place in places:
+        (x, y), size = CAMERA.project(np.array([place]))[0], CAMERA.fx * RADIUS / place[2]
+        cover = np.clip(size + 0.5 - np.hypot(columns - x, rows - y), 0.0, 1.0)[..., np.newaxis]
+        image = (1.0 - cover) * image + cover * np.array(BLUE)
+    return ms.Frame(np.rint(image).astype(np.uint8))
+
+
+@pytest.fixture
+def color() -> ms.ColorModel:
+    x, y = CAMERA.project(np.array([AFTER]))[0]
+    return ms.ColorModel.pick(room(AFTER).image, x, y)
+
+
+def test_the_nearest_to_the_neighbors_place_is_taken(color: ms.ColorModel) -> None:
+    localizer = ms.Localizer(CAMERA, ms.BallTarget(2.0 * RADIUS))
+    ball = first_ball(room(AFTER, NEXT), color, localizer, THERE, 1.0)
+    assert ball is not None
+    np.testing.assert_allclose((ball.x, ball.y), CAMERA.project(np.array([NEXT]))[0], atol=1.0)
+
+
+def test_a_ball_too_far_off_is_none(color: ms.ColorModel) -> None:
+    localizer = ms.Localizer(CAMERA, ms.BallTarget(2.0 * RADIUS))
+    assert first_ball(room(AFTER), color, localizer, THERE, 1.0) is None
+    assert first_ball(room(), color, localizer, THERE, 1.0) is None

@@ -35,9 +35,10 @@ def color() -> ms.ColorModel:
     return ms.ColorModel.pick(room(AFTER).image, x, y)
 
 
-def test_the_nearest_to_the_neighbors_place_is_taken(color: ms.ColorModel) -> None:
+@pytest.mark.parametrize("after", [AFTER, (0.0, -0.19, 2.1)], ids=["too far", "nearer to the place"])
+def test_of_those_that_may_be_it_the_nearest_is_taken(color: ms.ColorModel, after: tuple[float, float, float]) -> None:
     localizer = ms.Localizer(CAMERA, ms.BallTarget(2.0 * RADIUS))
-    ball = first_ball(room(AFTER, NEXT), color, localizer, THERE, 1.0)
+    ball = first_ball(room(after, NEXT), color, localizer, THERE, 1.0)
     assert ball is not None
     np.testing.assert_allclose((ball.x, ball.y), CAMERA.project(np.array([NEXT]))[0], atol=1.0)
 

@@ -1,5 +1,7 @@
 """Which of the balls in the picture is the neighbor's, before one was ever believed: `first_ball`."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -16,7 +18,7 @@ MOST = 6  # balls that are looked at
 def first_ball(
     frame: Frame, color: ColorModel, localizer: Localizer, there: npt.NDArray[np.float64], reach: float
 ) -> Circle | None:
-    """Of all balls in a picture the one nearest to where the neighbor should be: the next but one looks the same.
+    """Of the balls that may be the neighbor's the nearest to the camera: the next but one looks the same, farther off.
 
     Parameters
     ----------
@@ -28,18 +30,17 @@ def first_ball(
     there : ndarray of shape (3,)
         Where the neighbor should be, in the camera frame, m.
     reach : float
-        How far from there it may be at most, m.
+        How far from there a ball may be to be the neighbor's, m.
 
     Returns
     -------
     Circle or None
-        None if no ball is that near.
+        None if no ball may be it.
     """
     best: Circle | None = None
+    nearest = math.inf
     for track in detect(frame, Circle, color, limit=MOST):
         pose = localizer.update(track)
-        if isinstance(pose, Pose):
-            far = float(np.linalg.norm(pose.position - there))
-            if far < reach:
-                best, reach = track.shape, far
+        if isinstance(pose, Pose) and np.linalg.norm(pose.position - there) < reach and pose.distance < nearest:
+            best, nearest = track.shape, pose.distance
     return best

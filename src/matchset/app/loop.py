@@ -106,8 +106,8 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     target : BallTarget
     place : SetPlace
     near : float
-        How far off its place a follower may begin, m: the first ball that is believed is that near to where the
-        neighbor would be. Less than half of the way to the next but one, which looks the same.
+        How far off its place a follower may begin, m: of the balls that near to where the neighbor's would be the
+        nearest is taken for it. Less than the way to the next but one, which looks the same.
     follower : FollowerParameters
     safety : SafetyParameters
     """
@@ -207,7 +207,7 @@ class Pilot:
         return ball, markers, pose
 
     def _begins(self, frame: Frame) -> bool:
-        """Whether there is a ball to follow: before the first one that was believed the nearest to its place."""
+        """Whether there is a ball to follow: before one was believed the nearest that may be it."""
         if self._follower.neighbor.time > -math.inf:
             return True
         place, near = self.parameters.place, self.parameters.near

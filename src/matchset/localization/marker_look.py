@@ -12,6 +12,7 @@ from matchset.shapes.jit import kernel
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
+LEAST_INSIDE, LEAST_OUTSIDE = 1.0, 8.0  # pixels of a marker and of the ball from which something is learned
 TEACH_INSIDE, TEACH_OUTSIDE, TEACH_RIM = 0.75, 1.7, 0.9  # radii: of the marker, of the marker, of the ball
 
 
@@ -117,6 +118,33 @@ def teach(
                 for d in range(c + 1):
                     sums[kind, m] += value[c] * value[d]
                     m += 1
+
+
+@kernel
+def blend(known: Floats, fresh: Floats, memory: float) -> bool:
+    """Take what `teach` summed up into what is known: means, of which the last frames count most.
+
+    Parameters
+    ----------
+    known : (2, 10), written
+        Zeros at first.
+    fresh : (2, 10)
+        Sums.
+    memory : float
+        Share of what is known that one frame leaves.
+
+    Returns
+    -------
+    bool
+        False where too few pixels were seen; then nothing is written.
+    """
+    if fresh[0, 0] < LEAST_INSIDE or fresh[1, 0] < LEAST_OUTSIDE:
+        return False
+    kept = memory if known[0, 0] > 0.0 else 0.0
+    for row in range(2):
+        for place in range(fresh.shape[1]):
+            known[row, place] = kept * known[row, place] + (1.0 - kept) * (fresh[row, place] / fresh[row, 0])
+    return True
 
 
 @kernel

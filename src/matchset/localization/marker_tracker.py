@@ -11,7 +11,7 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.marker_fit import fit_marker
-from matchset.localization.marker_look import look, teach, tell_apart
+from matchset.localization.marker_look import blend, look, teach, tell_apart
 from matchset.localization.marker_shape import describe
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
@@ -148,16 +148,12 @@ class MarkerTracker:
 
     def _teach(self, image: Image, circle: Floats, places: Floats) -> None:
         """Learn which direction of color tells marker from ball: Fisher's linear discriminant."""
-        sums = np.zeros((2, 10))
+        sums = np.empty((2, 10))
         step = max(int(circle[2] / 12.0), 1)
         count = self._missed.count(0)  # those that were seen in the last frame come first
         teach(image, circle, places, count, self._size, self._depth, step, sums)
-        if sums[0, 0] < 1.0 or sums[1, 0] < 8.0:
-            return
-        fresh = sums / sums[:, :1]
-        known = bool(self._sums[0, 0])
-        self._sums = self.parameters.memory * self._sums + (1.0 - self.parameters.memory) * fresh if known else fresh
-        tell_apart(self._sums, self._axis, self._ground)
+        if blend(self._sums, sums, self.parameters.memory):
+            tell_apart(self._sums, self._axis, self._ground)
 
     def _follow(self, image: Image, circle: Floats, places: Floats, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
         """Place every marker; expect those that are not there for a while, then forget them."""

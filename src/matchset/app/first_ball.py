@@ -26,7 +26,7 @@ def first_ball(
     color : ColorModel
         Of the ball with its marker.
     localizer : Localizer
-        Tells where a ball is; one that is not used for anything else.
+        Tells where a ball is; without markers it remembers nothing of it.
     there : ndarray of shape (3,)
         Where the neighbor should be, in the camera frame, m.
     reach : float

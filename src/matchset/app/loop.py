@@ -143,7 +143,6 @@ class Pilot:
         self._tracker = Tracker(Circle, colors.ball)
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera.model, target)
-        self._sizer = Localizer(camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._memory = Memory()
         self._frame_time = self._seen = -math.inf
@@ -212,7 +211,7 @@ class Pilot:
             return True
         place, near = self.parameters.place, self.parameters.near
         there = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
-        ball = first_ball(frame, self._colors.ball, self._sizer, there, near)
+        ball = first_ball(frame, self._colors.ball, self._localizer, there, near)
         if ball is not None:
             self._tracker.start(ball)
         return ball is not None

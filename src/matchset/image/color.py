@@ -106,7 +106,7 @@ class ColorModel:
             raise ValueError(f"{origin}: no background is left to learn from")
         learn = learned_color if image.ndim == 3 else learned_gray
         model = cls(learn(image[target], image[outside]))
-        alike = model._scores(image) > 0
+        alike = model.scores(image) > 0
         hits = np.mean(alike[target])
         if hits < 0.5 or np.mean(alike[outside]) > 0.5 * hits:
             raise ValueError(
@@ -207,10 +207,17 @@ class ColorModel:
         """Make a model of its own, so that adapting it leaves this one alone."""
         return ColorModel(self.log_odds, self.gray)
 
-    def _scores(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
-        if image.ndim == 2:
-            return np.asarray(self.table[image])
-        cells = image.astype(np.int32) >> 3
+    def scores(self, pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
+        """Look pixels up in the table: positive where they look like the target.
+
+        Parameters
+        ----------
+        pixels : ndarray, uint8
+            Of the kind that the model was learned on: B, G and R along the last axis, or gray values.
+        """
+        if self.channels == 1:
+            return np.asarray(self.table[pixels])
+        cells = pixels.astype(np.int32) >> 3
         return np.asarray(self.table[cells[..., 0] << 10 | cells[..., 1] << 5 | cells[..., 2]])
 
     def mask(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
@@ -231,7 +238,7 @@ class ColorModel:
             If the picture is gray and the model is not, or the other way around.
         """
         check_image(image)
-        return np.where(self.seen_in(image)._scores(image) > 0, 255, 0).astype(np.uint8)
+        return np.where(self.seen_in(image).scores(image) > 0, 255, 0).astype(np.uint8)
 
     def check(self, image: npt.NDArray[np.uint8]) -> None:
         """Refuse a picture of another kind than the one that was learned (ValueError)."""

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from matchset.control.command import Command
 from matchset.control.follower import SetPlace
 from matchset.sim import chain_motion
+from matchset.sim.chain_motion import HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, NOTHING
 from matchset.sim.eye import BACKWARD, Sight
 from matchset.sim.furniture import FLOOR
 from matchset.sim.quadrotor import GRAVITY, PLACE, SIZE, SPEED, constants, resting, rotation
@@ -199,14 +200,17 @@ class World:
     def _note_crashes(self) -> None:
         """End the flight of whoever hit something."""
         for who, hit in enumerate(self._hits.tolist()):
-            if hit != chain_motion.NOTHING:
+            if hit != NOTHING:
                 self._ended[who] = True
                 self.states[who, SPEED : SPEED + 3] = 0.0
-                self.crashes.append((self.time, who, _HITS[hit] if hit < len(_HITS) else f"hit vehicle {hit - 3}"))
-        self._hits[:] = chain_motion.NOTHING
+                self.crashes.append((self.time, who, _what(hit)))
+        self._hits[:] = NOTHING
 
 
-_HITS = ("", "hit the floor", "hit the ceiling", "hit a wall")
+def _what(hit: int) -> str:
+    """Say what a vehicle hit; vehicles count from 1."""
+    fixed = {HIT_FLOOR: "hit the floor", HIT_CEILING: "hit the ceiling", HIT_WALL: "hit a wall"}
+    return fixed.get(hit, f"hit vehicle {hit - HIT_VEHICLE + 1}")
 
 
 def _chain_constants(parameters: ChainParameters, room_scale: float) -> Floats:

@@ -30,7 +30,6 @@ SIDE_OUTWARD = (0.2, 0.2), (0.2, 0.0), (0.0, 0.2), (0.4, 0.4)
 WORST = 2  # sides that are moved: those that least speaks for
 BEYOND, LEAST_BEYOND = 0.1, 4.0  # half-widths, and px, beyond the outline where the target must not be
 SPILL = 2.0  # evidence that is worth the share of the lines where it is
-CELL = np.array([1024, 32, 1])  # places in a table of colors by their five highest bits of B, G and R
 OFF = 3.0  # px from the outline from which an edge point does not speak for its side
 APART, MOST_SIDES = 1e-6, 8  # squared difference of normals that parts two sides; most sides that are moved
 BETTER = 0.03  # by how much another shape must be better
@@ -101,9 +100,7 @@ def spilled(matcher: Matcher[S], image: Image, color: ColorModel) -> Lines:
     beyond = max(BEYOND * matcher.size, LEAST_BEYOND)
     columns, rows = np.rint(outline[:, :2] + beyond * outline[:, 2:4]).astype(np.intp).T
     seen = (columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])
-    pixels = image[rows[seen], columns[seen]].astype(np.intp)
-    cells = pixels[:, 0] if color.channels == 1 else (pixels >> 3) @ CELL
-    seen[seen] = color.table[cells] > 0
+    seen[seen] = color.scores(image[rows[seen], columns[seen]]).ravel() > 0
     return np.asarray(seen)
 
 

@@ -1,5 +1,8 @@
 """AprilTag 3 (pupil-apriltags): corners of a printed 36h11 tag."""
 
+import functools
+from typing import Any
+
 import cv2
 import msgspec
 
@@ -22,11 +25,12 @@ class Parameters(msgspec.Struct, frozen=True):
 CHOICES: Choices = {"decimate": (1.0, 1.5, 2.0), "blur": (0.0, 0.8), "sharpening": (0.25, 0.5)}
 
 
-def follow(start: Start, parameters: Parameters) -> Step:  # noqa: ARG001
-    """Detect in every frame anew; the circle inscribed in the card."""
+@functools.cache
+def detector(parameters: Parameters) -> Any:
+    """Make a detector; never let go of, since the library crashes when one that has detected is destroyed."""
     from pupil_apriltags import Detector
 
-    detector = Detector(
+    return Detector(
         families="tag36h11",
         nthreads=1,
         quad_decimate=parameters.decimate,
@@ -34,8 +38,13 @@ def follow(start: Start, parameters: Parameters) -> Step:  # noqa: ARG001
         decode_sharpening=parameters.sharpening,
     )
 
+
+def follow(start: Start, parameters: Parameters) -> Step:  # noqa: ARG001
+    """Detect in every frame anew; the circle inscribed in the card."""
+    tags = detector(parameters)
+
     def step(image: Image) -> Circle3 | None:
-        found = detector.detect(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+        found = tags.detect(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
         return APRIL.circle(found[0].corners - CORNER) if found else None
 
     return step

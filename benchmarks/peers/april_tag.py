@@ -27,10 +27,14 @@ CHOICES: Choices = {"decimate": (1.0, 1.5, 2.0), "blur": (0.0, 0.8), "sharpening
 
 @functools.cache
 def detector(parameters: Parameters) -> Any:
-    """Make a detector; never let go of, since the library crashes when one that has detected is destroyed."""
+    """Make a detector whose memory is never given back: the library crashes when it is."""
     from pupil_apriltags import Detector
 
-    return Detector(
+    class Kept(Detector):  # type: ignore[misc]
+        def __del__(self) -> None:
+            pass
+
+    return Kept(
         families="tag36h11",
         nthreads=1,
         quad_decimate=parameters.decimate,

@@ -55,6 +55,17 @@ def test_a_constant_disturbance_is_forgotten() -> None:
     assert pid.terms.integral == pytest.approx(-0.7, abs=1e-2)
 
 
+def test_the_integral_learns_fast_at_first() -> None:
+    pid = Pid(PidParameters(proportional=0.0, integral=1.0, learning=1.0, settled=0.2))
+    terms = []
+    for _ in range(round(6.0 / STEP)):
+        pid.update(1.0, 0.0, STEP)
+        terms.append(pid.terms.integral)
+    first, last = round(1.0 / STEP), round(5.0 / STEP)
+    assert terms[first - 1] == pytest.approx(1.0 - math.exp(-1.0), abs=0.02)
+    assert terms[-1] - terms[last - 1] == pytest.approx(0.2, abs=1e-6)
+
+
 @given(st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 2, st.floats(1e-4, 1.0)), max_size=30))
 def test_the_output_stays_within_its_limit(calls: list[tuple[float, float, float]]) -> None:
     pid = Pid(PidParameters(proportional=3.0, integral=2.0, derivative=1.0, most=0.7, most_integral=0.2))

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from matchset.control.command import Command
 from matchset.control.neighbor_motion import NeighborMotion, NeighborMotionParameters
 from matchset.control.own_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
+from matchset.control.pace import Pace, PaceParameters
 from matchset.control.pid import Pid, PidParameters, Terms
 from matchset.control.safety import Wish
 from matchset.localization.pose import Pose
@@ -61,6 +62,8 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         steady swing closer, and passes on what the next in the chain sees as shaking.
     drift : float
         The same for what is no sway: a turn of the neighbor that goes on for seconds.
+    pace, rise_pace : PaceParameters
+        What of the neighbor's speed is flown along, level and upward.
     own : OwnMotionParameters
         How the vehicle answers to its sticks.
     motion : NeighborMotionParameters
@@ -72,24 +75,38 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """
 
     level: PidParameters = PidParameters(
-        proportional=5.0,
-        integral=2.5,
-        derivative=3.0,
-        smoothing=0.02,
-        stride=0.25,
+        proportional=4.0,
+        integral=2.1,
+        derivative=3.3,
+        smoothing=0.033,
+        stride=0.4,
         most=3.0,
         most_integral=1.2,
-        within=0.2,
+        within=0.3,
+        foresight=0.4,
+        learning=3.0,
+        settled=0.09,
     )
     rise: PidParameters = PidParameters(
-        proportional=5.0, integral=2.0, derivative=4.0, smoothing=0.02, most=4.0, most_integral=3.0, within=0.2
+        proportional=5.5,
+        integral=2.6,
+        derivative=7.5,
+        smoothing=0.023,
+        most=4.0,
+        most_integral=3.0,
+        within=0.6,
+        foresight=1.36,
+        learning=5.5,
+        settled=0.12,
     )
-    yaw: PidParameters = PidParameters(proportional=0.4, most=1.0)
-    hover: float = 0.6
-    lead: float = 0.1
-    rise_lead: float = 0.05
-    ahead: float = 1.0
-    drift: float = 0.5
+    yaw: PidParameters = PidParameters(proportional=0.3, most=1.0)
+    hover: float = 0.59
+    lead: float = 0.074
+    rise_lead: float = 0.038
+    ahead: float = 0.85
+    drift: float = 0.45
+    pace: PaceParameters = PaceParameters(share=0.7, calm=0.23)
+    rise_pace: PaceParameters = PaceParameters(share=0.42, calm=0.75)
     own: OwnMotionParameters = OwnMotionParameters()
     motion: NeighborMotionParameters = NeighborMotionParameters()
     reach: float = 0.4
@@ -144,6 +161,8 @@ class Follower:
         self.neighbor = NeighborMotion(self.parameters.motion)
         self._right, self._ahead = Pid(self.parameters.level), Pid(self.parameters.level)
         self._rise, self._yaw = Pid(self.parameters.rise), Pid(self.parameters.yaw)
+        pace, rise_pace = self.parameters.pace, self.parameters.rise_pace
+        self._paces = Pace(pace), Pace(rise_pace), Pace(pace)
         self._fed = self._time = -math.inf
 
     def update(self, pose: "Pose | Lost[Pose]", now: float) -> Answer | None:
@@ -195,11 +214,13 @@ class Follower:
         """Run the controllers for a command that begins to act at a time."""
         parameters, reach = self.parameters, self.parameters.reach
         own, ball = self.own.at(acts), self.neighbor.at(acts, reach)
+        for pace, speed in zip(self._paces, ball[:3, 1].tolist(), strict=True):
+            pace.update(speed, step)
         later, risen = acts + parameters.lead, acts + parameters.rise_lead
         roll, pitch = self._level(self.own.at(later), self.neighbor.at(later, reach), own.yaw, step)
         there, height = self.own.at(risen), self.neighbor.at(risen, reach)[1]
         low = float(there.place[1] - height[0]) + self.place.height
-        rise = self._rise.update(0.0, -low, step, -float(there.velocity[1] - height[1]))
+        rise = self._rise.update(0.0, -low, step, self._paces[1].of(height.item(1)) - there.velocity.item(1))
         sight, out = ball[:3, 0] - own.place, (math.sin(ball[3, 0]), math.cos(ball[3, 0]))
         bearing = math.atan2(sight[0], sight[2]) - own.yaw
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
@@ -236,12 +257,13 @@ class Follower:
 
         The level ball frame is z = out, y down, x = y cross z; it turns with the neighbor.
         """
+        right, _, forward = self._paces
         sin, cos, turning = math.sin(ball[3, 0]), math.cos(ball[3, 0]), ball[3, 1]
         side, heading = self.place.side, self.place.heading
         away = (side * cos + heading * sin, heading * cos - side * sin)
         push = self.parameters.ahead * ball[:, 2] + self.parameters.drift * ball[:, 3]
         return (
             (ball[0, 0] + away[0], ball[2, 0] + away[1]),
-            (ball[0, 1] + turning * away[1], ball[2, 1] - turning * away[0]),
+            (right.of(ball.item(0, 1)) + turning * away[1], forward.of(ball.item(2, 1)) - turning * away[0]),
             (float(push[0] + push[3] * away[1]), float(push[2] - push[3] * away[0])),
         )

@@ -55,13 +55,13 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
         How many poses in a row may be left out before the next one within a jump is believed and all begins anew.
     """
 
-    acceleration: float = 0.35
-    turning: float = 0.6
-    lasting: float = 1.0
+    acceleration: float = 0.52
+    turning: float = 0.8
+    lasting: float = 0.68
     turn_lasting: float = 1.0
     period: float = 2.2
-    damping: float = 0.03
-    sway: float = 0.07
+    damping: float = 0.021
+    sway: float = 0.075
     turn_sway: float = 0.03
     tilt: float = 0.025
     yaw: float = 0.01

@@ -66,7 +66,7 @@ class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkn
     tilt_damping: float = 0.6
     yaw_lag: float = 0.055
     lift_lag: float = 0.05
-    drag_time: float = 4.0
+    drag_time: float = 3.5
     heft: float = 1.2
 
     def __post_init__(self) -> None:

@@ -27,6 +27,14 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         Largest integral term.
     within : float
         Error up to which the integral grows; a long way to go teaches nothing about a bias, and makes it overshoot.
+    foresight : float
+        How far ahead the error is that the integral takes up, s: with D/P an approach as P and D want it adds nothing,
+        so a way to go is not mistaken for a bias, and a bias shows before the way is done.
+    learning : float
+        Time near the goal after which the integral is nearly learned, s: its gain falls to 37 % in so long.
+    settled : float
+        Share of the integral's gain that remains for good, 0 ... 1. Less leaves slow motion to the other terms, more
+        keeps up with a bias that changes.
     """
 
     proportional: float
@@ -37,14 +45,19 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     most: float = math.inf
     most_integral: float = math.inf
     within: float = math.inf
+    foresight: float = 0.0
+    learning: float = math.inf
+    settled: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("proportional", "integral", "derivative", "smoothing"):
+        for name in ("proportional", "integral", "derivative", "smoothing", "foresight"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-        for name in ("stride", "most", "most_integral", "within"):
+        for name in ("stride", "most", "most_integral", "within", "learning"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        if not 0.0 <= self.settled <= 1.0:
+            raise ValueError(f"settled must be within 0 ... 1, got {self.settled}")
 
 
 class Terms(NamedTuple):
@@ -57,10 +70,10 @@ class Terms(NamedTuple):
 
 
 class Pid:
-    """u = P e + I integral(e dt) - D dy/dt, with e = goal - y.
+    """u = P e + I integral((e - F dy/dt) dt) - D dy/dt, with e = goal - y and the foresight F.
 
     The derivative is that of the measurement y, so a new goal does not kick; it is low-passed. While the output is at
-    its limit the integral does not grow further that way.
+    its limit the integral does not grow further that way. The integral learns fast at first, and slower later.
 
     Parameters
     ----------
@@ -76,7 +89,7 @@ class Pid:
         self.parameters = parameters
         self.terms = Terms()
         self._last: float | None = None
-        self._rate = 0.0
+        self._rate = self._age = 0.0
 
     def reset(self, keep_integral: bool = False) -> None:
         """Forget the past, on request all but the integral term: what it learned of a bias still holds."""
@@ -117,7 +130,11 @@ class Pid:
         error = goal - measured
         near = min(max(error, -gains.stride), gains.stride)
         proportional, derivative = gains.proportional * near, -gains.derivative * self._rate
-        integral = self.terms.integral + (gains.integral * error * step if abs(error) <= gains.within else 0.0)
+        integral = self.terms.integral
+        if abs(error) <= gains.within:
+            self._age += step
+            learning = max(math.exp(-self._age / gains.learning), gains.settled)
+            integral += learning * gains.integral * (near - gains.foresight * self._rate) * step
         integral = min(max(integral, -gains.most_integral), gains.most_integral)
         total = proportional + integral + derivative
         if abs(total) > gains.most and total * error > 0.0:

@@ -50,9 +50,18 @@ def summing(function: F) -> F:
     return _kept(function, fastmath={"reassoc", "nsz"})
 
 
-def _kept(function: F, fastmath: Any) -> F:
+def part(function: F) -> F:
+    """Like `kernel`, for a piece of one: only kernels may call it, Python cannot, and it is laid into its caller.
+
+    Without the way in from Python it compiles faster; laid in, its arrays' shapes and strides are not handed over anew
+    for each line.
+    """
+    return _kept(function, fastmath=False, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def _kept(function: F, **options: Any) -> F:
     """Compile a kernel whose machine code is kept on disk."""
-    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fastmath)(function)
+    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     file = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, SOURCES)

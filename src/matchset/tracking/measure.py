@@ -90,6 +90,7 @@ def measure(
         parts.covariance,
         found,
         between,
+        parts.scratch,
     )
     tolerance = min(max(limits[5] * size, 1.2), 3.0)
     fit[SEEN], fit[CONFIRMED], fit[AGREEMENT], fit[EVIDENCE], fit[WAVE], fit[CORNERS] = review_lines(

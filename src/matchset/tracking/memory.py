@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import inlined, plain
+from matchset.tracking.fit import scratch_size
 from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 
 Floats = npt.NDArray[np.float64]
@@ -62,6 +63,8 @@ class Views(NamedTuple):
         See the names of their places above.
     match, judge, track : (LIMITS,)
         `MatchParameters`, `JudgeParameters` and `TrackerParameters`, in the order of their fields.
+    scratch : (scratch_size(n, s),)
+        Working memory of a fit.
     """
 
     outline: Floats
@@ -84,6 +87,7 @@ class Views(NamedTuple):
     match: Floats
     judge: Floats
     track: Floats
+    scratch: Floats
 
 
 @inlined
@@ -118,6 +122,7 @@ def views(
         block[d : d + LIMITS],
         block[d + LIMITS : d + 2 * LIMITS],
         block[d + 2 * LIMITS : d + 3 * LIMITS],
+        block[d + 3 * LIMITS :],
     )
 
 
@@ -149,7 +154,8 @@ class Memory:
     """
 
     def __init__(self, n: int, states: int, count: int, width: int = 2) -> None:
-        self.block = np.zeros(5 * states + 3 * count + FITS + CLOCKS + LOOKS + 3 * LIMITS)
+        named = 5 * states + 3 * count + FITS + CLOCKS + LOOKS + 3 * LIMITS
+        self.block = np.zeros(named + scratch_size(n, states))
         self.tables = (
             np.zeros((n, states + 6)),
             np.zeros((n, CANDIDATES, 3)),

@@ -86,7 +86,9 @@ def conclude(
     inflation: float,
     center_floor: float,
     size_floor: float,
-) -> tuple[Floats, Floats]:
+    points: Floats,
+    wide: Floats,
+) -> int:
     """Match-set and covariance of a fit.
 
     Parameters
@@ -103,17 +105,16 @@ def conclude(
         By how much it is enlarged.
     center_floor, size_floor : float
         Least variance of the first two parameters and of the others.
+    points : (n, 2), written
+        Edge points that are no gross outliers, px (Epstein & Feldman, Eq. 4), from the first row on.
+    wide : (p, p), written
+        The covariance.
 
     Returns
     -------
-    points : (m, 2)
-        Edge points that are no gross outliers, px (Epstein & Feldman, Eq. 4).
-    covariance : (p, p)
+    int
+        How many points there are.
     """
-    count = 0
-    for i in range(found.shape[0]):
-        count += abs(found[i, 0]) < outlier
-    points = np.empty((count, 2))
     count = 0
     for i in range(found.shape[0]):
         if abs(found[i, 0]) < outlier:
@@ -124,9 +125,8 @@ def conclude(
             )
             count += 1
     p = covariance.shape[0]
-    wide = np.empty((p, p))
     for j in range(p):
         for k in range(p):
             wide[j, k] = inflation * 0.5 * (covariance[j, k] + covariance[k, j])
         wide[j, j] += center_floor if j < 2 else size_floor
-    return points, wide
+    return count

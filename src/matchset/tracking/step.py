@@ -15,6 +15,7 @@ import numpy.typing as npt
 from matchset.shapes.jit import inlined, kernel
 from matchset.tracking import motion
 from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, START, SURPRISE, TIME, Views, views
+from matchset.tracking.palette import teach
 from matchset.tracking.parameters import LEAST_REACH, MOST_REACH, TRUST
 from matchset.tracking.settle import make_settle
 from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doubtful, is_near, missing, take_in
@@ -24,15 +25,16 @@ Bytes = npt.NDArray[np.uint8]
 Scores = npt.NDArray[np.int8]
 Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
-Answer = tuple[float, Floats, Floats]
+Answer = tuple[int, float, int]
 
 # what a step does: follow into a frame; fit near a state; the same with the priors of the motion; take in what was
-# fitted; tell it
-WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL = range(5)
+# fitted; tell it; learn the color from it
+WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL, LEARN = range(6)
+NEVER = -1  # turn in which no color is learned
 
 
 @functools.cache
-def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., tuple[int, Answer]]:
+def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., Answer]:
     """Make the step of a family.
 
     Parameters
@@ -43,8 +45,10 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
     Returns
     -------
     callable
-        ``step(image, table, runs, pixels, sums, *own, way, time, passed)``, with ``own`` the block and the tables of a
-        `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, the answer.
+        ``step(image, table, log_odds, first, points, wide, runs, pixels, sums, *own, way, time, passed, turn)``, with
+        ``own`` the block and the tables of a `Memory`: goes one of the `WAYS`, and returns the verdict and, where a
+        shape is taken in or told, its support and the size of its match-set, which is in ``points`` then, and the
+        covariance in ``wide``. A shape that is followed teaches the color; see `teach` for the others.
     """
     follow = _make_follow(make_settle(trace, half_width), half_width)
 
@@ -52,6 +56,10 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
     def step(
         image: Bytes,
         table: Scores,
+        log_odds: Singles,
+        first: Singles,
+        points: Floats,
+        wide: Floats,
         runs: Ints,
         pixels: Bytes,
         sums: Singles,
@@ -65,16 +73,21 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
         way: int,
         time: float,
         passed: float,
-    ) -> tuple[int, Answer]:
+        turn: int,
+    ) -> Answer:
         parts = views(block, outline, edges, starts, found, rays, covariance)
-        verdict = SURE
+        verdict, support, count = SURE, 0.0, 0
         if way <= HELD:
             verdict = follow(image, table, parts, runs, pixels, sums, way, time, passed)
         if verdict != SURE or way in (FREE, HELD):
-            return verdict, (0.0, np.empty((0, 2)), np.empty((0, 0)))
-        if way != TELL:
+            return verdict, support, count
+        if way in (FOLLOW, TAKE_IN):
             take_in(parts, time)
-        return verdict, answer(parts)
+        if way != LEARN:
+            support, count = answer(parts, points, wide)
+        if turn != NEVER:
+            teach(image, table, log_odds, first, parts, turn)
+        return verdict, support, count
 
     return step
 

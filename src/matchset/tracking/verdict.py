@@ -188,14 +188,14 @@ def is_near(state: Floats, size: float, expected: Floats, expected_size: float, 
 
 
 @inlined
-def answer(parts: Views) -> tuple[float, Floats, Floats]:
-    """Support, match-set and covariance of what was fitted.
+def answer(parts: Views, points: Floats, covariance: Floats) -> tuple[float, int]:
+    """Write match-set and covariance of what was fitted; returns the support and the size of the match-set.
 
     The match-set is what lies within 4 standard deviations of the fitted outline, which may be an ellipse; the
     covariance that of the edge points, enlarged, and the floor.
     """
     fit, limits = parts.fit, parts.judge
-    points, covariance = conclude(
+    count = conclude(
         parts.outline,
         parts.edges,
         parts.found,
@@ -204,8 +204,10 @@ def answer(parts: Views) -> tuple[float, Floats, Floats]:
         limits[INFLATION] / max(fit[AGREEMENT], 0.1) ** 2,
         limits[CENTER_FLOOR] ** 2,
         limits[SIZE_FLOOR] ** 2,
+        points,
+        covariance,
     )
-    return fit[CONFIRMED] / max(fit[SEEN], 1.0), points, covariance
+    return fit[CONFIRMED] / max(fit[SEEN], 1.0), count
 
 
 @inlined

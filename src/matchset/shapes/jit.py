@@ -42,21 +42,29 @@ def kernel(function: F) -> F:
     callable
         The compiled function; it has the same signature.
     """
-    return _kept(function, fastmath=False)
+    return _kept(function)
+
+
+def borrowing(function: F) -> F:
+    """Like `kernel`, for one that makes no arrays: it does not count the references to those that it is handed.
+
+    Each count is an atomic instruction, and each view of an array has one.
+    """
+    return _kept(function, _nrt=False)
 
 
 def summing(function: F) -> F:
-    """Like `kernel`, for long sums: their terms may be added in any order, several at a time."""
-    return _kept(function, fastmath={"reassoc", "nsz"})
+    """Like `borrowing`, for long sums: their terms may be added in any order, several at a time."""
+    return _kept(function, _nrt=False, fastmath={"reassoc", "nsz"})
 
 
 def part(function: F) -> F:
-    """Like `kernel`, for a piece of one: only kernels may call it, Python cannot, and it is laid into its caller.
+    """Like `borrowing`, for a piece of a kernel: Python must not call it, and it is laid into its caller.
 
     Without the way in from Python it compiles faster; laid in, its arrays' shapes and strides are not handed over anew
     for each line.
     """
-    return _kept(function, fastmath=False, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    return _kept(function, _nrt=False, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def _kept(function: F, **options: Any) -> F:

@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel, part
+from matchset.shapes.jit import borrowing, part
 from matchset.tracking.least_squares import solve, substitute, turn
 from matchset.tracking.match_set import CANDIDATES
 
@@ -36,7 +36,7 @@ ROWS = 4 + 2 * CANDIDATES  # numbers that a fit writes down for each line, besid
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
 
-@kernel
+@borrowing
 def _median(values: Singles, wanted: int) -> float:
     """Return the value that stands at place `wanted` of values >= 0 in order, found bit by bit without a branch."""
     bits = values.view(np.int32)  # floats >= 0 are in the order of their bits
@@ -168,7 +168,7 @@ def scratch_size(n: int, s: int) -> int:
     return (ROWS + p) * n + p * (p + 5)
 
 
-@kernel
+@borrowing
 def fit_lines(
     outline: Floats,
     edges: Floats,

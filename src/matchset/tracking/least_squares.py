@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel, part, summing
+from matchset.shapes.jit import borrowing, part, summing
 
 Floats = npt.NDArray[np.float64]
 
@@ -29,7 +29,7 @@ def _factor(a: Floats, n: int) -> bool:
     return True
 
 
-@kernel
+@borrowing
 def substitute(a: Floats, b: Floats, x: Floats, n: int) -> None:
     """Solve with a Cholesky factor (n, n) in one row."""
     for i in range(n):

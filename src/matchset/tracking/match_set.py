@@ -16,7 +16,7 @@ is the fit's question. The lines are read first and judged then, because memory 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel, part
+from matchset.shapes.jit import borrowing, part
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -174,7 +174,7 @@ def _keep_best(
         _keep(i, TWO, k2, q2, asked, starts, enough, edges)
 
 
-@kernel
+@borrowing
 def match_lines(
     image: Bytes,
     table: npt.NDArray[np.int8],

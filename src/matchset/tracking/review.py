@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import borrowing
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -13,7 +13,7 @@ Ints = npt.NDArray[np.int64]
 LEAST = 0.3  # px: edge points are never judged to be more exact than this
 
 
-@kernel
+@borrowing
 def review_lines(
     found: Floats, edges: Floats, runs: Ints, turns: Floats, tolerance: float
 ) -> tuple[int, int, float, float, float, float]:
@@ -76,7 +76,7 @@ def review_lines(
     return seen, confirmed, agreement / whole, evidence / whole, wave, corners
 
 
-@kernel
+@borrowing
 def conclude(
     outline: Floats,
     edges: Floats,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined, kernel
+from matchset.shapes.jit import borrowing, inlined
 from matchset.tracking import motion
 from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, START, SURPRISE, TIME, Views, views
 from matchset.tracking.palette import teach
@@ -52,7 +52,7 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
     """
     follow = _make_follow(make_settle(trace, half_width), half_width)
 
-    @kernel
+    @borrowing
     def step(
         image: Bytes,
         table: Scores,

@@ -46,13 +46,12 @@ def channels_last(image: Bytes) -> Bytes:
 
 def edges_across(image: Bytes, table: Scores, points: Floats, normals: Floats, limits: Limits) -> Found:
     """Edge points on the lines through points (n, 2) along normals (n, 2)."""
-    memory = Memory(len(points), 5, 3)
-    lines = memory.parts
+    lines = Memory(len(points), 5, 3).parts
     lines.outline[:, 0:2], lines.outline[:, 2:4] = points, normals
-    working = lines.edges, memory.runs, lines.starts, memory.pixels, memory.sums
+    working = lines.edges, lines.runs, lines.starts, lines.pixels, lines.sums
     noise = match_lines(channels_last(image), table, lines.outline, *limits, *working)
     offset, strength, whiteness = (lines.edges[:, :, k].copy() for k in range(3))
-    return Found(offset, strength, whiteness, memory.runs[:, 4] > 0, noise)
+    return Found(offset, strength, whiteness, lines.runs[:, 4] > 0, noise)
 
 
 class Prior(NamedTuple):

@@ -7,6 +7,7 @@ guard their divisions themselves. `fastmath` is off; in `summing` kernels alone 
 that they are added several at a time. On one machine results are the same, bit for bit, from run to run.
 """
 
+import math
 import sys
 import zlib
 from collections.abc import Callable
@@ -14,7 +15,14 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy.typing as npt
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
+from numba.extending import lower_builtin, type_callable
+from numba.np.arrayobj import populate_array
 
+Array = npt.NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -112,6 +120,35 @@ def _compiled_for_user(function: F) -> F:
     if getattr(sys.modules[function.__module__], "__file__", None) is None:  # typed into a shell
         return cast(F, _identified(alone(function)))
     return kernel(function)
+
+
+def cut(block: Array, start: int, shape: tuple[int, ...]) -> Array:
+    """View a part of a one-dimensional array, from a place on, as an array of that shape.
+
+    In compiled code that costs neither a call nor a check, as `reshape` does: the part must lie in the block.
+    """
+    return block[start : start + math.prod(shape)].reshape(shape)
+
+
+@type_callable(cut)
+def _type_of_cut(_: Any) -> Any:
+    def found(block: Any, start: Any, shape: Any) -> Any:  # noqa: ARG001
+        return types.Array(block.dtype, len(shape), "C")
+
+    return found
+
+
+@lower_builtin(cut, types.Array, types.Integer, types.UniTuple)  # type: ignore[untyped-decorator]
+def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    source = context.make_array(signature.args[0])(context, builder, values[0])
+    made = context.make_array(signature.return_type)(context, builder)
+    sizes = cgutils.unpack_tuple(builder, values[2])
+    strides = [source.itemsize]
+    for size in reversed(sizes[1:]):
+        strides.insert(0, builder.mul(strides[0], size))
+    data = builder.gep(source.data, [values[1]])
+    populate_array(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
+    return impl_ret_borrowed(context, builder, signature.return_type, made._getvalue())
 
 
 def plain(function: F) -> F:

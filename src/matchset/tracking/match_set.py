@@ -211,7 +211,7 @@ def match_lines(
     plain : float
         Squared contrast that noise alone can have: an edge point without a firm step in color must stand out of it.
     edges, runs, starts, pixels, sums
-        Working arrays, see `Views` and `Memory`.
+        Working arrays, see `Views`.
 
     Returns
     -------

@@ -139,8 +139,8 @@ class Matcher(Generic[S]):
         self.family, self.points = family, points
         shape = family.from_coarse(0.0, 0.0, 1.0)
         where = places(family, points)
-        self._memory = memory.Memory(points, len(shape.state), len(family.parameters), where.shape[1])
-        self.parts = parts = self._memory.parts
+        held = memory.Memory(points, len(shape.state), len(family.parameters), where.shape[1])
+        self.parts, self._block = parts, _ = held.parts, held.block
         self._step = make_step(compiled(family.trace), compiled(family.half_width))
         parts.rays[:] = np.column_stack((where, INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)))
         self.state = parts.state
@@ -160,8 +160,6 @@ class Matcher(Generic[S]):
         self.knows_color = True
         self._translates = slopes(shape) is not None
         self.last: S | None = None
-        arrays = self._memory
-        self._work = arrays.runs, arrays.pixels, arrays.sums, arrays.block, *arrays.tables
         self._points_shape, self._wide_shape = (points, 2), (len(family.parameters),) * 2
         self.forget()
 
@@ -185,7 +183,7 @@ class Matcher(Generic[S]):
         reach, speed, sigma, free, least = look
         self.parts.look[:] = reach, speed, sigma or max(reach / 3.0, 1.0), least
         colors = color.table, color.log_odds, color.log_odds
-        verdict, _, _ = self._step(image, *colors, *NO_ANSWER, *self._work, FREE if free else HELD, 0.0, 1.0, NEVER)
+        verdict, _, _ = self._step(image, *colors, *NO_ANSWER, self._block, FREE if free else HELD, 0.0, 1.0, NEVER)
         return verdict == SURE
 
     def advance(
@@ -211,7 +209,7 @@ class Matcher(Generic[S]):
         """
         points, wide = np.empty(self._points_shape), np.empty(self._wide_shape)
         verdict, support, count = self._step(
-            image, color.table, color.log_odds, first, points, wide, *self._work, FOLLOW, time, passed, turn
+            image, color.table, color.log_odds, first, points, wide, self._block, FOLLOW, time, passed, turn
         )
         if verdict:
             return verdict
@@ -237,7 +235,7 @@ class Matcher(Generic[S]):
     def _tell(self, way: int, time: float) -> Track[S]:
         """Answer with what was fitted, taken in or not."""
         points, wide = np.empty(self._points_shape), np.empty(self._wide_shape)
-        _, support, count = self._step(NOTHING, *NO_COLOR, points, wide, *self._work, way, time, 1.0, NEVER)
+        _, support, count = self._step(NOTHING, *NO_COLOR, points, wide, self._block, way, time, 1.0, NEVER)
         return self._answer(support, points, count, wide, time)
 
     def _answer(self, support: float, points: Floats, count: int, wide: Floats, time: float) -> Track[S]:
@@ -250,7 +248,7 @@ class Matcher(Generic[S]):
     def learn(self, image: Image, color: ColorModel, first: Singles, turn: int) -> None:
         """Learn the color from what was fitted, see `advance`."""
         if turn != NEVER:
-            self._step(image, color.table, color.log_odds, first, *NO_ANSWER, *self._work, LEARN, 0.0, 1.0, turn)
+            self._step(image, color.table, color.log_odds, first, *NO_ANSWER, self._block, LEARN, 0.0, 1.0, turn)
 
     def describe_like(self, shape: S) -> None:
         """Describe the next answer as this shape is: a square has four angles."""

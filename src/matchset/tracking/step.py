@@ -23,7 +23,6 @@ from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doub
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 Scores = npt.NDArray[np.int8]
-Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
 Answer = tuple[int, float, int]
 
@@ -45,10 +44,10 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
     Returns
     -------
     callable
-        ``step(image, table, log_odds, first, points, wide, runs, pixels, sums, *own, way, time, passed, turn)``, with
-        ``own`` the block and the tables of a `Memory`: goes one of the `WAYS`, and returns the verdict and, where a
-        shape is taken in or told, its support and the size of its match-set, which is in ``points`` then, and the
-        covariance in ``wide``. A shape that is followed teaches the color; see `teach` for the others.
+        ``step(image, table, log_odds, first, points, wide, block, way, time, passed, turn)``, with the block of a
+        `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, its support
+        and the size of its match-set, which is in ``points`` then, and the covariance in ``wide``. A shape that is
+        followed teaches the color, see `teach`.
     """
     follow = _make_follow(make_settle(trace, half_width), half_width)
 
@@ -60,25 +59,16 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
         first: Singles,
         points: Floats,
         wide: Floats,
-        runs: Ints,
-        pixels: Bytes,
-        sums: Singles,
         block: Floats,
-        outline: Floats,
-        edges: Floats,
-        starts: Floats,
-        found: Floats,
-        rays: Floats,
-        covariance: Floats,
         way: int,
         time: float,
         passed: float,
         turn: int,
     ) -> Answer:
-        parts = views(block, outline, edges, starts, found, rays, covariance)
+        parts = views(block)
         verdict, support, count = SURE, 0.0, 0
         if way <= HELD:
-            verdict = follow(image, table, parts, runs, pixels, sums, way, time, passed)
+            verdict = follow(image, table, parts, way, time, passed)
         if verdict != SURE or way in (FREE, HELD):
             return verdict, support, count
         if way in (FOLLOW, TAKE_IN):
@@ -100,14 +90,11 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
         image: Bytes,
         table: Scores,
         parts: Views,
-        runs: Ints,
-        pixels: Bytes,
-        sums: Singles,
         way: int,
         time: float,
         passed: float,
     ) -> int:
-        n, clock, limits, ask = runs.shape[0], parts.clock, parts.track, parts.look
+        n, clock, limits, ask = parts.runs.shape[0], parts.clock, parts.track, parts.look
         spread = parts.free if way == FREE else parts.room
         if way == FOLLOW:
             if clock[TIME] == -math.inf:
@@ -119,7 +106,7 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
             ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, parts.match[START]), 0.0
             for k in range(parts.state.shape[0]):  # a loop compiles in a tenth of the time of `[:] =`
                 parts.state[k] = parts.expected[k]
-        if not settle(image, table, parts, runs, pixels, sums, spread):
+        if not settle(image, table, parts, spread):
             return missing(parts.fit[SEEN], n)
         if way != FOLLOW:
             return SURE

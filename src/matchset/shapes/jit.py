@@ -123,17 +123,17 @@ def _compiled_for_user(function: F) -> F:
 
 
 def cut(block: Array, start: int, shape: tuple[int, ...]) -> Array:
-    """View a part of a one-dimensional array, from a place on, as an array of that shape.
+    """View a part of an array in one piece, from a place on, as an array of that shape.
 
     In compiled code that costs neither a call nor a check, as `reshape` does: the part must lie in the block.
     """
-    return block[start : start + math.prod(shape)].reshape(shape)
+    return block.reshape(-1)[start : start + math.prod(shape)].reshape(shape)
 
 
 @type_callable(cut)
 def _type_of_cut(_: Any) -> Any:
     def found(block: Any, start: Any, shape: Any) -> Any:  # noqa: ARG001
-        return types.Array(block.dtype, len(shape), "C")
+        return types.Array(block.dtype, len(shape), "C") if block.layout == "C" else None
 
     return found
 

@@ -16,7 +16,7 @@ is the fit's question. The lines are read first and judged then, because memory 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing, part
+from matchset.shapes.jit import borrowing, cut, part
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -74,30 +74,31 @@ def _place(
 
 
 @part
-def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: Bytes) -> None:
-    """Copy the pixels of line i, inside first."""
+def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: Bytes, at: int) -> int:
+    """Copy the pixels of line i, inside first, to a place of `pixels`; returns the place behind them."""
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
     start = (fixed * width + position if across else position * width + fixed) * channels
     stride = (step if across else step * width) * channels
     if channels == 3:
         for place in range(runs[i, 4]):
-            k, at = np.uintp(place), np.uintp(start + place * stride)
-            pixels[i, k, 0] = flat[at]
-            pixels[i, k, 1] = flat[at + ONE]
-            pixels[i, k, 2] = flat[at + TWO]
+            k, there = np.uintp(at + 3 * place), np.uintp(start + place * stride)
+            pixels[k] = flat[there]
+            pixels[k + ONE] = flat[there + ONE]
+            pixels[k + TWO] = flat[there + TWO]
     else:
         for place in range(runs[i, 4]):
-            pixels[i, np.uintp(place), 0] = flat[np.uintp(start + place * stride)]
+            pixels[np.uintp(at + place)] = flat[np.uintp(start + place * stride)]
+    return at + channels * runs[i, 4]
 
 
 @part
-def _sum(pixels: Bytes, i: Index, length: int, table: npt.NDArray[np.int8], sums: Counts) -> None:
-    """Take running sums of scores and values along line i: those at k cover the pixels before k."""
+def _sum(pixels: Bytes, at: int, length: int, table: npt.NDArray[np.int8], sums: Counts) -> None:
+    """Take running sums of scores and values along a line: those at k cover the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
     if table.size > 256:
         for place in range(length):
-            k, after = np.uintp(place), np.uintp(place + 1)
-            b, g, r = np.uint32(pixels[i, k, 0]), np.uint32(pixels[i, k, 1]), np.uint32(pixels[i, k, 2])
+            k, after = np.uintp(at + 3 * place), np.uintp(place + 1)
+            b, g, r = np.uint32(pixels[k]), np.uint32(pixels[k + ONE]), np.uint32(pixels[k + TWO])
             ts += np.int32(table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)])
             t0 += np.int32(b)
             t1 += np.int32(g)
@@ -105,9 +106,9 @@ def _sum(pixels: Bytes, i: Index, length: int, table: npt.NDArray[np.int8], sums
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
     else:
         for place in range(length):
-            k, after = np.uintp(place), np.uintp(place + 1)
-            ts += np.int32(table[np.uintp(pixels[i, k, 0])])
-            t0 += np.int32(pixels[i, k, 0])
+            value, after = pixels[np.uintp(at + place)], np.uintp(place + 1)
+            ts += np.int32(table[np.uintp(value)])
+            t0 += np.int32(value)
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
 
 
@@ -221,24 +222,26 @@ def match_lines(
     half_way = 4 * WIDTH
     running, asked = sums[:half_way].view(np.int32), sums[half_way:]
     height, width, channels = image.shape
-    flat, fields = image.reshape(-1), outline.shape[1] - 2
+    flat, fields, at = cut(image, 0, (image.size,)), outline.shape[1] - 2, 0
     for index in range(outline.shape[0]):
         i = np.uintp(index)  # unsigned indices spare Numba's check for negative ones
         _place(outline, i, reach, margin, height, width, runs, starts)
-        _read(flat, width, channels, runs, i, pixels)
-    rough, count, c = 0.0, 0, min(1, channels - 1)
+        at = _read(flat, width, channels, runs, i, pixels, at)
+    rough, count, at, c = 0.0, 0, 0, min(1, channels - 1)
     for index in range(outline.shape[0]):
         i = np.uintp(index)
         length = runs[i, 4]
         if length > 2:
-            rough += abs(float(pixels[i, 0, c]) - 2.0 * float(pixels[i, 1, c]) + float(pixels[i, 2, c]))
+            a, b, d = np.uintp(at + c), np.uintp(at + c + channels), np.uintp(at + c + 2 * channels)
+            rough += abs(float(pixels[a]) - 2.0 * float(pixels[b]) + float(pixels[d]))
             count += 1
         half = 0.5 - (runs[i, 1] & 1) if runs[i, 0] else 0.0
         outline[i, fields], outline[i, fields + 1] = half * outline[i, 2], half * outline[i, 3]
         if length == 0:
             edges[i, ZERO, 1] = edges[i, ONE, 1] = edges[i, TWO, 1] = 0.0
             continue
-        _sum(pixels, i, length, table, running)
+        _sum(pixels, at, length, table, running)
+        at += channels * length
         _judge(running, length, margin, threshold, enough, plain, asked)
         _keep_best(length, margin, i, starts, enough, asked, edges)
     return rough / (1.95 * max(count, 1))  # E|a - 2b + c| of unit noise

@@ -72,8 +72,8 @@ class Views(NamedTuple):
     runs : (n, 5) int64
         Where each line runs: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels; the
         last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.
-    sums, pixels : (SUMS,) float32, (n, LONGEST, 3) uint8
-        What `match_lines` adds up and reads.
+    sums, pixels : (SUMS,) float32, (n * LONGEST * 3,) uint8
+        What `match_lines` adds up and reads, one line's pixels behind the other's.
     scratch : (scratch_size(n, s),)
         Working memory of a fit.
     """
@@ -145,7 +145,7 @@ def views(block: Floats) -> Views:
         block[d + 2 * LIMITS : tables],
         cut(block[runs:sums].view(np.int64), 0, (n, 5)),
         block[sums:pixels].view(np.float32),
-        cut(block[pixels:scratch].view(np.uint8), 0, (n, LONGEST, 3)),
+        block[pixels:scratch].view(np.uint8),
         block[scratch:],
     )
 

@@ -137,7 +137,7 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._admit(frame)
-        if self._begun is not None or (self.color.gray and not self._follows):
+        if self._begun is not None or (not self._follows and self.color.gray):
             self._adopt(image)
         if not self._follows:
             return self._search(image, "nothing of this color and shape is in the picture")

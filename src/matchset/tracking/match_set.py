@@ -31,10 +31,13 @@ WEAK = np.float32(0.4)  # strength that an edge point without a step in color ha
 FIRM = np.float32(0.35)  # share of a full step in color from which the contrast need not stand out of the noise
 SHIFT = 1 << 24  # makes places positive, so that cutting off the fraction is rounding down
 ROUND = SHIFT + 0.5
-ZERO, ONE, TWO = np.uintp(0), np.uintp(1), np.uintp(2)
+ZERO, ONE, TWO, THREE = np.uintp(0), np.uintp(1), np.uintp(2), np.uintp(3)
 WIDTH = LONGEST + 1  # numbers kept of each kind along a line
 W1, W2, W3 = np.uintp(WIDTH), np.uintp(2 * WIDTH), np.uintp(3 * WIDTH)
 SUMS = 6 * WIDTH
+# A jump back is a large unsigned number and comes round; and what goes round is not read by vectors, which costs twice
+# as much where a line has a dozen pixels.
+ROUND_ABOUT = np.uintp((1 << 48) - 1)
 B3, B5, B10 = np.uint32(3), np.uint32(5), np.uint32(10)
 
 
@@ -79,15 +82,17 @@ def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: 
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
     start = (fixed * width + position if across else position * width + fixed) * channels
     stride = (step if across else step * width) * channels
+    k, there, jump = np.uintp(at), np.uintp(start), np.uintp(stride)
     if channels == 3:
-        for place in range(runs[i, 4]):
-            k, there = np.uintp(at + 3 * place), np.uintp(start + place * stride)
+        for _ in range(runs[i, 4]):
             pixels[k] = flat[there]
             pixels[k + ONE] = flat[there + ONE]
             pixels[k + TWO] = flat[there + TWO]
+            k, there = k + THREE, (there + jump) & ROUND_ABOUT
     else:
-        for place in range(runs[i, 4]):
-            pixels[np.uintp(at + place)] = flat[np.uintp(start + place * stride)]
+        for _ in range(runs[i, 4]):
+            pixels[k] = flat[there]
+            k, there = k + ONE, (there + jump) & ROUND_ABOUT
     return at + channels * runs[i, 4]
 
 
@@ -95,18 +100,20 @@ def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: 
 def _sum(pixels: Bytes, at: int, length: int, table: npt.NDArray[np.int8], sums: Counts) -> None:
     """Take running sums of scores and values along a line: those at k cover the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
+    k = np.uintp(at)
     if table.size > 256:
         for place in range(length):
-            k, after = np.uintp(at + 3 * place), np.uintp(place + 1)
+            after = np.uintp(place + 1)
             b, g, r = np.uint32(pixels[k]), np.uint32(pixels[k + ONE]), np.uint32(pixels[k + TWO])
             ts += np.int32(table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)])
             t0 += np.int32(b)
             t1 += np.int32(g)
             t2 += np.int32(r)
+            k += THREE
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
     else:
         for place in range(length):
-            value, after = pixels[np.uintp(at + place)], np.uintp(place + 1)
+            value, after = pixels[k + np.uintp(place)], np.uintp(place + 1)
             ts += np.int32(table[np.uintp(value)])
             t0 += np.int32(value)
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2

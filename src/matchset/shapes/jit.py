@@ -17,10 +17,15 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy.typing as npt
 from numba import types
-from numba.core import cgutils
+from numba.core.cgutils import unpack_tuple
 from numba.core.imputils import impl_ret_borrowed
 from numba.extending import lower_builtin, type_callable
 from numba.np.arrayobj import populate_array
+
+_LOWER: Any = lower_builtin  # Numba tells no types
+_UNPACK: Any = unpack_tuple
+_POPULATE: Any = populate_array
+_BORROW: Any = impl_ret_borrowed
 
 Array = npt.NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -138,17 +143,17 @@ def _type_of_cut(_: Any) -> Any:
     return found
 
 
-@lower_builtin(cut, types.Array, types.Integer, types.UniTuple)  # type: ignore[untyped-decorator]
+@_LOWER(cut, types.Array, types.Integer, types.UniTuple)
 def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     source = context.make_array(signature.args[0])(context, builder, values[0])
     made = context.make_array(signature.return_type)(context, builder)
-    sizes = cgutils.unpack_tuple(builder, values[2])
+    sizes = _UNPACK(builder, values[2])
     strides = [source.itemsize]
     for size in reversed(sizes[1:]):
         strides.insert(0, builder.mul(strides[0], size))
     data = builder.gep(source.data, [values[1]])
-    populate_array(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
-    return impl_ret_borrowed(context, builder, signature.return_type, made._getvalue())
+    _POPULATE(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
+    return _BORROW(context, builder, signature.return_type, made._getvalue())
 
 
 def plain(function: F) -> F:

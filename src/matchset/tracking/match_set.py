@@ -93,7 +93,7 @@ def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: 
         for _ in range(runs[i, 4]):
             pixels[k] = flat[there]
             k, there = k + ONE, (there + jump) & ROUND_ABOUT
-    return at + channels * runs[i, 4]
+    return int(at + channels * runs[i, 4])
 
 
 @part

@@ -88,8 +88,7 @@ class Tracker(Generic[S]):
             self._matcher.ignore_color()
         self._doubts = AGAIN if finds_itself(family) else 1
         self._judge = Judge()
-        self._wish = start
-        self._follows = False
+        self._wish, self._follows = start, False
         self._finder: Finder[S] | None = None
         self._kind: tuple[int, ...] | None = None
         self._time, self._interval = -math.inf, 1.0 / 30.0

@@ -1,4 +1,4 @@
-"""The one Numba policy: every kernel of the library is compiled with `kernel`, nothing else imports Numba.
+"""The one Numba policy: every kernel of the library is compiled by the decorators here, nothing else imports Numba.
 
 The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
 to see whether that code is still good; here it must be of the same `SOURCES` too, so that kernels may call kernels of
@@ -143,7 +143,6 @@ def _type_of_cut(_: Any) -> Any:
     return found
 
 
-@_LOWER(cut, types.Array, types.Integer, types.UniTuple)
 def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     source = context.make_array(signature.args[0])(context, builder, values[0])
     made = context.make_array(signature.return_type)(context, builder)
@@ -154,6 +153,9 @@ def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> An
     data = builder.gep(source.data, [values[1]])
     _POPULATE(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
     return _BORROW(context, builder, signature.return_type, made._getvalue())
+
+
+_LOWER(cut, types.Array, types.Integer, types.UniTuple)(_compiled_cut)
 
 
 def plain(function: F) -> F:

@@ -9,7 +9,7 @@ from matchset.image.adapt import adapt_table, count_inside
 from matchset.image.color import ColorModel
 from matchset.shapes.circle import Circle
 from matchset.tracking import detect_grid
-from matchset.tracking.fit import _median, fit_lines
+from matchset.tracking.fit import _median, fit_lines, scratch_size
 from matchset.tracking.match_set import match_lines
 from matchset.tracking.memory import Memory
 from matchset.tracking.review import review_lines
@@ -46,13 +46,12 @@ def channels_last(image: Bytes) -> Bytes:
 
 def edges_across(image: Bytes, table: Scores, points: Floats, normals: Floats, limits: Limits) -> Found:
     """Edge points on the lines through points (n, 2) along normals (n, 2)."""
-    memory = Memory(len(points), 5, 3)
-    lines = memory.parts
+    lines = Memory(len(points), 5, 3).parts
     lines.outline[:, 0:2], lines.outline[:, 2:4] = points, normals
-    working = lines.edges, memory.runs, lines.starts, memory.pixels, memory.sums
+    working = lines.edges, lines.runs, lines.starts, lines.pixels, lines.sums
     noise = match_lines(channels_last(image), table, lines.outline, *limits, *working)
     offset, strength, whiteness = (lines.edges[:, :, k].copy() for k in range(3))
-    return Found(offset, strength, whiteness, memory.runs[:, 4] > 0, noise)
+    return Found(offset, strength, whiteness, lines.runs[:, 4] > 0, noise)
 
 
 class Prior(NamedTuple):
@@ -91,7 +90,8 @@ def fit(
     outline = np.concatenate((np.zeros((len(jacobian), 4)), jacobian), axis=1)
     edges = np.stack((offset, strength, np.ones_like(offset)), axis=2)
     covariance, found = np.zeros((count, jacobian.shape[1])), np.zeros((len(jacobian), 3))
-    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found, np.array(fields))
+    scratch = np.zeros(scratch_size(len(jacobian), len(state)))
+    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found, np.array(fields), scratch)
     chosen = found[:, 2].astype(np.int64)
     return Fit(moved - state, noise, covariance[:, :count], found[:, 0], found[:, 1], chosen)
 

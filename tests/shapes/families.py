@@ -16,7 +16,7 @@ import numpy.typing as npt
 import matchset as ms
 from matchset.shapes.jit import compiled
 from matchset.shapes.shape import from_hull, outline, places
-from matchset.tracking.fit import fit_lines
+from matchset.tracking.fit import fit_lines, scratch_size
 
 Floats = npt.NDArray[np.float64]
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "add_a_shape.md"
@@ -110,6 +110,7 @@ def fit(family: type[Any], points: Points, start: Any, lines: int = 64, spread: 
     where, trace = places(family, lines), compiled(family.trace)
     errors = np.random.default_rng(5).normal(0.0, max(points.noise, 1e-12), lines)
     covariance, found = np.zeros((p, s + 2)), np.zeros((lines, 3))
+    scratch = np.zeros(scratch_size(lines, s))
     for _ in range(25):
         rows, edges = np.zeros((lines, 4 + s + 2)), np.zeros((lines, 3, 3))
         trace(state, where, rows)
@@ -118,7 +119,7 @@ def fit(family: type[Any], points: Points, start: Any, lines: int = 64, spread: 
         edges[seen, 0, 0], edges[seen, 0, 1:] = (meets + errors)[seen], 1.0
         size, room = float(family.half_width(state)), np.full(p, spread)
         noise, moved = fit_lines(
-            rows, edges, state, begin, room, size, 0.0, 0.4, 8.0, 0.05, covariance, found, np.zeros(2)
+            rows, edges, state, begin, room, size, 0.0, 0.4, 8.0, 0.05, covariance, found, np.zeros(2), scratch
         )
         assert noise > 0.0, "no fit"
         if moved < 1e-7:

@@ -14,12 +14,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import borrowing
 
 Floats = npt.NDArray[np.float64]
 
+INF = math.inf
 
-@kernel
+
+@borrowing
 def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
     """Outline of the state at the given (cos, sin); see `Shape.trace`."""
     x, y, radius, c, s = state[0], state[1], state[2], state[3], state[4]
@@ -42,7 +44,7 @@ def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
         outline[i, 8] = along * (s2 + 1.5 * unit * (c * s4 - s * c4))
 
 
-@kernel
+@borrowing
 def _half_width(state: Floats) -> float:
     """Mean radius of a state, px."""
     return float(state[2])
@@ -71,7 +73,7 @@ class Circle(msgspec.Struct, frozen=True):
     parameters: ClassVar[tuple[str, ...]] = ("x", "y", "radius")
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.x) and math.isfinite(self.y) and 0.0 < self.radius < math.inf):
+        if not (-INF < self.x < INF and -INF < self.y < INF and 0.0 < self.radius < INF):  # cheaper than `isfinite`
             raise ValueError(f"a circle needs finite numbers and a positive radius, got {self}")
 
     @property

@@ -1,4 +1,4 @@
-"""The one Numba policy: every kernel of the library is compiled with `kernel`, nothing else imports Numba.
+"""The one Numba policy: every kernel of the library is compiled by the decorators here, nothing else imports Numba.
 
 The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
 to see whether that code is still good; here it must be of the same `SOURCES` too, so that kernels may call kernels of
@@ -7,6 +7,7 @@ guard their divisions themselves. `fastmath` is off; in `summing` kernels alone 
 that they are added several at a time. On one machine results are the same, bit for bit, from run to run.
 """
 
+import math
 import sys
 import zlib
 from collections.abc import Callable
@@ -14,7 +15,19 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy.typing as npt
+from numba import types
+from numba.core.cgutils import unpack_tuple
+from numba.core.imputils import impl_ret_borrowed
+from numba.extending import lower_builtin, type_callable
+from numba.np.arrayobj import populate_array
 
+_LOWER: Any = lower_builtin  # Numba tells no types
+_UNPACK: Any = unpack_tuple
+_POPULATE: Any = populate_array
+_BORROW: Any = impl_ret_borrowed
+
+Array = npt.NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -42,17 +55,38 @@ def kernel(function: F) -> F:
     callable
         The compiled function; it has the same signature.
     """
-    return _kept(function, fastmath=False)
+    return _kept(function)
+
+
+def borrowing(function: F) -> F:
+    """Like `kernel`, for one that makes no arrays: it does not count the references to those that it is handed.
+
+    Each count is an atomic instruction, and each view of an array has one.
+    """
+    return _kept(function, _nrt=False)
 
 
 def summing(function: F) -> F:
-    """Like `kernel`, for long sums: their terms may be added in any order, several at a time."""
-    return _kept(function, fastmath={"reassoc", "nsz"})
+    """Like `borrowing`, for long sums: their terms may be added in any order, several at a time."""
+    order = {
+        "reassoc": True,
+        "nsz": True,
+    }  # no set: it is part of the key of kept code, and sets differ from run to run
+    return _kept(function, _nrt=False, fastmath=order)
 
 
-def _kept(function: F, fastmath: Any) -> F:
+def part(function: F) -> F:
+    """Like `borrowing`, for a piece of a kernel: Python must not call it, and it is laid into its caller.
+
+    Without the way in from Python it compiles faster; laid in, its arrays' shapes and strides are not handed over anew
+    for each line.
+    """
+    return _kept(function, _nrt=False, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def _kept(function: F, **options: Any) -> F:
     """Compile a kernel whose machine code is kept on disk."""
-    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fastmath)(function)
+    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     file = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, SOURCES)
@@ -95,6 +129,37 @@ def _compiled_for_user(function: F) -> F:
     if getattr(sys.modules[function.__module__], "__file__", None) is None:  # typed into a shell
         return cast(F, _identified(alone(function)))
     return kernel(function)
+
+
+def cut(block: Array, start: int, shape: tuple[int, ...]) -> Array:
+    """View a part of an array in one piece, from a place on, as an array of that shape.
+
+    In compiled code that costs neither a call nor a check, as `reshape` does: the part must lie in the block.
+    """
+    return block.reshape(-1)[start : start + math.prod(shape)].reshape(shape)
+
+
+@type_callable(cut)
+def _type_of_cut(_: Any) -> Any:
+    def found(block: Any, start: Any, shape: Any) -> Any:  # noqa: ARG001
+        return types.Array(block.dtype, len(shape), "C") if block.layout == "C" else None
+
+    return found
+
+
+def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    source = context.make_array(signature.args[0])(context, builder, values[0])
+    made = context.make_array(signature.return_type)(context, builder)
+    sizes = _UNPACK(builder, values[2])
+    strides = [source.itemsize]
+    for size in reversed(sizes[1:]):
+        strides.insert(0, builder.mul(strides[0], size))
+    data = builder.gep(source.data, [values[1]])
+    _POPULATE(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
+    return _BORROW(context, builder, signature.return_type, made._getvalue())
+
+
+_LOWER(cut, types.Array, types.Integer, types.UniTuple)(_compiled_cut)
 
 
 def plain(function: F) -> F:

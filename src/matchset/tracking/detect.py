@@ -289,6 +289,5 @@ def channels_last(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
 
     Read-only arrays are another type to the compiler, which would start in the middle of a video.
     """
-    flags = image.flags
-    whole = image if flags.c_contiguous and flags.writeable else np.array(image, order="C")
+    whole = image if image.flags.carray else np.array(image, order="C")
     return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import borrowing, part
 from matchset.tracking.least_squares import solve, substitute, turn
 from matchset.tracking.match_set import CANDIDATES
 
@@ -22,10 +22,7 @@ Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 ROUNDS = 8  # at most; five are typical
-CUT, INNER_CUT = (
-    4.0,
-    3.0,
-)  # the biweight is 0 beyond so many standard deviations outside and inside the outline
+CUT, INNER_CUT = 4.0, 3.0  # the biweight is 0 beyond so many standard deviations outside and inside the outline
 WEAK_WEIGHT = 0.2  # strength, in typical ones, at which an edge point has half its full weight
 CHOICE = 2.0  # how much, in squared deviations, an e times stronger edge point of the same line is preferred
 MODE = 0.01  # standard deviation of a mode, in half-widths
@@ -35,79 +32,108 @@ STIFF = 1e6  # weight that keeps a mode still
 COARSE = 2.0  # in floors: from this noise on the fit is coarse
 INFINITE = np.int32(0x7F800000)  # bits of an infinite float
 J0, W0 = np.uintp(0), np.uintp(CANDIDATES)
+ROWS = 4 + 2 * CANDIDATES  # numbers that a fit writes down for each line, beside how the outline moves there
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
 
-@kernel
+@borrowing
 def _median(values: Singles, wanted: int) -> float:
     """Return the value that stands at place `wanted` of values >= 0 in order, found bit by bit without a branch."""
     bits = values.view(np.int32)  # floats >= 0 are in the order of their bits
-    low, high = np.int32(0), INFINITE
-    while low < high:
+    low, high, under, most = np.int32(0), INFINITE, 0, bits.shape[0]
+    while low < high and most - under > 1:  # until one value is left between them, or one and the same
         middle = low + (high - low) // np.int32(2)
         below = 0
         for i in range(bits.shape[0]):
             below += bits[i] <= middle
         if below > wanted:
-            high = middle
+            high, most = middle, below
         else:
-            low = middle + np.int32(1)
+            low, under = middle + np.int32(1), below
     for i in range(bits.shape[0]):
-        if bits[i] == low:
+        if low <= bits[i] <= high:
             return float(values[i])
     return math.inf
 
 
-@kernel
+@part
 def _hold(
     held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, speed: float, noise: float
 ) -> None:
-    """Write the priors: inverse variance in units of the noise's variance, and the step to their mean."""
+    """Write the priors, three numbers each: inverse variance in units of the noise's, step to their mean, nothing."""
     s, free, noise = state.shape[0], spread.shape[0], max(noise, CONFUSED)
     for k in range(s):
-        held[k, 0] = held[k, 1] = 0.0
+        weight = mean = 0.0
         if k < free:
             if spread[0] > 0.0:
-                held[k, 0], held[k, 1] = (noise / spread[k]) ** 2, expected[k] - state[k]
+                weight, mean = (noise / spread[k]) ** 2, expected[k] - state[k]
         else:
             zero, last = (noise / (MODE * size)) ** 2, 0.0
             if spread[0] > 0.0:
                 last = (noise / (MODE_DRIFT * size)) ** 2
-            held[k, 0], held[k, 1] = zero + last, last * expected[k] / (zero + last) - state[k]
+            weight, mean = zero + last, last * expected[k] / (zero + last) - state[k]
+        held[3 * k], held[3 * k + 1], held[3 * k + 2] = weight, mean, 0.0
     for k in range(s, s + 2):
-        held[k, 0], held[k, 1] = 1.0 / (0.1 + 0.5 * speed) ** 2, 0.0
+        held[3 * k], held[3 * k + 1], held[3 * k + 2] = 1.0 / (0.1 + 0.5 * speed) ** 2, 0.0, 0.0
 
 
-@kernel
-def _weigh(outline: Floats, edges: Floats, choice: Floats, step: Floats, sigma: float, found: Floats, p: int) -> float:
-    """Choose an edge point on every line and weigh it at the present step; returns the sum of weights."""
-    total = 0.0
+@part
+def _predict(turned: Floats, step: Floats, predicted: Floats, p: int) -> None:
+    """How far the step moves the outline on every line."""
+    n = predicted.shape[0]
+    for i in range(n):
+        predicted[i] = 0.0
+    for k in range(p):
+        row, along = turned[k * n : (k + 1) * n], step[k]
+        for i in range(n):
+            predicted[i] += row[i] * along
+
+
+@part
+def _weigh(
+    edges: Floats,
+    choice: Floats,
+    predicted: Floats,
+    sigma: float,
+    found: Floats,
+    weights: Floats,
+    places: Floats,
+    order: Singles,
+) -> tuple[float, int]:
+    """Choose an edge point on every line and weigh it; returns the sum of weights, and on how many lines there is one.
+
+    Its weight, offset and absolute residual are written in rows too.
+    """
+    total, count, n = 0.0, 0, edges.shape[0]
     unit, outer, inner = 1.0 / (sigma * sigma), 1.0 / (CUT * sigma), 1.0 / (INNER_CUT * sigma)
-    for line in range(outline.shape[0]):
-        i = np.uintp(line)  # unsigned indices spare Numba's check for negative ones
-        predicted = 0.0
-        for k in range(p):
-            predicted += outline[i, np.uintp(k + 4)] * step[np.uintp(k)]
-        e, best, weight = edges[i, J0, 0] - predicted, 0.0, choice[i, W0]
-        cost = e * e * unit + choice[i, J0]
+    for line in range(n):
+        i, own = np.uintp(line), np.uintp(2 * CANDIDATES * line)  # unsigned: that spares a check for negative ones
+        place, best, weight, at = edges[i, J0, 0], 0.0, choice[own + W0], predicted[i]
+        e = place - at
+        cost = e * e * unit + choice[own]
         for j in range(1, CANDIDATES):  # no branches here: which edge point is nearest cannot be foreseen
-            other = edges[i, np.uintp(j), 0] - predicted
-            price = other * other * unit + choice[i, np.uintp(j)]
+            offset = edges[i, np.uintp(j), 0]
+            other = offset - at
+            price = other * other * unit + choice[own + np.uintp(j)]
             nearer = price < cost
             e = other if nearer else e
+            place = offset if nearer else place
             best = float(j) if nearer else best
-            weight = choice[i, np.uintp(j + CANDIDATES)] if nearer else weight
+            weight = choice[own + np.uintp(j + CANDIDATES)] if nearer else weight
             cost = price if nearer else cost
         z = e * (outer if e > 0.0 else inner)
         near = 1.0 - z * z
         near = near if near > 0.0 else 0.0
         weight *= near * near
-        found[i, 0], found[i, 1], found[i, 2] = e if cost < math.inf else math.inf, weight, best
+        e = e if cost < math.inf else math.inf
+        found[i, 0], found[i, 1], found[i, 2] = e, weight, best
+        weights[i], places[i], order[i] = weight, place, abs(e)
+        count += e < math.inf
         total += weight
-    return total
+    return total, count
 
 
-@kernel
+@part
 def _prepare(edges: Floats, choice: Floats) -> int:
     """Write how much less likely the weaker edge points of a line are, and full weights; returns lines with any."""
     typical, count = 0.0, 0
@@ -119,26 +145,16 @@ def _prepare(edges: Floats, choice: Floats) -> int:
     for i in range(edges.shape[0]):
         strongest = edges[i, 0, 1]
         for j in range(CANDIDATES):
-            q = edges[i, j, 1]
+            q, own = edges[i, j, 1], 2 * CANDIDATES * i + j
             if q > 0.0:
-                choice[i, j] = CHOICE * math.log(strongest / q) if j > 0 else 0.0
-                choice[i, j + CANDIDATES] = q / (q + typical)
+                choice[own] = CHOICE * math.log(strongest / q) if j > 0 else 0.0
+                choice[own + CANDIDATES] = q / (q + typical)
             else:
-                choice[i, j], choice[i, j + CANDIDATES] = math.inf, 0.0
+                choice[own], choice[own + CANDIDATES] = math.inf, 0.0
     return count
 
 
-@kernel
-def _scale(found: Floats, order: Singles) -> float:
-    """Noise of the edge points from the median of their absolute residuals, which outliers hardly move."""
-    count = 0
-    for i in range(found.shape[0]):
-        order[i] = abs(found[i, 0])
-        count += found[i, 0] < math.inf
-    return 1.4826 * _median(order, count // 2) if count else 0.0
-
-
-@kernel
+@part
 def _join_fields(outline: Floats, edges: Floats, found: Floats, step: Floats, s: int) -> None:
     """Take the distance between the fields out of the edge points that were taken."""
     for i in range(outline.shape[0]):
@@ -146,7 +162,13 @@ def _join_fields(outline: Floats, edges: Floats, found: Floats, step: Floats, s:
             edges[i, int(found[i, 2]), 0] -= outline[i, s + 4] * step[s] + outline[i, s + 5] * step[s + 1]
 
 
-@kernel
+def scratch_size(n: int, s: int) -> int:
+    """How many numbers of working memory the fit of a state of s numbers to n lines needs."""
+    p = s + 2
+    return (ROWS + p) * n + p * (p + 5)
+
+
+@borrowing
 def fit_lines(
     outline: Floats,
     edges: Floats,
@@ -161,6 +183,7 @@ def fit_lines(
     covariance: Floats,
     found: Floats,
     fields: Floats,
+    scratch: Floats,
 ) -> tuple[float, float]:
     """Fit the step of the state that explains the edge points best, and take it.
 
@@ -189,6 +212,8 @@ def fit_lines(
     fields : (2,), written
         Distance between the two fields, x and y, px: where to begin, and what was found. At 16 px per frame the fields
         lie 8 px apart; begun at 0 the fit would take one of them for the whole and the other for outliers.
+    scratch : (scratch_size(n, s),)
+        Working memory.
 
     Returns
     -------
@@ -199,11 +224,15 @@ def fit_lines(
     """
     n, s, free = outline.shape[0], state.shape[0], spread.shape[0]
     p = s + 2 if speed > 0.5 else s
-    a, b, step = np.empty((p, p)), np.empty(p), np.zeros(p)
-    held, order, choice = np.zeros((s + 2, 3)), np.empty(n, np.float32), np.empty((n, 2 * CANDIDATES))
-    turned, sums = np.empty((p, n)), np.empty((3, n))
+    weights, places, row = scratch[:n], scratch[n : 2 * n], scratch[2 * n : 3 * n]
+    order, here = scratch[3 * n : 4 * n].view(np.float32)[:n], ROWS * n
+    choice, turned, here = scratch[4 * n : here], scratch[here : here + n * p], here + n * p
+    a, b, step = scratch[here : here + p * p], scratch[here + p * p :], scratch[here + p * p + p :]
+    held = scratch[here + p * p + 2 * p :]
     if _prepare(edges, choice) < p:
         return 0.0, 0.0
+    for k in range(p):
+        step[k] = 0.0
     if p > s:
         step[s], step[s + 1] = fields[0], fields[1]
     turn(outline, turned, p)
@@ -211,13 +240,14 @@ def fit_lines(
     sigma, scale, total, final = start, start, 0.0, 0
     coarse = start > COARSE * floor  # while far off the modes keep still
     for _ in range(ROUNDS):
-        total = _weigh(outline, edges, choice, step, sigma, found, p)
+        _predict(turned, step, row, p)
+        total, count = _weigh(edges, choice, row, sigma, found, weights, places, order)
         for k in range(free, s):
-            held[k, 2] = STIFF if coarse else 0.0
+            held[3 * k + 2] = STIFF if coarse else 0.0
         x, y, z = step[0], step[1], step[2]
-        if total < 2.0 or not solve(turned, edges, found, held, sums, a, b, step, p):
+        if total < 2.0 or not solve(turned, weights, places, row, held, a, b, step, p):
             return 0.0, 0.0
-        scale = _scale(found, order)
+        scale = 1.4826 * _median(order, count // 2) if count else 0.0  # outliers hardly move it
         tight = max(floor, min(scale, sigma))
         settled = sigma <= 1.2 * tight
         if settled and not coarse:
@@ -230,8 +260,8 @@ def fit_lines(
         return 0.0, 0.0
     noise = max(scale * math.sqrt(total / max(total - p, 1.0)), 0.05)
     for j in range(free):
-        b[:] = 0.0
-        b[j] = noise * noise
+        for k in range(p):
+            b[k] = noise * noise if k == j else 0.0
         substitute(a, b, covariance[j], p)
     fields[0] = fields[1] = 0.0
     if p > s:

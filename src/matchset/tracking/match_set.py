@@ -16,12 +16,13 @@ is the fit's question. The lines are read first and judged then, because memory 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import borrowing, cut, part
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
+Counts = npt.NDArray[np.int32]
 Index = np.uintp | int
 
 CANDIDATES = 3  # edge points kept per line, strongest first
@@ -30,14 +31,17 @@ WEAK = np.float32(0.4)  # strength that an edge point without a step in color ha
 FIRM = np.float32(0.35)  # share of a full step in color from which the contrast need not stand out of the noise
 SHIFT = 1 << 24  # makes places positive, so that cutting off the fraction is rounding down
 ROUND = SHIFT + 0.5
-ZERO, ONE, TWO = np.uintp(0), np.uintp(1), np.uintp(2)
+ZERO, ONE, TWO, THREE = np.uintp(0), np.uintp(1), np.uintp(2), np.uintp(3)
 WIDTH = LONGEST + 1  # numbers kept of each kind along a line
 W1, W2, W3 = np.uintp(WIDTH), np.uintp(2 * WIDTH), np.uintp(3 * WIDTH)
-SUMS = 7 * WIDTH
+SUMS = 6 * WIDTH
+# A jump back is a large unsigned number and comes round; and what goes round is not read by vectors, which costs twice
+# as much where a line has a dozen pixels.
+ROUND_ABOUT = np.uintp((1 << 48) - 1)
 B3, B5, B10 = np.uint32(3), np.uint32(5), np.uint32(10)
 
 
-@kernel
+@part
 def _place(
     outline: Floats,
     i: Index,
@@ -72,46 +76,51 @@ def _place(
     starts[i, 0], starts[i, 1] = step * (first - start) * slant, slant
 
 
-@kernel
-def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: Bytes) -> None:
-    """Copy the pixels of line i, inside first."""
+@part
+def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: Bytes, at: int) -> int:
+    """Copy the pixels of line i, inside first, to a place of `pixels`; returns the place behind them."""
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
     start = (fixed * width + position if across else position * width + fixed) * channels
     stride = (step if across else step * width) * channels
+    k, there, jump = np.uintp(at), np.uintp(start), np.uintp(stride)
     if channels == 3:
-        for place in range(runs[i, 4]):
-            k, at = np.uintp(place), np.uintp(start + place * stride)
-            pixels[i, k, 0] = flat[at]
-            pixels[i, k, 1] = flat[at + ONE]
-            pixels[i, k, 2] = flat[at + TWO]
+        for _ in range(runs[i, 4]):
+            pixels[k] = flat[there]
+            pixels[k + ONE] = flat[there + ONE]
+            pixels[k + TWO] = flat[there + TWO]
+            k, there = k + THREE, (there + jump) & ROUND_ABOUT
     else:
-        for place in range(runs[i, 4]):
-            pixels[i, np.uintp(place), 0] = flat[np.uintp(start + place * stride)]
+        for _ in range(runs[i, 4]):
+            pixels[k] = flat[there]
+            k, there = k + ONE, (there + jump) & ROUND_ABOUT
+    return int(at + channels * runs[i, 4])
 
 
-@kernel
-def _sum(pixels: Bytes, i: Index, length: int, table: npt.NDArray[np.int8], sums: Singles) -> None:
-    """Take running sums of scores and values along line i: those at k cover the pixels before k."""
+@part
+def _sum(pixels: Bytes, at: int, length: int, table: npt.NDArray[np.int8], sums: Counts) -> None:
+    """Take running sums of scores and values along a line: those at k cover the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
+    k = np.uintp(at)
     if table.size > 256:
         for place in range(length):
-            k, after = np.uintp(place), np.uintp(place + 1)
-            b, g, r = np.uint32(pixels[i, k, 0]), np.uint32(pixels[i, k, 1]), np.uint32(pixels[i, k, 2])
+            after = np.uintp(place + 1)
+            b, g, r = np.uint32(pixels[k]), np.uint32(pixels[k + ONE]), np.uint32(pixels[k + TWO])
             ts += np.int32(table[np.uintp((b >> B3) << B10 | (g >> B3) << B5 | r >> B3)])
             t0 += np.int32(b)
             t1 += np.int32(g)
             t2 += np.int32(r)
+            k += THREE
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
     else:
         for place in range(length):
-            k, after = np.uintp(place), np.uintp(place + 1)
-            ts += np.int32(table[np.uintp(pixels[i, k, 0])])
-            t0 += np.int32(pixels[i, k, 0])
+            value, after = pixels[k + np.uintp(place)], np.uintp(place + 1)
+            ts += np.int32(table[np.uintp(value)])
+            t0 += np.int32(value)
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
 
 
-@kernel
-def _judge(s: Singles, length: int, margin: int, threshold: float, enough: float, plain: float, asked: Singles) -> None:
+@part
+def _judge(s: Counts, length: int, margin: int, threshold: float, enough: float, plain: float, asked: Singles) -> None:
     """At every pixel the squared contrast, and the whiteness of Eq. 1: 0 where there is no edge point."""
     m, w = np.uintp(margin), np.uintp(2 * margin + 1)
     asked[m - ONE] = asked[np.uintp(length - margin)] = np.float32(0.0)
@@ -120,48 +129,43 @@ def _judge(s: Singles, length: int, margin: int, threshold: float, enough: float
     for index in range(length - 2 * margin):
         a = np.uintp(index)
         k, b, d = a + m, a + m + ONE, a + w
-        difference = s[k] - s[a] - s[d] + s[b]
-        d0 = s[k + W1] - s[a + W1] - s[d + W1] + s[b + W1]
-        d1 = s[k + W2] - s[a + W2] - s[d + W2] + s[b + W2]
-        d2 = s[k + W3] - s[a + W3] - s[d + W3] + s[b + W3]
-        contrast = d0 * d0 + d1 * d1 + d2 * d2
+        difference = np.float32(np.int32(s[k] - s[a] - s[d] + s[b]))
+        d0 = np.int32(s[k + W1] - s[a + W1] - s[d + W1] + s[b + W1])
+        d1 = np.int32(s[k + W2] - s[a + W2] - s[d + W2] + s[b + W2])
+        d2 = np.int32(s[k + W3] - s[a + W3] - s[d + W3] + s[b + W3])
+        contrast = np.float32(np.int32(d0 * d0 + d1 * d1 + d2 * d2))  # below 2^24: exact
         asked[k] = contrast
         is_edge = ((difference > firm) | (contrast > least)) & (difference > nabla)
         white = difference if difference > weak else weak
         asked[k + W1] = (white if white < full else full) * np.float32(is_edge)
 
 
-@kernel
-def _mark_peaks(length: int, margin: int, asked: Singles) -> None:
-    """Strength of every pixel: contrast times whiteness at the peaks of the contrast, elsewhere 0."""
-    for place in range(margin, length - margin):
-        k = np.uintp(place)
-        c = asked[k]
-        is_peak = (c >= asked[k - ONE]) & (c > asked[k + ONE])
-        asked[k + W2] = c * asked[k + W1] * np.float32(is_peak)
-
-
-@kernel
-def _keep(i: Index, j: Index, k: Index, asked: Singles, start: Floats, enough: float, edges: Floats) -> None:
+@part
+def _keep(
+    i: Index, j: Index, k: Index, strength: np.float32, asked: Singles, start: Floats, enough: float, edges: Floats
+) -> None:
     """Write the peak at pixel k as edge point j of line i, to a fraction of a pixel."""
     before, c, after = asked[k - ONE], asked[k], asked[k + ONE]
     peak = float(k)
     if before > 0.0 and after > 0.0:
         peak += 0.5 * (after - before) / (2.0 * c - before - after)
-    edges[i, j, 0], edges[i, j, 1] = start[i, 0] + peak * start[i, 1], asked[k + W2]
+    edges[i, j, 0], edges[i, j, 1] = start[i, 0] + peak * start[i, 1], strength
     edges[i, j, 2] = asked[k + W1] / enough
 
 
-@kernel
+@part
 def _keep_best(
     length: int, margin: int, i: Index, starts: Floats, enough: float, asked: Singles, edges: Floats
 ) -> None:
-    """Keep the strongest peaks of line i."""
+    """Keep the strongest peaks of line i: at a peak of the contrast its strength is contrast times whiteness."""
     q0 = q1 = q2 = np.float32(0.0)
     k0 = k1 = k2 = ZERO
+    before, c = asked[np.uintp(margin - 1)], asked[np.uintp(margin)]
     for place in range(margin, length - margin):
         k = np.uintp(place)
-        q = asked[k + W2]
+        after = asked[k + ONE]
+        q = c * asked[k + W1] * np.float32((c >= before) & (c > after))
+        before, c = c, after
         if q > q2:
             if q > q0:
                 q0, q1, q2, k0, k1, k2 = q, q0, q1, k, k0, k1
@@ -171,14 +175,14 @@ def _keep_best(
                 q2, k2 = q, k
     edges[i, ZERO, 1] = edges[i, ONE, 1] = edges[i, TWO, 1] = 0.0
     if q0 > 0.0:
-        _keep(i, ZERO, k0, asked, starts, enough, edges)
+        _keep(i, ZERO, k0, q0, asked, starts, enough, edges)
     if q1 > 0.0:
-        _keep(i, ONE, k1, asked, starts, enough, edges)
+        _keep(i, ONE, k1, q1, asked, starts, enough, edges)
     if q2 > 0.0:
-        _keep(i, TWO, k2, asked, starts, enough, edges)
+        _keep(i, TWO, k2, q2, asked, starts, enough, edges)
 
 
-@kernel
+@borrowing
 def match_lines(
     image: Bytes,
     table: npt.NDArray[np.int8],
@@ -215,7 +219,7 @@ def match_lines(
     plain : float
         Squared contrast that noise alone can have: an edge point without a firm step in color must stand out of it.
     edges, runs, starts, pixels, sums
-        Working arrays, see `Views` and `Memory`.
+        Working arrays, see `Views`.
 
     Returns
     -------
@@ -223,27 +227,28 @@ def match_lines(
         Standard deviation of the noise of the pixels inside the shape, gray levels.
     """
     half_way = 4 * WIDTH
-    running, asked = sums[:half_way], sums[half_way:]
+    running, asked = sums[:half_way].view(np.int32), sums[half_way:]
     height, width, channels = image.shape
-    flat, fields = image.reshape(-1), outline.shape[1] - 2
+    flat, fields, at = cut(image, 0, (image.size,)), outline.shape[1] - 2, 0
     for index in range(outline.shape[0]):
         i = np.uintp(index)  # unsigned indices spare Numba's check for negative ones
         _place(outline, i, reach, margin, height, width, runs, starts)
-        _read(flat, width, channels, runs, i, pixels)
-    rough, count, c = 0.0, 0, min(1, channels - 1)
+        at = _read(flat, width, channels, runs, i, pixels, at)
+    rough, count, at, c = 0.0, 0, 0, min(1, channels - 1)
     for index in range(outline.shape[0]):
         i = np.uintp(index)
         length = runs[i, 4]
         if length > 2:
-            rough += abs(float(pixels[i, 0, c]) - 2.0 * float(pixels[i, 1, c]) + float(pixels[i, 2, c]))
+            a, b, d = np.uintp(at + c), np.uintp(at + c + channels), np.uintp(at + c + 2 * channels)
+            rough += abs(float(pixels[a]) - 2.0 * float(pixels[b]) + float(pixels[d]))
             count += 1
         half = 0.5 - (runs[i, 1] & 1) if runs[i, 0] else 0.0
         outline[i, fields], outline[i, fields + 1] = half * outline[i, 2], half * outline[i, 3]
         if length == 0:
             edges[i, ZERO, 1] = edges[i, ONE, 1] = edges[i, TWO, 1] = 0.0
             continue
-        _sum(pixels, i, length, table, running)
+        _sum(pixels, at, length, table, running)
+        at += channels * length
         _judge(running, length, margin, threshold, enough, plain, asked)
-        _mark_peaks(length, margin, asked)
         _keep_best(length, margin, i, starts, enough, asked, edges)
     return rough / (1.95 * max(count, 1))  # E|a - 2b + c| of unit noise

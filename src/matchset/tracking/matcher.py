@@ -14,17 +14,20 @@ from matchset.shapes.shape import Shape, corners, nearest, places, slopes, stead
 from matchset.tracking import memory, motion
 from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
-from matchset.tracking.step import FOLLOW, FREE, HELD, TAKE_IN, TELL, make_step
+from matchset.tracking.step import FOLLOW, FREE, HELD, LEARN, NEVER, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
 from matchset.tracking.verdict import DOUBT, MOST_CORNERS, MOST_HOLLOW, SIDE_DOUBT, SURE, JudgeParameters, is_doubtful
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 Image = npt.NDArray[np.uint8]
 S = TypeVar("S", bound=Shape)
 
 INNER = 0.88  # how far out the inside is looked at, in half-widths: beyond it blur mixes with the background
 FIRST_GRAIN = 2.0  # noise that is assumed before the first look, gray levels
-NOTHING, NO_COLOR = np.zeros((1, 1, 3), np.uint8), np.zeros(256, np.int8)
+NOTHING = np.zeros((1, 1, 3), np.uint8)
+NO_COLOR = np.zeros(256, np.int8), np.zeros(256, np.float32), np.zeros(256, np.float32)
+NO_ANSWER = np.zeros((0, 2)), np.zeros((0, 0))
 LEAST_FREE, MOST_FREE = 5, 8  # numbers of a state with which a side can move alone, and nothing else is free
 PLAIN_DOUBT = 0.85  # agreement below which a fit is looked at again where no color tells the target
 GOLDEN = 0.6180339887  # spreads the places inside evenly
@@ -136,8 +139,8 @@ class Matcher(Generic[S]):
         self.family, self.points = family, points
         shape = family.from_coarse(0.0, 0.0, 1.0)
         where = places(family, points)
-        self._memory = memory.Memory(points, len(shape.state), len(family.parameters), where.shape[1])
-        self.parts = parts = self._memory.parts
+        held = memory.Memory(points, len(shape.state), len(family.parameters), where.shape[1])
+        self.parts, self._block = parts, _ = held.parts, held.block
         self._step = make_step(compiled(family.trace), compiled(family.half_width))
         parts.rays[:] = np.column_stack((where, INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)))
         self.state = parts.state
@@ -157,9 +160,7 @@ class Matcher(Generic[S]):
         self.knows_color = True
         self._translates = slopes(shape) is not None
         self.last: S | None = None
-        arrays = self._memory
-        self._own = arrays.block, *arrays.tables
-        self._work = arrays.runs, arrays.pixels, arrays.sums, *self._own
+        self._points_shape, self._wide_shape = (points, 2), (len(family.parameters),) * 2
         self.forget()
 
     def settle(self, image: Image, color: ColorModel, start: Floats, look: Look) -> bool:
@@ -181,21 +182,38 @@ class Matcher(Generic[S]):
         self.state[:] = start
         reach, speed, sigma, free, least = look
         self.parts.look[:] = reach, speed, sigma or max(reach / 3.0, 1.0), least
-        verdict, _ = self._step(image, color.table, *self._work, FREE if free else HELD, 0.0, 1.0)
+        colors = color.table, color.log_odds, color.log_odds
+        verdict, _, _ = self._step(image, *colors, *NO_ANSWER, self._block, FREE if free else HELD, 0.0, 1.0, NEVER)
         return verdict == SURE
 
-    def advance(self, image: Image, color: ColorModel, time: float, passed: float) -> Track[S] | int:
-        """Follow the shape into a frame, at a time, s, `passed` seconds after the frame before.
+    def advance(
+        self, image: Image, color: ColorModel, first: Singles, time: float, passed: float, turn: int = NEVER
+    ) -> Track[S] | int:
+        """Follow the shape into a frame, and learn the color from it.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        first : ndarray of shape (32768,) or (256,), float32
+            Its log-odds as they were at first.
+        time, passed : float
+            Of the frame, s, and since the frame before.
+        turn : int
+            Which quarter of the outline's surroundings teaches the color, if it is whole and well confirmed; `NEVER`.
 
         Returns
         -------
         Track or int
             Where all is well the answer, taken in; otherwise the `verdict` on this first look.
         """
-        verdict, (support, points, covariance) = self._step(image, color.table, *self._work, FOLLOW, time, passed)
-        if verdict != SURE:
+        points, wide = np.empty(self._points_shape), np.empty(self._wide_shape)
+        verdict, support, count = self._step(
+            image, color.table, color.log_odds, first, points, wide, self._block, FOLLOW, time, passed, turn
+        )
+        if verdict:
             return verdict
-        return self._answer(support, points, covariance, time)
+        return self._answer(support, points, count, wide, time)
 
     def predict(self, time: float, missed: float) -> Floats:
         """Extrapolate the motion to a time, s, `missed` frames after the last sighting; the state, (s,), expected."""
@@ -216,16 +234,21 @@ class Matcher(Generic[S]):
 
     def _tell(self, way: int, time: float) -> Track[S]:
         """Answer with what was fitted, taken in or not."""
-        _, (support, points, covariance) = self._step(NOTHING, NO_COLOR, *self._work, way, time, 1.0)
-        return self._answer(support, points, covariance, time)
+        points, wide = np.empty(self._points_shape), np.empty(self._wide_shape)
+        _, support, count = self._step(NOTHING, *NO_COLOR, points, wide, self._block, way, time, 1.0, NEVER)
+        return self._answer(support, points, count, wide, time)
 
-    def _answer(self, support: float, points: Floats, covariance: Floats, time: float) -> Track[S]:
+    def _answer(self, support: float, points: Floats, count: int, wide: Floats, time: float) -> Track[S]:
         """Describe the state by the family's parameters, as the last one was described."""
         self.last = shape = self.family.from_state(self.state, self.last)
-        by = slopes(shape) if self._translates else None
-        if by is not None:
-            covariance = by @ covariance @ by.T
-        return Track(shape, covariance, support, points, time)
+        if self._translates and (by := slopes(shape)) is not None:
+            wide = by @ wide @ by.T
+        return Track(shape, wide, support, points if count == self.points else points[:count], time)
+
+    def learn(self, image: Image, color: ColorModel, first: Singles, turn: int) -> None:
+        """Learn the color from what was fitted, see `advance`."""
+        if turn != NEVER:
+            self._step(image, color.table, color.log_odds, first, *NO_ANSWER, self._block, LEARN, 0.0, 1.0, turn)
 
     def describe_like(self, shape: S) -> None:
         """Describe the next answer as this shape is: a square has four angles."""

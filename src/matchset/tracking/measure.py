@@ -33,9 +33,6 @@ def measure(
     image: npt.NDArray[np.uint8],
     table: npt.NDArray[np.int8],
     parts: Views,
-    runs: npt.NDArray[np.int64],
-    pixels: npt.NDArray[np.uint8],
-    sums: npt.NDArray[np.float32],
     spread: Floats,
     size: float,
     reach: float,
@@ -47,7 +44,7 @@ def measure(
 
     Parameters
     ----------
-    image, table, runs, pixels, sums
+    image, table
         See `match_lines`.
     parts : Views
         Outline and state are read; edge points, state, covariance and what is known of the fit are written.
@@ -69,10 +66,10 @@ def measure(
     margin = max(min(int(0.25 * size), most, int(limits[0])), 1)
     full = 254.0 * margin  # whiteness of a step from surely background to surely target
     plain = 6.0 * margin * (limits[3] * max(grain, 1.0)) ** 2
-    outline, edges, found, state = parts.outline, parts.edges, parts.found, parts.state
-    enough = limits[2] * full
+    outline, edges, found, state, runs = parts.outline, parts.edges, parts.found, parts.state, parts.runs
+    enough, starts, pixels, sums = limits[2] * full, parts.starts, parts.pixels, parts.sums
     now = match_lines(
-        image, table, outline, reach, margin, limits[1] * full, enough, plain, edges, runs, parts.starts, pixels, sums
+        image, table, outline, reach, margin, limits[1] * full, enough, plain, edges, runs, starts, pixels, sums
     )
     fit[GRAIN] = GRAIN_MEMORY * grain + (1.0 - GRAIN_MEMORY) * now
     between = fit[FIELDS : FIELDS + 2]
@@ -90,6 +87,7 @@ def measure(
         parts.covariance,
         found,
         between,
+        parts.scratch,
     )
     tolerance = min(max(limits[5] * size, 1.2), 3.0)
     fit[SEEN], fit[CONFIRMED], fit[AGREEMENT], fit[EVIDENCE], fit[WAVE], fit[CORNERS] = review_lines(

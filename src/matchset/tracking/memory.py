@@ -1,7 +1,7 @@
 """The working memory of a tracker: what its compiled steps and Python look into.
 
-A compiled call costs by the array it is handed, and most when the caches are cold. So all short vectors lie in one
-block, and `views` cuts it into the same named arrays here and there.
+A compiled call costs by the array it is handed, and most when the caches are cold. So all lies in one block, and
+`views` cuts it into the same named arrays here and there.
 """
 
 from typing import NamedTuple
@@ -9,12 +9,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined, plain
+from matchset.shapes.jit import cut, inlined, plain
+from matchset.tracking.fit import scratch_size
 from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 
 Floats = npt.NDArray[np.float64]
 
-FITS, CLOCKS, LOOKS, LIMITS = 16, 6, 4, 32  # numbers of a fit, the motion, a look, and each kind of parameters
+HEAD, FITS, CLOCKS, LOOKS, LIMITS = (
+    4,
+    16,
+    6,
+    4,
+    32,
+)  # numbers of the sizes, a fit, the motion, a look, and each kind of parameters
 
 # places in `Views.fit`: what the last look at the shape found
 NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE, HOLLOW, SIZE, BENT = range(13)
@@ -62,6 +69,13 @@ class Views(NamedTuple):
         See the names of their places above.
     match, judge, track : (LIMITS,)
         `MatchParameters`, `JudgeParameters` and `TrackerParameters`, in the order of their fields.
+    runs : (n, 5) int64
+        Where each line runs: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels; the
+        last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.
+    sums, pixels : (SUMS,) float32, (n * LONGEST * 3,) uint8
+        What `match_lines` adds up and reads, one line's pixels behind the other's.
+    scratch : (scratch_size(n, s),)
+        Working memory of a fit.
     """
 
     outline: Floats
@@ -84,31 +98,42 @@ class Views(NamedTuple):
     match: Floats
     judge: Floats
     track: Floats
+    runs: npt.NDArray[np.int64]
+    sums: npt.NDArray[np.float32]
+    pixels: npt.NDArray[np.uint8]
+    scratch: Floats
 
 
 @inlined
-def views(
-    block: Floats, outline: Floats, edges: Floats, starts: Floats, found: Floats, rays: Floats, covariance: Floats
-) -> Views:
-    """Cut a block into its parts, and join them with the tables of the lines."""
-    p = covariance.shape[0]
-    s = outline.shape[1] - 6
-    a, b = 5 * s, 5 * s + 3 * p
+def views(block: Floats) -> Views:
+    """Cut a block into its parts."""
+    n, s, p, width = int(block[0]), int(block[1]), int(block[2]), int(block[3])
+    a = HEAD + 5 * s
+    b = a + 3 * p
     c = b + FITS
     e = c + CLOCKS
     d = e + LOOKS
+    tables = d + 3 * LIMITS
+    edges = tables + n * (s + 6)
+    starts = edges + n * CANDIDATES * 3
+    rays = starts + n * 5
+    covariance = rays + n * width
+    runs = covariance + p * (s + 2)
+    sums = runs + n * 5
+    pixels = sums + SUMS // 2
+    scratch = pixels + n * LONGEST * 3 // 8
     return Views(
-        outline,
-        edges,
-        starts,
-        found,
-        rays,
-        covariance,
-        block[:s],
-        block[s : 2 * s],
-        block[2 * s : 3 * s],
-        block[3 * s : 4 * s],
-        block[4 * s : a],
+        cut(block, tables, (n, s + 6)),
+        cut(block, edges, (n, CANDIDATES, 3)),
+        cut(block, starts, (n, 2)),
+        cut(block, starts + 2 * n, (n, 3)),
+        cut(block, rays, (n, width)),
+        cut(block, covariance, (p, s + 2)),
+        block[HEAD : HEAD + s],
+        block[HEAD + s : HEAD + 2 * s],
+        block[HEAD + 2 * s : HEAD + 3 * s],
+        block[HEAD + 3 * s : HEAD + 4 * s],
+        block[HEAD + 4 * s : a],
         block[a : a + p],
         block[a + p : a + 2 * p],
         block[a + 2 * p : b],
@@ -117,7 +142,11 @@ def views(
         block[e:d],
         block[d : d + LIMITS],
         block[d + LIMITS : d + 2 * LIMITS],
-        block[d + 2 * LIMITS : d + 3 * LIMITS],
+        block[d + 2 * LIMITS : tables],
+        cut(block[runs:sums].view(np.int64), 0, (n, 5)),
+        block[sums:pixels].view(np.float32),
+        block[pixels:scratch].view(np.uint8),
+        block[scratch:],
     )
 
 
@@ -136,29 +165,15 @@ class Memory:
     Attributes
     ----------
     block : ndarray, float64
-    tables : tuple of ndarrays
-        Outline, edges, starts, found, rays and covariance of `Views`.
+        All of it, and first how many lines, numbers of the state, parameters and numbers of a line's place there are.
     parts : Views
-        Of both.
-    runs : ndarray of shape (n, 5), int64
-        Where each line runs: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels; the
-        last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.
-    pixels : ndarray of shape (n, LONGEST, 3), uint8
-    sums : ndarray of shape (SUMS,), float32
-        What `match_lines` reads and adds up.
+        What lies where.
     """
 
     def __init__(self, n: int, states: int, count: int, width: int = 2) -> None:
-        self.block = np.zeros(5 * states + 3 * count + FITS + CLOCKS + LOOKS + 3 * LIMITS)
-        self.tables = (
-            np.zeros((n, states + 6)),
-            np.zeros((n, CANDIDATES, 3)),
-            np.zeros((n, 2)),
-            np.zeros((n, 3)),
-            np.zeros((n, width + 1)),
-            np.zeros((count, states + 2)),
-        )
-        self.parts = plain(views)(self.block, *self.tables)
-        self.runs = np.zeros((n, 5), np.int64)
-        self.pixels = np.zeros((n, LONGEST, 3), np.uint8)
-        self.sums = np.zeros(SUMS, np.float32)
+        named = HEAD + 5 * states + 3 * count + FITS + CLOCKS + LOOKS + 3 * LIMITS
+        tables = n * (states + 6 + CANDIDATES * 3 + 5 + width + 1 + 5) + count * (states + 2)
+        pixels = n * LONGEST * 3 // 8
+        self.block = np.zeros(named + tables + scratch_size(n, states) + SUMS // 2 + pixels)
+        self.block[:HEAD] = n, states, count, width + 1
+        self.parts = plain(views)(self.block)

@@ -9,13 +9,15 @@ import numpy.typing as npt
 from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
 from matchset.image.gray import level_across
+from matchset.shapes.jit import inlined
 from matchset.shapes.shape import Shape, outline
-from matchset.tracking.matcher import Matcher
-from matchset.tracking.memory import CONFIRMED, INSIDE, SEEN
-from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.memory import CONFIRMED, INSIDE, SEEN, Views
+from matchset.tracking.parameters import ADAPT_INSIDE, ADAPT_RATE, ADAPT_SUPPORT
 
 S = TypeVar("S", bound=Shape)
 Image = npt.NDArray[np.uint8]
+Scores = npt.NDArray[np.int8]
+Singles = npt.NDArray[np.float32]
 
 
 def suited(color: ColorModel, image: Image, shape: Shape | None) -> ColorModel:
@@ -35,33 +37,23 @@ def suited(color: ColorModel, image: Image, shape: Shape | None) -> ColorModel:
     return color.seen_in(image, None if math.isnan(level) else level)
 
 
-def learn(
-    image: Image,
-    matcher: Matcher[S],
-    color: ColorModel,
-    first: npt.NDArray[np.float32],
-    turn: int,
-    limits: TrackerParameters,
-) -> None:
-    """Learn the color from a shape that is whole and well confirmed.
+@inlined
+def teach(image: Image, table: Scores, log_odds: Singles, first: Singles, parts: Views, turn: int) -> None:
+    """Learn the color from a shape that was just fitted, if it is whole and well confirmed.
 
     Parameters
     ----------
-    image : ndarray of shape (h, w, channels), uint8
-    matcher : Matcher
-        Has just fitted the shape.
-    color : ColorModel
-        Changed.
-    first : ndarray of shape (32768,) or (256,), float32
-        Its log-odds as they were at first.
+    image : (h, w, channels) uint8
+    table, log_odds : (32768,) or (256,) int8 and float32, written
+        Those of the `ColorModel`.
+    first : the same shape, float32
+        The log-odds as they were at first.
+    parts : Views
     turn : int
-        Which quarter of the outline's surroundings teaches.
-    limits : TrackerParameters
+        Which quarter of the outline's surroundings teaches: 0 to 3.
     """
-    seen = matcher.fit(SEEN)
-    good = seen == matcher.points and matcher.fit(CONFIRMED) >= limits.adapt_support * seen
-    if not (good and limits.adapt_rate > 0.0 and matcher.fit(INSIDE) >= limits.adapt_inside) or color.gray == "edges":
-        return
-    x, y, parts = float(matcher.state[0]), float(matcher.state[1]), matcher.parts
-    shares = parts.rays[:, -1]
-    adapt_table(image, color.log_odds, first, color.table, parts.outline, shares, x, y, turn % 4, limits.adapt_rate)
+    fit, limits, shares = parts.fit, parts.track, parts.rays[:, parts.rays.shape[1] - 1]
+    whole = fit[SEEN] == parts.outline.shape[0] and fit[CONFIRMED] >= limits[ADAPT_SUPPORT] * fit[SEEN]
+    if whole and limits[ADAPT_RATE] > 0.0 and fit[INSIDE] >= limits[ADAPT_INSIDE]:
+        x, y = parts.state[0], parts.state[1]
+        adapt_table(image, log_odds, first, table, parts.outline, shares, x, y, turn, limits[ADAPT_RATE])

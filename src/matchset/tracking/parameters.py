@@ -45,3 +45,4 @@ class TrackerParameters(msgspec.Struct, frozen=True):
 # places of the parameters in `Views.track`
 _PLACES = {name: place for place, name in enumerate(TrackerParameters.__struct_fields__)}
 LEAST_REACH, MOST_REACH, TRUST = _PLACES["least_reach"], _PLACES["most_reach"], _PLACES["trust"]
+ADAPT_RATE, ADAPT_SUPPORT, ADAPT_INSIDE = (_PLACES[name] for name in ("adapt_rate", "adapt_support", "adapt_inside"))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import borrowing
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -13,7 +13,7 @@ Ints = npt.NDArray[np.int64]
 LEAST = 0.3  # px: edge points are never judged to be more exact than this
 
 
-@kernel
+@borrowing
 def review_lines(
     found: Floats, edges: Floats, runs: Ints, turns: Floats, tolerance: float
 ) -> tuple[int, int, float, float, float, float]:
@@ -76,7 +76,7 @@ def review_lines(
     return seen, confirmed, agreement / whole, evidence / whole, wave, corners
 
 
-@kernel
+@borrowing
 def conclude(
     outline: Floats,
     edges: Floats,
@@ -86,7 +86,9 @@ def conclude(
     inflation: float,
     center_floor: float,
     size_floor: float,
-) -> tuple[Floats, Floats]:
+    points: Floats,
+    wide: Floats,
+) -> int:
     """Match-set and covariance of a fit.
 
     Parameters
@@ -103,17 +105,16 @@ def conclude(
         By how much it is enlarged.
     center_floor, size_floor : float
         Least variance of the first two parameters and of the others.
+    points : (n, 2), written
+        Edge points that are no gross outliers, px (Epstein & Feldman, Eq. 4), from the first row on.
+    wide : (p, p), written
+        The covariance.
 
     Returns
     -------
-    points : (m, 2)
-        Edge points that are no gross outliers, px (Epstein & Feldman, Eq. 4).
-    covariance : (p, p)
+    int
+        How many points there are.
     """
-    count = 0
-    for i in range(found.shape[0]):
-        count += abs(found[i, 0]) < outlier
-    points = np.empty((count, 2))
     count = 0
     for i in range(found.shape[0]):
         if abs(found[i, 0]) < outlier:
@@ -124,9 +125,8 @@ def conclude(
             )
             count += 1
     p = covariance.shape[0]
-    wide = np.empty((p, p))
     for j in range(p):
         for k in range(p):
             wide[j, k] = inflation * 0.5 * (covariance[j, k] + covariance[k, j])
         wide[j, j] += center_floor if j < 2 else size_floor
-    return points, wide
+    return count

@@ -15,8 +15,6 @@ from matchset.tracking.memory import AGREEMENT, BENT, LEAST, NOISE, RATE, REACH,
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 Scores = npt.NDArray[np.int8]
-Ints = npt.NDArray[np.int64]
-Singles = npt.NDArray[np.float32]
 
 NEAR = 0.04  # px: a square move below so much of the half-width leaves the lines where they are
 SMALL, LARGE = 2.0, 1e5  # half-widths between which a shape can be fitted, px
@@ -33,7 +31,7 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Ca
     Returns
     -------
     callable
-        ``settle(image, table, parts, runs, pixels, sums, spread)``: fit near ``parts.state``, as far as
+        ``settle(image, table, parts, spread)``: fit near ``parts.state``, as far as
         ``parts.look`` says; whether there are edge points to judge. See `Matcher.settle`.
     """
 
@@ -42,9 +40,6 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Ca
         image: Bytes,
         table: Scores,
         parts: Views,
-        runs: Ints,
-        pixels: Bytes,
-        sums: Singles,
         spread: Floats,
     ) -> bool:
         fit, state, look = parts.fit, parts.state, parts.look
@@ -59,7 +54,7 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Ca
                 fit[SEEN] = 0.0
                 return False
             trace(state, parts.rays, parts.outline)
-            noise, moved = measure(image, table, parts, runs, pixels, sums, spread, size, reach, speed, noise, sigma)
+            noise, moved = measure(image, table, parts, spread, size, reach, speed, noise, sigma)
             if noise == 0.0 or fit[AGREEMENT] < least:
                 return False
             if moved * moved < NEAR * size:

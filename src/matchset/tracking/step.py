@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined, kernel
+from matchset.shapes.jit import borrowing, inlined
 from matchset.tracking import motion
 from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, START, SURPRISE, TIME, Views, views
+from matchset.tracking.palette import teach
 from matchset.tracking.parameters import LEAST_REACH, MOST_REACH, TRUST
 from matchset.tracking.settle import make_settle
 from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doubtful, is_near, missing, take_in
@@ -22,17 +23,17 @@ from matchset.tracking.verdict import DOUBTFUL, SURE, answer, following, is_doub
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 Scores = npt.NDArray[np.int8]
-Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
-Answer = tuple[float, Floats, Floats]
+Answer = tuple[int, float, int]
 
 # what a step does: follow into a frame; fit near a state; the same with the priors of the motion; take in what was
-# fitted; tell it
-WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL = range(5)
+# fitted; tell it; learn the color from it
+WAYS = FOLLOW, FREE, HELD, TAKE_IN, TELL, LEARN = range(6)
+NEVER = -1  # turn in which no color is learned
 
 
 @functools.cache
-def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., tuple[int, Answer]]:
+def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[..., Answer]:
     """Make the step of a family.
 
     Parameters
@@ -43,38 +44,40 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
     Returns
     -------
     callable
-        ``step(image, table, runs, pixels, sums, *own, way, time, passed)``, with ``own`` the block and the tables of a
-        `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, the answer.
+        ``step(image, table, log_odds, first, points, wide, block, way, time, passed, turn)``, with the block of a
+        `Memory`: goes one of the `WAYS`, and returns the verdict and, where a shape is taken in or told, its support
+        and the size of its match-set, which is in ``points`` then, and the covariance in ``wide``. A shape that is
+        followed teaches the color, see `teach`.
     """
     follow = _make_follow(make_settle(trace, half_width), half_width)
 
-    @kernel
+    @borrowing
     def step(
         image: Bytes,
         table: Scores,
-        runs: Ints,
-        pixels: Bytes,
-        sums: Singles,
+        log_odds: Singles,
+        first: Singles,
+        points: Floats,
+        wide: Floats,
         block: Floats,
-        outline: Floats,
-        edges: Floats,
-        starts: Floats,
-        found: Floats,
-        rays: Floats,
-        covariance: Floats,
         way: int,
         time: float,
         passed: float,
-    ) -> tuple[int, Answer]:
-        parts = views(block, outline, edges, starts, found, rays, covariance)
-        verdict = SURE
+        turn: int,
+    ) -> Answer:
+        parts = views(block)
+        verdict, support, count = SURE, 0.0, 0
         if way <= HELD:
-            verdict = follow(image, table, parts, runs, pixels, sums, way, time, passed)
+            verdict = follow(image, table, parts, way, time, passed)
         if verdict != SURE or way in (FREE, HELD):
-            return verdict, (0.0, np.empty((0, 2)), np.empty((0, 0)))
-        if way != TELL:
+            return verdict, support, count
+        if way in (FOLLOW, TAKE_IN):
             take_in(parts, time)
-        return verdict, answer(parts)
+        if way != LEARN:
+            support, count = answer(parts, points, wide)
+        if turn != NEVER:
+            teach(image, table, log_odds, first, parts, turn)
+        return verdict, support, count
 
     return step
 
@@ -87,14 +90,11 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
         image: Bytes,
         table: Scores,
         parts: Views,
-        runs: Ints,
-        pixels: Bytes,
-        sums: Singles,
         way: int,
         time: float,
         passed: float,
     ) -> int:
-        n, clock, limits, ask = runs.shape[0], parts.clock, parts.track, parts.look
+        n, clock, limits, ask = parts.runs.shape[0], parts.clock, parts.track, parts.look
         spread = parts.free if way == FREE else parts.room
         if way == FOLLOW:
             if clock[TIME] == -math.inf:
@@ -106,7 +106,7 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
             ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, parts.match[START]), 0.0
             for k in range(parts.state.shape[0]):  # a loop compiles in a tenth of the time of `[:] =`
                 parts.state[k] = parts.expected[k]
-        if not settle(image, table, parts, runs, pixels, sums, spread):
+        if not settle(image, table, parts, spread):
             return missing(parts.fit[SEEN], n)
         if way != FOLLOW:
             return SURE

@@ -15,9 +15,10 @@ from matchset.tracking.doubt import BETTER, DRAWN, SURELY, alternatives, drawn_o
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.matcher import Look, Matcher
 from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
-from matchset.tracking.palette import learn, suited
+from matchset.tracking.palette import suited
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.place import place_of
+from matchset.tracking.step import NEVER
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.verdict import is_near, missing
 from matchset.tracking.warm_up import warm_up
@@ -87,8 +88,7 @@ class Tracker(Generic[S]):
             self._matcher.ignore_color()
         self._doubts = AGAIN if finds_itself(family) else 1
         self._judge = Judge()
-        self._wish = start
-        self._follows = False
+        self._wish, self._follows = start, False
         self._finder: Finder[S] | None = None
         self._kind: tuple[int, ...] | None = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
@@ -136,17 +136,17 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._admit(frame)
-        if self._begun is not None or (self.color.gray and not self._follows):
+        if self._begun is not None or (not self._follows and self.color.gray):
             self._adopt(image)
         if not self._follows:
             return self._search(image, "nothing of this color and shape is in the picture")
-        found = self._matcher.advance(image, self.color, frame.time, self._interval)
+        found = self._matcher.advance(image, self.color, self._learned, frame.time, self._interval, self._turn())
         if isinstance(found, int):
             reason = self._recover(image, self._judge.words(self._matcher, found))
             if reason:
                 return self._search(image, reason)
             found = self._matcher.take_in(frame.time)
-        self._learn(image)
+            self._matcher.learn(image, self.color, self._learned, self._turn())
         return found
 
     def _admit(self, frame: Frame) -> Image:
@@ -159,7 +159,8 @@ class Tracker(Generic[S]):
                 f"time must run forward: frame {frame.index} is at {time} s, the one before at {self._time} s"
             )
         if self._frames:
-            self._interval = min(time - self._time, 1.0)
+            passed = time - self._time
+            self._interval = passed if passed < 1.0 else 1.0
         self._time = time
         self._frames += 1
         return channels_last(image)
@@ -240,10 +241,9 @@ class Tracker(Generic[S]):
         prior = Prior.NONE if lone else Prior.PRESENT
         return not self._judge.first_sight(self._matcher, prior) and here.reachable(there, missed, self.parameters)
 
-    def _learn(self, image: Image) -> None:
-        """Learn the color, in every third frame a little."""
-        if self._frames % TEACH == 0:
-            learn(image, self._matcher, self.color, self._learned, self._frames // TEACH, self.parameters)
+    def _turn(self) -> int:
+        """Which quarter of the outline's surroundings teaches the color in this frame."""
+        return NEVER if self._frames % TEACH or self.color.gray == "edges" else self._frames // TEACH % 4
 
     def _adopt(self, image: Image) -> None:
         """Take the model as it suits this picture, and the shape that was said to be in it."""
@@ -277,7 +277,7 @@ class Tracker(Generic[S]):
         if matcher.fit(EVIDENCE) > CLEAR:
             self._faint = 0
         found = matcher.take_in(self._time)
-        self._learn(image)
+        matcher.learn(image, self.color, self._learned, self._turn())
         return found
 
     def _prior(self, expected: Floats | None) -> Prior:

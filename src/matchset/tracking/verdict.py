@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined, kernel
+from matchset.shapes.jit import borrowing, inlined
 from matchset.tracking.memory import (
     AGREEMENT,
     BENT,
@@ -114,7 +114,7 @@ DOUBT, SIDE_DOUBT = _PLACES["doubt"], _PLACES["side_doubt"]
 INFLATION, CENTER_FLOOR, SIZE_FLOOR = (_PLACES[name] for name in ("inflation", "center_floor", "size_floor"))
 
 
-@kernel
+@borrowing
 def is_other_shape(fit: Floats, limits: Floats, leeway: float) -> bool:
     """Whether the edge points follow an outline, but not one of this family.
 
@@ -135,7 +135,7 @@ def is_other_shape(fit: Floats, limits: Floats, leeway: float) -> bool:
     )
 
 
-@kernel
+@borrowing
 def following(fit: Floats, limits: Floats, points: int) -> int:
     """Verdict on a shape that was followed: `SURE` if this frame confirms it, else what speaks against it.
 
@@ -157,20 +157,20 @@ def following(fit: Floats, limits: Floats, points: int) -> int:
     return SURE
 
 
-@kernel
+@borrowing
 def missing(seen: float, points: int) -> int:
     """Verdict where there was nothing to fit."""
     return LEFT if seen < PRESENT * points else EDGELESS
 
 
-@kernel
+@borrowing
 def is_doubtful(fit: Floats, limits: Floats, points: int) -> bool:
     """Whether a fit should be looked at again, since its edge points hardly agree, or too few have the color's step."""
     weak = fit[AGREEMENT] < limits[DOUBT] or fit[EVIDENCE] < limits[SIDE_DOUBT]
     return bool(weak and fit[NOISE] > 0.0 and fit[SEEN] > 0.5 * points and fit[SIZE] > SMALLEST)
 
 
-@kernel
+@borrowing
 def is_near(state: Floats, size: float, expected: Floats, expected_size: float, surprise: float) -> bool:
     """Whether a fitted state is so near to its prediction that it needs no other proof.
 
@@ -188,14 +188,14 @@ def is_near(state: Floats, size: float, expected: Floats, expected_size: float, 
 
 
 @inlined
-def answer(parts: Views) -> tuple[float, Floats, Floats]:
-    """Support, match-set and covariance of what was fitted.
+def answer(parts: Views, points: Floats, covariance: Floats) -> tuple[float, int]:
+    """Write match-set and covariance of what was fitted; returns the support and the size of the match-set.
 
     The match-set is what lies within 4 standard deviations of the fitted outline, which may be an ellipse; the
     covariance that of the edge points, enlarged, and the floor.
     """
     fit, limits = parts.fit, parts.judge
-    points, covariance = conclude(
+    count = conclude(
         parts.outline,
         parts.edges,
         parts.found,
@@ -204,8 +204,10 @@ def answer(parts: Views) -> tuple[float, Floats, Floats]:
         limits[INFLATION] / max(fit[AGREEMENT], 0.1) ** 2,
         limits[CENTER_FLOOR] ** 2,
         limits[SIZE_FLOOR] ** 2,
+        points,
+        covariance,
     )
-    return fit[CONFIRMED] / max(fit[SEEN], 1.0), points, covariance
+    return fit[CONFIRMED] / max(fit[SEEN], 1.0), count
 
 
 @inlined

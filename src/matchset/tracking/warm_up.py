@@ -5,7 +5,6 @@ from typing import TypeVar
 import cv2
 import numpy as np
 
-from matchset.image.adapt import adapt_table
 from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.detect import Searcher
@@ -47,8 +46,6 @@ def warm_up(family: type[S], cells: int, channels: int) -> None:
     matcher.begin(state, 0.0, 1.0)
     matcher.take_in(1.0)
     matcher.predict(2.0, 1.0)
-    matcher.advance(image, color, 2.0, 1.0)
+    matcher.advance(image, color, color.log_odds.copy(), 2.0, 1.0)
     searcher = Searcher(64, 64)
     searcher.hulls(image, color) if finds_itself(family) else searcher.candidates(image, color)
-    first = color.log_odds.copy()
-    adapt_table(image, color.log_odds, first, color.table, parts.outline, parts.rays[:, -1], MIDDLE, MIDDLE, 0, 0.0)

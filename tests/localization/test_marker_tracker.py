@@ -93,7 +93,7 @@ def test_the_fit_finds_the_ellipse_of_a_patch_to_a_fraction_of_a_pixel(at: tuple
     axis = np.array((0.0, 0.0, 1.0 / 120.0, -40.0 / 120.0))  # red rises from 40 to 160
     ground = np.array((1.0 / 200.0, 0.0, 0.0))  # blue is 200 all over
     height, noise, explained = fit_marker(
-        image, ball, places, 1, 0, size, depth, 0.4, axis, ground, np.zeros(1), covariance
+        image, ball, places, 0, size, depth, 0.4, axis, ground, np.zeros(1), covariance
     )
     np.testing.assert_allclose(places[0], truth, atol=0.06)
     assert height == pytest.approx(1.0, abs=0.2)
@@ -111,11 +111,13 @@ def test_the_derivative_of_the_coverage_is_its_change() -> None:
         share, right, down = coverage(dx, dy, ux, uy, 8.6, ratio, 1.0)
         assert 0.0 <= share <= 1.0
         numeric = [
-            (
+            float(
                 coverage(dx - h, dy - v, ux, uy, 8.6, ratio, 1.0)[0]
                 - coverage(dx + h, dy + v, ux, uy, 8.6, ratio, 1.0)[0]
             )
             / 2e-4
             for h, v in ((1e-4, 0.0), (0.0, 1e-4))
         ]
-        np.testing.assert_allclose((right, down), numeric, atol=0.03)  # the slope itself is taken to be constant
+        np.testing.assert_allclose(
+            (float(right), float(down)), numeric, atol=0.03
+        )  # the slope itself is taken to be constant

@@ -66,6 +66,22 @@ def look(
 
 
 @kernel
+def _add(value: Floats, sums: Floats) -> None:
+    """Add a color to the count, the sums and the products of a row of `teach`."""
+    b, g, r = value[0], value[1], value[2]
+    sums[0] += 1.0
+    sums[1] += b
+    sums[2] += g
+    sums[3] += r
+    sums[4] += b * b
+    sums[5] += g * b
+    sums[6] += g * g
+    sums[7] += r * b
+    sums[8] += r * g
+    sums[9] += r * r
+
+
+@kernel
 def teach(
     image: Bytes,
     ball: Floats,
@@ -95,29 +111,28 @@ def teach(
     """
     sums[:] = 0.0
     a, reach = size * ball[2], TEACH_RIM * ball[2]
-    value = np.zeros(3)
-    for row in range(max(int(ball[1] - reach), 0), min(int(ball[1] + reach) + 1, image.shape[0]), step):
-        for column in range(max(int(ball[0] - reach), 0), min(int(ball[0] + reach) + 1, image.shape[1]), step):
+    inside, outside = (TEACH_INSIDE * a) ** 2, (TEACH_OUTSIDE * a) ** 2
+    height, width, channels = image.shape
+    flat, value, axes = image.reshape(-1), np.zeros(3), np.empty((count, 3))
+    for marker in range(count):
+        axes[marker, 0], axes[marker, 1], axes[marker, 2] = ellipse(places[marker], ball, depth)
+    for row in range(max(int(ball[1] - reach), 0), min(int(ball[1] + reach) + 1, height), step):
+        for column in range(max(int(ball[0] - reach), 0), min(int(ball[0] + reach) + 1, width), step):
             if (column - ball[0]) ** 2 + (row - ball[1]) ** 2 > reach * reach:
                 continue
             nearest = math.inf
-            for k in range(count):
-                ux, uy, ratio = ellipse(places[k], ball, depth)
+            for marker in range(count):
+                k = np.uintp(marker)
                 dx, dy = column - places[k, 0], row - places[k, 1]
-                along, across = (dx * ux + dy * uy) / ratio, dy * ux - dx * uy
-                nearest = min(nearest, math.sqrt(along * along + across * across) / a)
-            kind = 0 if nearest < TEACH_INSIDE else 1 if nearest > TEACH_OUTSIDE else 2
+                along, across = (dx * axes[k, 0] + dy * axes[k, 1]) / axes[k, 2], dy * axes[k, 0] - dx * axes[k, 1]
+                nearest = min(nearest, along * along + across * across)
+            kind = 0 if nearest < inside else 1 if nearest > outside else 2
             if kind == 2:
                 continue
-            for c in range(image.shape[2]):
-                value[c] = image[row, column, c]
-            sums[kind, 0] += 1.0
-            m = 4
-            for c in range(3):
-                sums[kind, 1 + c] += value[c]
-                for d in range(c + 1):
-                    sums[kind, m] += value[c] * value[d]
-                    m += 1
+            at = (row * width + column) * channels
+            for c in range(channels):
+                value[c] = flat[np.uintp(at + c)]
+            _add(value, sums[kind])
 
 
 @kernel

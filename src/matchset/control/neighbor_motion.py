@@ -12,12 +12,15 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.dead_reckoning import turn_of
+from matchset.control.dead_reckoning import PLACE, turn_of
 from matchset.control.neighbor_filter import REFUSED, STATES, marker_way, predict, take, to_rest
 from matchset.control.own_motion import OwnState
 from matchset.localization.pose import Pose
+from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
+UNTURNED = np.empty((0, 0))
+PLACED, TURNED = 1, 2  # what of a pose is believed; both are their sum
 
 
 class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -107,23 +110,23 @@ class NeighborMotion:
         bool
             Whether its position was believed.
         """
-        turn, seen, spread = np.empty((3, 3)), np.empty(4), np.empty(4)
-        turn_of(own.numbers, turn)
-        told = 3
-        to_rest(pose.position, pose.covariance, turn, own.place, self._limits, seen, spread)
-        if pose.turn is not None and marker_way(pose.turn, pose.covariance, turn, self._limits, seen, spread):
-            told = 4
-        since, turn_since = pose.time - self.time, pose.time - self.turn_time
-        believed = take(self._state, self._covariance, seen, spread, 0, 3, since, self._limits, self._refused)
-        if believed != REFUSED:
+        believed = _take_in(
+            pose.position,
+            pose.covariance,
+            UNTURNED if pose.turn is None else pose.turn,
+            own.numbers,
+            pose.time - self.time,
+            pose.time - self.turn_time,
+            self._state,
+            self._covariance,
+            self._limits,
+            self._refused,
+        )
+        if believed & PLACED:
             self.time = pose.time
-        if told == 4:
-            believed_turn = take(
-                self._state, self._covariance, seen, spread, 3, 4, turn_since, self._limits, self._refused
-            )
-            if believed_turn != REFUSED:
-                self.turn_time = pose.time
-        return believed != REFUSED
+        if believed & TURNED:
+            self.turn_time = pose.time
+        return bool(believed & PLACED)
 
     def at(self, time: float, reach: float) -> Floats:
         """Predict for a time, extrapolating at most so far past what was seen last; after that it stands.
@@ -145,3 +148,28 @@ class NeighborMotion:
         since, turn_since = time - self.time, time - self.turn_time
         predict(self._state, since, turn_since, reach, self._limits, ahead)
         return ahead
+
+
+@kernel
+def _take_in(
+    position: Floats,
+    spread: Floats,
+    attitude: Floats,
+    own: Floats,
+    since: float,
+    turn_since: float,
+    state: Floats,
+    covariance: Floats,
+    limits: Floats,
+    refused: npt.NDArray[np.int64],
+) -> int:
+    """Take in a pose seen from an own state; what of it was believed."""
+    turn, seen, wide, believed = np.empty((3, 3)), np.empty(4), np.empty(4), 0
+    turn_of(own, turn)
+    to_rest(position, spread, turn, own[PLACE : PLACE + 3], limits, seen, wide)
+    turned = attitude.shape[0] == 3 and marker_way(attitude, spread, turn, limits, seen, wide)
+    if take(state, covariance, seen, wide, 0, 3, since, limits, refused) != REFUSED:
+        believed += PLACED
+    if turned and take(state, covariance, seen, wide, 3, 4, turn_since, limits, refused) != REFUSED:
+        believed += TURNED
+    return believed

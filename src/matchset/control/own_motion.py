@@ -99,17 +99,17 @@ class OwnState:
     @property
     def roll(self) -> float:
         """Tilt to the right, rad."""
-        return float(self.numbers[ROLL])
+        return self.numbers.item(ROLL)
 
     @property
     def pitch(self) -> float:
         """Tilt forward, rad."""
-        return float(self.numbers[PITCH])
+        return self.numbers.item(PITCH)
 
     @property
     def yaw(self) -> float:
         """Turn to the right since the beginning, rad."""
-        return float(self.numbers[YAW])
+        return self.numbers.item(YAW)
 
     @property
     def velocity(self) -> Floats:

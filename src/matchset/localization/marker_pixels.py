@@ -18,6 +18,7 @@ Bytes = npt.NDArray[np.uint8]
 
 VALUE, LIGHT, WEIGHT, X, Y, BRIGHT = range(6)  # rows of `pixels`: see `gather`
 KINDS = 6
+V, B, W, NEXT = np.uintp(VALUE), np.uintp(BRIGHT), np.uintp(WEIGHT), np.uintp(1)
 GLINT = 1.15  # brightness, in that of the ball around, from which a pixel is taken for a highlight
 THIN = 10.0  # px of reach for each of which one pixel in a row more is left out of the shading
 STILL = 20.0  # weight that holds the shading flat where few pixels tell, px^2
@@ -94,63 +95,56 @@ def shading(image: Bytes, ball: Floats, window: Floats, reach: float, ground: Fl
 
 
 @kernel
-def _read(flat: Bytes, at: int, channels: int, axis: Floats, ground: Floats, values: Singles, bright: Singles) -> None:
-    """Read the pixels of a row: their place from ball to marker, and how bright they are."""
+def _read(
+    flat: Bytes, at: int, channels: int, axis: Floats, ground: Floats, pixels: Singles, first: int, n: int
+) -> None:
+    """Read n pixels of a row: their place from ball to marker, and how bright they are; all count."""
     a0, a1, a2, a3 = np.float32(axis[0]), np.float32(axis[1]), np.float32(axis[2]), np.float32(axis[3])
     g0, g1, g2 = np.float32(ground[0]), np.float32(ground[1]), np.float32(ground[2])
-    if channels == 3:
-        for place in range(values.shape[0]):
-            j, k = np.uintp(place), np.uintp(at + 3 * place)
-            p, q, r = np.float32(flat[k]), np.float32(flat[k + np.uintp(1)]), np.float32(flat[k + np.uintp(2)])
-            values[j] = a3 + a0 * p + a1 * q + a2 * r
-            bright[j] = g0 * p + g1 * q + g2 * r
-    else:
-        for place in range(values.shape[0]):
-            j, p = np.uintp(place), np.float32(flat[np.uintp(at + place)])
-            values[j] = a3 + a0 * p
-            bright[j] = g0 * p
+    for place in range(n):
+        j = np.uintp(first + place)
+        if channels == 3:
+            k = np.uintp(at + 3 * place)
+            p, q, r = np.float32(flat[k]), np.float32(flat[k + NEXT]), np.float32(flat[k + NEXT + NEXT])
+            pixels[V, j], pixels[B, j] = a3 + a0 * p + a1 * q + a2 * r, g0 * p + g1 * q + g2 * r
+        else:
+            p = np.float32(flat[np.uintp(at + place)])
+            pixels[V, j], pixels[B, j] = a3 + a0 * p, g0 * p
+        pixels[W, j] = ONE
 
 
 @summing
-def _weigh(
-    dx: float,
-    dy: float,
-    bx: float,
-    by: float,
-    far: float,
-    ball: Floats,
-    shade: Floats,
-    rows: tuple[Singles, Singles, Singles],
-) -> None:
-    """Write the light on the pixels of a row, and what they weigh inside the ball, outside highlights, and near by."""
-    bright, lights, weights = rows
+def _weigh(window: tuple[float, float, float, float, float], ball: Floats, shade: Floats, pixels: Singles) -> None:
+    """Write the light on all pixels, and what they weigh inside the ball, outside highlights, and near by."""
+    bright, lights, weights, xs, ys = pixels[BRIGHT], pixels[LIGHT], pixels[WEIGHT], pixels[X], pixels[Y]
     lit = 1.0 / shade[0] if shade[0] > 0.0 else 0.0
-    x0, x1, up, most = np.float32(dx), np.float32(bx), np.float32(by * by), np.float32(far - dy * dy)
-    unit, right = np.float32(lit), np.float32(lit * shade[1])
-    base = np.float32(1.0 + lit * shade[2] * dy)
+    x0, y0, most = np.float32(window[0]), np.float32(window[1]), np.float32(window[2])
+    x1, y1 = np.float32(window[3]), np.float32(window[4])
+    unit, right, under = np.float32(lit), np.float32(lit * shade[1]), np.float32(lit * shade[2])
     whole, share = np.float32((ball[2] - LIMB) / (FULL - LIMB)), np.float32(1.0 / (FULL - LIMB))
     for place in range(weights.shape[0]):
         j = np.uintp(place)
-        column = np.float32(place)
-        away, here = x1 + column, x0 + column
-        light = base + right * here
-        weight = whole - share * np.float32(math.sqrt(away * away + up))
+        dx, dy, ox, oy = xs[j] - x0, ys[j] - y0, xs[j] - x1, ys[j] - y1
+        light = ONE + right * dx + under * dy
+        weight = whole - share * np.float32(math.sqrt(ox * ox + oy * oy))
         matt = DARKER - DIM * (bright[j] * unit / light)
         weight = weight if weight < ONE else ONE
         weight = weight if weight > ZERO else ZERO
         matt = matt if matt < ONE else ONE
         matt = matt if matt > ZERO else ZERO
-        lights[j], weights[j] = light, weight * matt * np.float32(here * here <= most)
+        lights[j] = light
+        weights[j] = weights[j] * weight * matt * np.float32(dx * dx + dy * dy <= most)
 
 
 @summing
-def _leave_out(dx: float, dy: float, ox: float, oy: float, weights: Singles) -> None:
-    """Take the weight of those pixels of a row that are nearer to another marker."""
-    x0, x1, lower = np.float32(dx), np.float32(ox), np.float32(oy * oy - dy * dy)
+def _leave_out(x: float, y: float, ox: float, oy: float, pixels: Singles) -> None:
+    """Take the weight of those pixels that are nearer to another marker."""
+    weights, xs, ys = pixels[WEIGHT], pixels[X], pixels[Y]
+    x0, y0, x1, y1 = np.float32(x), np.float32(y), np.float32(ox), np.float32(oy)
     for place in range(weights.shape[0]):
         j = np.uintp(place)
-        here, there = x0 + np.float32(place), x1 + np.float32(place)
-        weights[j] = weights[j] * np.float32(there * there + lower >= here * here)
+        dx, dy, rx, ry = xs[j] - x0, ys[j] - y0, xs[j] - x1, ys[j] - y1
+        weights[j] = weights[j] * np.float32(rx * rx + ry * ry >= dx * dx + dy * dy)
 
 
 @kernel
@@ -165,8 +159,9 @@ def lay_out(span: int, pixels: Singles) -> None:
     """
     xs, ys, stride = pixels[X], pixels[Y], span + 1
     for i in range(span):
+        first, row = np.uintp(i * stride), np.float32(i)
         for j in range(stride):
-            xs[np.uintp(i * stride + j)], ys[np.uintp(i * stride + j)] = j - 1, i
+            xs[first + np.uintp(j)], ys[first + np.uintp(j)] = np.float32(j) - ONE, row
 
 
 @kernel
@@ -198,22 +193,15 @@ def gather(
         at the marker's middle, its weight, its column and row in the window (read), its brightness.
     """
     height, width, channels = image.shape
-    span = int(math.sqrt(pixels.shape[1]))
-    stride, flat, x0, y0 = span + 1, image.reshape(-1), places[which, 0], places[which, 1]
-    begin, end = min(max(-left, 0), span), max(min(width - left, span), 0)
-    farthest = (0.5 * span) ** 2
-    for i in range(span):
-        first, last, row = i * stride + 1, (i + 1) * stride, top + i
-        weights = pixels[WEIGHT, first - 1 : last]
-        for j in range(stride):
-            weights[np.uintp(j)] = ZERO
-        if row < 0 or row >= height or begin >= end:
-            continue
-        column, first, last = left + begin, first + begin, first + end
-        weights, bright = pixels[WEIGHT, first:last], pixels[BRIGHT, first:last]
-        _read(flat, (row * width + column) * channels, channels, axis, ground, pixels[VALUE, first:last], bright)
-        rows = bright, pixels[LIGHT, first:last], weights
-        _weigh(column - x0, row - y0, column - ball[0], row - ball[1], farthest, ball, shade, rows)
-        for k in range(places.shape[0]):
-            if k != which:
-                _leave_out(column - x0, row - y0, column - places[k, 0], row - places[k, 1], weights)
+    span, flat, weights = int(math.sqrt(pixels.shape[1])), image.reshape(-1), pixels[WEIGHT]
+    begin, end = max(-left, 0), min(width - left, span)
+    for place in range(weights.shape[0]):
+        weights[np.uintp(place)] = ZERO
+    for i in range(max(-top, 0), min(height - top, span)):
+        at, first = ((top + i) * width + left + begin) * channels, i * (span + 1) + 1 + begin
+        _read(flat, at, channels, axis, ground, pixels, first, end - begin)
+    x, y = places[which, 0] - left, places[which, 1] - top
+    _weigh((x, y, (0.5 * span) ** 2, ball[0] - left, ball[1] - top), ball, shade, pixels)
+    for k in range(places.shape[0]):
+        if k != which:
+            _leave_out(x, y, places[k, 0] - left, places[k, 1] - top, pixels)

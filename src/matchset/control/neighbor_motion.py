@@ -7,6 +7,7 @@ comes what the unmeasured tilt and turn of the vehicle do to it: a degree of til
 """
 
 import math
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -144,10 +145,23 @@ class NeighborMotion:
             x, y, z and the angle of the marker's way to the right of z, rad; each with its speed and the accelerations
             of its sway and of its drift.
         """
-        ahead = np.zeros((4, 4))
-        since, turn_since = time - self.time, time - self.turn_time
-        predict(self._state, since, turn_since, reach, self._limits, ahead)
+        ahead: Floats = self.at_times((time,), reach)[0]
         return ahead
+
+    def at_times(self, times: Sequence[float], reach: float) -> Floats:
+        """Predict for several times, see `at`; ndarray of shape (times, 4, 4)."""
+        ahead = np.zeros((len(times), 4, 4))
+        ahead[:, 0, 0] = times
+        _predict_all(self._state, self.time, self.turn_time, reach, self._limits, ahead)
+        return ahead
+
+
+@kernel
+def _predict_all(state: Floats, seen: float, turned: float, reach: float, limits: Floats, ahead: Floats) -> None:
+    """Write what `predict` says for several times; the first number of each is its time."""
+    for k in range(ahead.shape[0]):
+        time, ahead[k, 0, 0] = ahead[k, 0, 0], 0.0
+        predict(state, time - seen, time - turned, reach, limits, ahead[k])
 
 
 @kernel

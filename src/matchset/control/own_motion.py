@@ -7,6 +7,7 @@ apart.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import msgspec
@@ -19,10 +20,12 @@ from matchset.control.dead_reckoning import (
     PLACE,
     ROLL,
     SIZE,
+    TIME,
     VELOCITY,
     YAW,
     catch_up,
     recall,
+    recall_all,
     turn_of,
 )
 
@@ -166,3 +169,16 @@ class OwnMotion:
         numbers = np.empty(SIZE)
         recall(self._ring, self._count, self._sticks, time, self._model, numbers)
         return OwnState(numbers)
+
+    def at_times(self, times: Sequence[float]) -> list[OwnState]:
+        """States at several times, see `at`.
+
+        Parameters
+        ----------
+        times : sequence of float
+            s.
+        """
+        states = np.empty((len(times), SIZE))
+        states[:, TIME] = times
+        recall_all(self._ring, self._count, self._sticks, self._model, states)
+        return [OwnState(numbers) for numbers in states]

@@ -1,9 +1,13 @@
 """A patch on a ball, drawn slowly and obviously."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
 
 
 def picture_of_marker(
@@ -35,3 +39,73 @@ def picture_of_marker(
     image = np.full((120, 120, 3), (200, 60, 40), np.uint8)
     image[..., 2] = np.rint(40.0 + 120.0 * share)
     return image
+
+
+class Sight(NamedTuple):
+    """A marker as a fit sees it, in the picture, px."""
+
+    ball: Floats
+    middle: Floats
+    other: Floats
+    along: Floats
+    ratio: float
+    radius: float
+    soft: float
+    reach: float
+
+
+class Scale(NamedTuple):
+    """From colors to the scale from ball to marker, and the light: level, per px right and per px down."""
+
+    axis: Floats
+    ground: Floats
+    shade: Floats
+
+
+def weights_of(image: Bytes, sight: Sight, scale: Scale) -> tuple[Floats, Floats]:
+    """What every pixel of a picture weighs, and the light there in that at the marker's middle."""
+    rows, columns = np.indices(image.shape[:2])
+    dx, dy = columns - sight.middle[0], rows - sight.middle[1]
+    light = 1.0 + (scale.shade[1] * dx + scale.shade[2] * dy) / scale.shade[0]
+    glint = image @ scale.ground / (scale.shade[0] * light)
+    inside = sight.ball[2] - np.hypot(columns - sight.ball[0], rows - sight.ball[1])
+    weight = np.clip((inside - 0.5) / 3.0, 0.0, 1.0) * np.clip((1.3 - glint) / 0.15, 0.0, 1.0)
+    nearer = np.hypot(columns - sight.other[0], rows - sight.other[1]) < np.hypot(dx, dy)
+    return np.where(nearer | (np.hypot(dx, dy) > sight.reach), 0.0, weight), light
+
+
+def share_of(dx: float, dy: float, sight: Sight) -> tuple[float, float, float]:
+    """Share of the marker at (dx, dy) from its middle, and how it grows as the marker moves right and down."""
+    ux, uy = sight.along
+    a, b = (dx * ux + dy * uy) / sight.ratio, dy * ux - dx * uy
+    far = math.hypot(a, b)
+    gx, gy = (a * ux / sight.ratio - b * uy) / far, (a * uy / sight.ratio + b * ux) / far
+    soft = sight.soft * math.hypot(gx, gy)
+    z = (sight.radius - far) / soft
+    inside = 0.5 * (1.0 + math.tanh(0.5 * z)) if abs(z) < 6.0 else float(z > 0.0)
+    slope = inside * (1.0 - inside) / soft
+    return inside, slope * gx, slope * gy
+
+
+def normal_equations(
+    image: Bytes, sight: Sight, scale: Scale, height: float, level: float, tie: float
+) -> tuple[Floats, float]:
+    """Products of the columns x, y, height, level and what is left, (5, 5); what is left, squared."""
+    weight, light = weights_of(image, sight, scale)
+    total, rest = np.zeros((5, 5)), 0.0
+    for row in range(image.shape[0]):
+        before = None
+        for column in range(image.shape[1]):
+            w, lit = weight[row, column], light[row, column]
+            if w == 0.0:
+                before = None
+                continue
+            dx, dy = column - sight.middle[0], row - sight.middle[1]
+            inside, right, under = share_of(dx, dy, sight)
+            e = float(image[row, column] @ scale.axis[:3]) + scale.axis[3] - level - height * lit * inside
+            here = np.array((height * lit * right, height * lit * under, lit * inside, 1.0, e))
+            line = math.sqrt(1.0 - tie * tie) * here if before is None else here - tie * before
+            total += w * np.outer(line, line)
+            rest += w * e * e
+            before = here
+    return total, rest

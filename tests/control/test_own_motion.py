@@ -99,3 +99,9 @@ def test_it_can_be_asked_about_the_past_and_the_future() -> None:
     assert math.isfinite(own.at(1e9).place[2])
     own.sent(Sticks(), 1e6)
     assert own.at(1e6).place[2] == 0.0
+
+
+def test_states_at_several_times_are_those_at_each() -> None:
+    own, times = fly(Sticks(roll=0.1, pitch=-0.05, turning=0.4), 1.0), (0.3, 1.02, 1.2)
+    for time, state in zip(times, own.at_times(times), strict=True):
+        np.testing.assert_array_equal(state.numbers, own.at(time).numbers)

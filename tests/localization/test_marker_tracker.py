@@ -6,10 +6,11 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import PINHOLE, Floats
-from matchset.localization.marker_fit import fit_marker
+from matchset.localization.marker_fit import REST, SUMS, WIDTH, _compare, fit_marker
+from matchset.localization.marker_pixels import KINDS, gather, lay_out
 from matchset.localization.marker_shape import coverage, ellipse
 from matchset.sim.flight import Flight
-from naive_marker import picture_of_marker
+from naive_marker import Scale, Sight, normal_equations, picture_of_marker
 
 BLUE = ms.ColorModel.hsv((95, 120, 20), (119, 255, 255))
 PURPLE = ms.ColorModel.hsv((132, 110, 20), (165, 255, 255))
@@ -93,13 +94,36 @@ def test_the_fit_finds_the_ellipse_of_a_patch_to_a_fraction_of_a_pixel(at: tuple
     axis = np.array((0.0, 0.0, 1.0 / 120.0, -40.0 / 120.0))  # red rises from 40 to 160
     ground = np.array((1.0 / 200.0, 0.0, 0.0))  # blue is 200 all over
     height, noise, explained = fit_marker(
-        image, ball, places, 1, 0, size, depth, 0.4, axis, ground, np.zeros(1), covariance
+        image, ball, places, 0, size, depth, 0.4, axis, ground, np.zeros(1), covariance
     )
     np.testing.assert_allclose(places[0], truth, atol=0.06)
     assert height == pytest.approx(1.0, abs=0.2)
     assert explained > 0.97
     assert noise < 0.1
     assert np.linalg.eigvalsh(covariance).min() > 0.0
+
+
+@pytest.mark.parametrize("middle", [(55.2, 63.4), (41.7, 44.1), (4.5, 60.2)])
+def test_the_sums_of_a_fit_agree_with_their_slow_twin(middle: tuple[float, float]) -> None:
+    rng = np.random.default_rng(7)
+    middles = np.array(((88.0, 70.0), middle))
+    ball, other, at = np.array((58.3, 59.6, 57.0)), middles[0], middles[1]
+    image = picture_of_marker(ball, ball[:2] + 0.2, 0.2, 0.98)
+    image = np.clip(image + rng.normal(0.0, 9.0, image.shape), 0, 255).astype(np.uint8)
+    scale = Scale(np.array((1e-3, -5e-4, 1.0 / 120.0, -0.5)), np.array((4e-3, 1e-3, 0.0)), np.array((0.8, 2e-3, -3e-3)))
+    ux, uy, ratio = ellipse(at, ball, 0.98)
+    sight = Sight(ball, at, other, np.array((ux, uy)), ratio, 11.0, 0.8, 18.5)
+    span, pixels, sums = 43, np.zeros((KINDS, 43 * 44), np.float32), np.empty(SUMS)
+    left, top = math.floor(at[0] + 0.5) - span // 2, math.floor(at[1] + 0.5) - span // 2
+    lay_out(span, pixels)
+    gather(image, ball, middles, 1, left, top, scale.axis, scale.ground, scale.shade, pixels)
+    window = np.array((at[0] - left, at[1] - top, ux, uy, ratio, 11.0))
+    left_over = np.empty(43 * 44, np.float32), np.empty(43 * 44, np.float32)
+    work = np.empty(6 * WIDTH, np.float32)
+    _compare(pixels, span + 1, window, 18.5, 0.8, np.array((0.9, 0.05)), 0.3, work, left_over, sums)
+    expected, rest = normal_equations(image, sight, scale, 0.9, 0.05, 0.3)
+    np.testing.assert_allclose(sums[:15], expected[np.tril_indices(5)], rtol=2e-4, atol=2e-3)
+    assert sums[REST] == pytest.approx(rest, rel=1e-4)
 
 
 def test_the_derivative_of_the_coverage_is_its_change() -> None:
@@ -111,11 +135,13 @@ def test_the_derivative_of_the_coverage_is_its_change() -> None:
         share, right, down = coverage(dx, dy, ux, uy, 8.6, ratio, 1.0)
         assert 0.0 <= share <= 1.0
         numeric = [
-            (
+            float(
                 coverage(dx - h, dy - v, ux, uy, 8.6, ratio, 1.0)[0]
                 - coverage(dx + h, dy + v, ux, uy, 8.6, ratio, 1.0)[0]
             )
             / 2e-4
             for h, v in ((1e-4, 0.0), (0.0, 1e-4))
         ]
-        np.testing.assert_allclose((right, down), numeric, atol=0.03)  # the slope itself is taken to be constant
+        np.testing.assert_allclose(
+            (float(right), float(down)), numeric, atol=0.03
+        )  # the slope itself is taken to be constant

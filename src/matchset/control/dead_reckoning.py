@@ -96,6 +96,13 @@ def recall(ring: Floats, count: int, sticks: Floats, time: float, model: Floats,
 
 
 @kernel
+def recall_all(ring: Floats, count: int, sticks: Floats, model: Floats, states: Floats) -> None:
+    """Write the states at several times: each row of `states` begins with its time."""
+    for k in range(states.shape[0]):
+        recall(ring, count, sticks, states[k, TIME], model, states[k])
+
+
+@kernel
 def turn_of(state: Floats, turn: Floats) -> None:
     """Write the matrix from the body, and the camera, to the frame at rest: Ry(yaw) Rx(-pitch) Rz(roll), (3, 3)."""
     cy, sy = math.cos(state[YAW]), math.sin(state[YAW])

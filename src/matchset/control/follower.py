@@ -213,15 +213,15 @@ class Follower:
     def _steer(self, acts: float, step: float) -> Answer:
         """Run the controllers for a command that begins to act at a time."""
         parameters, reach = self.parameters, self.parameters.reach
-        own, ball = self.own.at(acts), self.neighbor.at(acts, reach)
+        times = acts, acts + parameters.lead, acts + parameters.rise_lead
+        (own, later, there), (ball, level, risen) = self.own.at_times(times), self.neighbor.at_times(times, reach)
         for pace, speed in zip(self._paces, ball[:3, 1].tolist(), strict=True):
             pace.update(speed, step)
-        later, risen = acts + parameters.lead, acts + parameters.rise_lead
-        roll, pitch = self._level(self.own.at(later), self.neighbor.at(later, reach), own.yaw, step)
-        there, height = self.own.at(risen), self.neighbor.at(risen, reach)[1]
-        low = float(there.place[1] - height[0]) + self.place.height
-        rise = self._rise.update(0.0, -low, step, self._paces[1].of(height.item(1)) - there.velocity.item(1))
-        sight, out = ball[:3, 0] - own.place, (math.sin(ball[3, 0]), math.cos(ball[3, 0]))
+        roll, pitch = self._level(later, level, own.yaw, step)
+        height = risen[1].tolist()
+        low = there.place.item(1) - height[0] + self.place.height
+        rise = self._rise.update(0.0, -low, step, self._paces[1].of(height[1]) - there.velocity.item(1))
+        sight, out = (ball[:3, 0] - own.place).tolist(), (math.sin(ball[3, 0]), math.cos(ball[3, 0]))
         bearing = math.atan2(sight[0], sight[2]) - own.yaw
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         turning = self._yaw.update(0.0, -bearing, step)
@@ -233,23 +233,23 @@ class Follower:
             turning / model.full_yaw_rate,
             parameters.hover * (1.0 + rise / pull) * tilt,
         )
-        side = -float(sight[0] * out[1] - sight[2] * out[0])
-        heading = -float(sight[0] * out[0] + sight[2] * out[1])
+        side = sight[2] * out[0] - sight[0] * out[1]
+        heading = -sight[0] * out[0] - sight[2] * out[1]
         terms = (self._right.terms, self._ahead.terms, self._rise.terms, self._yaw.terms)
-        return Answer(wish, side, float(sight[1]), heading, bearing, *terms)
+        return Answer(wish, side, sight[1], heading, bearing, *terms)
 
     def _level(self, own: OwnState, ball: Floats, yaw: float, step: float) -> tuple[float, float]:
         """Accelerations to the right and ahead, m/s^2, that lead to the set place."""
         goal, speed, push = self._goal(ball)
         cos, sin = math.cos(yaw), math.sin(yaw)
-        place, velocity = own.place, own.velocity
+        place, velocity = own.place.tolist(), own.velocity.tolist()
         x, z = goal[0] - place[0], goal[1] - place[2]
         vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
-        right, ahead = float(x * cos - z * sin), float(x * sin + z * cos)
-        speed_right, speed_ahead = float(vx * cos - vz * sin), float(vx * sin + vz * cos)
+        right, ahead = x * cos - z * sin, x * sin + z * cos
+        speed_right, speed_ahead = vx * cos - vz * sin, vx * sin + vz * cos
         return (
-            self._right.update(0.0, -right, step, -speed_right) + float(push[0] * cos - push[1] * sin),
-            self._ahead.update(0.0, -ahead, step, -speed_ahead) + float(push[0] * sin + push[1] * cos),
+            self._right.update(0.0, -right, step, -speed_right) + push[0] * cos - push[1] * sin,
+            self._ahead.update(0.0, -ahead, step, -speed_ahead) + push[0] * sin + push[1] * cos,
         )
 
     def _goal(self, ball: Floats) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
@@ -257,13 +257,14 @@ class Follower:
 
         The level ball frame is z = out, y down, x = y cross z; it turns with the neighbor.
         """
-        right, _, forward = self._paces
-        sin, cos, turning = math.sin(ball[3, 0]), math.cos(ball[3, 0]), ball[3, 1]
+        x, _, z, way = ball.tolist()  # of each the place, its speed, and the accelerations of sway and drift
+        sin, cos, turning = math.sin(way[0]), math.cos(way[0]), way[1]
         side, heading = self.place.side, self.place.heading
         away = (side * cos + heading * sin, heading * cos - side * sin)
-        push = self.parameters.ahead * ball[:, 2] + self.parameters.drift * ball[:, 3]
+        sway, drift = self.parameters.ahead, self.parameters.drift
+        right, forward, turned = (sway * each[2] + drift * each[3] for each in (x, z, way))
         return (
-            (ball[0, 0] + away[0], ball[2, 0] + away[1]),
-            (right.of(ball.item(0, 1)) + turning * away[1], forward.of(ball.item(2, 1)) - turning * away[0]),
-            (float(push[0] + push[3] * away[1]), float(push[2] - push[3] * away[0])),
+            (x[0] + away[0], z[0] + away[1]),
+            (self._paces[0].of(x[1]) + turning * away[1], self._paces[2].of(z[1]) - turning * away[0]),
+            (right + turned * away[1], forward - turned * away[0]),
         )

@@ -7,17 +7,21 @@ comes what the unmeasured tilt and turn of the vehicle do to it: a degree of til
 """
 
 import math
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.dead_reckoning import turn_of
+from matchset.control.dead_reckoning import PLACE, turn_of
 from matchset.control.neighbor_filter import REFUSED, STATES, marker_way, predict, take, to_rest
 from matchset.control.own_motion import OwnState
 from matchset.localization.pose import Pose
+from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
+UNTURNED = np.empty((0, 0))
+PLACED, TURNED = 1, 2  # what of a pose is believed; both are their sum
 
 
 class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -107,23 +111,23 @@ class NeighborMotion:
         bool
             Whether its position was believed.
         """
-        turn, seen, spread = np.empty((3, 3)), np.empty(4), np.empty(4)
-        turn_of(own.numbers, turn)
-        told = 3
-        to_rest(pose.position, pose.covariance, turn, own.place, self._limits, seen, spread)
-        if pose.turn is not None and marker_way(pose.turn, pose.covariance, turn, self._limits, seen, spread):
-            told = 4
-        since, turn_since = pose.time - self.time, pose.time - self.turn_time
-        believed = take(self._state, self._covariance, seen, spread, 0, 3, since, self._limits, self._refused)
-        if believed != REFUSED:
+        believed = _take_in(
+            pose.position,
+            pose.covariance,
+            UNTURNED if pose.turn is None else pose.turn,
+            own.numbers,
+            pose.time - self.time,
+            pose.time - self.turn_time,
+            self._state,
+            self._covariance,
+            self._limits,
+            self._refused,
+        )
+        if believed & PLACED:
             self.time = pose.time
-        if told == 4:
-            believed_turn = take(
-                self._state, self._covariance, seen, spread, 3, 4, turn_since, self._limits, self._refused
-            )
-            if believed_turn != REFUSED:
-                self.turn_time = pose.time
-        return believed != REFUSED
+        if believed & TURNED:
+            self.turn_time = pose.time
+        return bool(believed & PLACED)
 
     def at(self, time: float, reach: float) -> Floats:
         """Predict for a time, extrapolating at most so far past what was seen last; after that it stands.
@@ -141,7 +145,45 @@ class NeighborMotion:
             x, y, z and the angle of the marker's way to the right of z, rad; each with its speed and the accelerations
             of its sway and of its drift.
         """
-        ahead = np.zeros((4, 4))
-        since, turn_since = time - self.time, time - self.turn_time
-        predict(self._state, since, turn_since, reach, self._limits, ahead)
+        ahead: Floats = self.at_times((time,), reach)[0]
         return ahead
+
+    def at_times(self, times: Sequence[float], reach: float) -> Floats:
+        """Predict for several times, see `at`; ndarray of shape (times, 4, 4)."""
+        ahead = np.zeros((len(times), 4, 4))
+        ahead[:, 0, 0] = times
+        _predict_all(self._state, self.time, self.turn_time, reach, self._limits, ahead)
+        return ahead
+
+
+@kernel
+def _predict_all(state: Floats, seen: float, turned: float, reach: float, limits: Floats, ahead: Floats) -> None:
+    """Write what `predict` says for several times; the first number of each is its time."""
+    for k in range(ahead.shape[0]):
+        time, ahead[k, 0, 0] = ahead[k, 0, 0], 0.0
+        predict(state, time - seen, time - turned, reach, limits, ahead[k])
+
+
+@kernel
+def _take_in(
+    position: Floats,
+    spread: Floats,
+    attitude: Floats,
+    own: Floats,
+    since: float,
+    turn_since: float,
+    state: Floats,
+    covariance: Floats,
+    limits: Floats,
+    refused: npt.NDArray[np.int64],
+) -> int:
+    """Take in a pose seen from an own state; what of it was believed."""
+    turn, seen, wide, believed = np.empty((3, 3)), np.empty(4), np.empty(4), 0
+    turn_of(own, turn)
+    to_rest(position, spread, turn, own[PLACE : PLACE + 3], limits, seen, wide)
+    turned = attitude.shape[0] == 3 and marker_way(attitude, spread, turn, limits, seen, wide)
+    if take(state, covariance, seen, wide, 0, 3, since, limits, refused) != REFUSED:
+        believed += PLACED
+    if turned and take(state, covariance, seen, wide, 3, 4, turn_since, limits, refused) != REFUSED:
+        believed += TURNED
+    return believed

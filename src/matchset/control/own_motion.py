@@ -7,6 +7,7 @@ apart.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import msgspec
@@ -19,10 +20,12 @@ from matchset.control.dead_reckoning import (
     PLACE,
     ROLL,
     SIZE,
+    TIME,
     VELOCITY,
     YAW,
     catch_up,
     recall,
+    recall_all,
     turn_of,
 )
 
@@ -99,17 +102,17 @@ class OwnState:
     @property
     def roll(self) -> float:
         """Tilt to the right, rad."""
-        return float(self.numbers[ROLL])
+        return self.numbers.item(ROLL)
 
     @property
     def pitch(self) -> float:
         """Tilt forward, rad."""
-        return float(self.numbers[PITCH])
+        return self.numbers.item(PITCH)
 
     @property
     def yaw(self) -> float:
         """Turn to the right since the beginning, rad."""
-        return float(self.numbers[YAW])
+        return self.numbers.item(YAW)
 
     @property
     def velocity(self) -> Floats:
@@ -166,3 +169,16 @@ class OwnMotion:
         numbers = np.empty(SIZE)
         recall(self._ring, self._count, self._sticks, time, self._model, numbers)
         return OwnState(numbers)
+
+    def at_times(self, times: Sequence[float]) -> list[OwnState]:
+        """States at several times, see `at`.
+
+        Parameters
+        ----------
+        times : sequence of float
+            s.
+        """
+        states = np.empty((len(times), SIZE))
+        states[:, TIME] = times
+        recall_all(self._ring, self._count, self._sticks, self._model, states)
+        return [OwnState(numbers) for numbers in states]

@@ -153,7 +153,7 @@ def guard(
         return Command(), Memory(reason="not armed", time=facts.now)
     blind = not 0.0 <= facts.now - facts.frame <= limits.fresh
     unseen = not 0.0 <= facts.now - facts.seen <= limits.hold
-    usable = wish is not None and all(math.isfinite(value) for value in wish)
+    usable = wish is not None and all(map(math.isfinite, wish))
     again = _seen_since(facts, memory, usable, limits)
     reason = _doubt(limits, blind, unseen)
     if memory.phase == "cut":
@@ -210,14 +210,13 @@ def _descend(
 
 def _limited(wish: Wish, last: Command, step: float, limits: SafetyParameters) -> Command:
     """Clip to the limits, then to what may change in one step."""
-    roll, pitch = (min(max(value, -limits.tilt), limits.tilt) for value in (wish.roll, wish.pitch))
-    yaw = min(max(wish.yaw, -limits.yaw), limits.yaw)
+    tilt, yaw, most, rise = limits.tilt, limits.yaw, limits.slew * step, limits.throttle_slew * step
     throttle = min(max(wish.throttle, limits.least_throttle), limits.most_throttle)
     return Command(
-        _toward(last.roll, roll, limits.slew * step),
-        _toward(last.pitch, pitch, limits.slew * step),
-        _toward(last.yaw, yaw, limits.slew * step),
-        _toward(last.throttle, throttle, limits.throttle_slew * step),
+        _toward(last.roll, min(max(wish.roll, -tilt), tilt), most),
+        _toward(last.pitch, min(max(wish.pitch, -tilt), tilt), most),
+        _toward(last.yaw, min(max(wish.yaw, -yaw), yaw), most),
+        _toward(last.throttle, throttle, rise),
     )
 
 

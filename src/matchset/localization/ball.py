@@ -2,6 +2,7 @@
 
 import math
 from functools import cached_property
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -57,6 +58,35 @@ class BallParameters(msgspec.Struct, frozen=True, dict=True):
         return np.diag((self.center_floor**2, self.center_floor**2, self.size_floor**2))
 
 
+class Outline(NamedTuple):
+    """What `fit_cone` is told of an outline.
+
+    Attributes
+    ----------
+    points : ndarray of shape (n, 2)
+        px.
+    spread : ndarray of shape (3, 3)
+        Covariance of an error of x, y and size that all points share, px^2.
+    numbers : tuple of float
+        x and y of a point well inside, px; 1 if points may be wrong, else 0; `edge_shift`, inflation and floor.
+    """
+
+    points: Floats
+    spread: Floats
+    numbers: tuple[float, float, float, float, float, float]
+
+
+def outline_of(track: Track[Circle], limits: BallParameters) -> Outline:
+    """Outline of a ball: the match-set of its track, or with few points its circle, as if seen with no edge."""
+    circle, points = track.shape, track.match_set
+    if len(points) < limits.least_points:
+        spread = np.ascontiguousarray(track.covariance, np.float64)
+        points = RIM * circle.radius + (circle.x, circle.y)
+        return Outline(points, spread, (circle.x, circle.y, 0.0, limits.edge_shift, 0.0, limits.floor))
+    numbers = circle.x, circle.y, 1.0, limits.edge_shift, limits.inflation, limits.floor
+    return Outline(np.ascontiguousarray(points, np.float64), limits.common, numbers)
+
+
 def locate_ball(
     camera: CameraModel, radius: float, track: Track[Circle], parameters: BallParameters
 ) -> tuple[Floats, Floats] | str:
@@ -78,23 +108,20 @@ def locate_ball(
     str
         Why there is none, in words.
     """
-    circle = track.shape
+    outline, known = outline_of(track, parameters), camera.covariance
+    x, y, robust, shift, inflation, floor = outline.numbers
     position, covariance = np.empty(3), np.empty((3, 3))
-    few = len(track.match_set) < parameters.least_points
-    points = RIM * circle.radius + (circle.x, circle.y) if few else track.match_set
-    spread = np.ascontiguousarray(track.covariance, np.float64) if few else parameters.common
-    known = camera.covariance
     miss, _, _ = cone.fit_cone(
         camera.intrinsics,
         NOWHERE if known is None else known,
-        np.ascontiguousarray(points, np.float64),
-        circle.x,
-        circle.y,
-        parameters.edge_shift,
-        not few,
-        spread,
-        0.0 if few else parameters.inflation,
-        parameters.floor,
+        outline.points,
+        x,
+        y,
+        shift,
+        robust > 0.0,
+        outline.spread,
+        inflation,
+        floor,
         radius,
         position,
         covariance,

@@ -12,16 +12,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.lens import fold, undistort
-from matchset.localization.matrix3 import add_spread, invert
-from matchset.shapes.jit import kernel
+from matchset.localization.lens import bend, fold, undistort
+from matchset.localization.matrix3 import add_spread, apply, invert, length
+from matchset.shapes.jit import kernel, summing
 
 Floats = npt.NDArray[np.float64]
 
 ROUNDS = 16
 EARLY = 6  # rounds of least absolute values before the biweight
 CUT = 4.7  # standard deviations at which Tukey's biweight gives up a point
-STEP = 0.25  # px along the normal over which the change of a ray is measured
 NEAREST = 0.97  # sine of the largest half-angle: nearer the ball all but touches the camera
 DONE, FEW, FLAT, NEAR = 0, 1, 2, 3
 
@@ -37,97 +36,126 @@ def _ray(intrinsics: Floats, widest: float, x: float, y: float, ray: Floats) -> 
 
 @kernel
 def _see(
-    intrinsics: Floats, points: Floats, x: float, y: float, shift: float, outward: Floats, rays: Floats, slopes: Floats
+    intrinsics: Floats, points: Floats, x: float, y: float, shift: float, kept: Floats, rays: Floats, slopes: Floats
 ) -> int:
-    """Rays of the points, shifted outward, and their change per px; returns how many have one, the others are 0."""
-    widest = fold(intrinsics[4], intrinsics[5], intrinsics[8])
-    beyond, seen = np.empty(3), 0
+    """Write the points that have a ray with their outward normals, their rays, shifted outward, and these' slopes.
+
+    A slope is the change of a ray per px along the normal. Returns how many points there are.
+    """
+    widest, seen = fold(intrinsics[4], intrinsics[5], intrinsics[8]), 0
+    across, down = 1.0 / intrinsics[0], 1.0 / intrinsics[1]
     for i in range(points.shape[0]):
         nx, ny = points[i, 0] - x, points[i, 1] - y
         far = math.sqrt(nx * nx + ny * ny)
-        rays[i, 0] = rays[i, 1] = rays[i, 2] = 0.0
         if not 1e-6 < far < 1e9:
             continue
         nx, ny = nx / far, ny / far
-        outward[i, 0], outward[i, 1], outward[i, 2] = nx, ny, 1.0
-        px, py = points[i, 0] + shift * nx, points[i, 1] + shift * ny
-        if _ray(intrinsics, widest, px + STEP * nx, py + STEP * ny, beyond) and _ray(
-            intrinsics, widest, px, py, rays[i]
-        ):
-            for k in range(3):
-                slopes[i, k] = (beyond[k] - rays[i, k]) / STEP
-            seen += 1
-        else:
-            rays[i, 0] = rays[i, 1] = rays[i, 2] = 0.0
+        u, v, found = undistort(intrinsics, widest, points[i, 0] + shift * nx, points[i, 1] + shift * ny)
+        xx, xy, yy = bend(intrinsics, u, v)
+        area = xx * yy - xy * xy
+        if not (found and area > 0.0):
+            continue
+        right, under = across * nx / area, down * ny / area
+        du, dv = yy * right - xy * under, xx * under - xy * right
+        square = 1.0 / (u * u + v * v + 1.0)
+        scale, fade = math.sqrt(square), square * (u * du + v * dv)
+        rays[0, seen], rays[1, seen], rays[2, seen] = u * scale, v * scale, scale
+        slopes[0, seen], slopes[1, seen] = scale * (du - u * fade), scale * (dv - v * fade)
+        slopes[2, seen] = -scale * fade
+        kept[seen, 0], kept[seen, 1], kept[seen, 2] = nx, ny, 1.0
+        kept[seen, 3], kept[seen, 4] = points[i, 0], points[i, 1]
+        seen += 1
     return seen
 
 
+@summing
+def _fall(slopes: Floats, q: Floats, falls: Floats) -> None:
+    """By how much r.q changes per px outward, at every point."""
+    x, y, z, q0, q1, q2 = slopes[0], slopes[1], slopes[2], q[0], q[1], q[2]
+    for place in range(falls.shape[0]):
+        i = np.uintp(place)
+        falls[i] = x[i] * q0 + y[i] * q1 + z[i] * q2
+
+
+@summing
+def _err(rays: Floats, q: Floats, falls: Floats, errors: Floats, order: Floats) -> None:
+    """How far every point lies outside the cone, px, and the same without its sign."""
+    x, y, z, q0, q1, q2 = rays[0], rays[1], rays[2], q[0], q[1], q[2]
+    for place in range(falls.shape[0]):
+        i = np.uintp(place)
+        errors[i] = (x[i] * q0 + y[i] * q1 + z[i] * q2 - 1.0) / falls[i]
+    for place in range(falls.shape[0]):
+        order[np.uintp(place)] = abs(errors[np.uintp(place)])
+
+
+@summing
+def _add(rays: Floats, falls: Floats, weights: Floats, normal: Floats, b: Floats) -> None:
+    """Write the normal equations of q."""
+    x, y, z = rays[0], rays[1], rays[2]
+    xx = xy = xz = yy = yz = zz = bx = by = bz = 0.0
+    for place in range(falls.shape[0]):
+        i = np.uintp(place)
+        w = weights[i] / (falls[i] * falls[i])
+        wx, wy, wz = w * x[i], w * y[i], w * z[i]
+        xx, xy, xz = xx + wx * x[i], xy + wx * y[i], xz + wx * z[i]
+        yy, yz, zz = yy + wy * y[i], yz + wy * z[i], zz + wz * z[i]
+        bx, by, bz = bx + wx, by + wy, bz + wz
+    normal[0, 0], normal[0, 1], normal[0, 2], normal[1, 1], normal[1, 2], normal[2, 2] = xx, xy, xz, yy, yz, zz
+    b[0], b[1], b[2] = bx, by, bz
+
+
 @kernel
-def _solve(rays: Floats, slopes: Floats, weights: Floats, q: Floats, normal: Floats, inverse: Floats) -> bool:
+def _solve(rays: Floats, falls: Floats, weights: Floats, q: Floats, inverse: Floats) -> bool:
     """Weighted least squares for q; the inverse of the normal matrix is that of px."""
-    b, normal[:] = np.zeros(3), 0.0
-    for i in range(rays.shape[0]):
-        if weights[i] > 0.0:
-            fall = slopes[i, 0] * q[0] + slopes[i, 1] * q[1] + slopes[i, 2] * q[2]
-            w = weights[i] / (fall * fall)
-            for j in range(3):
-                b[j] += w * rays[i, j]
-                for k in range(3):
-                    normal[j, k] += w * rays[i, j] * rays[i, k]
+    normal, b = np.empty((3, 3)), np.empty(3)
+    _add(rays, falls, weights, normal, b)
     if not invert(normal, inverse):
         return False
-    for j in range(3):
-        q[j] = inverse[j, 0] * b[0] + inverse[j, 1] * b[1] + inverse[j, 2] * b[2]
+    apply(inverse, b, q)
     return bool(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] > 1.0)
 
 
 @kernel
-def _weigh(rays: Floats, slopes: Floats, q: Floats, floor: float, early: bool, weights: Floats) -> float:
+def _weigh(errors: Floats, order: Floats, floor: float, early: bool, weights: Floats) -> float:
     """Weigh the points by how far from the cone they lie; the standard deviation of the good ones, px.
 
     Early on by the inverse of their distance (least absolute values), since a finger along the rim can tilt the first
     cone so far that the biweight would believe the finger.
     """
-    n, count = rays.shape[0], 0
-    errors, order = np.empty(n), np.empty(n)
-    for i in range(n):
-        if rays[i, 2] > 0.0:
-            fall = slopes[i, 0] * q[0] + slopes[i, 1] * q[1] + slopes[i, 2] * q[2]
-            errors[i] = (rays[i, 0] * q[0] + rays[i, 1] * q[1] + rays[i, 2] * q[2] - 1.0) / fall
-            order[count] = abs(errors[i])
-            count += 1
-    sigma = max(1.4826 * float(np.median(order[:count])) * math.sqrt(count / (count - 3.0)), floor)
-    for i in range(n):
-        weights[i] = 0.0
-        if rays[i, 2] > 0.0:
-            z = errors[i] / (CUT * sigma)
-            if early:
-                weights[i] = sigma / max(abs(errors[i]), sigma)
-            else:
-                weights[i] = (1.0 - z * z) ** 2 if z * z < 1.0 else 0.0
+    count = errors.shape[0]
+    sigma = max(1.4826 * float(np.median(order)) * math.sqrt(count / (count - 3.0)), floor)
+    unit = 1.0 / (CUT * sigma)
+    if early:
+        for place in range(count):
+            far = abs(errors[np.uintp(place)])
+            weights[np.uintp(place)] = sigma / (far if far > sigma else sigma)
+    else:
+        for place in range(count):
+            z = errors[np.uintp(place)] * unit
+            left = 1.0 - z * z
+            left = left if left > 0.0 else 0.0
+            weights[np.uintp(place)] = left * left
     return sigma
 
 
 @kernel
-def _respond(
-    rays: Floats, slopes: Floats, weights: Floats, q: Floats, inverse: Floats, moved: Floats, response: Floats
-) -> None:
+def _respond(rays: Floats, falls: Floats, weights: Floats, inverse: Floats, moved: Floats, response: Floats) -> None:
     """How q answers when every point moves outward by `moved` px, one column for each of its columns."""
-    sums = np.zeros((3, moved.shape[1]))
-    for i in range(rays.shape[0]):
+    sums = np.zeros((3, response.shape[1]))
+    for i in range(falls.shape[0]):
         if weights[i] > 0.0:
-            fall = slopes[i, 0] * q[0] + slopes[i, 1] * q[1] + slopes[i, 2] * q[2]
-            for k in range(moved.shape[1]):
+            w = weights[i] / falls[i]
+            for k in range(response.shape[1]):
                 for j in range(3):
-                    sums[j, k] -= weights[i] * rays[i, j] / fall * moved[i, k]
-    for k in range(moved.shape[1]):
+                    sums[j, k] -= w * rays[j, i] * moved[i, k]
+    for k in range(response.shape[1]):
         for j in range(3):
             response[j, k] = inverse[j, 0] * sums[0, k] + inverse[j, 1] * sums[1, k] + inverse[j, 2] * sums[2, k]
 
 
 @kernel
 def _lens_moves(
-    intrinsics: Floats, spread: Floats, points: Floats, rays: Floats, slopes: Floats, q: Floats, moved: Floats
+    intrinsics: Floats, spread: Floats, kept: Floats, rays: Floats, falls: Floats, q: Floats, moved: Floats
 ) -> None:
     """By how many px every point seems to move outward per unit of each number of the camera."""
     other, ray = intrinsics.copy(), np.empty(3)
@@ -138,13 +166,12 @@ def _lens_moves(
         step = min(0.1 * math.sqrt(spread[k, k]), 0.5 if k < 4 else 1e-3)
         other[k] = intrinsics[k] + step
         widest = fold(other[4], other[5], other[8])
-        for i in range(points.shape[0]):
-            if rays[i, 2] > 0.0 and _ray(other, widest, points[i, 0], points[i, 1], ray):
-                fall, rise = 0.0, 0.0
+        for i in range(falls.shape[0]):
+            if _ray(other, widest, kept[i, 3], kept[i, 4], ray):
+                rise = 0.0
                 for j in range(3):
-                    fall += slopes[i, j] * q[j]
-                    rise += (ray[j] - rays[i, j]) * q[j]
-                moved[i, k] = rise / (step * fall)
+                    rise += (ray[j] - rays[j, i]) * q[j]
+                moved[i, k] = rise / (step * falls[i])
         other[k] = intrinsics[k]
 
 
@@ -202,27 +229,30 @@ def fit_cone(
         Sum of the weights, as a share of the points.
     """
     n = points.shape[0]
-    rays, slopes, outward = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
-    weights, q, last = np.zeros(n), np.zeros(3), np.zeros(3)
-    normal, inverse = np.zeros((3, 3)), np.zeros((3, 3))
-    if _see(intrinsics, points, x, y, shift, outward, rays, slopes) < 4:
+    kept, every = np.empty((n, 5)), np.empty((8, n))
+    seen = _see(intrinsics, points, x, y, shift, kept, every[0:3], every[3:6])
+    if seen < 4:
         return FEW, 0.0, 0.0
-    for i in range(n):
-        weights[i] = 1.0 if rays[i, 2] > 0.0 else 0.0
-        q += rays[i]
-    q *= 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2])
+    rays, slopes, falls, errors = every[0:3, :seen], every[3:6, :seen], every[6, :seen], every[7, :seen]
+    weights, order, q, last, inverse = np.ones(seen), np.empty(seen), np.empty(3), np.empty(3), np.empty((3, 3))
+    for j in range(3):
+        q[j] = rays[j].sum()
+    q *= 1.0 / length(q)
     noise = 0.0
+    _fall(slopes, q, falls)
     for turn in range(ROUNDS):
         last[:] = q
-        if not _solve(rays, slopes, weights, q, normal, inverse):
+        if not _solve(rays, falls, weights, q, inverse):
             return FLAT, 0.0, 0.0
+        _fall(slopes, q, falls)
         change = abs(q[0] - last[0]) + abs(q[1] - last[1]) + abs(q[2] - last[2])
         if turn > (EARLY if robust else 1) and change < 1e-10 + (1e-4 if robust else 1e-8) * math.sqrt(
             inverse[0, 0] + inverse[1, 1]
         ):
             break
         if robust:
-            noise = _weigh(rays, slopes, q, floor, turn < EARLY, weights)
+            _err(rays, q, falls, errors, order)
+            noise = _weigh(errors, order, floor, turn < EARLY, weights)
     square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] - 1.0
     if not square > 1e-12:
         return FLAT, 0.0, 0.0
@@ -238,12 +268,12 @@ def fit_cone(
     for j in range(3):
         for k in range(3):
             own[j, k] = inflation * noise * noise * inverse[j, k]
-    _respond(rays, slopes, weights, q, inverse, outward, response)
+    _respond(rays, falls, weights, inverse, kept, response)
     add_spread(response, spread, own)
     if camera_spread.shape[0] == 9:
-        moved, answer = np.zeros((n, 9)), np.zeros((3, 9))
-        _lens_moves(intrinsics, camera_spread, points, rays, slopes, q, moved)
-        _respond(rays, slopes, weights, q, inverse, moved, answer)
+        moved, answer = np.zeros((seen, 9)), np.zeros((3, 9))
+        _lens_moves(intrinsics, camera_spread, kept, rays, falls, q, moved)
+        _respond(rays, falls, weights, inverse, moved, answer)
         add_spread(answer, camera_spread, own)
     add_spread(turned, own, covariance)
     return DONE, noise, weights.sum() / n

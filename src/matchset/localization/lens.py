@@ -103,6 +103,24 @@ def _radial(target: float, widest: float, near: float, k1: float, k2: float, k3:
 
 
 @kernel
+def bend(intrinsics: Floats, x: float, y: float) -> tuple[float, float, float]:
+    """How the lens bends around a direction: d x' / d x, d x' / d y = d y' / d x, d y' / d y.
+
+    Parameters
+    ----------
+    intrinsics : ndarray of shape (9,), float64
+    x, y : float
+        X / Z and Y / Z of the direction.
+    """
+    k1, k2, p1, p2, k3 = intrinsics[4], intrinsics[5], intrinsics[6], intrinsics[7], intrinsics[8]
+    s = x * x + y * y
+    gain = 1.0 + s * (k1 + s * (k2 + s * k3))
+    turn = 2.0 * (k1 + s * (2.0 * k2 + s * 3.0 * k3))
+    across = turn * x * y + 2.0 * p1 * x + 2.0 * p2 * y
+    return gain + turn * x * x + 2.0 * p1 * y + 6.0 * p2 * x, across, gain + turn * y * y + 6.0 * p1 * y + 2.0 * p2 * x
+
+
+@kernel
 def undistort(intrinsics: Floats, widest: float, u: float, v: float) -> tuple[float, float, bool]:
     """Take the lens out of one point of the picture.
 
@@ -141,10 +159,7 @@ def undistort(intrinsics: Floats, widest: float, u: float, v: float) -> tuple[fl
         gain = 1.0 + s * (k1 + s * (k2 + s * k3))
         error_x = x * gain + 2.0 * p1 * x * y + p2 * (s + 2.0 * x * x) - seen_x
         error_y = y * gain + p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y - seen_y
-        turn = 2.0 * (k1 + s * (2.0 * k2 + s * 3.0 * k3))
-        xx = gain + turn * x * x + 2.0 * p1 * y + 6.0 * p2 * x
-        xy = turn * x * y + 2.0 * p1 * x + 2.0 * p2 * y
-        yy = gain + turn * y * y + 6.0 * p1 * y + 2.0 * p2 * x
+        xx, xy, yy = bend(intrinsics, x, y)
         area = xx * yy - xy * xy
         if not area > LEAST_SLOPE * LEAST_SLOPE:
             break

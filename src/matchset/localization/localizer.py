@@ -9,16 +9,20 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.ball import BallParameters, locate_ball
+from matchset.localization import sighting
+from matchset.localization.ball import NOWHERE, REASONS, BallParameters, outline_of
 from matchset.localization.camera_model import CameraModel
-from matchset.localization.markers import LEVEL, NOTHING, observe_turn
-from matchset.localization.pose import UNSEEN, Observed, Pose
+from matchset.localization.markers import FULL, LEVEL, NOTHING
+from matchset.localization.pose import Observed, Pose
+from matchset.localization.sighting import COVARIANCE, KNOWN, OUT, RADIUS, TURN, sight
 from matchset.localization.target import MOST, BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+OBSERVED: dict[int, Observed] = {NOTHING: "position", LEVEL: "level", FULL: "full"}
 
 
 class LocalizerParameters(msgspec.Struct, frozen=True):
@@ -74,6 +78,16 @@ class Localizer:
         self.parameters = parameters or LocalizerParameters()
         self._bodies = target.directions
         self._last, self._since = np.eye(3), -math.inf
+        self._numbers = np.zeros(sighting.NUMBERS)
+        limits = self.parameters
+        self._numbers[RADIUS:KNOWN] = (
+            target.radius,
+            target.marker_distance,
+            limits.marker_place,
+            limits.tilt,
+            limits.lead,
+            limits.misfit,
+        )
 
     def update(
         self, ball: Track[Circle] | Lost[Circle], markers: Iterable[Track[Circle] | Lost[Circle]] = ()
@@ -94,53 +108,41 @@ class Localizer:
         """
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
-        found = locate_ball(self.camera, self.target.radius, ball, self.parameters.ball)
-        if isinstance(found, str):
-            return Lost(found, ball.time)
-        position, spread = found
-        covariance = np.zeros((6, 6))
-        covariance[:3, :3] = spread
-        turn: Floats | None = None
-        observed: Observed = "position"
-        seen = [marker for marker in markers if isinstance(marker, Track)] if len(self._bodies) else []
-        if seen:
-            turn, observed = self._turn(position, covariance, seen[:MOST], ball.time)
-        if turn is None:
-            covariance[3:, :] = covariance[:, 3:] = 0.0
-            covariance[3, 3] = covariance[4, 4] = covariance[5, 5] = UNSEEN
-        return Pose(position=position, turn=turn, covariance=covariance, observed=observed, time=ball.time)
-
-    def _turn(
-        self, position: Floats, covariance: Floats, markers: list[Track[Circle]], time: float
-    ) -> tuple[Floats | None, Observed]:
-        """Rotation from the markers; writes its rows and columns of the covariance."""
-        limits, turn = self.parameters, np.empty((3, 3))
-        choices, starts = assignments(len(markers), len(self._bodies))
-        pixels, spreads = np.empty((len(markers), 2)), np.empty((len(markers), 2, 2))
-        for k, marker in enumerate(markers):
-            pixels[k, 0], pixels[k, 1], spreads[k] = marker.shape.x, marker.shape.y, marker.covariance[:2, :2]
-        kind = observe_turn(
+        outline, numbers, out = outline_of(ball, self.parameters.ball), self._numbers, np.empty(OUT)
+        numbers[:RADIUS], known = outline.numbers, self.camera.covariance
+        numbers[KNOWN] = 0.0 <= ball.time - self._since <= self.parameters.memory
+        seen = [_numbers(marker) for marker in markers if isinstance(marker, Track)] if len(self._bodies) else []
+        miss, kind = sight(
             self.camera.intrinsics,
-            pixels,
-            spreads,
-            choices,
-            starts,
+            NOWHERE if known is None else known,
+            outline.points,
+            outline.spread,
+            np.array(seen[:MOST]) if seen else NOWHERE,
+            *assignments(min(max(len(seen), 1), MOST), len(self._bodies)),
             self._bodies,
-            position,
-            self.target.marker_distance,
-            limits.marker_place,
-            limits.tilt,
-            limits.lead,
-            limits.misfit,
             self._last,
-            0.0 <= time - self._since <= limits.memory,
-            turn,
-            covariance,
+            numbers,
+            out,
         )
-        if kind == NOTHING:
-            return None, "position"
-        self._last, self._since = turn, time
-        return turn, "level" if kind == LEVEL else "full"
+        if miss:
+            return Lost(REASONS[miss], ball.time)
+        turn: Floats | None = None
+        if kind != NOTHING:
+            turn = out[TURN:].reshape(3, 3)
+            self._last, self._since = turn, ball.time
+        return Pose(
+            position=out[:COVARIANCE],
+            turn=turn,
+            covariance=out[COVARIANCE:TURN].reshape(6, 6),
+            observed=OBSERVED[kind],
+            time=ball.time,
+        )
+
+
+def _numbers(marker: Track[Circle]) -> tuple[float, ...]:
+    """Middle of a marker, px, and the covariance of that."""
+    circle, wide = marker.shape, marker.covariance
+    return circle.x, circle.y, wide.item(0, 0), wide.item(0, 1), wide.item(1, 0), wide.item(1, 1)
 
 
 @functools.cache

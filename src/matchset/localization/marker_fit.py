@@ -10,160 +10,192 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from matchset.localization.marker_pixels import KINDS, LIGHT, VALUE, WEIGHT, X, Y, gather, lay_out, shading
 from matchset.localization.marker_shape import coverage, ellipse
-from matchset.shapes.jit import kernel
+from matchset.shapes.jit import kernel, summing
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
 
 ROUNDS = 8
 AROUND = 0.5  # how far beyond the rim pixels are compared, in radii of the marker, and
 MARGIN = 3.0  # px more
 SHADED = 1.0  # how much farther the ball's shading is looked at, in radii of the marker
-GLINT = 1.15  # brightness, in that of the ball around, from which a pixel is taken for a highlight
-THIN = 10.0  # px of reach for each of which one pixel in a row more is left out there
 ENOUGH = 0.05  # px: a smaller step is the last
 TIED = 0.8  # largest correlation of neighbors on a line
-STILL = 20.0  # weight that holds the shading flat where few pixels tell, px^2
-LIMB = 0.5  # px inside the ball's outline from which pixels count, fully from
-FULL = 3.5
+MOST_DOWN = 0.8  # the same between lines, as it is believed
+
+BLOCK = 512  # pixels that are worked on at a time, so that what is known of them stays in the cache
+WIDTH = BLOCK + 1  # numbers of each kind: that of the pixel before the block comes first
+# Where each kind begins: the weight, 1 for a pixel that counts, what the model leaves of it, and how the model changes
+# with x, y and the height.
+W0, W1, W2, W3, W4, W5 = (np.uintp(k * WIDTH) for k in range(6))
+BEFORE = np.uintp(1)
+ZERO, ONE = np.float32(0.0), np.float32(1.0)
+# places in `sums`: the sums of products of x, y, height, level and what is left, row by row up to the diagonal, and of
+WEIGHTS, VALUES, SQUARES, REST, ALONG, DOWN = 15, 16, 17, 18, 19, 20
+SUMS = 21
 
 
-@kernel
-def _shading(image: Bytes, ball: Floats, window: Floats, reach: float, ground: Floats, shade: Floats) -> None:
-    """Brightness of the ball around a marker, a plane without highlights: there, and per px right and down."""
-    x0, y0, ux, uy, ratio, a = window[0], window[1], window[2], window[3], window[4], window[5]
-    edge, inner, outer = (ball[2] - FULL) ** 2, (a + 3.0) ** 2, reach * reach
-    shade[0], shade[1], shade[2] = 0.0, 0.0, 0.0
-    thin = 1 + int(reach / THIN)
-    n, b = np.empty((3, 3)), np.empty(3)
-    for turn in range(2):
-        count = sx = sy = sxx = sxy = syy = t = tx = ty = 0.0  # numbers, not arrays: they stay in registers
-        for row in range(max(int(y0 - reach), 0), min(int(y0 + reach) + 1, image.shape[0]), thin):
-            for column in range(max(int(x0 - reach), 0), min(int(x0 + reach) + 1, image.shape[1]), thin):
-                dx, dy = column - x0, row - y0
-                along, across = (dx * ux + dy * uy) / ratio, dy * ux - dx * uy
-                if along * along + across * across < inner or dx * dx + dy * dy > outer:
-                    continue
-                if (column - ball[0]) ** 2 + (row - ball[1]) ** 2 > edge:
-                    continue
-                value = 0.0
-                for c in range(image.shape[2]):
-                    value += ground[c] * image[row, column, c]
-                if turn > 0 and value > GLINT * (shade[0] + shade[1] * dx + shade[2] * dy):
-                    continue
-                count, sx, sy = count + 1.0, sx + dx, sy + dy
-                sxx, sxy, syy = sxx + dx * dx, sxy + dx * dy, syy + dy * dy
-                t, tx, ty = t + value, tx + value * dx, ty + value * dy
-        if count < 20.0:
-            return
-        n[0, 0], n[0, 1], n[0, 2] = count, sx, sy
-        n[1, 0], n[1, 1], n[1, 2] = sx, sxx + STILL, sxy
-        n[2, 0], n[2, 1], n[2, 2] = sy, sxy, syy + STILL
-        b[0], b[1], b[2] = t, tx, ty
-        shade[:] = np.linalg.solve(n, b)
-    most = 0.5 * max(shade[0], 0.0) / reach
-    shade[1], shade[2] = min(max(shade[1], -most), most), min(max(shade[2], -most), most)
-
-
-@kernel
-def _gather(
-    image: Bytes,
-    ball: Floats,
-    places: Floats,
-    count: int,
-    which: int,
-    left: int,
-    top: int,
-    axis: Floats,
-    ground: Floats,
-    shade: Floats,
-    values: Floats,
+@summing
+def _expect(
+    pixels: tuple[Singles, Singles, Singles, Singles, Singles],
+    window: Floats,
+    reach: float,
+    soft: float,
+    model: Floats,
+    work: Singles,
+    sums: Floats,
 ) -> None:
-    """Read the pixels around a marker: how much of it is in them, the light there, and the weight they have."""
-    x0, y0, farthest = places[which, 0], places[which, 1], (0.5 * values.shape[0]) ** 2
-    whole = max(ball[2] - FULL, 0.0) ** 2
-    for i in range(values.shape[0]):
-        for j in range(values.shape[1]):
-            row, column = top + i, left + j
-            values[i, j, 2] = 0.0
-            dx, dy = column - x0, row - y0
-            if row < 0 or column < 0 or row >= image.shape[0] or column >= image.shape[1]:
-                continue
-            if dx * dx + dy * dy > farthest:
-                continue
-            far = (column - ball[0]) ** 2 + (row - ball[1]) ** 2
-            weight = 1.0 if far < whole else (ball[2] - math.sqrt(far) - LIMB) / (FULL - LIMB)
-            for k in range(count):
-                if k != which and (column - places[k, 0]) ** 2 + (row - places[k, 1]) ** 2 < dx * dx + dy * dy:
-                    weight = 0.0
-            if weight <= 0.0:
-                continue
-            s, bright, light = axis[3], 0.0, 1.0
-            for c in range(image.shape[2]):
-                value = float(image[row, column, c])
-                s += axis[c] * value
-                bright += ground[c] * value
-            if shade[0] > 0.0:
-                light = 1.0 + (shade[1] * dx + shade[2] * dy) / shade[0]
-                glint = bright / (shade[0] * light)
-                weight *= min(max((2.0 * GLINT - 1.0 - glint) / (GLINT - 1.0), 0.0), 1.0)
-            values[i, j, 0], values[i, j, 1], values[i, j, 2] = s, light, weight
+    """Compare the pixels of a block with what is expected there."""
+    values, lights, weights, xs, ys = pixels
+    x0, y0, ux, uy = np.float32(window[0]), np.float32(window[1]), np.float32(window[2]), np.float32(window[3])
+    ratio, a, blur = np.float32(window[4]), np.float32(window[5]), np.float32(soft)
+    height, level, farthest = np.float32(model[0]), np.float32(model[1]), np.float32(reach * reach)
+    total = mean = power = rest = ZERO
+    for place in range(values.shape[0]):
+        p = np.uintp(place)
+        k = p + BEFORE
+        dx, dy = xs[p] - x0, ys[p] - y0
+        cover, right, under = coverage(dx, dy, ux, uy, a, ratio, blur)
+        counts = np.float32((dx * dx + dy * dy <= farthest) & (weights[p] > ZERO))
+        weight, s, lit = weights[p] * counts, values[p], lights[p] * counts
+        e = (s - level) * counts - height * lit * cover
+        work[k], work[k + W1], work[k + W2] = weight, counts, e
+        work[k + W3], work[k + W4], work[k + W5] = height * lit * right, height * lit * under, lit * cover
+        total, mean, power, rest = total + weight, mean + weight * s, power + weight * s * s, rest + weight * e * e
+    sums[WEIGHTS] += total
+    sums[VALUES] += mean
+    sums[SQUARES] += power
+    sums[REST] += rest
+
+
+@summing
+def _add(work: Singles, tie: float, fresh: Singles, weighted: Singles, sums: Floats) -> None:
+    """Add a block to the normal equations.
+
+    Noise that has been through a filter is alike in neighbors on a line: of every pixel `tie` times its left neighbor
+    is taken away, in the picture and in the model, which leaves it independent.
+    """
+    past, alone = np.float32(tie), np.float32(math.sqrt(1.0 - tie * tie))
+    joined = ONE - alone
+    xx = xy = yy = xc = yc = cc = xl = yl = cl = ll = xf = yf = cf = lf = ff = along = ZERO
+    for place in range(fresh.shape[0]):
+        p = np.uintp(place)
+        k = p + BEFORE
+        weight, here, before = work[k], alone + joined * work[p + W1], work[p + W2]
+        f = here * work[k + W2] - past * before
+        x, y = here * work[k + W3] - past * work[p + W3], here * work[k + W4] - past * work[p + W4]
+        c, one = here * work[k + W5] - past * work[p + W5], here - past * work[p + W1]
+        wx, wy, wc, wl, wf = weight * x, weight * y, weight * c, weight * one, weight * f
+        xx, xy, yy, xc, yc = xx + wx * x, xy + wx * y, yy + wy * y, xc + wx * c, yc + wy * c
+        cc, xl, yl, cl, ll = cc + wc * c, xl + wx * one, yl + wy * one, cl + wc * one, ll + wl * one
+        xf, yf, cf, lf, ff = xf + wx * f, yf + wy * f, cf + wc * f, lf + wl * f, ff + wf * f
+        along += weight * work[k + W2] * before
+        fresh[p], weighted[p] = f * work[k + W1], wf
+    new = xx, xy, yy, xc, yc, cc, xl, yl, cl, ll, xf, yf, cf, lf, ff
+    for place in range(15):
+        sums[place] += new[place]
+    sums[ALONG] += along
+
+
+@summing
+def _down(fresh: Singles, weighted: Singles) -> float:
+    """How much alike what is left is on neighboring lines."""
+    total = ZERO
+    for place in range(fresh.shape[0]):
+        total += fresh[np.uintp(place)] * weighted[np.uintp(place)]
+    return float(total)
 
 
 @kernel
 def _compare(
-    values: Floats,
+    pixels: Singles,
+    stride: int,
     window: Floats,
     reach: float,
     soft: float,
     model: Floats,
     tie: float,
-    n: Floats,
-    b: Floats,
+    work: Singles,
+    left: tuple[Singles, Singles],
     sums: Floats,
 ) -> None:
-    """Sum up the normal equations of one Gauss-Newton step, and what tells how good the fit is.
+    """Sum up the normal equations of one Gauss-Newton step, and what tells how good the fit is."""
+    fresh, weighted = left
+    count = fresh.shape[0]
+    for k in range(sums.shape[0]):
+        sums[k] = 0.0
+    for k in range(6):
+        work[k * WIDTH] = ZERO
+    for begin in range(0, count, BLOCK):
+        end = min(begin + BLOCK, count)
+        rows = (
+            pixels[VALUE, begin:end],
+            pixels[LIGHT, begin:end],
+            pixels[WEIGHT, begin:end],
+            pixels[X, begin:end],
+            pixels[Y, begin:end],
+        )
+        _expect(rows, window, reach, soft, model, work, sums)
+        _add(work, tie, fresh[begin:end], weighted[begin:end], sums)
+        for k in range(6):
+            work[k * WIDTH] = work[k * WIDTH + end - begin]
+    sums[DOWN] = _down(fresh[: count - stride], weighted[stride:])
 
-    Noise that has been through a filter is alike in neighbors on a line: of every pixel `tie` times its left neighbor
-    is taken away, in the picture and in the model, which leaves it independent.
-    """
-    x0, y0, ux, uy, ratio, a = window[0], window[1], window[2], window[3], window[4], window[5]
-    height, level, alone, farthest = model[0], model[1], math.sqrt(1.0 - tie * tie), reach * reach
-    old_x = old_y = old_c = before = 0.0
-    bx = by = bc = bl = xx = xy = yy = xc = yc = cc = xl = yl = cl = ll = 0.0  # in registers, unlike arrays
-    total = square = mean = power = rest = along = down = 0.0
-    above = np.zeros(values.shape[1])
-    for i in range(values.shape[0]):
-        joined, dy = False, i - y0
-        for j in range(values.shape[1]):
-            weight, dx = values[i, j, 2], j - x0
-            if weight <= 0.0 or dx * dx + dy * dy > farthest:
-                above[j], joined = 0.0, False
-                continue
-            light = values[i, j, 1]
-            cover, right, under = coverage(dx, dy, ux, uy, a, ratio, soft)
-            jx, jy, jc = height * light * right, height * light * under, light * cover
-            s = values[i, j, 0]
-            e = s - level - height * jc
-            past = tie if joined else 0.0
-            here = 1.0 if joined else alone
-            fresh = here * e - past * before
-            gx, gy, gc, gl = here * jx - past * old_x, here * jy - past * old_y, here * jc - past * old_c, here - past
-            wx, wy, wc, wl, wf = weight * gx, weight * gy, weight * gc, weight * gl, weight * fresh
-            bx, by, bc, bl = bx + gx * wf, by + gy * wf, bc + gc * wf, bl + gl * wf
-            xx, xy, yy, xc, yc = xx + wx * gx, xy + wx * gy, yy + wy * gy, xc + wx * gc, yc + wy * gc
-            cc, xl, yl, cl, ll = cc + wc * gc, xl + wx * gl, yl + wy * gl, cl + wc * gl, ll + wl * gl
-            total, square, rest = total + weight, square + wf * fresh, rest + weight * e * e
-            mean, power, down = mean + weight * s, power + weight * s * s, down + wf * above[j]
-            along += weight * e * before if joined else 0.0
-            above[j], before, joined = fresh, e, True
-            old_x, old_y, old_c = jx, jy, jc
-    n[0, 0], n[1, 0], n[1, 1], n[2, 0], n[2, 1], n[2, 2] = xx, xy, yy, xc, yc, cc
-    n[3, 0], n[3, 1], n[3, 2], n[3, 3] = xl, yl, cl, ll
-    b[0], b[1], b[2], b[3] = bx, by, bc, bl
-    sums[0], sums[1], sums[2], sums[3] = total, square, mean, power
-    sums[4], sums[5], sums[6] = rest, along, down
+
+@kernel
+def _invert(n: Floats, inverse: Floats) -> bool:
+    """Inverse of a symmetric positive matrix by Gauss and Jordan, which destroys it; False if it has none."""
+    size = n.shape[0]
+    for p in range(size):
+        for q in range(size):
+            inverse[p, q] = 1.0 if p == q else 0.0
+    for p in range(size):
+        if not n[p, p] > 0.0:
+            return False
+        unit = 1.0 / n[p, p]
+        for q in range(size):
+            n[p, q] *= unit
+            inverse[p, q] *= unit
+        for r in range(size):
+            share = n[r, p]
+            if r != p and share != 0.0:
+                for q in range(size):
+                    n[r, q] -= share * n[p, q]
+                    inverse[r, q] -= share * inverse[p, q]
+    return True
+
+
+@kernel
+def _step(sums: Floats, n: Floats, inverse: Floats, step: Floats) -> bool:
+    """Solve the normal equations for x, y, height and level; False where they have no solution."""
+    place = 0
+    for p in range(4):
+        for q in range(p + 1):
+            n[p, q] = n[q, p] = sums[place]
+            place += 1
+        n[p, p] += 1e-9 * sums[WEIGHTS]
+    if not _invert(n, inverse):
+        return False
+    for p in range(4):
+        step[p] = 0.0
+        for q in range(4):
+            step[p] += inverse[p, q] * sums[10 + q]
+    return True
+
+
+@kernel
+def _noise(sums: Floats, inverse: Floats, covariance: Floats) -> float:
+    """Write the covariance of the place; returns the variance of what is left."""
+    variance = sums[14] / sums[WEIGHTS]
+    down = min(max(sums[DOWN] / max(sums[14], 1e-12), 0.0), MOST_DOWN)
+    grain = (1.0 + down) / (1.0 - down)
+    for p in range(2):
+        for q in range(2):
+            covariance[p, q] = grain * variance * inverse[p, q]
+    return float(variance)
 
 
 @kernel
@@ -171,7 +203,6 @@ def fit_marker(
     image: Bytes,
     ball: Floats,
     places: Floats,
-    count: int,
     which: int,
     size: float,
     depth: float,
@@ -190,7 +221,7 @@ def fit_marker(
         x, y, radius, px.
     places : (k, 2)
         Middles of the markers, px; row `which` is written, the others are kept out of the way.
-    count, which : int
+    which : int
     size, depth : float
         m and k, see `marker_shape.py`.
     soft : float
@@ -215,38 +246,30 @@ def fit_marker(
     """
     place, a, radius = places[which], size * ball[2], ball[2]
     reach = (1.0 + AROUND) * a + MARGIN
-    n, b, sums = np.zeros((4, 4)), np.zeros(4), np.zeros(7)
+    n, inverse, step, sums = np.empty((4, 4)), np.empty((4, 4)), np.empty(4), np.empty(SUMS)
     shade, window, model = np.zeros(3), np.zeros(6), np.array((1.0, 0.0))
     result, least = (0.0, 0.0, 0.0), 0 if tied[0] > 0.0 else 1
     span = 2 * int(reach + MARGIN) + 1
-    values, left, top = np.empty((span, span, 3)), 0, 0
+    count, left, top = span * (span + 1), 0, 0
+    pixels, work = np.zeros((KINDS, count), np.float32), np.empty(6 * WIDTH, np.float32)
+    rest = np.empty(count, np.float32), np.empty(count, np.float32)
+    lay_out(span, pixels)
     for turn in range(ROUNDS):
         window[0], window[1], window[5] = place[0], place[1], a
         window[2], window[3], window[4] = ellipse(place, ball, depth)
         if turn == 0 or abs(place[0] - left - span // 2) + abs(place[1] - top - span // 2) > MARGIN:
             left, top = math.floor(place[0] + 0.5) - span // 2, math.floor(place[1] + 0.5) - span // 2
-            _shading(image, ball, window, reach + SHADED * a, ground, shade)
-            _gather(image, ball, places, count, which, left, top, axis, ground, shade, values)
+            shading(image, ball, window, reach + SHADED * a, ground, shade)
+            gather(image, ball, places, which, left, top, axis, ground, shade, pixels)
         window[0], window[1] = place[0] - left, place[1] - top
-        _compare(values, window, reach, soft, model, tied[0], n, b, sums)
-        if sums[0] < 12.0:
+        _compare(pixels, span + 1, window, reach, soft, model, tied[0], work, rest, sums)
+        if sums[WEIGHTS] < 12.0 or not _step(sums, n, inverse, step):
             return 0.0, 0.0, 0.0
-        for p in range(4):
-            n[p, p] += 1e-9 * sums[0]
-            for q in range(p):
-                n[q, p] = n[p, q]
-        inverse = np.linalg.inv(n)
-        variance = sums[1] / sums[0]
-        down = min(max(sums[6] / max(sums[1], 1e-12), 0.0), 0.8)
-        grain = (1.0 + down) / (1.0 - down)
-        spread = sums[3] - sums[2] * sums[2] / sums[0]
-        result = (model[0], math.sqrt(variance), 1.0 - sums[4] / max(spread, 1e-12))
+        variance = _noise(sums, inverse, covariance)
+        spread = sums[SQUARES] - sums[VALUES] * sums[VALUES] / sums[WEIGHTS]
+        result = (model[0], math.sqrt(variance), 1.0 - sums[REST] / max(spread, 1e-12))
         if turn < 2:
-            tied[0] = min(max(sums[5] / max(sums[4], 1e-12), 0.0), TIED)
-        for p in range(2):
-            for q in range(2):
-                covariance[p, q] = grain * variance * inverse[p, q]
-        step = inverse @ b
+            tied[0] = min(max(sums[ALONG] / max(sums[REST], 1e-12), 0.0), TIED)
         longest = max(abs(step[0]), abs(step[1]))
         shrink = min(1.0, 0.5 * a / longest) if longest > 0.0 else 1.0
         place[0] += shrink * step[0]

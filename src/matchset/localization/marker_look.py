@@ -11,6 +11,7 @@ from matchset.shapes.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
+Index = np.uintp | int
 
 LEAST_INSIDE, LEAST_OUTSIDE = 1.0, 8.0  # pixels of a marker and of the ball from which something is learned
 TEACH_INSIDE, TEACH_OUTSIDE, TEACH_RIM = 0.75, 1.7, 0.9  # radii: of the marker, of the marker, of the ball
@@ -66,6 +67,21 @@ def look(
 
 
 @kernel
+def _add(b: float, g: float, r: float, first: Index, sums: Floats) -> None:
+    """Add a color to the count, the sums and the products of a row of `teach`, which begins at a place in `sums`."""
+    sums[first] += 1.0
+    sums[first + np.uintp(1)] += b
+    sums[first + np.uintp(2)] += g
+    sums[first + np.uintp(3)] += r
+    sums[first + np.uintp(4)] += b * b
+    sums[first + np.uintp(5)] += g * b
+    sums[first + np.uintp(6)] += g * g
+    sums[first + np.uintp(7)] += r * b
+    sums[first + np.uintp(8)] += r * g
+    sums[first + np.uintp(9)] += r * r
+
+
+@kernel
 def teach(
     image: Bytes,
     ball: Floats,
@@ -93,31 +109,31 @@ def teach(
     sums : (2, 10), written
         First row: markers; second: ball.
     """
-    sums[:] = 0.0
-    a, reach = size * ball[2], TEACH_RIM * ball[2]
-    value = np.zeros(3)
-    for row in range(max(int(ball[1] - reach), 0), min(int(ball[1] + reach) + 1, image.shape[0]), step):
-        for column in range(max(int(ball[0] - reach), 0), min(int(ball[0] + reach) + 1, image.shape[1]), step):
-            if (column - ball[0]) ** 2 + (row - ball[1]) ** 2 > reach * reach:
-                continue
+    for place in range(sums.size):
+        sums[place // 10, place % 10] = 0.0
+    a, reach, both, axes = size * ball[2], TEACH_RIM * ball[2], sums.reshape(-1), np.empty((count, 4))
+    inside, outside = (TEACH_INSIDE * a) ** 2, (TEACH_OUTSIDE * a) ** 2
+    height, width, channels = image.shape
+    flat, left = image.reshape(-1), max(int(ball[0] - reach), 0)
+    for marker in range(count):
+        ux, uy, ratio = ellipse(places[marker], ball, depth)
+        axes[marker, 0], axes[marker, 1], axes[marker, 2], axes[marker, 3] = ux / ratio, uy / ratio, ux, uy
+    for row in range(max(int(ball[1] - reach), 0), min(int(ball[1] + reach) + 1, height), step):
+        half = math.sqrt(max(reach * reach - (row - ball[1]) ** 2, 0.0))
+        first = left + step * max(math.ceil((ball[0] - half - left) / step), 0)
+        for column in range(first, min(math.floor(ball[0] + half) + 1, width), step):
             nearest = math.inf
-            for k in range(count):
-                ux, uy, ratio = ellipse(places[k], ball, depth)
+            for marker in range(count):
+                k = np.uintp(marker)
                 dx, dy = column - places[k, 0], row - places[k, 1]
-                along, across = (dx * ux + dy * uy) / ratio, dy * ux - dx * uy
-                nearest = min(nearest, math.sqrt(along * along + across * across) / a)
-            kind = 0 if nearest < TEACH_INSIDE else 1 if nearest > TEACH_OUTSIDE else 2
-            if kind == 2:
-                continue
-            for c in range(image.shape[2]):
-                value[c] = image[row, column, c]
-            sums[kind, 0] += 1.0
-            m = 4
-            for c in range(3):
-                sums[kind, 1 + c] += value[c]
-                for d in range(c + 1):
-                    sums[kind, m] += value[c] * value[d]
-                    m += 1
+                along, across = dx * axes[k, 0] + dy * axes[k, 1], dy * axes[k, 2] - dx * axes[k, 3]
+                nearest = min(nearest, along * along + across * across)
+            if nearest < inside or nearest > outside:
+                at = np.uintp((row * width + column) * channels)
+                b, g, r = float(flat[at]), 0.0, 0.0
+                if channels == 3:
+                    g, r = float(flat[at + np.uintp(1)]), float(flat[at + np.uintp(2)])
+                _add(b, g, r, np.uintp(0 if nearest < inside else 10), both)
 
 
 @kernel

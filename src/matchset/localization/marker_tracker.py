@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.marker_fit import fit_marker
-from matchset.localization.marker_look import blend, look, teach, tell_apart
-from matchset.localization.marker_shape import describe
+from matchset.localization import marker_follow
+from matchset.localization.marker_follow import AT, EXPLAINED, FOUND, OUTLINE, RIM, SPREAD, WIDE, follow_markers
+from matchset.localization.marker_look import look
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import channels_last
@@ -20,10 +20,8 @@ from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
-Place = tuple[float, float]
 
 GRID = 48  # cells across the ball in which markers are looked for at first
-RIM = 16  # points of a marker's match-set
 
 
 class MarkerParameters(msgspec.Struct, frozen=True):
@@ -86,9 +84,11 @@ class MarkerTracker:
         self._size = target.marker_diameter / target.diameter
         self._depth = target.marker_distance / target.radius
         self._places: Floats = np.zeros((0, 2))  # of the markers, from the ball's middle, in ball radii
-        self._sums: Floats = np.zeros((2, 10))
-        self._axis, self._ground = np.zeros(4), np.zeros(3)
-        self._tied: Floats = np.zeros(1)  # what `fit_marker` knows of the noise
+        self._known: Floats = np.zeros(marker_follow.KNOWN)  # of colors and noise
+        limits = self.parameters
+        asked = limits.soft, limits.least_height, limits.least_explained, limits.farthest, limits.memory
+        ball = 0.0, 0.0, 0.0, 0.0  # of the frame
+        self._numbers = np.array((*ball, self._size, self._depth, *asked, limits.inflation, limits.floor))
         self._missed: list[int] = []  # frames for which each of them has not been seen
 
     def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
@@ -116,29 +116,26 @@ class MarkerTracker:
             self._places, self._missed = np.zeros((0, 2)), []
             return ()
         image = channels_last(frame.image)
-        circle = np.array([ball.shape.x, ball.shape.y, ball.shape.radius])
-        if len(self._places) - sum(missed > 0 for missed in self._missed) < len(self.target.markers):
-            self._look(image, circle)
-        if len(self._places) == 0:
+        if self._missed.count(0) < len(self.target.markers):
+            self._look(image, ball.shape)
+        if not self._missed:
             return ()
-        places = np.ascontiguousarray(circle[:2] + circle[2] * self._places)
-        self._teach(image, circle, places)
-        return self._follow(image, circle, places, ball)
+        return self._follow(image, ball)
 
-    def _look(self, image: Image, circle: Floats) -> None:
+    def _look(self, image: Image, ball: Circle) -> None:
         """Add patches of the color that are not known yet."""
-        radius = float(circle[2])
+        x, y, radius = ball.x, ball.y, ball.radius
         step = max(round(2.0 * radius / GRID), 1)
         cells = int(2.0 * radius / step) + 2
         mask = np.zeros((cells, cells), np.uint8)
-        left, top = look(image, self.color.table, float(circle[0]), float(circle[1]), 0.97 * radius, step, mask)
+        left, top = look(image, self.color.table, x, y, 0.97 * radius, step, mask)
         count, _, stats, centers = cv2.connectedComponentsWithStats(mask, connectivity=4)
         whole = math.pi * (self._size * radius / step) ** 2
         found = sorted(range(1, count), key=lambda k: -int(stats[k, cv2.CC_STAT_AREA]))
         for k in found:
-            place = ((left, top) + step * centers[k] - circle[:2]) / radius
+            place = ((left, top) + step * centers[k] - (x, y)) / radius
             squeezed = math.sqrt(max(1.0 - float(place @ place), 0.05))
-            if len(self._places) - sum(missed > 0 for missed in self._missed) == len(self.target.markers):
+            if self._missed.count(0) == len(self.target.markers):
                 break
             if not self.parameters.least_size * squeezed < stats[k, cv2.CC_STAT_AREA] / whole < 4.0:
                 continue
@@ -146,65 +143,35 @@ class MarkerTracker:
                 self._places = np.vstack((place, self._places))
                 self._missed.insert(0, 0)
 
-    def _teach(self, image: Image, circle: Floats, places: Floats) -> None:
-        """Learn which direction of color tells marker from ball: Fisher's linear discriminant."""
-        sums = np.empty((2, 10))
-        step = max(int(circle[2] / 12.0), 1)
-        count = self._missed.count(0)  # those that were seen in the last frame come first
-        teach(image, circle, places, count, self._size, self._depth, step, sums)
-        if blend(self._sums, sums, self.parameters.memory):
-            tell_apart(self._sums, self._axis, self._ground)
-
-    def _follow(self, image: Image, circle: Floats, places: Floats, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
+    def _follow(self, image: Image, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
         """Place every marker; expect those that are not there for a while, then forget them."""
-        tracks: list[Track[Circle]] = []
-        kept: list[Place] = []
-        unseen: list[int] = []
-        limits, before, (x, y, radius) = self.parameters, self._places.tolist(), circle.tolist()
-        for k in range(len(places)):
-            covariance = np.zeros((2, 2))
-            height, _, explained = fit_marker(
-                image,
-                circle,
-                places,
-                len(places),
-                k,
-                self._size,
-                self._depth,
-                limits.soft,
-                self._axis,
-                self._ground,
-                self._tied,
-                covariance,
-            )
-            place = (places.item(k, 0) - x) / radius, (places.item(k, 1) - y) / radius
-            if (
-                height < limits.least_height
-                or explained < limits.least_explained
-                or not math.hypot(*place) < limits.farthest * self._depth
-                or not _alone(place, kept, self._size)
-            ):
-                places[k] = x + radius * before[k][0], y + radius * before[k][1]
-                unseen.append(k)
-                continue
-            kept.append(place)
-            tracks.append(self._track(places[k], circle, covariance, explained, ball))
-        hoped = [k for k in unseen if self._missed[k] < limits.patience and _alone(before[k], kept, self._size)]
-        self._missed = [0] * len(kept) + [self._missed[k] + 1 for k in hoped]
-        self._places = np.array([*kept, *(before[k] for k in hoped)]).reshape(-1, 2)
-        return tuple(tracks)
+        circle, places, missed, numbers = ball.shape, self._places, self._missed, self._numbers
+        numbers[0], numbers[1], numbers[2] = circle.x, circle.y, circle.radius
+        numbers[SPREAD] = ball.covariance[2, 2]
+        found = np.empty((len(missed), FOUND))
+        count = follow_markers(image, numbers, missed.count(0), places, self._known, found)
+        if count < len(missed):
+            self._expect(count, [int(row) for row in found[count:, 0]])
+        else:
+            self._missed = [0] * count
+        return tuple(_track(found[k], ball.time) for k in range(count))
 
-    def _track(
-        self, at: Floats, circle: Floats, covariance: Floats, explained: float, ball: Track[Circle]
-    ) -> Track[Circle]:
-        """Answer with a marker: the circle of its ellipse's area, and its rim for a match-set."""
-        limits, rim, wide = self.parameters, np.empty((RIM, 2)), np.empty((3, 3))
-        covariance *= limits.inflation
-        covariance[0, 0] += limits.floor**2
-        covariance[1, 1] += limits.floor**2
-        spread = ball.covariance.item(2, 2)
-        radius = describe(at, circle, self._size, self._depth, covariance, spread, rim, wide)
-        return Track(Circle(at.item(0), at.item(1), radius), wide, explained, rim, ball.time)
+    def _expect(self, count: int, unseen: list[int]) -> None:
+        """Go on with the markers that were found, the first ones, and those that will soon be seen again."""
+        places, patience = self._places.tolist(), self.parameters.patience
+        kept, missed = places[:count], [0] * count
+        for place, former in zip(places[count:], unseen, strict=True):
+            if self._missed[former] < patience and _alone(place, places[:count], self._size):
+                kept.append(place)
+                missed.append(self._missed[former] + 1)
+        self._places, self._missed = np.array(kept).reshape(-1, 2), missed
+
+
+def _track(found: Floats, time: float) -> Track[Circle]:
+    """Answer with a marker: the circle of its ellipse's area, and its rim for a match-set."""
+    radius, explained, x, y = found.item(0), found.item(EXPLAINED), found.item(AT), found.item(AT + 1)
+    wide, rim = found[WIDE:OUTLINE].reshape(3, 3), found[OUTLINE:AT].reshape(RIM, 2)
+    return Track(Circle(x, y, radius), wide, explained, rim, time)
 
 
 def _alone(place: Sequence[float], others: Iterable[Sequence[float]], apart: float) -> bool:

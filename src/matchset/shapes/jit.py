@@ -71,7 +71,7 @@ def summing(function: F) -> F:
     order = {
         "reassoc": True,
         "nsz": True,
-    }  # no set: it is part of the key of kept code, and sets differ from run to run
+    }  # no set, whose order differs from run to run: it is in the key of kept code
     return _kept(function, _nrt=False, fastmath=order)
 
 

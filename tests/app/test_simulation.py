@@ -9,10 +9,11 @@ import pytest
 from blue_ball import Matchset
 from chain_flight import Flown, with_crash
 
-from matchset.app.flight_run import FlightParameters
+from matchset.app.flight_run import Flight, FlightParameters
 from matchset.app.flight_score import FlightJudge, FlightScore, settled
 from matchset.app.simulate_command import parse_sweep
 from matchset.app.simulation_table import Limits, rows_of, table_of, verdict
+from matchset.links.simulated import SimulationParameters
 
 GOOD = FlightScore(
     seed=1,
@@ -40,6 +41,28 @@ def test_who_comes_near_and_leaves_again_has_not_settled() -> None:
     assert settled(time, off) == pytest.approx(3.0)
     off[:, 0, 0] = 0.2
     assert settled(time, off) == math.inf
+
+
+def test_of_a_long_chain_one_begins_after_the_other() -> None:
+    three, five = (FlightParameters(world=SimulationParameters(vehicles=count), stagger=1.5) for count in (3, 5))
+    assert [three.begins(who) for who in range(2)] == [0.0, 0.0]
+    assert [five.begins(who) for who in range(4)] == [3.0, 1.5, 0.0, 0.0]
+    for bad in ({"together": 0}, {"stagger": -1.0}, {"stagger": math.nan}):
+        with pytest.raises(ValueError, match=next(iter(bad))):
+            FlightParameters(**bad)
+
+
+def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
+    world = SimulationParameters(vehicles=4, pal="clean")
+    with Flight(FlightParameters(duration=0.5, stagger=0.2, world=world)) as flight:
+        armed, throttles = [], []
+        for tick in flight:
+            armed.append([pilot.armed for pilot in flight.pilots])
+            throttles.append([step.command.throttle for step in tick.steps])
+    assert armed[0] == [False, True, True]
+    assert [each[0] for each in armed].index(True) == 6
+    assert max(each[0] for each in throttles[:6]) == 0.0
+    assert min(throttles[-1]) > 0.3
 
 
 def test_a_flight_is_judged_by_its_ticks(flown: Flown) -> None:

@@ -66,6 +66,14 @@ def test_the_integral_learns_fast_at_first() -> None:
     assert terms[-1] - terms[last - 1] == pytest.approx(0.2, abs=1e-6)
 
 
+def test_what_was_learned_before_a_reset_does_not_slow_what_comes_after() -> None:
+    pid, fresh = (Pid(PidParameters(proportional=0.0, integral=1.0, learning=0.5)) for _ in range(2))
+    for _ in range(100):
+        pid.update(1.0, 0.0, STEP)
+    pid.reset()
+    assert pid.update(1.0, 0.0, STEP) == fresh.update(1.0, 0.0, STEP)
+
+
 @given(st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 2, st.floats(1e-4, 1.0)), max_size=30))
 def test_the_output_stays_within_its_limit(calls: list[tuple[float, float, float]]) -> None:
     pid = Pid(PidParameters(proportional=3.0, integral=2.0, derivative=1.0, most=0.7, most_integral=0.2))

@@ -29,15 +29,31 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         The world, its cameras and its links.
     pilot : PilotParameters
         Every follower's loop.
+    together : int
+        How many followers begin at once, those next to the rope. Each learns in its first seconds what throttle hovers,
+        and wobbles; three and more that do so at once enlarge it.
+    stagger : float
+        How much later each of the others begins than the one that it watches, s.
     """
 
     duration: float = 60.0
+    together: int = 2
+    stagger: float = 1.2
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
 
     def __post_init__(self) -> None:
         if not 0.1 <= self.duration <= 3600.0:
             raise ValueError(f"duration must be within 0.1 ... 3600, got {self.duration}")
+        if self.together < 1:
+            raise ValueError(f"together must be 1 or more, got {self.together}")
+        if not 0.0 <= self.stagger <= 60.0:
+            raise ValueError(f"stagger must be within 0 ... 60, got {self.stagger}")
+
+    def begins(self, who: int) -> float:
+        """When a follower, from 0, is armed, s: until then a hand holds it."""
+        behind = self.world.vehicles - 2 - who
+        return self.stagger * max(behind - self.together + 1, 0)
 
 
 class Crash(msgspec.Struct, frozen=True):
@@ -133,9 +149,7 @@ class Flight:
         )
 
     def __iter__(self) -> Iterator[Tick]:
-        """Arm everyone and fly for the duration."""
-        for pilot in self.pilots:
-            pilot.arm()
+        """Arm one after the other and fly for the duration."""
         for index in range(1, self.length + 1):
             yield self._tick(index)
 
@@ -161,6 +175,9 @@ class Flight:
         self.close()
 
     def _tick(self, index: int) -> Tick:
+        for who, pilot in enumerate(self.pilots):
+            if not pilot.armed and (index - 1) / FPS >= self.parameters.begins(who):
+                pilot.arm()
         steps = tuple(pilot.step() for pilot in self.pilots)
         truth, shown = self.chain.truth(), self.chain.truth(index)
         return Tick(

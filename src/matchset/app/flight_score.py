@@ -38,8 +38,8 @@ class FlightScore(msgspec.Struct, frozen=True, kw_only=True):
     losses : tuple of int
         How often it went from placed to not placed.
     spread : tuple of (float, float, float)
-        Root mean square of place minus set place from 5 s on, side, height and heading of each follower, m; empty if
-        the flight was not that long.
+        Root mean square of place minus set place from 5 s after its beginning on, side, height and heading of each
+        follower, m; empty if the flight was not that long.
     settled : float
         When the last follower had come within 0.15 m of its set place in every axis for the first time to stay there
         for a second, s; inf if one never did.
@@ -126,8 +126,8 @@ class FlightJudge:
         ticks = max(len(self._time), 1)
         time = np.array(self._time)
         off = np.array(self._off).reshape(len(self._time), -1, 3)
-        late = off[time >= SETTLING]
-        spread = np.sqrt((late**2).mean(axis=0)) if len(late) else np.empty((0, 3))
+        late = [off[time >= SETTLING + self.parameters.begins(who), who] for who in range(off.shape[1])]
+        spread = [np.sqrt((each**2).mean(axis=0)) for each in late] if all(len(each) for each in late) else []
         return FlightScore(
             seed=self.parameters.world.seed,
             duration=self.parameters.duration,

@@ -190,7 +190,10 @@ class Follower:
         return self._steer(acts, step)
 
     def sent(self, command: Command, now: float) -> None:
-        """Note what really went out, after limits and quantization."""
+        """Note what really went out, after limits and quantization; without throttle nothing is learned."""
+        if not command.throttle > 0.0:
+            for pid in (self._right, self._ahead, self._rise, self._yaw):
+                pid.reset()
         limits, hover = self.parameters.own, self.parameters.hover
         pull = GRAVITY / limits.heft
         trims = [pid.terms.integral for pid in (self._right, self._ahead, self._rise)]

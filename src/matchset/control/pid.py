@@ -94,6 +94,7 @@ class Pid:
     def reset(self, keep_integral: bool = False) -> None:
         """Forget the past, on request all but the integral term: what it learned of a bias still holds."""
         self.terms = Terms(integral=self.terms.integral if keep_integral else 0.0)
+        self._age = self._age if keep_integral else 0.0
         self._last, self._rate = None, 0.0
 
     def update(self, goal: float, measured: float, step: float, rate: float | None = None) -> float:

@@ -21,4 +21,4 @@ CHOICES: Choices = {"half": (0.8, 1.0, 1.2, 1.5)}
 
 def follow(start: Start, parameters: Parameters) -> Step:
     """Follow the square around the circle of the first frame; what is lost is not searched for."""
-    return follow_box(legacy.TrackerCSRT_create(), start, parameters.half)
+    return follow_box(legacy.TrackerCSRT_create(), start, parameters.half, scales=True)

@@ -6,7 +6,7 @@ from cv2 import legacy  # type: ignore[attr-defined]
 from benchmarks.peers.parts.box import follow_box
 from benchmarks.peers.parts.start import Choices, Start, Step
 
-NAME = "MOSSE"
+NAME = "MOSSE (its box keeps its size)"
 NEEDS = "circle"
 
 

@@ -8,8 +8,9 @@ from scipy.optimize import least_squares
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, rim, square, track
-from matchset.localization.ball import BallParameters, locate_ball
+from matchset.localization.ball import BallParameters
 from matchset.localization.cone import fit_cone
+from matchset.localization.localizer import LocalizerParameters
 from matchset.sim.outline import sphere_outline
 
 EXACT = BallParameters(edge_shift=0.0)
@@ -20,12 +21,19 @@ places = st.tuples(st.floats(-0.55, 0.55), st.floats(-0.4, 0.4), st.floats(0.7, 
 )
 
 
+def pose_of(
+    camera: ms.CameraModel, seen: "ms.Track[ms.Circle]", parameters: BallParameters = EXACT, radius: float = 0.14
+) -> "ms.Pose | ms.Lost[ms.Pose]":
+    target = ms.BallTarget(diameter=2.0 * radius, marker_diameter=radius / 2.0)
+    return ms.Localizer(camera, target, LocalizerParameters(ball=parameters)).update(seen)
+
+
 def located(
-    camera: ms.CameraModel, seen: "ms.Track[ms.Circle]", parameters: BallParameters = EXACT
+    camera: ms.CameraModel, seen: "ms.Track[ms.Circle]", parameters: BallParameters = EXACT, radius: float = 0.14
 ) -> tuple[Floats, Floats]:
-    found = locate_ball(camera, 0.14, seen, parameters)
-    assert not isinstance(found, str), found
-    return found
+    found = pose_of(camera, seen, parameters, radius)
+    assert isinstance(found, ms.Pose), found
+    return found.position, found.covariance[:3, :3]
 
 
 def slow_position(camera: ms.CameraModel, points: Floats, start: Floats) -> Floats:
@@ -58,9 +66,8 @@ def test_an_exact_outline_gives_the_exact_place_at_any_angle_off_axis(camera: ms
 @settings(deadline=None, max_examples=30)
 def test_all_lengths_scale_with_the_diameter(place: Floats, scale: float) -> None:
     seen = ball(PINHOLE, place)
-    found = locate_ball(PINHOLE, 0.14 * scale, seen, EXACT)
-    assert not isinstance(found, str)
-    np.testing.assert_allclose(found[0], scale * located(PINHOLE, seen)[0], rtol=1e-9)
+    found, _ = located(PINHOLE, seen, radius=0.14 * scale)
+    np.testing.assert_allclose(found, scale * located(PINHOLE, seen)[0], rtol=1e-9)
 
 
 @pytest.mark.parametrize("camera", [PINHOLE, BARREL])
@@ -165,23 +172,23 @@ def test_the_cameras_uncertainty_is_included(place: tuple[float, ...]) -> None:
 
 def test_what_cannot_be_a_ball_before_the_camera_is_said() -> None:
     straight = np.column_stack((np.linspace(100.0, 500.0, 40), np.full(40, 200.0)))
-    assert "not that of a ball" in str(locate_ball(PINHOLE, 0.14, track(straight), EXACT))
+    assert "not that of a ball" in str(pose_of(PINHOLE, track(straight)))
     near = ms.CameraModel.from_fov(640, 480, 3.1)
     touching = 120.0 * np.column_stack((np.cos(np.arange(64.0)), np.sin(np.arange(64.0)))) + (319.5, 239.5)
-    assert "touches the camera" in str(locate_ball(near, 0.14, track(touching), EXACT))
+    assert "touches the camera" in str(pose_of(near, track(touching)))
     folded = ms.CameraModel(
         width=640, height=480, fx=450.0, fy=450.0, cx=319.5, cy=239.5, distortion=(-3.0, 0.0, 0.0, 0.0, 0.0)
     )
-    assert "no directions" in str(locate_ball(folded, 0.14, track(touching + np.array((250.0, 0.0))), EXACT))
+    assert "no directions" in str(pose_of(folded, track(touching + np.array((250.0, 0.0)))))
 
 
 @given(st.lists(st.tuples(st.floats(-1e7, 1e7), st.floats(-1e7, 1e7)), max_size=40), cameras)
 @settings(deadline=None)
 def test_any_points_give_finite_numbers_or_a_reason(points: list[tuple[float, float]], camera: ms.CameraModel) -> None:
     seen = ms.Track(ms.Circle(300.0, 200.0, 40.0), np.eye(3), 1.0, np.array(points).reshape(-1, 2), 0.0)
-    found = locate_ball(camera, 0.14, seen, EXACT)
-    if isinstance(found, str):
-        assert found
+    found = pose_of(camera, seen)
+    if isinstance(found, ms.Lost):
+        assert found.reason
     else:
-        assert np.isfinite(found[0]).all()
-        assert np.isfinite(found[1]).all()
+        assert np.isfinite(found.position).all()
+        assert np.isfinite(found.covariance).all()

@@ -5,7 +5,7 @@ from typing import Any
 from benchmarks.peers.parts.start import Circle3, Image, Start, Step
 
 
-def follow_box(tracker: Any, start: Start, half: float) -> Step:
+def follow_box(tracker: Any, start: Start, half: float, scales: bool = False) -> Step:
     """Start a box tracker.
 
     Parameters
@@ -15,6 +15,9 @@ def follow_box(tracker: Any, start: Start, half: float) -> Step:
     start : Start
     half : float
         Half the side of the box, radii.
+    scales : bool
+        Whether the box changes its size with what is followed. Those that do not round it to a size that suits their
+        Fourier transform, which says nothing of the radius: it stays what it was.
 
     Returns
     -------
@@ -29,6 +32,7 @@ def follow_box(tracker: Any, start: Start, half: float) -> Step:
         if not held or width <= 0 or height <= 0:
             return None
         # Pixels left ... left + width - 1: their middle lies half a pixel before left + width / 2.
-        return left + width / 2.0 - 0.5, top + height / 2.0 - 0.5, (width + height) / 4.0 / half
+        radius = (width + height) / 4.0 / half if scales else r
+        return left + width / 2.0 - 0.5, top + height / 2.0 - 0.5, radius
 
     return step

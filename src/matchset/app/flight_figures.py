@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.flight_log import PHASES, FlightLog
-from matchset.app.flight_score import SETTLING
+from matchset.app.flight_run import SETTLING
 
 Floats = npt.NDArray[np.float64]
 
@@ -15,7 +15,7 @@ HEADINGS = (
     "losses",
     "longest, s",
     "error of the circle, px (mean, 95 %)",
-    f"off the set place, cm rms from {SETTLING:g} s on (side, height, heading)",
+    f"off the set place, cm rms, from {SETTLING:g} s after its start on (side, height, heading)",
     "age, ms (median, 95 %)",
     "computing, µs (median)",
     "at the end",

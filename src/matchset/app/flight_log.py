@@ -8,7 +8,6 @@ import numpy.typing as npt
 
 from matchset.app.common_frame import composed, from_last
 from matchset.app.flight_run import Crash, Tick
-from matchset.app.flight_score import SETTLING
 from matchset.app.flight_setting import Setting
 from matchset.app.flight_tally import FlightTally
 from matchset.app.loop import Step
@@ -134,7 +133,7 @@ class FlightLog:
         """Subtract the set place of a follower, from 0, from its true one, once it should be held: (n, 3), m."""
         log, place = self.followers[number], self.setting.parameters.pilot.place
         off: Floats = log.true - (place.side, place.height, place.heading)
-        return off[log.time >= SETTLING]
+        return off[log.time >= self.setting.parameters.counts(number)]
 
     def spread(self, number: int) -> Floats:
         """Root mean square of `off_place` in each axis, (3,), m; empty if the flight was not that long."""

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from matchset.app.flight_log import FlightLog, FollowerLog
-from matchset.app.flight_score import SETTLING
+from matchset.app.flight_run import SETTLING
 from matchset.app.palette import as_hex, vehicle_rgb
 from matchset.app.plot import INK, PALE, PINK, calm
 from matchset.localization.chain import FACING_AWAY, seen_from_last
@@ -82,7 +82,8 @@ def errors_png(log: FlightLog) -> bytes:
     distances = [100.0 * np.linalg.norm(log.off_place(k), axis=1) for k in range(len(log.followers))]
     most = max((float(each.max()) for each in distances if each.size), default=1.0)
     _histogram(right, log, lambda k: distances[k], np.linspace(0.0, most, 41))
-    right.set_title(f"true distance from the set place, from {SETTLING:g} s on", loc="left", color=INK, fontsize=11)
+    title = f"true distance from the set place, from {SETTLING:g} s after its start on"
+    right.set_title(title, loc="left", color=INK, fontsize=11)
     right.set_xlabel("cm")
     for axes in (left, right):
         axes.set_ylabel("share of the frames, %")

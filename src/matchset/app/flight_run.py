@@ -17,6 +17,8 @@ from matchset.sim.world import place_beside
 
 Floats = npt.NDArray[np.float64]
 
+SETTLING = 5.0  # s after its start in which a follower's place counts for the start-up, not for the spread
+
 
 class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What is flown.
@@ -54,6 +56,10 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         """When a follower, from 0, is armed, s: until then a hand holds it."""
         behind = self.world.vehicles - 2 - who
         return self.stagger * max(behind - self.together + 1, 0)
+
+    def counts(self, who: int) -> float:
+        """From when on the place of a follower, from 0, counts, s: `SETTLING` after it was armed."""
+        return self.begins(who) + SETTLING
 
 
 class Crash(msgspec.Struct, frozen=True):

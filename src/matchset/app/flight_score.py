@@ -12,7 +12,6 @@ from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]
 
-SETTLING = 5.0  # s at the beginning that count for the start-up, not for the spread
 NEAR = 0.15  # m, in every axis: a follower nearer than that to its set place has settled
 DOWN = ("descending", "cut")
 
@@ -126,7 +125,7 @@ class FlightJudge:
         ticks = max(len(self._time), 1)
         time = np.array(self._time)
         off = np.array(self._off).reshape(len(self._time), -1, 3)
-        late = [off[time >= SETTLING + self.parameters.begins(who), who] for who in range(off.shape[1])]
+        late = [off[time >= self.parameters.counts(who), who] for who in range(off.shape[1])]
         spread = [np.sqrt((each**2).mean(axis=0)) for each in late] if all(len(each) for each in late) else []
         return FlightScore(
             seed=self.parameters.world.seed,

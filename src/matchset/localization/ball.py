@@ -1,4 +1,4 @@
-"""From a ball in the picture to a ball in space: `locate_ball`."""
+"""What of a ball in the picture its place in space is taken from: `outline_of`, by `BallParameters`."""
 
 import math
 from functools import cached_property
@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization import cone
-from matchset.localization.camera_model import CameraModel
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 
@@ -85,45 +84,3 @@ def outline_of(track: Track[Circle], limits: BallParameters) -> Outline:
         return Outline(points, spread, (circle.x, circle.y, 0.0, limits.edge_shift, 0.0, limits.floor))
     numbers = circle.x, circle.y, 1.0, limits.edge_shift, limits.inflation, limits.floor
     return Outline(np.ascontiguousarray(points, np.float64), limits.common, numbers)
-
-
-def locate_ball(
-    camera: CameraModel, radius: float, track: Track[Circle], parameters: BallParameters
-) -> tuple[Floats, Floats] | str:
-    """Place a ball by the tangent cone of its outline.
-
-    Parameters
-    ----------
-    camera : CameraModel
-    radius : float
-        Of the ball, m.
-    track : Track of Circle
-        The cone is fitted to its match-set, robustly; with few points to its circle, as if seen with no edge.
-    parameters : BallParameters
-
-    Returns
-    -------
-    tuple of ndarray (3,), ndarray (3, 3)
-        The ball's center in the camera frame, m, and its covariance, the camera's own uncertainty included.
-    str
-        Why there is none, in words.
-    """
-    outline, known = outline_of(track, parameters), camera.covariance
-    x, y, robust, shift, inflation, floor = outline.numbers
-    position, covariance = np.empty(3), np.empty((3, 3))
-    miss, _, _ = cone.fit_cone(
-        camera.intrinsics,
-        NOWHERE if known is None else known,
-        outline.points,
-        x,
-        y,
-        shift,
-        robust > 0.0,
-        outline.spread,
-        inflation,
-        floor,
-        radius,
-        position,
-        covariance,
-    )
-    return REASONS[miss] if miss else (position, covariance)

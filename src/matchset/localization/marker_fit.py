@@ -33,9 +33,11 @@ WIDTH = BLOCK + 1  # numbers of each kind: that of the pixel before the block co
 W0, W1, W2, W3, W4, W5 = (np.uintp(k * WIDTH) for k in range(6))
 BEFORE = np.uintp(1)
 ZERO, ONE = np.float32(0.0), np.float32(1.0)
-# places in `sums`: the sums of products of x, y, height, level and what is left, row by row up to the diagonal, and of
-WEIGHTS, VALUES, SQUARES, REST, ALONG, DOWN = 15, 16, 17, 18, 19, 20
-SUMS = 21
+# places in `sums`: the sums of products of x, y, height, level and what is left, row by row up to the diagonal: those
+# with what is left begin at LEFT, its squares are at MISFIT
+LEFT, MISFIT = 10, 14
+# and after them the sums of
+WEIGHTS, VALUES, SQUARES, REST, ALONG, DOWN, SUMS = range(15, 22)
 
 
 @summing
@@ -95,7 +97,7 @@ def _add(work: Singles, tie: float, fresh: Singles, weighted: Singles, sums: Flo
         along += weight * work[k + W2] * before
         fresh[p], weighted[p] = f * work[k + W1], wf
     new = xx, xy, yy, xc, yc, cc, xl, yl, cl, ll, xf, yf, cf, lf, ff
-    for place in range(15):
+    for place in range(WEIGHTS):
         sums[place] += new[place]
     sums[ALONG] += along
 
@@ -182,15 +184,15 @@ def _step(sums: Floats, n: Floats, inverse: Floats, step: Floats) -> bool:
     for p in range(4):
         step[p] = 0.0
         for q in range(4):
-            step[p] += inverse[p, q] * sums[10 + q]
+            step[p] += inverse[p, q] * sums[LEFT + q]
     return True
 
 
 @kernel
 def _noise(sums: Floats, inverse: Floats, covariance: Floats) -> float:
     """Write the covariance of the place; returns the variance of what is left."""
-    variance = sums[14] / sums[WEIGHTS]
-    down = min(max(sums[DOWN] / max(sums[14], 1e-12), 0.0), MOST_DOWN)
+    variance = sums[MISFIT] / sums[WEIGHTS]
+    down = min(max(sums[DOWN] / max(sums[MISFIT], 1e-12), 0.0), MOST_DOWN)
     grain = (1.0 + down) / (1.0 - down)
     for p in range(2):
         for q in range(2):

@@ -28,7 +28,7 @@ TAUGHT = 12.0  # pixels of the ball's radius that are looked at to learn the col
 
 
 @kernel
-def _is_alone(place: Floats, others: Floats, count: int, apart: float) -> bool:
+def is_alone(place: Floats, others: Floats, count: int, apart: float) -> bool:
     """Whether none of the first others is nearer than `apart`."""
     alone = True
     for k in range(count):
@@ -86,7 +86,7 @@ def follow_markers(image: Bytes, numbers: Floats, seen: int, places: Floats, kno
         place[0], place[1] = (at[k, 0] - ball[0]) / radius, (at[k, 1] - ball[1]) / radius
         far = math.sqrt(place[0] ** 2 + place[1] ** 2)
         good = height >= numbers[LEAST_HEIGHT] and explained >= numbers[LEAST_EXPLAINED]
-        if not (good and far < numbers[FARTHEST] * depth and _is_alone(place, places, kept, size)):
+        if not (good and far < numbers[FARTHEST] * depth and is_alone(place, places, kept, size)):
             at[k, 0], at[k, 1] = before
             unseen[missed, 0], unseen[missed, 1], unseen[missed, 2] = k, places[k, 0], places[k, 1]
             missed += 1

@@ -1,7 +1,6 @@
 """The ball's markers, found inside its outline and followed from frame to frame: `MarkerTracker`."""
 
 import math
-from collections.abc import Iterable, Sequence
 
 import cv2
 import msgspec
@@ -11,7 +10,17 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization import marker_follow
-from matchset.localization.marker_follow import AT, EXPLAINED, FOUND, OUTLINE, RIM, SPREAD, WIDE, follow_markers
+from matchset.localization.marker_follow import (
+    AT,
+    EXPLAINED,
+    FOUND,
+    OUTLINE,
+    RIM,
+    SPREAD,
+    WIDE,
+    follow_markers,
+    is_alone,
+)
 from matchset.localization.marker_look import look
 from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
@@ -139,7 +148,7 @@ class MarkerTracker:
                 break
             if not self.parameters.least_size * squeezed < stats[k, cv2.CC_STAT_AREA] / whole < 4.0:
                 continue
-            if _alone(place.tolist(), self._places.tolist(), self._size):
+            if is_alone(place, self._places, len(self._places), self._size):
                 self._places = np.vstack((place, self._places))
                 self._missed.insert(0, 0)
 
@@ -158,13 +167,13 @@ class MarkerTracker:
 
     def _expect(self, count: int, unseen: list[int]) -> None:
         """Go on with the markers that were found, the first ones, and those that will soon be seen again."""
-        places, patience = self._places.tolist(), self.parameters.patience
-        kept, missed = places[:count], [0] * count
-        for place, former in zip(places[count:], unseen, strict=True):
-            if self._missed[former] < patience and _alone(place, places[:count], self._size):
-                kept.append(place)
+        places, patience = self._places, self.parameters.patience
+        kept, missed = list(range(count)), [0] * count
+        for k, former in enumerate(unseen, count):
+            if self._missed[former] < patience and is_alone(places[k], places, count, self._size):
+                kept.append(k)
                 missed.append(self._missed[former] + 1)
-        self._places, self._missed = np.array(kept).reshape(-1, 2), missed
+        self._places, self._missed = places[kept], missed
 
 
 def _track(found: Floats, time: float) -> Track[Circle]:
@@ -172,8 +181,3 @@ def _track(found: Floats, time: float) -> Track[Circle]:
     radius, explained, x, y = found.item(0), found.item(EXPLAINED), found.item(AT), found.item(AT + 1)
     wide, rim = found[WIDE:OUTLINE].reshape(3, 3), found[OUTLINE:AT].reshape(RIM, 2)
     return Track(Circle(x, y, radius), wide, explained, rim, time)
-
-
-def _alone(place: Sequence[float], others: Iterable[Sequence[float]], apart: float) -> bool:
-    """Whether no other marker is nearer than `apart`."""
-    return all(math.dist(place, other) > apart for other in others)

@@ -68,10 +68,8 @@ def borrowing(function: F) -> F:
 
 def summing(function: F) -> F:
     """Like `borrowing`, for long sums: their terms may be added in any order, several at a time."""
-    order = {
-        "reassoc": True,
-        "nsz": True,
-    }  # no set, whose order differs from run to run: it is in the key of kept code
+    # no set, whose order differs from run to run: it is in the key of kept code
+    order = {"reassoc": True, "nsz": True}
     return _kept(function, _nrt=False, fastmath=order)
 
 

@@ -15,13 +15,8 @@ from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 
 Floats = npt.NDArray[np.float64]
 
-HEAD, FITS, CLOCKS, LOOKS, LIMITS = (
-    4,
-    16,
-    6,
-    4,
-    32,
-)  # numbers of the sizes, a fit, the motion, a look, and each kind of parameters
+# numbers of the sizes, a fit, the motion, a look, and each kind of parameters
+HEAD, FITS, CLOCKS, LOOKS, LIMITS = 4, 16, 6, 4, 32
 
 # places in `Views.fit`: what the last look at the shape found
 NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE, HOLLOW, SIZE, BENT = range(13)

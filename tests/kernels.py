@@ -38,6 +38,7 @@ class Limits(NamedTuple):
     threshold: float = 0.0
     enough: float = 1.0
     plain: float = 0.0
+    combed: bool = False
 
 
 def channels_last(image: Bytes) -> Bytes:
@@ -84,14 +85,19 @@ def fit(
     state: Floats,
     prior: Prior,
     fields: tuple[float, float] = (0.0, 0.0),
+    expected: tuple[float, float, float] | None = None,
 ) -> Fit:
-    """Fit of a state (s,) to edge points (n, 3) with a jacobian (n, s + 2); where the fields' distance begins."""
+    """Fit of a state (s,) to edge points (n, 3) with a jacobian (n, s + 2); where the fields' distance begins.
+
+    What is expected of it, and its standard deviation: by default none, by as much as the speed allows.
+    """
     moved, count = state.copy(), len(prior.spread)
     outline = np.concatenate((np.zeros((len(jacobian), 4)), jacobian), axis=1)
     edges = np.stack((offset, strength, np.ones_like(offset)), axis=2)
     covariance, found = np.zeros((count, jacobian.shape[1])), np.zeros((len(jacobian), 3))
     scratch = np.zeros(scratch_size(len(jacobian), len(state)))
-    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found, np.array(fields), scratch)
+    apart = np.array((*fields, *(expected or (0.0, 0.0, 0.1 + 0.5 * prior.speed))))
+    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found, apart, scratch)
     chosen = found[:, 2].astype(np.int64)
     return Fit(moved - state, noise, covariance[:, :count], found[:, 0], found[:, 1], chosen)
 

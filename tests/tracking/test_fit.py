@@ -138,6 +138,8 @@ def test_fields_far_apart_need_to_be_expected_there() -> None:
     strength = np.tile((1.0, 0.0, 0.0), (N, 1))
     begun_near = fit(columns, offset, strength, STATE, prior, fields=(9.0, 6.0))
     assert np.abs(begun_near.step[:3] - true).max() < 0.2
+    surely = fit(columns, offset, strength, STATE, prior, fields=(9.0, 6.0), expected=(9.0, 6.0, 0.5))
+    np.testing.assert_allclose(surely.step, (*true, 0.0, 0.0), atol=0.01)  # what is expected does not pull it elsewhere
     begun_at_rest = fit(columns, offset, strength, STATE, prior)
     assert np.abs(begun_at_rest.step[:3] - true).max() > 3.0  # one of the fields taken for the whole
 

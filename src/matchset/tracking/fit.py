@@ -6,7 +6,7 @@ fit takes the one that agrees, and gives none of them weight when all disagree (
 of a shape hides its rim and shows an edge inside it, never outside: an edge point inside is disbelieved sooner.
 
 Priors keep the step sane where edge points are few: the motion's prediction for the parameters, zero and the last
-frame for the modes, and as much difference between the two fields of an interlaced picture as the speed allows.
+frame for the modes, and what is expected of the distance between the two fields of an interlaced picture.
 """
 
 import math
@@ -58,7 +58,7 @@ def _median(values: Singles, wanted: int) -> float:
 
 @part
 def _hold(
-    held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, speed: float, noise: float
+    held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, fields: Floats, noise: float
 ) -> None:
     """Write the priors, three numbers each: inverse variance in units of the noise's, step to their mean, nothing."""
     s, free, noise = state.shape[0], spread.shape[0], max(noise, CONFUSED)
@@ -74,7 +74,7 @@ def _hold(
             weight, mean = zero + last, last * expected[k] / (zero + last) - state[k]
         held[3 * k], held[3 * k + 1], held[3 * k + 2] = weight, mean, 0.0
     for k in range(s, s + 2):
-        held[3 * k], held[3 * k + 1], held[3 * k + 2] = 1.0 / (0.1 + 0.5 * speed) ** 2, 0.0, 0.0
+        held[3 * k], held[3 * k + 1], held[3 * k + 2] = 1.0 / fields[4] ** 2, fields[2 + k - s], 0.0
 
 
 @part
@@ -209,9 +209,10 @@ def fit_lines(
     found : (n, 3), written
         Per line the residual of the edge point the fit took, px, infinite where there is none; its weight; which of
         the line's edge points it is.
-    fields : (2,), written
-        Distance between the two fields, x and y, px: where to begin, and what was found. At 16 px per frame the fields
-        lie 8 px apart; begun at 0 the fit would take one of them for the whole and the other for outliers.
+    fields : (5,), the first two written
+        Distance between the two fields, x and y, px: where to begin, and what was found; what is expected, and the
+        standard deviation of that. At 16 px per frame the fields lie 8 px apart; begun at 0 the fit would take one of
+        them for the whole and the other for outliers.
     scratch : (scratch_size(n, s),)
         Working memory.
 
@@ -236,7 +237,7 @@ def fit_lines(
     if p > s:
         step[s], step[s + 1] = fields[0], fields[1]
     turn(outline, turned, p)
-    _hold(held, state, expected, spread, size, speed, noise)
+    _hold(held, state, expected, spread, size, fields, noise)
     sigma, scale, total, final = start, start, 0.0, 0
     coarse = start > COARSE * floor  # while far off the modes keep still
     for _ in range(ROUNDS):

@@ -49,10 +49,14 @@ def _place(
     margin: int,
     height: int,
     width: int,
+    combed: bool,
     runs: Ints,
     starts: Floats,
 ) -> None:
-    """Where line i runs, the offset of its first pixel and its offset per pixel."""
+    """Where line i runs, the offset of its first pixel and its offset per pixel.
+
+    Where the fields of an interlaced picture lie apart, columns are combed: a line along one keeps to one field.
+    """
     x, y, nx, ny = outline[i, 0], outline[i, 1], outline[i, 2], outline[i, 3]
     runs[i, 4] = 0
     if not (-1e6 < x < 1e6 and -1e6 < y < 1e6):
@@ -60,9 +64,12 @@ def _place(
     across = abs(nx) >= abs(ny)
     if not across:
         x, y, nx, ny = y, x, ny, nx
-    size, other = (width, height) if across else (height, width)
+    size, other, rows, odd = (width, height, 1, 0) if across else (height, width, 1, 0)
     fixed = int(y + ROUND) - SHIFT
     start, slant = x - (fixed - y) * ny / nx, abs(nx)
+    if combed and not across:
+        rows, odd = 2, int(i) & 1
+        start, slant, size = 0.5 * (start - odd), 2.0 * slant, (size + 1 - odd) >> 1
     nearest = int(start + ROUND) - SHIFT
     span = min(int(reach / slant) + 1 + margin, LONGEST // 2 - 2)
     if nx > 0:
@@ -72,7 +79,8 @@ def _place(
     if fixed < 0 or fixed >= other or -low < margin or high < margin:
         return
     first = nearest + step * low
-    runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3], runs[i, 4] = across, fixed, first, step, high - low + 1
+    runs[i, 0], runs[i, 1], runs[i, 4] = across, fixed, high - low + 1
+    runs[i, 2], runs[i, 3] = rows * first + odd, rows * step
     starts[i, 0], starts[i, 1] = step * (first - start) * slant, slant
 
 
@@ -192,6 +200,7 @@ def match_lines(
     threshold: float,
     enough: float,
     plain: float,
+    combed: bool,
     edges: npt.NDArray[np.float64],
     runs: Ints,
     starts: Floats,
@@ -207,7 +216,7 @@ def match_lines(
         Score of each BGR cell or gray value, see `ColorModel`.
     outline : (n, 4 + s + 2), the last two columns written
         See `Views`. What is written: by how much an edge moves along its normal if the even rows of an interlaced
-        picture lie (dx, dy) / 2 ahead of the mean and its odd rows behind.
+        picture lie (dx, dy) / 2 ahead of the mean and its odd rows behind; nothing on a line that crosses both.
     reach : float
         How far the edge may be from there along the normal, px.
     margin : int
@@ -218,6 +227,8 @@ def match_lines(
         Difference beyond which more whiteness is no better and contrast alone decides, table units.
     plain : float
         Squared contrast that noise alone can have: an edge point without a firm step in color must stand out of it.
+    combed : bool
+        Whether the fields of an interlaced picture lie so far apart that a line along a column must keep to one.
     edges, runs, starts, pixels, sums
         Working arrays, see `Views`.
 
@@ -232,7 +243,7 @@ def match_lines(
     flat, fields, at = cut(image, 0, (image.size,)), outline.shape[1] - 2, 0
     for index in range(outline.shape[0]):
         i = np.uintp(index)  # unsigned indices spare Numba's check for negative ones
-        _place(outline, i, reach, margin, height, width, runs, starts)
+        _place(outline, i, reach, margin, height, width, combed, runs, starts)
         at = _read(flat, width, channels, runs, i, pixels, at)
     rough, count, at, c = 0.0, 0, 0, min(1, channels - 1)
     for index in range(outline.shape[0]):
@@ -242,7 +253,8 @@ def match_lines(
             a, b, d = np.uintp(at + c), np.uintp(at + c + channels), np.uintp(at + c + 2 * channels)
             rough += abs(float(pixels[a]) - 2.0 * float(pixels[b]) + float(pixels[d]))
             count += 1
-        half = 0.5 - (runs[i, 1] & 1) if runs[i, 0] else 0.0
+        along, step = runs[i, 0], runs[i, 3]
+        half = 0.5 - (runs[i, 1 if along else 2] & 1) if along or step * step > 1 else 0.0
         outline[i, fields], outline[i, fields + 1] = half * outline[i, 2], half * outline[i, 3]
         if length == 0:
             edges[i, ZERO, 1] = edges[i, ONE, 1] = edges[i, TWO, 1] = 0.0

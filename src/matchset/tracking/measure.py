@@ -9,10 +9,12 @@ from matchset.tracking.fit import fit_lines
 from matchset.tracking.match_set import match_lines
 from matchset.tracking.memory import (
     AGREEMENT,
+    APART,
     CONFIRMED,
     CORE,
     CORNERS,
     EVIDENCE,
+    EXPECTED,
     FIELDS,
     GRAIN,
     HOLLOW,
@@ -26,6 +28,7 @@ from matchset.tracking.review import review_lines
 Floats = npt.NDArray[np.float64]
 
 GRAIN_MEMORY = 0.9  # share of the pixels' noise that one look leaves
+COMBED, QUIET = 2.0, 0.7  # noises, of that many px at least, by which the fields are combed along a column
 
 
 @inlined
@@ -68,11 +71,12 @@ def measure(
     plain = 6.0 * margin * (limits[3] * max(grain, 1.0)) ** 2
     outline, edges, found, state, runs = parts.outline, parts.edges, parts.found, parts.state, parts.runs
     enough, starts, pixels, sums = limits[2] * full, parts.starts, parts.pixels, parts.sums
+    combed = abs(fit[EXPECTED + 1]) > COMBED * max(noise, QUIET)
     now = match_lines(
-        image, table, outline, reach, margin, limits[1] * full, enough, plain, edges, runs, starts, pixels, sums
+        image, table, outline, reach, margin, limits[1] * full, enough, plain, combed, edges, runs, starts, pixels, sums
     )
     fit[GRAIN] = GRAIN_MEMORY * grain + (1.0 - GRAIN_MEMORY) * now
-    between = fit[FIELDS : FIELDS + 2]
+    between = fit[FIELDS : APART + 1]
     noise, moved = fit_lines(
         outline,
         edges,

@@ -16,16 +16,17 @@ from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 Floats = npt.NDArray[np.float64]
 
 # numbers of the sizes, a fit, the motion, a look, and each kind of parameters
-HEAD, FITS, CLOCKS, LOOKS, LIMITS = 4, 16, 6, 4, 32
+HEAD, FITS, CLOCKS, LOOKS, LIMITS = 4, 18, 6, 4, 32
 
 # places in `Views.fit`: what the last look at the shape found
 NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE, HOLLOW, SIZE, BENT = range(13)
-# and after them how far the odd rows' field lies from the even rows': x, y, px
-FIELDS = 13
+# and after them how far the odd rows' field lies from the even rows', x, y, px; how far it is expected to, and the
+# standard deviation of that
+FIELDS, EXPECTED, APART = 13, 15, 17
 
 # places in `Views.clock`: when the shape was last seen, s; its speed, px/s; by how much predictions lately missed, px;
-# its half-width over the last well-confirmed frames, px; and over the last frames the sums of the way from frame to
-# frame times the distance between the fields along it, and of that way squared, px^2
+# its half-width over the last well-confirmed frames, px; and over the last frames the sums of the speed times the
+# distance between the fields along it, px^2/s, and of the speed squared
 TIME, SPEED, SURPRISE, USUAL, SHEARED, MOVED = range(6)
 
 STEADY = LIMITS - 1  # place in `Views.track`: from which number on a state changes slowly, see `shapes.shape.steady`

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import inlined
-from matchset.tracking.memory import FIELDS, MOVED, RATE, SHEARED, SPEED, STEADY, SURPRISE, TIME, Views
+from matchset.tracking.memory import APART, EXPECTED, FIELDS, MOVED, RATE, SHEARED, SPEED, STEADY, SURPRISE, TIME, Views
 
 Floats = npt.NDArray[np.float64]
 
@@ -16,7 +16,13 @@ FADE = 0.25  # s after which a velocity without a sighting has faded to 1/e
 LEAST = 0.3  # px: no prediction is trusted to be better
 PROMPT = 0.05  # s without a sighting from which it fades
 FIELD_MEMORY = 0.9  # share of what is known about the fields that one frame leaves
-STILL = 4.0  # px: below so much way in the frames remembered nothing is known about them
+STILL = 4.0  # px a frame: below so much in the frames remembered little is known about them
+HALF, NEARLY = (
+    0.5,
+    0.2,
+)  # of the way between frames: where a field lies, and from how near to that on it is taken for it
+ANYWHERE, SURELY = 0.5, 0.08  # standard deviation of the fields' distance, as a share of the way: unknown, known
+CALM = 0.1  # px: what is added to that
 
 
 @inlined
@@ -45,32 +51,40 @@ def _known(parts: Views, k: int) -> float:
 
 @inlined
 def _note_fields(parts: Views) -> None:
-    """Note how far apart the fields were that were fitted, for the way that the shape was expected to make."""
-    x, y, way = parts.velocity[0], parts.velocity[1], parts.look[RATE]
-    speed, clock = math.hypot(x, y), parts.clock
-    if speed > 0.0:
-        along = (parts.fit[FIELDS] * x + parts.fit[FIELDS + 1] * y) / speed
-        clock[SHEARED] = FIELD_MEMORY * clock[SHEARED] + along * way
-        clock[MOVED] = FIELD_MEMORY * clock[MOVED] + way * way
+    """Note how far apart the fields were that were fitted, for the speed that the shape was expected to have."""
+    x, y, clock = parts.velocity[0], parts.velocity[1], parts.clock
+    if parts.look[RATE] > 0.0:
+        clock[SHEARED] = FIELD_MEMORY * clock[SHEARED] + parts.fit[FIELDS] * x + parts.fit[FIELDS + 1] * y
+        clock[MOVED] = FIELD_MEMORY * clock[MOVED] + x * x + y * y
 
 
 @inlined
 def part_fields(parts: Views, way: float) -> None:
-    """Expect the fields as far apart as they lately were, for the way between frames, px: half of it, or nothing.
+    """Expect the fields as far apart as the speed and the time that lately lay between them say.
 
-    An interlaced picture's fields are half a frame apart, those of any other picture are one.
+    An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
+    one. At first, and where the direction is not known, they may be anywhere within half the way.
 
     Parameters
     ----------
     parts : Views
-        Written: where the fit of the fields' distance begins.
+        Written: where the fit of the fields' distance begins, what is expected of it, and how surely.
     way : float
         From frame to frame, px.
     """
-    x, y = parts.velocity[0], parts.velocity[1]
+    x, y, fit, clock = parts.velocity[0], parts.velocity[1], parts.fit, parts.clock
     speed = math.hypot(x, y)
-    share = parts.clock[SHEARED] / (parts.clock[MOVED] + STILL * STILL) * way / speed if speed > 0.0 else 0.0
-    parts.fit[FIELDS], parts.fit[FIELDS + 1] = share * x, share * y
+    share = known = 0.0
+    if speed > 0.0 and way > 0.0:
+        frame = way / speed
+        noted = clock[MOVED] + (STILL / frame) ** 2
+        share, known = clock[SHEARED] / (noted * frame), clock[MOVED] / noted
+        if abs(abs(share) - HALF) < NEARLY:
+            share = HALF if share > 0.0 else -HALF
+        share *= frame
+    fit[FIELDS] = fit[EXPECTED] = share * x
+    fit[FIELDS + 1] = fit[EXPECTED + 1] = share * y
+    fit[APART] = CALM + (ANYWHERE + known * (SURELY - ANYWHERE)) * way
 
 
 @inlined

@@ -260,6 +260,7 @@ class Tracker(Generic[S]):
         matcher = self._matcher
         if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
             self._follows = False
+            matcher.rest()
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
         if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
             self._follows, expected = False, None

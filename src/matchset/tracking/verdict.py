@@ -100,7 +100,7 @@ class JudgeParameters(msgspec.Struct, frozen=True):
     bent: float = 0.1
     doubt: float = 0.7
     side_doubt: float = 0.92
-    inflation: float = 1.4
+    inflation: float = 1.15
     center_floor: float = 0.01
     size_floor: float = 0.05
 

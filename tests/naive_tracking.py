@@ -49,6 +49,13 @@ def line(shape: tuple[int, ...], point: Floats, normal: Floats, limits: Limits) 
     return Line([(p, fixed) if level else (fixed, p) for p in places], [side * (p - crossing) for p in places])
 
 
+def one_field(
+    image: npt.NDArray[np.uint8], point: Floats, normal: Floats, odd: int
+) -> tuple[npt.NDArray[np.uint8], Floats, Floats]:
+    """One field of an interlaced picture, and a line in it: its rows lie two px apart."""
+    return image[odd::2], np.array((point[0], 0.5 * (point[1] - odd))), np.array((normal[0], 2.0 * normal[1]))
+
+
 def score(pixel: npt.NDArray[np.uint8], table: Scores) -> int:
     if table.size == 256:
         return int(table[int(pixel[0])])

@@ -135,9 +135,10 @@ def edge_table(rng: np.random.Generator, color: bool) -> naive.Scores:
     return rng.integers(-127, 128, 32768 if color else 256).astype(np.int8)
 
 
+@pytest.mark.parametrize("combed", [False, True])
 @pytest.mark.parametrize("color", [False, True])
 @pytest.mark.parametrize("seed", range(12))
-def test_the_kernel_is_its_slow_twin(seed: int, color: bool) -> None:
+def test_the_kernel_is_its_slow_twin(seed: int, color: bool, combed: bool) -> None:
     rng = np.random.default_rng(seed)
     shape = (int(rng.integers(5, 60)), int(rng.integers(5, 60)), 3 if color else 1)
     image = rng.integers(0, 256, shape, np.uint8)
@@ -151,11 +152,15 @@ def test_the_kernel_is_its_slow_twin(seed: int, color: bool) -> None:
     margin = int(rng.integers(1, 5))
     full = 254.0 * margin
     plain = float(rng.choice([0.0, 2e4, 1e9]))
-    limits = Limits(float(rng.uniform(0.0, 30.0)), margin, -0.05 * full, 0.6 * full, plain)
+    limits = Limits(float(rng.uniform(0.0, 30.0)), margin, -0.05 * full, 0.6 * full, plain, combed)
     found = edges_across(image, table, points, normals, limits)
     for i in range(60):
-        expected = naive.edge_points(image, table, points[i], normals[i], limits)
-        assert found.looked[i] == (naive.line(image.shape, points[i], normals[i], limits) is not None)
+        seen = image, points[i], normals[i]
+        if combed and abs(normals[i, 1]) > abs(normals[i, 0]):
+            seen = naive.one_field(*seen, i % 2)
+        picture, point, normal = seen
+        expected = naive.edge_points(picture, table, point, normal, limits)
+        assert found.looked[i] == (naive.line(picture.shape, point, normal, limits) is not None)
         there = np.column_stack((found.offset, found.strength, found.whiteness))[i].reshape(3, 3).T
         there = there[there[:, 1] > 0.0]
         np.testing.assert_allclose(there, np.array(expected).reshape(-1, 3), rtol=1e-5, atol=1e-9)

@@ -265,10 +265,6 @@ class Matcher(Generic[S]):
         """Of the states with the same outline the one nearest to the last one that was seen."""
         return nearest(self.family, state, self.parts.seen)
 
-    def rest(self) -> None:
-        """Forget the speed: what is found after this may move anywhere."""
-        self.parts.velocity[:] = 0.0
-
     def forget(self) -> None:
         """Begin anew: nothing is left of earlier pictures."""
         fit = self.parts.fit

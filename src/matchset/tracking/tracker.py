@@ -259,8 +259,7 @@ class Tracker(Generic[S]):
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
         matcher = self._matcher
         if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
-            self._follows = False
-            matcher.rest()
+            self._follows, matcher.parts.velocity[:] = False, 0.0  # it may move anywhere by now
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
         if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
             self._follows, expected = False, None

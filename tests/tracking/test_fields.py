@@ -1,0 +1,49 @@
+"""Fast balls over an interlaced link: its two fields show them at two places."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from benchmarks.sequences import sequence
+from benchmarks.trial import as_truth, circle, clicked
+
+import matchset as ms
+from matchset.app.score import error_px
+from matchset.sim.clip import Clip
+
+SEEDS = 260, 261
+
+
+def errors(clip: Clip, wanted: Callable[[int], bool] = lambda _: True) -> list[float]:
+    """Error (Eq. 10) in the frames that the tracker is given, px; infinite where it loses a ball well visible."""
+    tracker, found = None, []
+    for frame, seen in clip:
+        tracker = tracker or clicked(frame, clip.first_click)
+        truth = as_truth(seen)
+        if wanted(frame.index):
+            answer = tracker.update(frame)
+            if truth.tight and truth.circle is not None:
+                there = circle(answer.shape) if isinstance(answer, ms.Track) else None
+                found.append(error_px(there, truth.circle) if there else np.inf)
+    return found
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_twenty_pixels_a_frame_are_followed_to_a_pixel(seed: int) -> None:
+    found = errors(sequence("fast", seed, 90))
+    assert max(found) < 5.0
+    assert np.mean(found) < 1.0
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("wanted", [lambda k: k % 2 == 0, lambda k: k % 3 != 1], ids=["every second", "two of three"])
+def test_frames_that_are_left_out_do_not_part_the_fields(seed: int, wanted: Callable[[int], bool]) -> None:
+    found = errors(sequence("typical", seed, 90), wanted)
+    assert max(found) < 5.0
+    assert np.mean(found) < 0.6
+
+
+def test_a_fast_ball_in_whole_frames_has_no_fields() -> None:
+    found = errors(sequence("clean", SEEDS[0], 90, speed=2.0))
+    assert max(found) < 1.0
+    assert np.mean(found) < 0.25

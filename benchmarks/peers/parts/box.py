@@ -15,9 +15,9 @@ def follow_box(tracker: Any, start: Start, half: float, scales: bool = False) ->
     start : Start
     half : float
         Half the side of the box, radii.
-    scales : bool
-        Whether the box changes its size with what is followed. Those that do not round it to a size that suits their
-        Fourier transform, which says nothing of the radius: it stays what it was.
+    scales : bool, optional
+        Whether the box changes its size with what is followed; by default it does not. Such a box is rounded to a size
+        that suits a Fourier transform, which says nothing of the radius: that stays what it was.
 
     Returns
     -------

@@ -36,7 +36,7 @@ ZERO, ONE = np.float32(0.0), np.float32(1.0)
 # places in `sums`: the sums of products of x, y, height, level and what is left, row by row up to the diagonal: those
 # with what is left begin at LEFT, its squares are at MISFIT
 LEFT, MISFIT = 10, 14
-# and after them the sums of
+# and after them the sums of weights, values, their squares and what is left, and what neighbors have in common
 WEIGHTS, VALUES, SQUARES, REST, ALONG, DOWN, SUMS = range(15, 22)
 
 

@@ -10,7 +10,8 @@ from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import Searcher, channels_last
 from matchset.tracking.judge import Judge
-from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.look import Look
+from matchset.tracking.matcher import Matcher
 
 HOPELESS = 0.25  # agreement below which a candidate is given up at once
 STRIPS = 3  # each half as high as the picture, each overlapping the next by half

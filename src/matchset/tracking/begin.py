@@ -10,7 +10,8 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.gray import level_in
 from matchset.shapes.shape import Shape, from_hull, outline
-from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.look import Look
+from matchset.tracking.matcher import Matcher
 from matchset.tracking.memory import AGREEMENT, CONFIRMED, SEEN
 
 S = TypeVar("S", bound=Shape)

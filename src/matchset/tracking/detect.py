@@ -15,7 +15,8 @@ from matchset.shapes.shape import Shape, finds_itself, from_hull
 from matchset.tracking import detect_grid
 from matchset.tracking.doubt import drawn_out
 from matchset.tracking.judge import Judge, Prior
-from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.look import Look
+from matchset.tracking.matcher import Matcher
 from matchset.tracking.regions import region_hulls
 from matchset.tracking.track import Track
 
@@ -214,7 +215,7 @@ class Finder(Generic[S]):
             What is known of it before.
         """
         reason = self.judge.first_sight(self.matcher, prior)
-        if reason and self.matcher.settle(image, color, self.matcher.state.copy(), Look(4.0, MOVING)):
+        if reason and self.matcher.settle(image, color, self.matcher.state.copy(), Look(4.0, MOVING, blind=True)):
             reason = self.judge.first_sight(self.matcher, prior)
         start = drawn_out(self.matcher) if reason else None
         if start is None:

@@ -33,6 +33,7 @@ COARSE = 2.0  # in floors: from this noise on the fit is coarse
 INFINITE = np.int32(0x7F800000)  # bits of an infinite float
 J0, W0 = np.uintp(0), np.uintp(CANDIDATES)
 ROWS = 4 + 2 * CANDIDATES  # numbers that a fit writes down for each line, beside how the outline moves there
+PARTED = 0.5  # px a frame: from this speed on the fields of an interlaced picture are fitted apart
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
 
@@ -60,7 +61,10 @@ def _median(values: Singles, wanted: int) -> float:
 def _hold(
     held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, fields: Floats, noise: float
 ) -> None:
-    """Write the priors, three numbers each: inverse variance in units of the noise's, step to their mean, nothing."""
+    """Write the priors, three numbers each: inverse variance in units of the noise's, step to their mean, nothing.
+
+    That of the fields' distance is not in units of the noise's: the noisier the edge points, the less it says.
+    """
     s, free, noise = state.shape[0], spread.shape[0], max(noise, CONFUSED)
     for k in range(s):
         weight = mean = 0.0
@@ -211,8 +215,8 @@ def fit_lines(
         the line's edge points it is.
     fields : (5,), the first two written
         Distance between the two fields, x and y, px: where to begin, and what was found; what is expected, and the
-        standard deviation of that. At 16 px per frame the fields lie 8 px apart; begun at 0 the fit would take one of
-        them for the whole and the other for outliers.
+        standard deviation of that for a noise of 1 px. At 16 px per frame the fields lie 8 px apart; begun at 0 the fit
+        would take one of them for the whole and the other for outliers.
     scratch : (scratch_size(n, s),)
         Working memory.
 
@@ -224,7 +228,7 @@ def fit_lines(
         Largest change of a number of the state.
     """
     n, s, free = outline.shape[0], state.shape[0], spread.shape[0]
-    p = s + 2 if speed > 0.5 else s
+    p = s + 2 if speed > PARTED else s
     weights, places, row = scratch[:n], scratch[n : 2 * n], scratch[2 * n : 3 * n]
     order, here = scratch[3 * n : 4 * n].view(np.float32)[:n], ROWS * n
     choice, turned, here = scratch[4 * n : here], scratch[here : here + n * p], here + n * p

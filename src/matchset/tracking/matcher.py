@@ -1,7 +1,7 @@
 """Fits shapes of one family to pictures: `Matcher`, the working memory of a tracker and its compiled steps."""
 
 import math
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, TypeVar
 
 import msgspec
 import numpy as np
@@ -12,6 +12,7 @@ from matchset.shapes.jit import compiled, plain
 from matchset.shapes.rules import check_family
 from matchset.shapes.shape import Shape, corners, nearest, places, slopes, steady
 from matchset.tracking import memory, motion
+from matchset.tracking.look import Look
 from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, LEARN, NEVER, TAKE_IN, TELL, make_step
@@ -74,30 +75,6 @@ class MatchParameters(msgspec.Struct, frozen=True):
 _PLACES = {name: place for place, name in enumerate(MatchParameters.__struct_fields__)}
 SIDE_START = _PLACES["side_start"]
 assert _PLACES["start"] == START
-
-
-class Look(NamedTuple):
-    """How far to look for a shape.
-
-    Attributes
-    ----------
-    reach : float
-        How far the outline may be from where the fit begins, px.
-    speed : float
-        How fast the shape moves, px per frame: by as much the two fields of an interlaced picture may disagree.
-    sigma : float
-        How far the edge points are expected from there, px; 0 for a third of the reach.
-    free : bool
-        Whether the shape may be anywhere, or only as far from its prediction as the motion has room.
-    least : float
-        Agreement below which it gives up.
-    """
-
-    reach: float
-    speed: float = 0.0
-    sigma: float = 0.0
-    free: bool = True
-    least: float = 0.0
 
 
 class Matcher(Generic[S]):
@@ -180,8 +157,8 @@ class Matcher(Generic[S]):
             Whether there are edge points to fit at all; whether they are enough is for the caller to judge.
         """
         self.state[:] = start
-        reach, speed, sigma, free, least = look
-        self.parts.look[:] = reach, speed, sigma or max(reach / 3.0, 1.0), least
+        reach, speed, sigma, free, least, blind = look
+        self.parts.look[:] = reach, speed, sigma or max(reach / 3.0, 1.0), least, blind
         colors = color.table, color.log_odds, color.log_odds
         verdict, _, _ = self._step(image, *colors, *NO_ANSWER, self._block, FREE if free else HELD, 0.0, 1.0, NEVER)
         return verdict == SURE
@@ -267,10 +244,8 @@ class Matcher(Generic[S]):
 
     def forget(self) -> None:
         """Begin anew: nothing is left of earlier pictures."""
-        fit = self.parts.fit
-        fit[:] = 0.0
-        self.last = None
-        fit[memory.GRAIN] = FIRST_GRAIN
+        self.parts.fit[:], self.last = 0.0, None
+        self.parts.fit[memory.GRAIN] = FIRST_GRAIN
 
     def ignore_color(self) -> None:
         """Judge by edges alone: no color tells the target from what is around it."""

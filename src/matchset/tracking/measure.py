@@ -28,7 +28,8 @@ from matchset.tracking.review import review_lines
 Floats = npt.NDArray[np.float64]
 
 GRAIN_MEMORY = 0.9  # share of the pixels' noise that one look leaves
-COMBED, QUIET = 2.0, 0.7  # noises, of that many px at least, by which the fields are combed along a column
+COMBED = 2.0  # so many standard deviations of an edge point apart the fields are combed along a column
+QUIET = 0.7  # px: the least standard deviation that is taken for that
 
 
 @inlined

@@ -16,12 +16,12 @@ from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 Floats = npt.NDArray[np.float64]
 
 # numbers of the sizes, a fit, the motion, a look, and each kind of parameters
-HEAD, FITS, CLOCKS, LOOKS, LIMITS = 4, 18, 6, 4, 32
+HEAD, FITS, CLOCKS, LOOKS, LIMITS = 4, 18, 6, 5, 32
 
 # places in `Views.fit`: what the last look at the shape found
 NOISE, GRAIN, SEEN, CONFIRMED, AGREEMENT, EVIDENCE, WAVE, CORNERS, INSIDE, CORE, HOLLOW, SIZE, BENT = range(13)
-# and after them how far the odd rows' field lies from the even rows', x, y, px; how far it is expected to, and the
-# standard deviation of that
+# and after them how far the even rows' field lies from the odd rows', x, y, px; how far it is expected to, and what the
+# standard deviation of that is for a noise of 1 px
 FIELDS, EXPECTED, APART = 13, 15, 17
 
 # places in `Views.clock`: when the shape was last seen, s; its speed, px/s; by how much predictions lately missed, px;
@@ -33,7 +33,7 @@ STEADY = LIMITS - 1  # place in `Views.track`: from which number on a state chan
 START = 7  # place in `Views.match`: noise with which a fit begins at least, px
 
 # places in `Views.look`: how far to look for a shape, see `Look`
-REACH, RATE, SIGMA, LEAST = range(4)
+REACH, RATE, SIGMA, LEAST, BLIND = range(5)
 
 
 class Views(NamedTuple):

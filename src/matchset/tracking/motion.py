@@ -6,7 +6,21 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.jit import inlined
-from matchset.tracking.memory import APART, EXPECTED, FIELDS, MOVED, RATE, SHEARED, SPEED, STEADY, SURPRISE, TIME, Views
+from matchset.tracking.fit import PARTED
+from matchset.tracking.memory import (
+    APART,
+    BLIND,
+    EXPECTED,
+    FIELDS,
+    MOVED,
+    RATE,
+    SHEARED,
+    SPEED,
+    STEADY,
+    SURPRISE,
+    TIME,
+    Views,
+)
 
 Floats = npt.NDArray[np.float64]
 
@@ -16,12 +30,11 @@ FADE = 0.25  # s after which a velocity without a sighting has faded to 1/e
 LEAST = 0.3  # px: no prediction is trusted to be better
 PROMPT = 0.05  # s without a sighting from which it fades
 FIELD_MEMORY = 0.9  # share of what is known about the fields that one frame leaves
-STILL = 4.0  # px a frame: below so much in the frames remembered little is known about them
-HALF, NEARLY = (
-    0.5,
-    0.2,
-)  # of the way between frames: where a field lies, and from how near to that on it is taken for it
-ANYWHERE, SURELY = 0.5, 0.08  # standard deviation of the fields' distance, as a share of the way: unknown, known
+STILL = 120.0  # px/s: below so much in the frames remembered little is known about them
+HALF = 0.5  # of the time between two frames: when the second field of an interlaced picture is taken
+NEARLY = 0.15  # how near to that what was learned must be to be taken for it
+ANYWHERE = 0.5  # standard deviation of the fields' distance while nothing is known, as a share of the way
+SURELY = 0.08  # and once the time between them is known
 CALM = 0.1  # px: what is added to that
 
 
@@ -53,37 +66,33 @@ def _known(parts: Views, k: int) -> float:
 def _note_fields(parts: Views) -> None:
     """Note how far apart the fields were that were fitted, for the speed that the shape was expected to have."""
     x, y, clock = parts.velocity[0], parts.velocity[1], parts.clock
-    if parts.look[RATE] > 0.0:
+    if parts.look[RATE] > PARTED:
         clock[SHEARED] = FIELD_MEMORY * clock[SHEARED] + parts.fit[FIELDS] * x + parts.fit[FIELDS + 1] * y
         clock[MOVED] = FIELD_MEMORY * clock[MOVED] + x * x + y * y
 
 
 @inlined
-def part_fields(parts: Views, way: float) -> None:
-    """Expect the fields as far apart as the speed and the time that lately lay between them say.
+def part_fields(parts: Views) -> None:
+    """Expect the fields as far apart as the speed, and the time that lately lay between them, say.
 
     An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
-    one. At first, and where the direction is not known, they may be anywhere within half the way.
+    one. At first, and where the direction is not known, their distance has a standard deviation of half the way.
 
     Parameters
     ----------
     parts : Views
         Written: where the fit of the fields' distance begins, what is expected of it, and how surely.
-    way : float
-        From frame to frame, px.
     """
-    x, y, fit, clock = parts.velocity[0], parts.velocity[1], parts.fit, parts.clock
-    speed = math.hypot(x, y)
-    share = known = 0.0
-    if speed > 0.0 and way > 0.0:
-        frame = way / speed
-        noted = clock[MOVED] + (STILL / frame) ** 2
-        share, known = clock[SHEARED] / (noted * frame), clock[MOVED] / noted
-        if abs(abs(share) - HALF) < NEARLY:
-            share = HALF if share > 0.0 else -HALF
-        share *= frame
-    fit[FIELDS] = fit[EXPECTED] = share * x
-    fit[FIELDS + 1] = fit[EXPECTED + 1] = share * y
+    x, y, fit, clock, way = parts.velocity[0], parts.velocity[1], parts.fit, parts.clock, parts.look[RATE]
+    speed, between, known = math.hypot(x, y), 0.0, 0.0
+    if speed > 0.0 and way > 0.0 and parts.look[BLIND] == 0.0:
+        frame, noted = way / speed, clock[MOVED] + STILL * STILL
+        between, known = clock[SHEARED] / noted, clock[MOVED] / noted
+        between = min(max(between, -frame), frame)
+        if abs(abs(between) - HALF * frame) < NEARLY * frame:
+            between = HALF * frame if between > 0.0 else -HALF * frame
+    fit[FIELDS] = fit[EXPECTED] = between * x
+    fit[FIELDS + 1] = fit[EXPECTED + 1] = between * y
     fit[APART] = CALM + (ANYWHERE + known * (SURELY - ANYWHERE)) * way
 
 

@@ -47,7 +47,7 @@ def make_settle(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Ca
         for k in range(state.shape[0]):
             parts.begin[k] = state[k]
         noise, fit[NOISE] = fit[NOISE], 0.0
-        motion.part_fields(parts, speed)
+        motion.part_fields(parts)
         for _ in range(int(parts.match[6])):
             size = half_width(state)
             if not SMALL < size < LARGE:

@@ -14,7 +14,21 @@ import numpy.typing as npt
 
 from matchset.shapes.jit import borrowing, inlined
 from matchset.tracking import motion
-from matchset.tracking.memory import LEAST, RATE, REACH, SEEN, SIGMA, SIZE, SPEED, START, SURPRISE, TIME, Views, views
+from matchset.tracking.memory import (
+    BLIND,
+    LEAST,
+    RATE,
+    REACH,
+    SEEN,
+    SIGMA,
+    SIZE,
+    SPEED,
+    START,
+    SURPRISE,
+    TIME,
+    Views,
+    views,
+)
 from matchset.tracking.palette import teach
 from matchset.tracking.parameters import LEAST_REACH, MOST_REACH, TRUST
 from matchset.tracking.settle import make_settle
@@ -104,6 +118,7 @@ def _make_follow(settle: Callable[..., bool], half_width: Callable[..., Any]) ->
             surprise = clock[SURPRISE] * missed
             ask[REACH] = min(limits[LEAST_REACH] + 2.0 * surprise, limits[MOST_REACH])
             ask[RATE], ask[SIGMA], ask[LEAST] = passed * clock[SPEED], max(surprise, parts.match[START]), 0.0
+            ask[BLIND] = 0.0
             for k in range(parts.state.shape[0]):  # a loop compiles in a tenth of the time of `[:] =`
                 parts.state[k] = parts.expected[k]
         if not settle(image, table, parts, spread):

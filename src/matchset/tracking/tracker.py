@@ -13,7 +13,8 @@ from matchset.tracking.begin import begin_near
 from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
 from matchset.tracking.doubt import BETTER, DRAWN, SURELY, alternatives, drawn_out, worth
 from matchset.tracking.judge import Judge, Prior
-from matchset.tracking.matcher import Look, Matcher
+from matchset.tracking.look import Look
+from matchset.tracking.matcher import Matcher
 from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
 from matchset.tracking.palette import suited
 from matchset.tracking.parameters import TrackerParameters
@@ -258,8 +259,7 @@ class Tracker(Generic[S]):
     def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
         """Look through the whole frame; while coasting only what can be the lost shape counts."""
         matcher = self._matcher
-        if self._follows and self._time - matcher.clock(TIME) > self.parameters.coast:
-            self._follows, matcher.parts.velocity[:] = False, 0.0  # it may move anywhere by now
+        self._follows = self._follows and self._time - matcher.clock(TIME) <= self.parameters.coast
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
         if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
             self._follows, expected = False, None
@@ -267,7 +267,7 @@ class Tracker(Generic[S]):
         if best is None:
             return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         lone = expected is None and self._wish is None
-        self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0))
+        self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0, blind=True))
         refuted = self._judge.first_sight(matcher, self._prior(expected))
         if refuted or not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
             return Lost(refuted or reason, self._time, None if expected is None else matcher.shape_of(expected))

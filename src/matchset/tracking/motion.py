@@ -33,8 +33,8 @@ FIELD_MEMORY = 0.9  # share of what is known about the fields that one frame lea
 STILL = 120.0  # px/s: below so much in the frames remembered little is known about them
 HALF = 0.5  # of the time between two frames: when the second field of an interlaced picture is taken
 NEARLY = 0.15  # how near to that what was learned must be to be taken for it
-ANYWHERE = 0.5  # standard deviation of the fields' distance while nothing is known, as a share of the way
-SURELY = 0.08  # and once the time between them is known
+ANYWHERE = 0.5  # standard deviation of the fields' distance while that is not known, as a share of the way
+SURELY = 0.08  # and once it is
 CALM = 0.1  # px: what is added to that
 
 
@@ -76,7 +76,7 @@ def part_fields(parts: Views) -> None:
     """Expect the fields as far apart as the speed, and the time that lately lay between them, say.
 
     An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
-    one. At first, and where the direction is not known, their distance has a standard deviation of half the way.
+    one. While they are not known to be, their distance has a standard deviation of half the way.
 
     Parameters
     ----------
@@ -87,10 +87,9 @@ def part_fields(parts: Views) -> None:
     speed, between, known = math.hypot(x, y), 0.0, 0.0
     if speed > 0.0 and way > 0.0 and parts.look[BLIND] == 0.0:
         frame, noted = way / speed, clock[MOVED] + STILL * STILL
-        between, known = clock[SHEARED] / noted, clock[MOVED] / noted
-        between = min(max(between, -frame), frame)
+        between = min(max(clock[SHEARED] / noted, -frame), frame)
         if abs(abs(between) - HALF * frame) < NEARLY * frame:
-            between = HALF * frame if between > 0.0 else -HALF * frame
+            between, known = HALF * frame if between > 0.0 else -HALF * frame, clock[MOVED] / noted
     fit[FIELDS] = fit[EXPECTED] = between * x
     fit[FIELDS + 1] = fit[EXPECTED + 1] = between * y
     fit[APART] = CALM + (ANYWHERE + known * (SURELY - ANYWHERE)) * way

@@ -33,7 +33,7 @@ check: $(READY) wheel-check  ## lint, format, types, and the wheel
 picture: $(READY) $(CACHE)/fresh  ## fly the chain of three and draw the README's animated picture (some minutes)
 	$(BIN)/python docs/pictures/chain.py
 
-bench: $(PEERS) $(VISP) $(CACHE)/fresh  ## the evidence: matchset and what people use, on the same frames (half an hour)
+bench: $(PEERS) $(VISP) $(CACHE)/fresh  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
 
 bench-quick: $(PEERS) $(CACHE)/fresh  ## has a change made it slower or less exact? (two minutes)

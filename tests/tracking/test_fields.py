@@ -1,13 +1,14 @@
 """Fast balls over an interlaced link: its two fields show them at two places."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from benchmarks.contest import compete
+from benchmarks.field import OURS, peer
 from benchmarks.sequences import sequence
-from benchmarks.trial import as_truth, circle, clicked
 
-import matchset as ms
 from matchset.app.score import error_px
 from matchset.sim.clip import Clip
 
@@ -16,16 +17,13 @@ SEEDS = 260, 261
 
 def errors(clip: Clip, wanted: Callable[[int], bool] = lambda _: True) -> list[float]:
     """Error (Eq. 10) in the frames that the tracker is given, px; infinite where it loses a ball well visible."""
-    tracker, found = None, []
-    for frame, seen in clip:
-        tracker = tracker or clicked(frame, clip.first_click)
-        truth = as_truth(seen)
-        if wanted(frame.index):
-            answer = tracker.update(frame)
-            if truth.tight and truth.circle is not None:
-                there = circle(answer.shape) if isinstance(answer, ms.Track) else None
-                found.append(error_px(there, truth.circle) if there else np.inf)
-    return found
+    frames = (pair for pair in clip if wanted(pair[0].index))
+    trial = compete(frames, None, [peer(OURS)], clip.seed)[OURS]
+    return [
+        error_px(answer, truth.circle) if answer else math.inf
+        for truth, answer in zip(trial.truths, trial.answers, strict=True)
+        if truth.tight and truth.circle
+    ]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

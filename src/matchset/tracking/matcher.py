@@ -244,8 +244,10 @@ class Matcher(Generic[S]):
 
     def forget(self) -> None:
         """Begin anew: nothing is left of earlier pictures."""
-        self.parts.fit[:], self.last = 0.0, None
-        self.parts.fit[memory.GRAIN] = FIRST_GRAIN
+        fit = self.parts.fit
+        fit[:] = 0.0
+        self.last = None
+        fit[memory.GRAIN] = FIRST_GRAIN
 
     def ignore_color(self) -> None:
         """Judge by edges alone: no color tells the target from what is around it."""

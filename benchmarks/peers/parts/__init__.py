@@ -1,1 +1,0 @@
-"""Pieces that several peers share; no peer itself."""

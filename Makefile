@@ -40,10 +40,10 @@ bench-quick: $(PEERS) $(CACHE)/fresh  ## has a change made it slower or less exa
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.guard $(ARGS)
 
 bench-search: $(PEERS) $(VISP) $(CACHE)/fresh  ## search the peers' best parameters (an hour)
-	$(ONE_THREAD) .bench/bin/python -m benchmarks.search $(ARGS)
+	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
 
 bench-fly: $(READY) $(CACHE)/fresh  ## fly rows of twenty simulated flights (about two hours on two cores)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.fly $(ARGS)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.fly $(ARGS)
 
 bench-radio: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
@@ -65,7 +65,7 @@ $(READY): pyproject.toml .ci/setup
 $(PEERS): pyproject.toml .ci/setup-bench | $(READY)
 	.ci/setup-bench
 
-$(VISP): benchmarks/peers/parts/visp_driver.cpp .ci/setup-visp $(PEERS)
+$(VISP): benchmarks/common/visp_driver.cpp .ci/setup-visp $(PEERS)
 	.ci/setup-visp
 	touch $@
 

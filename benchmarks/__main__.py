@@ -10,43 +10,44 @@ import msgspec
 import typer
 from rich.console import Console
 
-from benchmarks.finding import Section
 from benchmarks.machine import Machine
 from benchmarks.options import UNSEEN, Options, parse_seeds
 from benchmarks.readme import update
 from benchmarks.report import json_line, page, show
+from benchmarks.results import Section
 from benchmarks.workers import one_thread
 
 HERE = Path(__file__).resolve().parent
 # What is timed comes first, while the machine is cool and nothing else runs.
-NAMES = (
-    "speed",
-    "contest_speed",
-    "contest_table1",
-    "contest_start",
-    "shapes_speed",
-    "startup",
-    "memory",
-    "accuracy",
-    "covariance",
-    "reacquisition",
-    "false_locks",
-    "real",
-    "contest_accuracy",
-    "contest_summary",
-    "contest_figure6",
-    "contest_tags",
-    "contest_real",
-    "shapes_accuracy",
-    "shapes_tags",
-    "localization_speed",
-    "localization_range",
-    "localization_methods",
-    "localization_markers",
-    "localization_covariance",
-    "localization_prediction",
-    "localization_neighbors",
-)
+MODULES = {
+    "speed": "tracking.speed",
+    "contest_speed": "contest.speed",
+    "contest_table1": "contest.paper",
+    "contest_start": "contest.start",
+    "shapes_speed": "shapes.speed",
+    "startup": "tracking.startup",
+    "memory": "tracking.memory",
+    "accuracy": "tracking.accuracy",
+    "covariance": "tracking.covariance",
+    "reacquisition": "tracking.reacquisition",
+    "false_locks": "tracking.false_locks",
+    "real": "tracking.real",
+    "contest_accuracy": "contest.accuracy",
+    "contest_summary": "contest.summary",
+    "contest_figure6": "contest.figure6",
+    "contest_tags": "contest.tags",
+    "contest_real": "contest.real",
+    "shapes_accuracy": "shapes.accuracy",
+    "shapes_tags": "shapes.tags",
+    "localization_speed": "localization.speed",
+    "localization_range": "localization.range",
+    "localization_methods": "localization.methods",
+    "localization_markers": "localization.markers",
+    "localization_covariance": "localization.covariance",
+    "localization_prediction": "localization.prediction",
+    "localization_neighbors": "localization.neighbors",
+}
+NAMES = tuple(MODULES)
 
 
 def chosen(only: str) -> list[str]:
@@ -116,7 +117,7 @@ def measure(names: list[str], options: Options, keep: Path | None = None) -> lis
             sections.append(msgspec.msgpack.decode(file.read_bytes(), type=Section))
             continue
         with console.status(f"{name} ..."):
-            sections.append(importlib.import_module(f"benchmarks.{name}").run(options))
+            sections.append(importlib.import_module(f"benchmarks.{MODULES[name]}").run(options))
         if file is not None:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_bytes(msgspec.msgpack.encode(sections[-1]))

@@ -16,15 +16,15 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.accuracy import pooled
-from benchmarks.contest_times import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
-from benchmarks.field import OURS, RIVAL, peer
+from benchmarks.contest.field import OURS, RIVAL, peer
+from benchmarks.contest.times import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
 from benchmarks.machine import Machine
-from benchmarks.rivals import Pool as SearchPool
-from benchmarks.rivals import convert, search
-from benchmarks.sequences import sequence
-from benchmarks.stopwatch import duel
-from benchmarks.trial import follow
+from benchmarks.tracking.accuracy import pooled
+from benchmarks.tracking.contenders import Pool as SearchPool
+from benchmarks.tracking.contenders import convert, search
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.stopwatch import duel
+from benchmarks.tracking.trial import follow
 from benchmarks.workers import one_thread
 
 LIMITS = Path(__file__).resolve().parent / "limits.toml"

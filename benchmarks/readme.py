@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from benchmarks.contest_summary import TITLE
-from benchmarks.finding import Section
+from benchmarks.contest.summary import TITLE
 from benchmarks.machine import Machine
+from benchmarks.results import Section
 
 BEGIN, END = "<!-- from benchmarks/RESULTS.md -->", "<!-- end -->"
 

@@ -6,8 +6,8 @@ import msgspec
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.finding import Finding, Section, table
 from benchmarks.machine import Machine
+from benchmarks.results import Finding, Section, table
 
 STYLES = {"prize": "bold green", "bar": "green", "missed": "bold red", "-": "dim"}
 MARKS = {"prize": "prize", "bar": "bar", "missed": "**missed**", "-": "-"}

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import matchset as ms
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 camera = ms.CameraModel.from_fov(480, 360, math.radians(80))  # or ms.CameraModel.load("camera.toml")
 localizer = ms.Localizer(camera, ms.BallTarget(diameter=0.28))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 camera = ms.CameraModel.from_fov(480, 360, math.radians(60))
 position = np.array((0.2, 0.1, 1.1))

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from matchset.app.export import write_clip
-from matchset.sim.clip import Clip
+from matchset.app.drawing.clip_export import write_clip
+from matchset.sim.clips.clip import Clip
 
 write_clip(Clip(frames=300), Path("ball.mp4"))
 print("written: ball.mp4, ball.csv")

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 camera = ms.CameraModel(
     width=480, height=360, fx=340.0, fy=340.0, cx=239.5, cy=179.5, distortion=(-0.2, 0.0, 0.0, 0.0, 0.0)

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterable
 
 import matchset as ms
-from matchset.sim.shape_clip import ShapeClip
+from matchset.sim.clips.shape_clip import ShapeClip
 
 words = sys.argv[1:]
 if words and len(words) != 5:

@@ -3,7 +3,7 @@
 import numpy as np
 
 import matchset as ms
-from matchset.sim.shape_clip import ShapeClip
+from matchset.sim.clips.shape_clip import ShapeClip
 
 clip = ShapeClip(corners=((-1.5, -1.0), (1.5, -1.0), (1.5, 1.0), (-1.5, 1.0)), frames=30, seed=100)
 x, y = clip.first_click

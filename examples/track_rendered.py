@@ -1,7 +1,7 @@
 """Follow a rendered balloon from one click: no camera and no file needed."""
 
 import matchset as ms
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 
 clip = Clip(frames=30)
 frames = [frame for frame, _ in clip]

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.localization.board import Board, View
+from matchset.camera.board import Board, View
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.adapt import adapt_table, count_inside
 from matchset.image.color import ColorModel
+from matchset.image.color_adaptation import adapt_table, count_inside
 from matchset.shapes.circle import Circle
 from matchset.tracking import detect_grid
 from matchset.tracking.fit import _median, fit_lines, scratch_size

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from matchset.app.export import write_clip
-from matchset.app.pose_table import read_poses
-from matchset.sim.clip import Clip
+from matchset.app.drawing.clip_export import write_clip
+from matchset.app.locate.pose_table import read_poses
+from matchset.sim.clips.clip import Clip
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 LONGEST = 40  # lines

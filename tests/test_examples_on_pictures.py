@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.shapes_cases import corner_error
-from benchmarks.shapes_tags import reference
+from benchmarks.shapes.cases import corner_error
+from benchmarks.shapes.tags import reference
 
 ROOT = Path(__file__).resolve().parents[1]
 STILLS = ROOT.parent / "shared" / "data" / "stills"

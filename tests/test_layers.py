@@ -7,26 +7,38 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "src" / "matchset"
-LAYERS = ["shapes", "image", "tracking", "localization", "control", "sim", "links", "app"]
+LAYERS = [
+    "numeric",
+    "shapes",
+    "image",
+    "fitting",
+    "tracking",
+    "camera",
+    "localization",
+    "control",
+    "sim",
+    "links",
+    "app",
+]
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 
 OUTSIDE = {"datetime", "glob", "io", "os", "pathlib", "shutil", "socket", "subprocess", "tempfile", "time"}
 MAY_TOUCH_OUTSIDE = {
     "image/capture.py",  # OpenCV's log level is set in the environment
     "image/color.py",
-    "image/live.py",
-    "image/pictures.py",
-    "image/recording.py",
+    "image/camera_stream.py",
+    "image/image_folder.py",
+    "image/video_file.py",
     "image/video.py",
-    "localization/calibrate.py",
-    "localization/camera_file.py",
-    "localization/camera_model.py",
-    "shapes/jit.py",  # the compiled code's key holds a checksum of the sources: decision 012
+    "camera/calibrate.py",
+    "camera/camera_toml.py",
+    "camera/camera_model.py",
+    "numeric/jit.py",  # the compiled code's key holds a checksum of the sources: decision 012
 }
 READS_OR_WRITES = {"fromfile", "imread", "imwrite", "load", "loadtxt", "open", "save", "savez", "tofile"}
 FOR_PEOPLE = {"matplotlib", "PIL", "rich", "typer"}
 SHOWS = {"print", "putText", "arrowedLine", "drawMarker"}
-LONGEST = 300  # lines
+LONGEST = 400  # lines
 
 
 def tree(name: str) -> ast.Module:
@@ -85,7 +97,7 @@ def test_a_layer_imports_only_from_those_above_it(name: str) -> None:
 @pytest.mark.parametrize("name", FILES)
 def test_only_the_jit_policy_imports_numba(name: str) -> None:
     roots = {module.split(".")[0] for module in imported(name)}
-    assert name == "shapes/jit.py" or not roots & {"numba", "llvmlite"}
+    assert name == "numeric/jit.py" or not roots & {"numba", "llvmlite"}
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -106,7 +118,9 @@ def test_only_the_app_prints_and_draws(name: str) -> None:
     assert not modules | calls, f"{name} uses {modules | calls}"
 
 
-@pytest.mark.parametrize(("package", "file"), [("serial", "links/serial_port.py"), ("mcap", "app/mcap_file.py")])
+@pytest.mark.parametrize(
+    ("package", "file"), [("serial", "links/arduino/serial_port.py"), ("mcap", "app/recording/mcap_file.py")]
+)
 def test_an_extra_is_imported_by_one_file_and_only_when_it_is_needed(package: str, file: str) -> None:
     users = {name for name in FILES if package in {module.split(".")[0] for module in imported(name)}}
     assert users == {file}
@@ -124,7 +138,11 @@ def _of(statement: ast.stmt) -> list[str]:
 @pytest.mark.parametrize("name", FILES)
 def test_only_reports_load_matplotlib(name: str) -> None:
     roots = {module.split(".")[0] for module in imported(name)}
-    assert "matplotlib" not in roots or name.removesuffix(".py").endswith("plot")
+    assert "matplotlib" not in roots or name in {
+        "app/drawing/curves.py",
+        "app/flight_report/plots.py",
+        "app/locate/path_picture.py",
+    }
 
 
 @pytest.mark.parametrize("name", FILES)

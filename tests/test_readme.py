@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from matchset.app.export import write_clip
-from matchset.sim.clip import Clip
+from matchset.app.drawing.clip_export import write_clip
+from matchset.sim.clips.clip import Clip
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
-from benchmarks.real import CLICKS, first_good, follow_video
+from benchmarks.tracking.real import CLICKS, first_good, follow_video
 
-from matchset.app.score import score
-from matchset.app.truth import read_truth
+from matchset.app.track.score import score
+from matchset.app.track.truth import read_truth
 
 CLIP = Path(__file__).resolve().parents[2] / "shared" / "data" / "green_ball_hand"
 

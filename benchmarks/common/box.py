@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from benchmarks.peers.parts.start import Circle3, Image, Start, Step
+from benchmarks.common.start import Circle3, Image, Start, Step
 
 
 def follow_box(tracker: Any, start: Start, half: float, scales: bool = False) -> Step:

@@ -5,7 +5,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.peers.parts.start import Circle3
+from benchmarks.common.start import Circle3
 
 
 class Card(msgspec.Struct, frozen=True):

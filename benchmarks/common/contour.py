@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.peers.parts.start import Circle3
+from benchmarks.common.start import Circle3
 
 Mask = npt.NDArray[np.uint8]
 LEAST_AREA = 12.0  # px^2: smaller things are noise

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from cv2 import ximgproc  # type: ignore[attr-defined]
 
-from benchmarks.peers.parts.start import Circle3
+from benchmarks.common.start import Circle3
 
 Gray = npt.NDArray[np.uint8]
 

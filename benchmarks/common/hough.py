@@ -2,8 +2,8 @@
 
 import cv2
 
-from benchmarks.peers.parts.start import Circle3, Image
-from benchmarks.peers.parts.target_color import Bound, looks_right
+from benchmarks.common.start import Circle3, Image
+from benchmarks.common.target_color import Bound, looks_right
 
 MOST = 40  # candidates that are checked for color
 

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from benchmarks.peers.parts.start import Choices
+from benchmarks.common.start import Choices
 
 COLOR_CHOICES: Choices = {
     "hue": (8, 12, 16, 22, 30, 45, 60),

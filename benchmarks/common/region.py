@@ -1,6 +1,6 @@
 """Looking only around the last circle, and in the whole frame where nothing is there."""
 
-from benchmarks.peers.parts.start import Circle3, Image, Start, Step
+from benchmarks.common.start import Circle3, Image, Start, Step
 
 
 def around_the_last(find: Step, start: Start, reach: float, margin: float) -> Step:

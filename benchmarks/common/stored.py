@@ -6,7 +6,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-PARAMETERS = Path(__file__).resolve().parents[1] / "parameters.toml"
+PARAMETERS = Path(__file__).resolve().parents[1] / "peers" / "parameters.toml"
 
 
 def stored() -> dict[str, Any]:

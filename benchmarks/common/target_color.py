@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.peers.parts.start import Circle3, Image, Start
+from benchmarks.common.start import Circle3, Image, Start
 
 Bound = tuple[int, int, int]
 Mask = npt.NDArray[np.uint8]

@@ -12,10 +12,10 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.peers.parts.start import Circle3
+from benchmarks.common.start import Circle3
 
 Gray = npt.NDArray[np.uint8]
-DRIVER = Path(__file__).resolve().parents[3] / ".bench" / "visp_driver"
+DRIVER = Path(__file__).resolve().parents[2] / ".bench" / "visp_driver"
 
 
 class Visp:

@@ -4,15 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from benchmarks import contest
-from benchmarks.accuracy import pooled
-from benchmarks.contest import Results
-from benchmarks.field import NEEDS_WORDS, OURS, PAPER, peer
-from benchmarks.finding import Figure, Finding, Goal, Section, quantity, table
+from benchmarks.contest import run as contest
+from benchmarks.contest.field import NEEDS_WORDS, OURS, PAPER, peer
+from benchmarks.contest.run import Results
 from benchmarks.options import Options
-from benchmarks.sequences import GONE, WHAT
-from benchmarks.trial import Trial
-from matchset.app.score import VALID_BELOW_PX, Score, error_px
+from benchmarks.results import Figure, Finding, Goal, Section, quantity, table
+from benchmarks.tracking.accuracy import pooled
+from benchmarks.tracking.sequences import GONE, WHAT
+from benchmarks.tracking.trial import Trial
+from matchset.app.track.score import VALID_BELOW_PX, Score, error_px
 
 NEAR_PX = 0.05
 HARD_ONES = ("occlusion", "clutter", "light")
@@ -31,7 +31,7 @@ def run(options: Options) -> Section:
     text = (
         f"Seeds {seeds}, {len(results['clean'][0][OURS].truths)} frames each after the first. Everybody is told the "
         "truth of the first frame, as far as he needs it, and nothing after that; matchset is told a click. The peers' "
-        "parameters are the best that a search found on seeds 0-9 (`benchmarks/search.py`, "
+        "parameters are the best that a search found on seeds 0-9 (`benchmarks/contest/search.py`, "
         "`benchmarks/peers/parameters.toml`); matchset has its defaults. *Told nothing but the color* are detectors: "
         "they look at every frame anew, find a ball without being started, and cannot drift.\n\n"
         f"{lines}\n" + "".join(tables) + "\n**Frames until found again**, mean over the returns, after the ball had "

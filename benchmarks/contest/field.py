@@ -6,9 +6,9 @@ from typing import Any
 
 import msgspec
 
-from benchmarks.peers.parts.start import Choices, Start, Step
-from benchmarks.peers.parts.stored import load
-from benchmarks.peers.parts.visp import DRIVER
+from benchmarks.common.start import Choices, Start, Step
+from benchmarks.common.stored import load
+from benchmarks.common.visp import DRIVER
 
 OURS, PAPER, RIVAL = "matchset", "paper", "region_bgr"
 GRAY = ("edge_drawing", "hough_gradient", "hough_alt")

@@ -2,11 +2,11 @@
 
 import math
 
-from benchmarks.accuracy import figures, pooled
-from benchmarks.contest import Heat, Results, run_heat
-from benchmarks.field import missing, peer
-from benchmarks.finding import Figure, Finding, Picture, Section, table
+from benchmarks.contest.field import missing, peer
+from benchmarks.contest.run import Heat, Results, run_heat
 from benchmarks.options import Options
+from benchmarks.results import Figure, Finding, Picture, Section, table
+from benchmarks.tracking.accuracy import figures, pooled
 from benchmarks.workers import spread
 
 FRAMES, QUICK_FRAMES = 500, 120
@@ -46,7 +46,7 @@ def run(options: Options) -> Section:
 
 
 def _draw(done: Results, options: Options) -> tuple[Picture, ...]:
-    from benchmarks.pictures import error_histogram, errors_over_frames
+    from benchmarks.tracking.pictures import error_histogram, errors_over_frames
 
     assert options.pictures is not None
     errors = {_short(peer(key).name): trial.errors for key, trial in reversed(done.items())}

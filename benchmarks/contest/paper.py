@@ -1,10 +1,10 @@
 """The paper's Table 1 again: every row, what it took there, what it takes here, or why it could not be run."""
 
-from benchmarks import contest_times
-from benchmarks.contest_speed import PAPER_FPS
-from benchmarks.field import OURS, PAPER, missing
-from benchmarks.finding import Figure, Finding, Section, table
+from benchmarks.contest import times as contest_times
+from benchmarks.contest.field import OURS, PAPER, missing
+from benchmarks.contest.speed import PAPER_FPS
 from benchmarks.options import Options
+from benchmarks.results import Figure, Finding, Section, table
 
 NO_CODE = "not run: no packaged implementation is known to us"
 # name in print, ms in print, peer here, or why there is none

@@ -1,4 +1,4 @@
-"""One peer in a process of its own: `python -m benchmarks.peer_process KEY FRAMES.npz` says what it took."""
+"""One peer in a process of its own: `python -m benchmarks.contest.peer_process KEY FRAMES.npz` says what it took."""
 
 import json
 import sys
@@ -7,9 +7,9 @@ import time
 import cv2
 import numpy as np
 
-from benchmarks.peers.parts.size import resident_mb
-from benchmarks.peers.parts.start import Start
-from benchmarks.peers.parts.stored import load
+from benchmarks.common.size import resident_mb
+from benchmarks.common.start import Start
+from benchmarks.common.stored import load
 
 
 def main(key: str, path: str) -> None:

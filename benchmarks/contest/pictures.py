@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from benchmarks.pictures import INK, PALE, PINK, _calm, _figure, _note, _save
+from benchmarks.tracking.pictures import INK, PALE, PINK, _calm, _figure, _note, _save
 
 PALETTE = ("#0b7a75", "#2f6fde", "#e08a00", "#8a5cc2", "#7a7a7a", "#b03a2e", "#4f9d2f", "#c2a000")
 OURS = "matchset"

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from benchmarks.accuracy import figures
-from benchmarks.contest import real_heat
-from benchmarks.field import OURS, PEERS, missing, peer
-from benchmarks.finding import Figure, Finding, Section, table
+from benchmarks.contest.field import OURS, PEERS, missing, peer
+from benchmarks.contest.run import real_heat
 from benchmarks.options import Options
-from matchset.app.score import Score, score
-from matchset.app.truth import read_truth
+from benchmarks.results import Figure, Finding, Section, table
+from benchmarks.tracking.accuracy import figures
+from matchset.app.track.score import Score, score
+from matchset.app.track.truth import read_truth
 
 QUICK_PEERS = ("matchset", "region_bgr", "contour_moments")
 TITLE = "Real footage, beside what people use"

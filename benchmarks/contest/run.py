@@ -7,16 +7,16 @@ from pathlib import Path
 import msgspec
 
 import matchset as ms
-from benchmarks.field import LIGHT, PAPER, PEERS, Peer, peer, present
+from benchmarks.common import card
+from benchmarks.common.start import Circle3, Start, Step
+from benchmarks.contest.field import LIGHT, PAPER, PEERS, Peer, peer, present
+from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.options import Options
-from benchmarks.peers.parts import card
-from benchmarks.peers.parts.start import Circle3, Start, Step
-from benchmarks.sequences import WHAT, sequence
-from benchmarks.tags import TagClip
-from benchmarks.trial import Trial, as_truth
+from benchmarks.tracking.sequences import WHAT, sequence
+from benchmarks.tracking.trial import Trial, as_truth
 from benchmarks.workers import spread
-from matchset.app.truth import Truth
-from matchset.sim.clip import Clip
+from matchset.app.track.truth import Truth
+from matchset.sim.clips.clip import Clip
 
 FRAMES, QUICK_FRAMES = 140, 80
 SEEDS, QUICK_SEEDS = 2, 1

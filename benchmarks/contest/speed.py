@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from benchmarks import contest_times
-from benchmarks.contest_times import CONVERSION, RADII, Result
-from benchmarks.field import GRAY, HEAVY, LIGHT, NEEDS_WORDS, OURS, PAPER, RIVAL, TAGS, missing, peer
-from benchmarks.finding import Figure, Finding, Goal, Picture, Section, table
+from benchmarks.contest import times as contest_times
+from benchmarks.contest.field import GRAY, HEAVY, LIGHT, NEEDS_WORDS, OURS, PAPER, RIVAL, TAGS, missing, peer
+from benchmarks.contest.times import CONVERSION, RADII, Result
 from benchmarks.options import Options
-from benchmarks.stopwatch import Times
+from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
+from benchmarks.tracking.stopwatch import Times
 
 PAPER_FPS = 500
 
@@ -135,7 +135,7 @@ def _name(key: str) -> str:
 
 
 def _draw(by_radius: Mapping[int, Result], by_size: Mapping[float, Result], folder: Path) -> tuple[Picture, ...]:
-    from benchmarks.contest_pictures import times_over
+    from benchmarks.contest.pictures import times_over
 
     keys = list(by_radius[RADII[0]])
     radii = {_name(key): [by_radius[radius][key].median_us for radius in RADII] for key in keys}

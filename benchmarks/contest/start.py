@@ -9,14 +9,14 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from benchmarks.contest import first_sight
-from benchmarks.field import HEAVY, LIGHT, OURS, missing, peer
-from benchmarks.finding import Figure, Finding, Section, quantity, table
+from benchmarks.contest.field import HEAVY, LIGHT, OURS, missing, peer
+from benchmarks.contest.run import first_sight
 from benchmarks.options import Options
-from benchmarks.sequences import sequence
+from benchmarks.results import Figure, Finding, Section, quantity, table
+from benchmarks.tracking.sequences import sequence
 
 FRAMES = 20
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 class Cost(msgspec.Struct, frozen=True):
@@ -54,7 +54,7 @@ def run(options: Options) -> Section:
 
 def _cost(key: str, frames: Path) -> Cost:
     begin = time.time()
-    command = [sys.executable, "-m", "benchmarks.peer_process", key, str(frames)]
+    command = [sys.executable, "-m", "benchmarks.contest.peer_process", key, str(frames)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{key} failed in a process of its own:\n{done.stderr}")

@@ -2,14 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 
-from benchmarks import contest, contest_times
-from benchmarks.accuracy import pooled
-from benchmarks.contest import Results
-from benchmarks.field import LIGHT, OURS, peer
-from benchmarks.finding import Picture, Section, quantity, table
+from benchmarks.contest import run as contest
+from benchmarks.contest import times as contest_times
+from benchmarks.contest.field import LIGHT, OURS, peer
+from benchmarks.contest.run import Results
+from benchmarks.contest.search import loss_px
 from benchmarks.options import Options
-from benchmarks.search import loss_px
-from benchmarks.sequences import WHAT
+from benchmarks.results import Picture, Section, quantity, table
+from benchmarks.tracking.accuracy import pooled
+from benchmarks.tracking.sequences import WHAT
 
 TITLE = "In one table"
 BALLS = tuple(name for name in WHAT if name != "empty")
@@ -58,7 +59,7 @@ def _exactness(results: Mapping[str, Sequence[Results]], key: str) -> list[str]:
 
 
 def _draw(results: Mapping[str, Sequence[Results]], options: Options) -> tuple[Picture, ...]:
-    from benchmarks.contest_pictures import accuracy_over_speed
+    from benchmarks.contest.pictures import accuracy_over_speed
 
     light, heavy = contest_times.everybody(options)
     times = {key: each.median_us for key, each in (heavy | light).items()}

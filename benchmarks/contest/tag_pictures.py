@@ -8,13 +8,13 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.peers.parts.card import Card
+from benchmarks.common.card import Card
 from matchset.image.frame import Frame
-from matchset.sim.clip import Clip
-from matchset.sim.outline import mean_circle
-from matchset.sim.pal import degrade
-from matchset.sim.shutter import fields
-from matchset.sim.truth import Truth
+from matchset.sim.analog_link import degrade
+from matchset.sim.clips.clip import Clip
+from matchset.sim.clips.outline import mean_circle
+from matchset.sim.clips.truth import Truth
+from matchset.sim.rendering.shutter import fields
 
 Picture = npt.NDArray[np.float32]
 ROLL = math.radians(20.0)  # it swings to and fro by this much

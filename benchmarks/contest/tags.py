@@ -1,11 +1,11 @@
 """Tag systems, apart: they need a made target. Cards of side 2 r on the ball's path, over the same link."""
 
-from benchmarks.accuracy import figures, pooled
-from benchmarks.contest import Tagged, run_tags
-from benchmarks.field import TAGS, missing, peer
-from benchmarks.finding import Figure, Finding, Section, table
+from benchmarks.contest.field import TAGS, missing, peer
+from benchmarks.contest.run import Tagged, run_tags
 from benchmarks.options import Options
-from benchmarks.sequences import PRESETS
+from benchmarks.results import Figure, Finding, Section, table
+from benchmarks.tracking.accuracy import figures, pooled
+from benchmarks.tracking.sequences import PRESETS
 from benchmarks.workers import spread
 
 FRAMES, QUICK_FRAMES = 140, 40

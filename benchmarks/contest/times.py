@@ -7,18 +7,18 @@ from typing import Any
 import msgspec
 
 import matchset as ms
-from benchmarks.accuracy import pooled
-from benchmarks.contest import compete, first_sight
-from benchmarks.field import HEAVY, LIGHT, OURS, RIVAL, TAGS, Peer, peer, present
+from benchmarks.common import card
+from benchmarks.common.start import Start
+from benchmarks.common.visp import Visp
+from benchmarks.contest.field import HEAVY, LIGHT, OURS, RIVAL, TAGS, Peer, peer, present
+from benchmarks.contest.run import compete, first_sight
+from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.options import Options
-from benchmarks.peers.parts import card
-from benchmarks.peers.parts.start import Start
-from benchmarks.peers.parts.visp import Visp
-from benchmarks.rivals import convert
-from benchmarks.sequences import sequence
-from benchmarks.stopwatch import Contender, Times, duel
-from benchmarks.tags import TagClip
-from matchset.sim.clip import Clip
+from benchmarks.tracking.accuracy import pooled
+from benchmarks.tracking.contenders import convert
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.stopwatch import Contender, Times, duel
+from matchset.sim.clips.clip import Clip
 
 Result = dict[str, Times]
 

@@ -1,4 +1,4 @@
-"""Rows of twenty flights and the page `benchmarks/FLIGHT.md`: `python -m benchmarks.fly`, or `make bench-fly`.
+"""Rows of twenty flights and the page `benchmarks/FLIGHT.md`: `python -m benchmarks.flight.fly`, or `make bench-fly`.
 
 Tuned on seeds 0 to 9; these rows are flown on 110 and up. Scores already flown by the same sources of the package are
 kept in a file and not flown again, so that a run may be stopped and gone on with.
@@ -18,17 +18,17 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 import matchset
+from benchmarks.flight.processing import in_words, processing
 from benchmarks.machine import Machine
-from benchmarks.processing import in_words, processing
 from benchmarks.workers import one_thread
-from matchset.app.ending import StopRequest
-from matchset.app.flight_run import Flight, FlightParameters
-from matchset.app.flight_score import FlightScore
-from matchset.app.flight_series import fly_all
-from matchset.app.simulation_table import Limits, Row, centimeters
+from matchset.app.exit_codes import StopRequest
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.score import FlightScore
+from matchset.app.flight.series import fly_all
+from matchset.app.flight.simulation_table import Limits, Row, centimeters
 from matchset.links.simulated import FPS, SimulationParameters
 
-HERE = Path(__file__).resolve().parent
+PAGES = Path(__file__).resolve().parents[1]
 FIRST = 110  # seeds 0 to 9 were tuned on, 100 and 101 were looked at on the way
 PULLED = 2.0  # s
 TEN = "chain_of_ten.png"
@@ -115,8 +115,8 @@ def main(
     seeds: Annotated[int, typer.Option(min=1, help="Flights in a row.")] = 20,
     duration: Annotated[float | None, typer.Option(help="Shorter flights, s: a first impression.")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Flights at once.")] = min(2, os.cpu_count() or 1),
-    kept: Annotated[Path, typer.Option(help="Scores already flown.")] = HERE / "flights.kept",
-    output: Annotated[Path, typer.Option("-o", help="The page.")] = HERE / "FLIGHT.md",
+    kept: Annotated[Path, typer.Option(help="Scores already flown.")] = PAGES / "flights.kept",
+    output: Annotated[Path, typer.Option("-o", help="The page.")] = PAGES / "FLIGHT.md",
 ) -> None:
     """Fly rows of twenty seeds and write the page."""
     one_thread()
@@ -242,7 +242,7 @@ def plot(score: FlightScore) -> None:
     axes.set(xlabel="followers between the rope and this one", ylabel="cm rms off the set place", ylim=(0, None))
     axes.legend()
     figure.tight_layout()
-    figure.savefig(HERE / "pictures" / TEN, dpi=110)
+    figure.savefig(PAGES / "pictures" / TEN, dpi=110)
     pyplot.close(figure)
 
 

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight_run import Flight, FlightParameters
-from matchset.app.loop import STAGES, Pilot
-from matchset.app.recorded_devices import RecordedCamera, RecordedLink
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.pilot import STAGES, Pilot
+from matchset.app.recording.devices import RecordedCamera, RecordedLink
 from matchset.control.command import Command
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulationParameters

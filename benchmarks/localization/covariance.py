@@ -6,14 +6,14 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from benchmarks.covariance import BAR, FREEDOM, LEVEL, PRIZE, figures
-from benchmarks.finding import Finding, Section, table
+from benchmarks.localization.poses import PINHOLE, RADIUS, observe, place_ball
 from benchmarks.options import Options
-from benchmarks.poses import PINHOLE, RADIUS, observe, place_ball
-from benchmarks.sequences import sequence
-from benchmarks.trial import clicked
+from benchmarks.results import Finding, Section, table
+from benchmarks.tracking.covariance import BAR, FREEDOM, LEVEL, PRIZE, figures
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import clicked
 from benchmarks.workers import spread
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 PRESETS = ("clean", "typical")
 FLYING, POSES = 10, 60  # sequences, and frames of each that count: 600 poses on the move

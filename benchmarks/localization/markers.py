@@ -9,12 +9,12 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section, table
+from benchmarks.localization.poses import PINHOLE, facing, learn, observe, place_ball
 from benchmarks.options import Options
-from benchmarks.poses import PINHOLE, facing, learn, observe, place_ball
+from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
 from matchset.localization.marker import place_marker
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 Floats = npt.NDArray[np.float64]
 

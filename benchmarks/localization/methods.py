@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Picture, Section, table
-from benchmarks.localization_range import CAMERAS
+from benchmarks.localization.poses import RADIUS, learn, place_ball
+from benchmarks.localization.range import CAMERAS
 from benchmarks.options import Options
-from benchmarks.poses import RADIUS, learn, place_ball
+from benchmarks.results import Figure, Finding, Picture, Section, table
 from benchmarks.workers import spread
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 Floats = npt.NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def run(options: Options) -> Section:
     errors = {name: 100.0 * measured[..., way] for way, name in enumerate(WAYS)}
     pictures: tuple[Picture, ...] = ()
     if options.pictures is not None:
-        from benchmarks.pictures import range_errors
+        from benchmarks.tracking.pictures import range_errors
 
         range_errors(ANGLES_DEG, errors, options.pictures / "range.png")
         pictures = (Picture("range.png", "Error of the range against the angle off the axis"),)

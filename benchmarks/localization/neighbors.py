@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section
 from benchmarks.options import Options
-from matchset.localization.newcomers import Newcomers
-from matchset.sim.crowd import Crowd, Path
+from benchmarks.results import Figure, Finding, Goal, Section
+from matchset.localization.neighbors.ball_search import Newcomers
+from matchset.sim.clips.multi_ball_clip import Crowd, Path
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
 TARGET = ms.BallTarget(diameter=0.28)

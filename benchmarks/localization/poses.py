@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 Floats = npt.NDArray[np.float64]
 

@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section
+from benchmarks.localization.poses import PINHOLE, observe
 from benchmarks.options import Options
-from benchmarks.poses import PINHOLE, observe
-from matchset.sim.flight import Flight
+from benchmarks.results import Figure, Finding, Goal, Section
+from matchset.sim.clips.ball_flight_clip import Flight
 
 Floats = npt.NDArray[np.float64]
 

@@ -7,11 +7,11 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section, table
+from benchmarks.localization.poses import observe, place_ball
 from benchmarks.options import Options
-from benchmarks.poses import observe, place_ball
+from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 ANGLES_DEG = (0, 10, 20, 30, 35)
 SCENES, FRAMES = 10, 5  # 50 frames per angle

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section, table
-from benchmarks.localization_markers import THREE
+from benchmarks.localization.markers import THREE
+from benchmarks.localization.poses import BARREL, PINHOLE, facing, learn
 from benchmarks.options import Options
-from benchmarks.poses import BARREL, PINHOLE, facing, learn
-from matchset.sim.flight import Flight
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from matchset.sim.clips.ball_flight_clip import Flight
 
 FRAMES = 150
 WARM_UP = 20

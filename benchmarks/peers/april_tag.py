@@ -6,8 +6,8 @@ from typing import Any
 import cv2
 import msgspec
 
-from benchmarks.peers.parts.card import APRIL
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.card import APRIL
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
 
 NAME = "AprilTag 3 (pupil-apriltags)"
 NEEDS = "nothing"

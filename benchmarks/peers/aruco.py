@@ -3,8 +3,8 @@
 import cv2
 import msgspec
 
-from benchmarks.peers.parts.card import ARUCO
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.card import ARUCO
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
 
 NAME = "ArUco 4 × 4 (OpenCV)"
 NEEDS = "nothing"

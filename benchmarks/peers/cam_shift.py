@@ -4,8 +4,8 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import disc_pixels
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import disc_pixels
 
 NAME = "CamShift"
 NEEDS = "circle"

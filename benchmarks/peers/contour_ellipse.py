@@ -1,9 +1,9 @@
 """HSV mask of the whole frame, largest contour, least-squares ellipse."""
 
-from benchmarks.peers.parts import contour
-from benchmarks.peers.parts.mask import MASK_CHOICES, MaskParameters
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common import contour
+from benchmarks.common.mask import MASK_CHOICES, MaskParameters
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 
 NAME = "HSV mask, contour, fitEllipse"
 NEEDS = "color"

@@ -3,8 +3,8 @@
 import msgspec
 from cv2 import legacy  # type: ignore[attr-defined]
 
-from benchmarks.peers.parts.box import follow_box
-from benchmarks.peers.parts.start import Choices, Start, Step
+from benchmarks.common.box import follow_box
+from benchmarks.common.start import Choices, Start, Step
 
 NAME = "CSRT"
 NEEDS = "circle"

@@ -4,9 +4,9 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.peers.parts.ellipses import edge_drawing
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_range, looks_right
+from benchmarks.common.ellipses import edge_drawing
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_range, looks_right
 
 NAME = "EdgeDrawing (EDCircles), gray whole frame"
 NEEDS = "color"

@@ -4,10 +4,10 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.peers.parts.contour import enclosing
-from benchmarks.peers.parts.mask import COLOR_CHOICES
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_range
+from benchmarks.common.contour import enclosing
+from benchmarks.common.mask import COLOR_CHOICES
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_range
 
 NAME = "hobby recipe: blur, HSV, inRange, minEnclosingCircle"
 NEEDS = "color"

@@ -3,9 +3,9 @@
 import cv2
 import msgspec
 
-from benchmarks.peers.parts.hough import hough_circles
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_range
+from benchmarks.common.hough import hough_circles
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_range
 
 NAME = "HoughCircles (gradient), gray whole frame"
 NEEDS = "color"

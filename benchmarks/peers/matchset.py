@@ -3,7 +3,7 @@
 import msgspec
 
 import matchset as ms
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
 
 NAME = "matchset"
 NEEDS = "color"

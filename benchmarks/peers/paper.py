@@ -3,9 +3,9 @@
 import msgspec
 import numpy as np
 
-from benchmarks.peers.parts.mask import COLOR_CHOICES
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common.mask import COLOR_CHOICES
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 from matchset.reference import Search, init_circle, track_circle
 
 NAME = "the paper to the letter (NumPy)"

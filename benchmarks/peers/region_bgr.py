@@ -2,10 +2,10 @@
 
 import msgspec
 
-from benchmarks.peers.parts import contour
-from benchmarks.peers.parts.region import around_the_last
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import bgr_mask, bgr_range
+from benchmarks.common import contour
+from benchmarks.common.region import around_the_last
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import bgr_mask, bgr_range
 
 NAME = "region + BGR inRange, contour, moments"
 NEEDS = "circle"

@@ -3,11 +3,11 @@
 import cv2
 import msgspec
 
-from benchmarks.peers.parts.ellipses import edge_drawing
-from benchmarks.peers.parts.mask import COLOR_CHOICES
-from benchmarks.peers.parts.region import around_the_last
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common.ellipses import edge_drawing
+from benchmarks.common.mask import COLOR_CHOICES
+from benchmarks.common.region import around_the_last
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 
 NAME = "region + HSV mask, EdgeDrawing"
 NEEDS = "circle"

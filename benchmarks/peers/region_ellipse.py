@@ -1,10 +1,10 @@
 """The contour's ellipse in a region around the last circle."""
 
-from benchmarks.peers.parts import contour
-from benchmarks.peers.parts.mask import REGION_CHOICES, RegionParameters
-from benchmarks.peers.parts.region import around_the_last
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common import contour
+from benchmarks.common.mask import REGION_CHOICES, RegionParameters
+from benchmarks.common.region import around_the_last
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 
 NAME = "region + HSV mask, contour, fitEllipse"
 NEEDS = "circle"

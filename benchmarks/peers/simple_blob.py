@@ -3,8 +3,8 @@
 import cv2
 import msgspec
 
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 
 NAME = "SimpleBlobDetector on the HSV mask"
 NEEDS = "color"

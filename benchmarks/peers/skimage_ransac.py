@@ -3,10 +3,10 @@
 import msgspec
 import numpy as np
 
-from benchmarks.peers.parts.contour import HALF_PIXEL, largest
-from benchmarks.peers.parts.mask import COLOR_CHOICES
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common.contour import HALF_PIXEL, largest
+from benchmarks.common.mask import COLOR_CHOICES
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 
 NAME = "scikit-image: RANSAC CircleModel on the contour"
 NEEDS = "color"

@@ -2,9 +2,9 @@
 
 import math
 
-from benchmarks.peers.parts.mask import MASK_CHOICES, MaskParameters
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
+from benchmarks.common.mask import MASK_CHOICES, MaskParameters
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
 
 NAME = "scikit-image: label, regionprops"
 NEEDS = "color"

@@ -3,9 +3,9 @@
 import msgspec
 import numpy as np
 
-from benchmarks.peers.parts.start import Choices, Circle3, Image, Start, Step
-from benchmarks.peers.parts.target_color import hsv_mask, hsv_range
-from benchmarks.peers.parts.visp import Visp
+from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.target_color import hsv_mask, hsv_range
+from benchmarks.common.visp import Visp
 
 NAME = "ViSP vpDot2 on the HSV mask"
 NEEDS = "circle"

@@ -4,11 +4,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
-from benchmarks.shapes_cases import CASES, THIRD, Errors
-from benchmarks.shapes_ellipses import missing
-from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, ShapeTask, ShapeTrial, follow_all, scalar
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from benchmarks.shapes.cases import CASES, THIRD, Errors
+from benchmarks.shapes.ellipses import missing
+from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, ShapeTask, ShapeTrial, follow_all, scalar
 
 FRAMES, QUICK_FRAMES = 100, 40
 SEEDS = 4
@@ -51,7 +51,7 @@ def run(options: Options) -> Section:
         "contour is that of the mask `cvtColor + inRange`, with a range learned inside the true outline of the first "
         "frame, opened, through `fitEllipse`, `minAreaRect`, `approxPolyDP` or the hull. Compared are px (center and "
         "semi-axes, or corners) or the share of the area not in common, in %; who does not answer loses the frame. "
-        "EdgeDrawing's ellipse is the one nearest to its last answer, parameters from `benchmarks.shapes_search`.\n\n"
+        "EdgeDrawing's ellipse is the one nearest to its last answer, parameters from `benchmarks.shapes.search`.\n\n"
     )
     return Section("Other shapes", findings, text + _table(runs))
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 import matchset as ms
 from matchset.shapes.shape import outline
-from matchset.sim.shape_clip import ShapeClip
+from matchset.sim.clips.shape_clip import ShapeClip
 
 Floats = npt.NDArray[np.float64]
 Corners = tuple[tuple[float, float], ...]

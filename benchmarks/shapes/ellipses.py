@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from benchmarks.shapes_contours import Method, color_range
+from benchmarks.shapes.contours import Method, color_range
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -72,7 +72,7 @@ def ellipse_method(
         px.
     parameters : EllipseParameters, optional
     """
-    from benchmarks.peers.parts.ellipses import ellipse_detector
+    from benchmarks.common.ellipses import ellipse_detector
 
     chosen = parameters or EllipseParameters()
     low, high = color_range(image, outline)

@@ -1,4 +1,4 @@
-"""The best parameters for EdgeDrawing's ellipses, on seeds that are not scored: `python -m benchmarks.shapes_search`.
+"""The best parameters for EdgeDrawing's ellipses, on seeds that are not scored: `python -m benchmarks.shapes.search`.
 
 What is searched for is the least mean of min(error, 5 px) over all frames, center and semi-axes together; no answer
 counts as 5 px. All is varied one by one, each to the best of its values, in two rounds.
@@ -10,10 +10,10 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from benchmarks.shapes_accuracy import WORLDS
-from benchmarks.shapes_cases import CASES
-from benchmarks.shapes_ellipses import CHOICES, EllipseParameters, ellipse_method
-from benchmarks.shapes_trial import scalar
+from benchmarks.shapes.accuracy import WORLDS
+from benchmarks.shapes.cases import CASES
+from benchmarks.shapes.ellipses import CHOICES, EllipseParameters, ellipse_method
+from benchmarks.shapes.trial import scalar
 from benchmarks.workers import one_thread
 
 SEEDS, FRAMES, MOST_PX, ROUNDS = range(4), 16, 5.0, 2

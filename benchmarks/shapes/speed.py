@@ -7,15 +7,16 @@ from typing import Any
 import msgspec
 
 import matchset as ms
-from benchmarks import rivals, stopwatch
-from benchmarks.finding import Figure, Finding, Goal, Section
 from benchmarks.options import Options
-from benchmarks.races import CONVERSION, UPDATE, Result
-from benchmarks.shapes_accuracy import peers_of
-from benchmarks.shapes_cases import CASES
-from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, METHODS
-from benchmarks.speed import against, times_table
-from benchmarks.stopwatch import Contender, race
+from benchmarks.results import Figure, Finding, Goal, Section
+from benchmarks.shapes.accuracy import peers_of
+from benchmarks.shapes.cases import CASES
+from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, METHODS
+from benchmarks.tracking import contenders as rivals
+from benchmarks.tracking import stopwatch
+from benchmarks.tracking.races import CONVERSION, UPDATE, Result
+from benchmarks.tracking.speed import against, times_table
+from benchmarks.tracking.stopwatch import Contender, race
 
 FRAMES, QUICK_FRAMES = 100, 40
 LAPS, QUICK_LAPS = 8, 4

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
-from benchmarks.shapes_cases import corner_error
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from benchmarks.shapes.cases import corner_error
 
 Floats = npt.NDArray[np.float64]
 SMALLEST = 20.0  # px: mean side of a tag that counts

@@ -8,9 +8,9 @@ from typing import Any
 import msgspec
 
 import matchset as ms
-from benchmarks.shapes_cases import CASES, Errors
-from benchmarks.shapes_contours import contour_method
-from benchmarks.shapes_ellipses import GRAY, ellipse_method
+from benchmarks.shapes.cases import CASES, Errors
+from benchmarks.shapes.contours import contour_method
+from benchmarks.shapes.ellipses import GRAY, ellipse_method
 from benchmarks.workers import spread
 
 CONTOUR, EDGE_DRAWING, EDGE_GRAY = "contour", "EdgeDrawing on the mask", "EdgeDrawing on the gray frame"

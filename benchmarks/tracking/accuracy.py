@@ -4,12 +4,12 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.finding import Figure, Finding, Goal, Picture, Section, table
 from benchmarks.options import Options
-from benchmarks.sequences import SEQUENCES
-from benchmarks.trial import Trial, trials
-from matchset.app.score import Score, score
-from matchset.app.truth import Truth
+from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
+from benchmarks.tracking.sequences import SEQUENCES
+from benchmarks.tracking.trial import Trial, trials
+from matchset.app.track.score import Score, score
+from matchset.app.track.truth import Truth
 
 # sequence: mean error and share of valid frames asked for, then those hoped for
 GOALS = {
@@ -39,7 +39,7 @@ def run(options: Options) -> Section:
         "them. The color is learned from one click in the first frame; after it the tracker gets no help. "
         "*Mean*, *median* and *95 %* are of |Δx| + |Δy| + |Δr| over answered frames; *valid*: answered with "
         "an error below 5 px, of all frames with the ball visible; the other columns are defined in "
-        "`matchset.app.score`.\n\n" + _table_of(findings) + "".join(tables)
+        "`matchset.app.track.score`.\n\n" + _table_of(findings) + "".join(tables)
     )
     pictures = () if options.pictures is None else draw_errors(options, options.pictures)
     return Section("Accuracy", findings, text, pictures)
@@ -47,7 +47,7 @@ def run(options: Options) -> Section:
 
 def draw_errors(options: Options, folder: Path) -> tuple[Picture, ...]:
     """Draw the error over the frames of one sequence of each kind, and the histogram of all."""
-    from benchmarks.pictures import error_histogram, errors_over_frames
+    from benchmarks.tracking.pictures import error_histogram, errors_over_frames
 
     runs = {name: trials(name, options) for name in SEQUENCES}
     radii = [truth.circle[2] if truth.circle else math.nan for truth in runs["typical"][0].truths]

@@ -8,8 +8,8 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from benchmarks.stopwatch import Contender
-from matchset.sim.clip import Clip
+from benchmarks.tracking.stopwatch import Contender
+from matchset.sim.clips.clip import Clip
 
 LOW, HIGH = (100, 90, 40), (130, 255, 255)  # a blue in OpenCV's HSV
 

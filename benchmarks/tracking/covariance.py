@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.stats import chi2
 
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
-from benchmarks.sequences import PRESETS, SEQUENCES
-from benchmarks.trial import Trial, trials
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from benchmarks.tracking.sequences import PRESETS, SEQUENCES
+from benchmarks.tracking.trial import Trial, trials
 
 FREEDOM = 3
 LEVEL = 0.95

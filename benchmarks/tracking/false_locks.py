@@ -11,12 +11,12 @@ import cv2
 import msgspec
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
-from benchmarks.sequences import sequence
-from benchmarks.trial import clicked
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import clicked
 from benchmarks.workers import spread
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 
 FRAMES, QUICK_FRAMES = 10_000, 1_000
 SEARCHED = 100  # frames of a task that starts searching, in two rooms

@@ -1,11 +1,11 @@
 """Does memory stay flat: the size of a process over 100,000 frames."""
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section
+from benchmarks.common.size import resident_mb
 from benchmarks.options import Options
-from benchmarks.peers.parts.size import resident_mb
-from benchmarks.sequences import sequence
-from benchmarks.trial import clicked
+from benchmarks.results import Figure, Finding, Goal, Section
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import clicked
 from benchmarks.workers import spread
 
 FRAMES, QUICK_FRAMES = 100_000, 10_000

@@ -1,10 +1,10 @@
 """The races that `speed` reports: who runs against whom, on which frames."""
 
-from benchmarks import rivals
 from benchmarks.options import Options
-from benchmarks.rivals import Pool
-from benchmarks.sequences import sequence
-from benchmarks.stopwatch import Times, race
+from benchmarks.tracking import contenders as rivals
+from benchmarks.tracking.contenders import Pool
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.stopwatch import Times, race
 
 Result = dict[str, Times]
 

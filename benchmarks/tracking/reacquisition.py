@@ -6,12 +6,12 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
-from benchmarks.sequences import FPS, sequence
-from benchmarks.trial import as_truth, circle, clicked
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from benchmarks.tracking.sequences import FPS, sequence
+from benchmarks.tracking.trial import as_truth, circle, clicked
 from benchmarks.workers import spread
-from matchset.app.score import VALID_BELOW_PX, error_px
+from matchset.app.track.score import VALID_BELOW_PX, error_px
 
 BEFORE = 30
 PATIENCE = 60

@@ -3,12 +3,12 @@
 from pathlib import Path
 
 import matchset as ms
-from benchmarks.accuracy import figures
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
-from benchmarks.trial import circle, clicked
-from matchset.app.score import Circle3, Score, score
-from matchset.app.truth import Truth, read_truth
+from benchmarks.results import Figure, Finding, Goal, Section, table
+from benchmarks.tracking.accuracy import figures
+from benchmarks.tracking.trial import circle, clicked
+from matchset.app.track.score import Circle3, Score, score
+from matchset.app.track.truth import Truth, read_truth
 
 CLIP = "green_ball_hand"
 BAR = (Goal("mean", high=1.5), Goal("valid", low=95.0), Goal("found on absent rows", high=0.0))

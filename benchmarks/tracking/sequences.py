@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 
 PRESETS = ("clean", "typical", "bad")
 SEQUENCES = (*PRESETS, "hard")

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import races, stopwatch
-from benchmarks.finding import Figure, Finding, Goal, Picture, Section, table
 from benchmarks.options import Options
-from benchmarks.races import CONVERSION, COPY, DETECT, RADII, SEARCH, SIZES, UPDATE, Result
-from benchmarks.rivals import Pool
+from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
+from benchmarks.tracking import races, stopwatch
+from benchmarks.tracking.contenders import Pool
+from benchmarks.tracking.races import CONVERSION, COPY, DETECT, RADII, SEARCH, SIZES, UPDATE, Result
 
 
 def run(options: Options) -> Section:
@@ -105,7 +105,7 @@ def times_table(result: Result) -> str:
 
 def draw_times(pool: Pool, swept: Result, folder: Path) -> tuple[Picture, ...]:
     """Draw the time of an update against the radius of the ball."""
-    from benchmarks.pictures import times_over_radius
+    from benchmarks.tracking.pictures import times_over_radius
 
     levels = {name: swept[name].median_us for name in (CONVERSION, COPY)}
     times_over_radius(np.array(pool.radii), swept[UPDATE].by_place_us(), levels, UPDATE, folder / "time.png")

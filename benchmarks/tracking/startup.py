@@ -10,8 +10,8 @@ import time
 
 import msgspec
 
-from benchmarks.finding import Figure, Finding, Goal, Section, table
 from benchmarks.options import Options
+from benchmarks.results import Figure, Finding, Goal, Section, table
 
 # Prints when Python was up, when matchset was imported, when the tracker was made, and when it had answered.
 PROGRAM = """

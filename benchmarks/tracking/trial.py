@@ -8,12 +8,12 @@ import numpy as np
 
 import matchset as ms
 from benchmarks.options import Options
-from benchmarks.sequences import FRAMES, QUICK_FRAMES, sequence
+from benchmarks.tracking.sequences import FRAMES, QUICK_FRAMES, sequence
 from benchmarks.workers import spread
-from matchset.app.score import Circle3, error_px
-from matchset.app.truth import Truth
-from matchset.sim.clip import Clip
-from matchset.sim.truth import Truth as ClipTruth
+from matchset.app.track.score import Circle3, error_px
+from matchset.app.track.truth import Truth
+from matchset.sim.clips.clip import Clip
+from matchset.sim.clips.truth import Truth as ClipTruth
 
 LOWCONF_BELOW = 0.5
 """Where less of the disc than this can be seen, the frame is left out of tight scores."""

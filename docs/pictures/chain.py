@@ -7,12 +7,12 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from matchset.app.draw_step import annotate_step
-from matchset.app.flight_run import Flight, FlightParameters, Tick
-from matchset.app.flight_setting import Setting, setting_of
-from matchset.app.screen import counting
-from matchset.app.text import draw_text
-from matchset.app.top_view import TopView
+from matchset.app.drawing.text import draw_text
+from matchset.app.flight.flight import Flight, FlightParameters, Tick
+from matchset.app.flight.setting import Setting, setting_of
+from matchset.app.flight_report.draw_step import annotate_step
+from matchset.app.flight_report.top_view import TopView
+from matchset.app.progress import counting
 from matchset.links.simulated import FPS, SimulationParameters
 
 Picture = npt.NDArray[np.uint8]

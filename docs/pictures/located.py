@@ -11,10 +11,10 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.app.locate_command import LocateOptions, run_locate
-from matchset.app.marker_wish import MarkerWish
-from matchset.app.target import Wish
-from matchset.sim.flight import Flight
+from matchset.app.locate.marker_wish import MarkerWish
+from matchset.app.locate.run import LocateOptions, run_locate
+from matchset.app.track.target_options import Wish
+from matchset.sim.clips.ball_flight_clip import Flight
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=450.0, cx=319.5, cy=239.5, distortion=(-0.2, 0.0, 0.0, 0.0, 0.0)

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from PIL import Image
 
 import matchset as ms
-from matchset.app.draw import draw_points, draw_shape
+from matchset.app.drawing.annotate import draw_points, draw_shape
 from matchset.shapes.shape import outline
-from matchset.sim.shape_clip import ShapeClip
+from matchset.sim.clips.shape_clip import ShapeClip
 
 TILE, ROOM, GAP, COLUMNS, COLORS = 200, 1.5, 8, 4, 240
 LAST = 12  # frame that is shown

@@ -7,9 +7,9 @@ import numpy.typing as npt
 from PIL import Image
 
 import matchset as ms
-from matchset.app.score import error_px
-from matchset.app.sheet import Shot, rim_tile, whole_tile
-from matchset.sim.clip import Clip
+from matchset.app.drawing.contact_sheet import Shot, rim_tile, whole_tile
+from matchset.app.track.score import error_px
+from matchset.sim.clips.clip import Clip
 
 TILE, GAP = 262, 10  # px
 COLORS = 240  # of the palette: few enough to keep the file small

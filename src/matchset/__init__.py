@@ -1,17 +1,17 @@
 """Find a known shape in bad video from a few hundred pixels, thousands of times a second."""
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.image.video import Video
-from matchset.localization.camera_model import CameraModel
-from matchset.localization.filter import PoseFilter
+from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
-from matchset.localization.marker_tracker import MarkerTracker
-from matchset.localization.neighbor import Neighbor
-from matchset.localization.neighbors import Neighbors
+from matchset.localization.markers.marker_tracker import MarkerTracker
+from matchset.localization.neighbors.ball_track import Neighbor
+from matchset.localization.neighbors.neighbors import Neighbors
 from matchset.localization.pose import Pose
-from matchset.localization.target import BallTarget
+from matchset.localization.pose_filter import PoseFilter
 from matchset.shapes.circle import Circle
 from matchset.shapes.convex import Convex
 from matchset.shapes.ellipse import Ellipse

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.flight import Flight
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.ball_flight_clip import Flight
 
 SIZE = 320, 240
 FOV_DEG = 60.0

@@ -10,9 +10,9 @@ import pytest
 from blue_ball import Matchset
 
 import matchset as ms
-from matchset.app import ball_command
-from matchset.app.ball_command import parse_distances
-from matchset.app.still_ball import still_moments
+from matchset.app.calibrate import ball_command
+from matchset.app.calibrate.ball_command import parse_distances
+from matchset.app.calibrate.still_ball import still_moments
 from matchset.tracking.track import Track
 
 CAMERA = ms.CameraModel(width=320, height=240, fx=260.0, fy=260.0, cx=159.5, cy=119.5)

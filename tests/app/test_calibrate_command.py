@@ -10,12 +10,12 @@ from blue_ball import Matchset
 
 import matchset as ms
 from boards import BoardCamera, poses
-from matchset.app import calibrate_command
-from matchset.app.board_views import advice, look_for_board
-from matchset.app.calibrate_command import parse_board
-from matchset.app.ending import StopRequest
-from matchset.localization.board import Board
-from matchset.localization.calibration_verdict import unseen_corners
+from matchset.app.calibrate import command as calibrate_command
+from matchset.app.calibrate.board_views import advice, look_for_board
+from matchset.app.calibrate.command import parse_board
+from matchset.app.exit_codes import StopRequest
+from matchset.camera.board import Board
+from matchset.camera.calibration_report import unseen_corners
 
 CAMERA = ms.CameraModel(width=480, height=360, fx=340.0, fy=340.0, cx=240.0, cy=178.0, distortion=(-0.3, 0.1, 0, 0, 0))
 BOARD = Board(columns=7, rows=5, square=0.03)

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from matchset.app.cli import app
 from matchset.app.patience import if_slow
-from matchset.app.row import Row
-from matchset.app.screen import Rate, live_line
+from matchset.app.progress import Rate, live_line
+from matchset.app.track.rows import Row
 
 TRUTH = "video,frame,x,y,r,visible,method\nv,0,10,10,5,1,eye\nv,1,10,10,5,1,eye\nv,2,,,,0,eye:absent\n"
 TRACKS = "frame,time,found,x,y,radius,support,reason\n0,0,1,10,10,5,1,\n1,0.1,1,11,10,5,1,\n2,0.2,0,,,,,gone\n"
@@ -36,7 +36,7 @@ def test_help_needs_no_heavy_imports() -> None:
         "sys.argv = ['matchset', '--help']\n"
         "try: cli.main()\n"
         "except SystemExit: pass\n"
-        "heavy = 'matplotlib', 'PIL', 'matchset.app.track_command', 'matchset.sim.clip'\n"
+        "heavy = 'matplotlib', 'PIL', 'matchset.app.track.command', 'matchset.sim.clips.clip'\n"
         "print([name for name in heavy if name in sys.modules])\n"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout

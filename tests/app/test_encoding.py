@@ -7,8 +7,8 @@ from chain_flight import Flown
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.app.encoding import decode, encode, frame_of, to_png
-from matchset.app.messages import Picture, StepMessage
+from matchset.app.recording.encoding import decode, encode, frame_of, to_png
+from matchset.app.recording.messages import Picture, StepMessage
 
 
 @given(st.lists(st.floats(), max_size=8))

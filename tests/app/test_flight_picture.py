@@ -6,11 +6,11 @@ import numpy.typing as npt
 import pytest
 from chain_flight import Flown, descending, lost, with_step
 
-from matchset.app.draw import OUTLINE
-from matchset.app.draw_step import annotate_step
-from matchset.app.flight_picture import FlightPicture
-from matchset.app.palette import as_hex, bgr, vehicle_rgb
-from matchset.app.top_view import TopView
+from matchset.app.drawing.annotate import OUTLINE
+from matchset.app.flight_report.colors import as_hex, bgr, vehicle_rgb
+from matchset.app.flight_report.draw_step import annotate_step
+from matchset.app.flight_report.picture import FlightPicture
+from matchset.app.flight_report.top_view import TopView
 from matchset.tracking.track import Track
 
 

@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 
 import matchset as ms
-from matchset.app.flight_run import FlightParameters
-from matchset.app.flight_settings import changed, from_uri, read_flight, settings, template
+from matchset.app.flight.config import changed, from_uri, read_flight, settings, template
+from matchset.app.flight.flight import FlightParameters
 
 
 def written(folder: Path, text: str) -> Path:

@@ -9,11 +9,11 @@ import numpy.typing as npt
 import pytest
 from blue_ball import Matchset, ball_picture
 
-from matchset.app import learn_command
-from matchset.app.candidates import find_candidates
+from matchset.app.track import learn_command
+from matchset.app.track.candidates import find_candidates
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 

@@ -13,11 +13,11 @@ import pytest
 from blue_ball import Matchset
 from flights import BLUE, CAMERA, FOV_DEG, FRAMES, PURPLE, SIZE, flight, place, turn, write_video
 
-from matchset.app import locate_command
-from matchset.app.follow import UNDECODED
-from matchset.app.pose_row import PoseRow
-from matchset.app.pose_table import read_poses
-from matchset.image.device import LinkError
+from matchset.app.locate import run as locate_command
+from matchset.app.locate.pose_table import read_poses
+from matchset.app.locate.rows import PoseRow
+from matchset.app.track.loop import UNDECODED
+from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 
 BALL = "--fov", f"{FOV_DEG}", "--diameter", "0.28"

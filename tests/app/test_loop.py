@@ -6,9 +6,9 @@ import msgspec
 import numpy as np
 import pytest
 
-from matchset.app.flight_run import Flight, FlightParameters
-from matchset.app.flight_score import FlightJudge
-from matchset.app.flight_series import fly_once
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.score import FlightJudge
+from matchset.app.flight.series import fly_once
 from matchset.control.command import Command
 from matchset.links.simulated import SimulationParameters
 from matchset.localization.pose import Pose

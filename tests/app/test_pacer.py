@@ -1,6 +1,6 @@
 import pytest
 
-from matchset.app.pacer import Pacer
+from matchset.app.flight.pacer import Pacer
 
 
 class Clock:

@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.app.draw import annotate, describe, draw_circle
-from matchset.app.grid import grid_picture
-from matchset.app.row import Row, row_of
-from matchset.app.sheet import WIDTH_PX, Shot, picture_sheet, rim_tile
-from matchset.app.text import draw_text, text_width
+from matchset.app.drawing.annotate import annotate, describe, draw_circle
+from matchset.app.drawing.contact_sheet import WIDTH_PX, Shot, picture_sheet, rim_tile
+from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.track.grid_picture import grid_picture
+from matchset.app.track.rows import Row, row_of
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -96,7 +96,7 @@ def test_a_sheet_takes_any_answer() -> None:
 
 
 def test_a_plot_has_the_size_asked_for(tmp_path: Path) -> None:
-    from matchset.app.plot import error_plot
+    from matchset.app.drawing.curves import error_plot
 
     nan = float("nan")
     for error in ([0.1, nan, 0.3], [nan, nan, nan], []):

@@ -3,8 +3,8 @@ from pathlib import Path
 
 import numpy as np
 
-from matchset.app.pose_row import PoseRow, pose_row_of
-from matchset.app.pose_table import PoseWriter, read_poses
+from matchset.app.locate.pose_table import PoseWriter, read_poses
+from matchset.app.locate.rows import PoseRow, pose_row_of
 from matchset.localization.pose import UNSEEN, Pose
 from matchset.tracking.track import Lost
 

@@ -5,10 +5,10 @@ import pytest
 from blue_ball import Matchset
 from fakes import FakePort
 
-from matchset.app import radio_link
-from matchset.links import crsf
-from matchset.links.arduino import ArduinoLink
-from matchset.links.transmitter import Config
+from matchset.app.radio import link as radio_link
+from matchset.links.arduino import crsf
+from matchset.links.arduino.arduino_link import ArduinoLink
+from matchset.links.arduino.messages import Config
 
 Out = pytest.CaptureFixture[str]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from matchset.app.flight_outlets import FlightFiles
-from matchset.app.mcap_file import Kind, McapWriter, Message
-from matchset.app.messages import CONFIGURATION
-from matchset.app.recorded_flight import RecordedFlight
+from matchset.app.flight.outputs import FlightFiles
+from matchset.app.recording.mcap_file import Kind, McapWriter, Message
+from matchset.app.recording.messages import CONFIGURATION
+from matchset.app.recording.reader import RecordedFlight
 
 
 @pytest.mark.parametrize(

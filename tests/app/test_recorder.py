@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.app import recorder
-from matchset.app.recorder import MPEG4, Codec, Recorder
-from matchset.app.webm import set_frame_rate
+from matchset.app.drawing import video_writer as recorder
+from matchset.app.drawing.video_writer import MPEG4, Codec, Recorder
+from matchset.app.drawing.webm import set_frame_rate
 
 SIZE = 64, 48
 

@@ -13,16 +13,16 @@ import pytest
 from blue_ball import Matchset
 from chain_flight import Flown
 
-from matchset.app.encoding import encode, outcome_of, step_message
-from matchset.app.flight_outlets import FlightFiles, FlightOutlets
-from matchset.app.flight_recording import FlightRecording
-from matchset.app.flight_run import Tick
-from matchset.app.loop import Step
-from matchset.app.mcap_file import Kind, McapReader, McapWriter, Message
-from matchset.app.messages import CONFIGURATION
-from matchset.app.recorded_flight import RecordedFlight
-from matchset.app.replay import Replay
-from matchset.app.step_difference import first_difference
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.outputs import FlightFiles, FlightOutlets
+from matchset.app.flight.pilot import Step
+from matchset.app.recording.encoding import encode, outcome_of, step_message
+from matchset.app.recording.mcap_file import Kind, McapReader, McapWriter, Message
+from matchset.app.recording.messages import CONFIGURATION
+from matchset.app.recording.reader import RecordedFlight
+from matchset.app.recording.replay import Replay
+from matchset.app.recording.step_difference import first_difference
+from matchset.app.recording.writer import FlightRecording
 from matchset.control.command import Command
 
 

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from matchset.app.runs import output_file, output_folder
+from matchset.app.run_folder import output_file, output_folder
 
 
 def test_every_run_gets_a_new_number(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.app.row import Row
-from matchset.app.score import Circle3, Score, circles, error_px, score
-from matchset.app.truth import Truth
+from matchset.app.track.rows import Row
+from matchset.app.track.score import Circle3, Score, circles, error_px, score
+from matchset.app.track.truth import Truth
 
 
 def test_a_hand_worked_example() -> None:

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 import matchset as ms
 from matchset.app.cli import app
-from matchset.app.shape_option import parse_shape
+from matchset.app.track.shape_option import parse_shape
 from matchset.shapes.shape import outline
-from matchset.sim.flat import draw_flat
+from matchset.sim.rendering.flat import draw_flat
 
 run = CliRunner().invoke
 

@@ -9,10 +9,10 @@ import pytest
 from blue_ball import Matchset
 from chain_flight import Flown, with_crash
 
-from matchset.app.flight_run import Flight, FlightParameters
-from matchset.app.flight_score import FlightJudge, FlightScore, settled
-from matchset.app.simulate_command import parse_sweep
-from matchset.app.simulation_table import Limits, rows_of, table_of, verdict
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.score import FlightJudge, FlightScore, settled
+from matchset.app.flight.simulate import parse_sweep
+from matchset.app.flight.simulation_table import Limits, rows_of, table_of, verdict
 from matchset.links.simulated import SimulationParameters
 
 GOOD = FlightScore(

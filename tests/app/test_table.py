@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from matchset.app.row import Row, row_of
-from matchset.app.table import TableWriter, read_tracks
-from matchset.app.truth import read_truth
+from matchset.app.track.row_table import TableWriter, read_tracks
+from matchset.app.track.rows import Row, row_of
+from matchset.app.track.truth import read_truth
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 

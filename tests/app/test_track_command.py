@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
-from matchset.app import track_command
-from matchset.app.follow import UNDECODED
-from matchset.app.table import read_tracks
-from matchset.image.device import LinkError
+from matchset.app.track import command as track_command
+from matchset.app.track.loop import UNDECODED
+from matchset.app.track.row_table import read_tracks
+from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 
 

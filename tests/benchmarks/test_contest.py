@@ -1,18 +1,18 @@
 import numpy as np
 import pytest
-from benchmarks.contest_accuracy import first_finding, scored, valid_finding, waits_of
-from benchmarks.contest_speed import rival_finding
+from benchmarks.common.card import ARUCO
+from benchmarks.contest.accuracy import first_finding, scored, valid_finding, waits_of
+from benchmarks.contest.search import loss_px
+from benchmarks.contest.speed import rival_finding
+from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.guard import read, too_much
-from benchmarks.peers.parts.card import ARUCO
-from benchmarks.search import loss_px
-from benchmarks.sequences import WHAT, sequence
-from benchmarks.stopwatch import Contender, Times, duel
-from benchmarks.tags import TagClip
-from benchmarks.trial import Trial
+from benchmarks.tracking.sequences import WHAT, sequence
+from benchmarks.tracking.stopwatch import Contender, Times, duel
+from benchmarks.tracking.trial import Trial
 
 import matchset as ms
-from matchset.app.score import Circle3
-from matchset.app.truth import Truth
+from matchset.app.track.score import Circle3
+from matchset.app.track.truth import Truth
 
 
 def trial(answers: list[Circle3 | None], hidden: tuple[int, ...] = ()) -> Trial:

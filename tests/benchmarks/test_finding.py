@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from benchmarks.finding import Figure, Finding, Goal, Verdict, quantity, table
+from benchmarks.results import Figure, Finding, Goal, Verdict, quantity, table
 
 
 def finding(value: float | None) -> Finding:

@@ -4,15 +4,15 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 import pytest
-from benchmarks.contest import compete
-from benchmarks.field import NEEDS_WORDS, PEERS, TAGS, missing, peer
-from benchmarks.peers.parts import contour
-from benchmarks.peers.parts.card import APRIL, ARUCO, Card
-from benchmarks.peers.parts.region import around_the_last
-from benchmarks.peers.parts.start import Circle3, Image, Start
-from benchmarks.peers.parts.stored import PARAMETERS, stored
-from benchmarks.peers.parts.target_color import bgr_mask, bgr_range, hsv_mask, hsv_range, looks_right
-from benchmarks.sequences import sequence
+from benchmarks.common import contour
+from benchmarks.common.card import APRIL, ARUCO, Card
+from benchmarks.common.region import around_the_last
+from benchmarks.common.start import Circle3, Image, Start
+from benchmarks.common.stored import PARAMETERS, stored
+from benchmarks.common.target_color import bgr_mask, bgr_range, hsv_mask, hsv_range, looks_right
+from benchmarks.contest.field import NEEDS_WORDS, PEERS, TAGS, missing, peer
+from benchmarks.contest.run import compete
+from benchmarks.tracking.sequences import sequence
 
 BLUE = (200, 60, 30)
 
@@ -115,7 +115,7 @@ def test_nobody_learns_more_of_the_truth_than_the_first_frame() -> None:
         told.append(start)
         return lambda _: None
 
-    from benchmarks.field import Peer
+    from benchmarks.contest.field import Peer
 
     blind = Peer("blind", "blind", "circle", None, {}, follow)
     trial = compete(iter(sequence("clean", 3, 4)), None, [blind], 3)["blind"]

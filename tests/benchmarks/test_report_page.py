@@ -3,11 +3,11 @@ import math
 from pathlib import Path
 
 import pytest
-from benchmarks.contest_summary import TITLE
-from benchmarks.finding import Figure, Finding, Goal, Picture, Section
+from benchmarks.contest.summary import TITLE
 from benchmarks.machine import Machine
 from benchmarks.readme import BEGIN, END, update
 from benchmarks.report import json_line, page
+from benchmarks.results import Figure, Finding, Goal, Picture, Section
 
 MACHINE = Machine("2026-11-21 12:00 UTC", "abc1234", "A processor", 2, "Linux", "3.11", {"numpy": "2"}, "bench")
 SECTIONS = [

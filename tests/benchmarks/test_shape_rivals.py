@@ -5,15 +5,15 @@ import math
 import cv2
 import numpy as np
 import pytest
-from benchmarks.shapes_accuracy import against_edge_drawing, peers_of
-from benchmarks.shapes_cases import ellipse_errors, overlap
-from benchmarks.shapes_contours import contour_method
-from benchmarks.shapes_trial import CONTOUR, EDGE_DRAWING, ShapeTrial, scalar
+from benchmarks.shapes import ellipses as shapes_ellipses
+from benchmarks.shapes.accuracy import against_edge_drawing, peers_of
+from benchmarks.shapes.cases import ellipse_errors, overlap
+from benchmarks.shapes.contours import contour_method
+from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, ShapeTrial, scalar
 
 import matchset as ms
-from benchmarks import shapes_ellipses
 from matchset.shapes.shape import outline
-from matchset.sim.flat import draw_flat
+from matchset.sim.rendering.flat import draw_flat
 
 TRUTH = ms.Ellipse(160.0, 120.0, 60.0 * math.sqrt(1.5), 60.0 / math.sqrt(1.5), 0.4)
 
@@ -39,7 +39,7 @@ def test_edge_drawing_of_a_plain_ellipse() -> None:
 
 
 def test_without_edge_drawing_its_row_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("benchmarks.shapes_accuracy.missing", lambda: "this OpenCV has none")
+    monkeypatch.setattr("benchmarks.shapes.accuracy.missing", lambda: "this OpenCV has none")
     assert peers_of("ellipse") == (CONTOUR,)
     finding = against_edge_drawing("typical", [ShapeTrial([None], {CONTOUR: [None]})])
     assert finding.figures == ()

@@ -2,14 +2,14 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.accuracy import pooled
-from benchmarks.covariance import figures
-from benchmarks.memory import growth
 from benchmarks.options import parse_seeds
-from benchmarks.trial import Trial, normalized_square
+from benchmarks.tracking.accuracy import pooled
+from benchmarks.tracking.covariance import figures
+from benchmarks.tracking.memory import growth
+from benchmarks.tracking.trial import Trial, normalized_square
 
 import matchset as ms
-from matchset.app.truth import Truth
+from matchset.app.track.truth import Truth
 
 
 def track(x: float, y: float, radius: float, covariance: list[list[float]]) -> ms.Track[ms.Circle]:

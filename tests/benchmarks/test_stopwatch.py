@@ -3,8 +3,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from benchmarks.options import UNSEEN
-from benchmarks.sequences import sequence
-from benchmarks.stopwatch import WARM_UP, Contender, race
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.stopwatch import WARM_UP, Contender, race
 
 import matchset as ms
 

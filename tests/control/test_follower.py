@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from matchset.control.command import Command
+from matchset.control.ego_motion import GRAVITY, OwnMotion, Sticks
 from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
-from matchset.control.own_motion import GRAVITY, OwnMotion, Sticks
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 

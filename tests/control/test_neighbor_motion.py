@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from matchset.control.dead_reckoning import SIZE, YAW
+from matchset.control.ego_motion import OwnState
 from matchset.control.neighbor_motion import NeighborMotion, NeighborMotionParameters
-from matchset.control.own_motion import OwnState
 from matchset.localization.pose import Pose
 
 STILL = OwnState(np.zeros(SIZE))

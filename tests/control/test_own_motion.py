@@ -6,7 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from matchset.control.dead_reckoning import PITCH, ROLL, SIZE, YAW
-from matchset.control.own_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
+from matchset.control.ego_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
 from matchset.sim.quadrotor import SPEED, constants, resting, rotation, step_vehicle
 from matchset.sim.vehicle import toy
 

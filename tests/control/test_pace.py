@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.control.pace import Pace, PaceParameters
+from matchset.control.feedforward import Pace, PaceParameters
 
 STEP = 0.01
 

@@ -5,7 +5,7 @@ from nrf24 import Packet
 from syma import BIND_ADDRESS
 
 from matchset.control.command import Command
-from matchset.links import channels, crsf
+from matchset.links.arduino import channels, crsf
 
 PERIOD = 1 / 30
 BOUND = 1.5  # s after power on

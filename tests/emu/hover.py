@@ -10,13 +10,13 @@ from typing import Self
 import msgspec
 from cable import Cable, CountingPort
 from emulator import Board
-from flight import BOUND
 from receiver import Quadcopter
 
-from matchset.app.loop import Pilot, Step, learn_colors
+from flight import BOUND
+from matchset.app.flight.pilot import Pilot, Step, learn_colors
 from matchset.control.command import Command
 from matchset.image.frame import Frame
-from matchset.links.arduino import ArduinoLink
+from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.simulated import FPS, FRAME, SimulatedCamera, SimulatedChain, SimulationParameters
 from matchset.sim.quadrotor import SPEED, THRUST
 from matchset.sim.vehicle import toy

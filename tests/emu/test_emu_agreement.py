@@ -2,14 +2,14 @@
 
 import random
 
-from flight import FULL, frame
 from nrf24 import Nrf24
 from sessions import Session, in_avr8js, in_simavr, on_host, slot
 from syma import BIND_ADDRESS
 
+from flight import FULL, frame
 from matchset.control.command import Command
-from matchset.links.crsf import Parser
-from matchset.links.transmitter import STATUS, Config, bind_frame, read_config_frame, write_config_frame
+from matchset.links.arduino.crsf import Parser
+from matchset.links.arduino.messages import STATUS, Config, bind_frame, read_config_frame, write_config_frame
 
 END = 720  # slots, 2.9 s
 

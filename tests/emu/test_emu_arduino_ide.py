@@ -2,6 +2,7 @@
 
 import toolchain
 from emulator import Board
+
 from flight import BOUND, arm, fly, throttles
 
 

@@ -2,12 +2,12 @@
 
 import pytest
 from emulator import BORF, EXTRF, PORF, Board
-from flight import BOUND, FULL, PERIOD, arm, fly, flying_board, frame, throttles
 from syma import BIND_ADDRESS, data_channels
 
+from flight import BOUND, FULL, PERIOD, arm, fly, flying_board, frame, throttles
 from matchset.control.command import Command
-from matchset.links.crsf import Parser, crc8
-from matchset.links.transmitter import (
+from matchset.links.arduino.crsf import Parser, crc8
+from matchset.links.arduino.messages import (
     CONFIG,
     STATUS,
     Config,

@@ -4,11 +4,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from emulator import HZ
-from flight import throttles
 from hover import Hover
 
-from matchset.app.loop import Step
-from matchset.image.device import LinkError
+from flight import throttles
+from matchset.app.flight.pilot import Step
+from matchset.image.errors import LinkError
 from matchset.localization.pose import Pose
 from matchset.sim.world import place_beside
 

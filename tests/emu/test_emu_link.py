@@ -8,12 +8,12 @@ import pytest
 from cable import Cable, CountingPort, Paced, hangs_up_on_close
 from emulator import Board
 from fakes import FakePort
-from flight import BOUND
 
+from flight import BOUND
 from matchset.control.command import Command
-from matchset.image.device import LinkError
-from matchset.links.arduino import ArduinoLink, ArduinoParameters
-from matchset.links.transmitter import Config, Report
+from matchset.image.errors import LinkError
+from matchset.links.arduino.arduino_link import ArduinoLink, ArduinoParameters
+from matchset.links.arduino.messages import Config, Report
 
 LOCK_STEP_SECONDS = float(os.environ.get("MATCHSET_CABLE_SECONDS", "5"))  # 60: make bench-radio
 REAL_SECONDS = float(os.environ.get("MATCHSET_REAL_SECONDS", "1"))  # 60: make bench-radio

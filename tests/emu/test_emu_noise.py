@@ -7,6 +7,7 @@ import subprocess
 import pytest
 import toolchain
 from emulator import Board
+
 from flight import BOUND, arm, fly, throttles
 
 MILLION = 1_000_000

@@ -2,11 +2,11 @@
 
 import pytest
 from emulator import Board
-from flight import BOUND, FULL, arm, fly, flying_board, throttles
 from receiver import Quadcopter
 
+from flight import BOUND, FULL, arm, fly, flying_board, throttles
 from matchset.control.command import Command
-from matchset.links.transmitter import Config, bind_frame, write_config_frame
+from matchset.links.arduino.messages import Config, bind_frame, write_config_frame
 
 
 @pytest.mark.parametrize("fourth", [0x20, 0x09])

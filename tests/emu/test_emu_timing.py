@@ -7,8 +7,8 @@ from itertools import pairwise
 import pytest
 import toolchain
 from emulator import RAM_END, TICK, Board
-from flight import BOUND, FULL, PERIOD, arm, fly, flying_board, frame, throttles
 
+from flight import BOUND, FULL, PERIOD, arm, fly, flying_board, frame, throttles
 from matchset.control.command import Command
 
 US = 16

@@ -9,8 +9,8 @@ import toolchain
 from emulator import Board
 from vectors import HOPS, VECTORS, channel_lists, octets
 
-from matchset.links import channels, crsf
-from matchset.links.transmitter import Config
+from matchset.links.arduino import channels, crsf
+from matchset.links.arduino.messages import Config
 
 
 class SticksInC(ctypes.Structure):

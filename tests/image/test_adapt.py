@@ -5,8 +5,8 @@ import numpy.typing as npt
 import pytest
 
 from kernels import adapt, look_inside
-from matchset.image.adapt import LEASH
 from matchset.image.color import ColorModel
+from matchset.image.color_adaptation import LEASH
 from matchset.shapes.circle import Circle
 
 Picture = npt.NDArray[np.uint8]

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.image.pictures import natural
+from matchset.image.image_folder import natural
 from matchset.image.video import Video
 
 COUNT, WIDTH, HEIGHT = 12, 160, 120

@@ -145,7 +145,7 @@ def test_time_runs_forward_whatever_the_file_says(
     expected: list[float],
     warnings: int,
 ) -> None:
-    monkeypatch.setattr("matchset.image.recording.open_capture", lambda _: Stamps(list(stamps), fps))
+    monkeypatch.setattr("matchset.image.video_file.open_capture", lambda _: Stamps(list(stamps), fps))
     with Video(avi) as video:
         frames = list(video)
     np.testing.assert_allclose([frame.time for frame in frames], expected)
@@ -155,7 +155,7 @@ def test_time_runs_forward_whatever_the_file_says(
 
 
 def test_a_picture_that_was_grabbed_but_does_not_unpack_is_broken(avi: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("matchset.image.recording.open_capture", lambda _: Stamps([0, 100, 200, 300], failures=2))
+    monkeypatch.setattr("matchset.image.video_file.open_capture", lambda _: Stamps([0, 100, 200, 300], failures=2))
     with Video(avi) as video:
         assert [(frame.index, frame.time) for frame in video] == [(2, 0.2), (3, 0.3)]
     assert video.broken == 2
@@ -176,7 +176,7 @@ def test_a_file_without_one_good_frame_is_refused(avi: Path) -> None:
 
 SILENT = """
 import sys
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 from matchset.image.video import Video
 for source in sys.argv[1:]:
     try:

@@ -8,9 +8,9 @@ import errno
 import struct
 from dataclasses import dataclass, field
 
-from matchset.links import channels, crsf
+from matchset.links.arduino import channels, crsf
+from matchset.links.arduino.messages import BIND, CONFIG, READ_CONFIG, STATUS, WRITE_CONFIG, Config
 from matchset.links.link import State
-from matchset.links.transmitter import BIND, CONFIG, READ_CONFIG, STATUS, WRITE_CONFIG, Config
 
 TICK = 0.004  # s
 STATES: tuple[State, ...] = ("binding", "locked", "armed", "holding", "failsafe")

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.command import Command
-from matchset.image.device import LinkError
-from matchset.links import channels, crsf
-from matchset.links.arduino import ArduinoLink
+from matchset.image.errors import LinkError
+from matchset.links.arduino import channels, crsf
+from matchset.links.arduino.arduino_link import ArduinoLink
+from matchset.links.arduino.messages import Config
 from matchset.links.connect import connect
 from matchset.links.link import Link
-from matchset.links.transmitter import Config
 
 FLIGHT = Command(throttle=0.5, roll=0.25, pitch=-0.25, yaw=1.0)
 

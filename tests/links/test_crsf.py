@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.links import crsf
+from matchset.links.arduino import crsf
 
 CHANNELS = st.lists(st.integers(crsf.CHANNEL_LOW, crsf.CHANNEL_HIGH), min_size=16, max_size=16)
 

@@ -8,7 +8,7 @@ import pytest
 from fakes import FakePort
 
 from matchset.links import connect
-from matchset.links.arduino import ArduinoLink
+from matchset.links.arduino.arduino_link import ArduinoLink
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "radio.md").read_text(encoding="utf-8")

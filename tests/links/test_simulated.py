@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from matchset.control.command import Command
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 from matchset.links.connect import connect
 from matchset.links.simulated import SimulatedChain, SimulatedLink, SimulationParameters, parse_uri
 

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.image.device import LinkError
-from matchset.links import transmitter
-from matchset.links.transmitter import AXES, Config, Report
+from matchset.image.errors import LinkError
+from matchset.links.arduino import messages as transmitter
+from matchset.links.arduino.messages import AXES, Config, Report
 
 CONFIGS = st.builds(
     Config,

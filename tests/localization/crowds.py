@@ -1,7 +1,7 @@
 """Several balloons, and who watches them."""
 
 import matchset as ms
-from matchset.sim.crowd import Crowd
+from matchset.sim.clips.multi_ball_clip import Crowd
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
 TARGET = ms.BallTarget(diameter=0.28)

@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.localization.ball_focal import BallFocal, HeldBall, focal_from_ball
+from matchset.camera.ball_focal_length import BallFocal, HeldBall, focal_from_ball
 
 Floats = npt.NDArray[np.float64]
 RADIUS = 0.14

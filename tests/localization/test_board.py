@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from boards import BoardCamera, poses, seen_corners
-from matchset.localization.board import Board, BoardFinder, View, blur_at
+from matchset.camera.board import Board, BoardFinder, View, blur_at
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=452.0, cx=323.0, cy=236.0, distortion=(-0.3, 0.11, 0.001, -0.0005, -0.01)

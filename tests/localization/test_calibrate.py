@@ -5,10 +5,10 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from boards import BoardCamera, Floats, exact_view, poses
-from matchset.localization.board import Board, BoardFinder, View
-from matchset.localization.calibrate import Calibration, calibrate
-from matchset.localization.calibration_verdict import judge_calibration
-from matchset.localization.view_selection import select_views
+from matchset.camera.board import Board, BoardFinder, View
+from matchset.camera.calibrate import Calibration, calibrate
+from matchset.camera.calibration_report import judge_calibration
+from matchset.camera.view_selection import select_views
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=452.0, cx=323.0, cy=236.0, distortion=(-0.3, 0.11, 0.001, -0.0005, -0.01)

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import Floats, square
-from matchset.localization.filter import FilterParameters
-from matchset.localization.kalman import advance, correct
-from matchset.localization.matrix3 import rotate, turn_from
 from matchset.localization.pose import UNSEEN
+from matchset.localization.pose_filter import FilterParameters
+from matchset.numeric.kalman import advance, correct
+from matchset.numeric.matrix3 import rotate, turn_from
 
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import matchset as ms
-from matchset.localization import lens
+from matchset.camera import lens
 
 Floats = npt.NDArray[np.float64]
 LENSES = [

@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import PINHOLE, Floats
-from matchset.localization.marker_fit import REST, SUMS, WIDTH, _compare, fit_marker
-from matchset.localization.marker_pixels import KINDS, gather, lay_out
-from matchset.localization.marker_shape import coverage, ellipse
-from matchset.sim.flight import Flight
+from matchset.localization.markers.marker_fit import REST, SUMS, WIDTH, _compare, fit_marker
+from matchset.localization.markers.marker_patch import KINDS, gather, lay_out
+from matchset.localization.markers.marker_shape import coverage, ellipse
+from matchset.sim.clips.ball_flight_clip import Flight
 from naive_marker import Scale, Sight, normal_equations, picture_of_marker
 
 BLUE = ms.ColorModel.hsv((95, 120, 20), (119, 255, 255))

@@ -7,7 +7,7 @@ import pytest
 from crowds import CAMERA, TARGET, neighbors
 
 import matchset as ms
-from matchset.sim.crowd import Crowd, Path
+from matchset.sim.clips.multi_ball_clip import Crowd, Path
 
 STILL: list[Path] = [lambda _: (-0.7, 0.0, 2.0), lambda _: (0.1, -0.3, 1.5), lambda _: (0.8, 0.3, 2.5)]
 CROSSING: list[Path] = [lambda t: (-0.8 + 0.4 * t, 0.0, 2.0), lambda t: (0.6 - 0.3 * t, 0.02, 1.4)]

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.localization_prediction import errors as prediction_errors
-from benchmarks.localization_range import Task, measure
-from benchmarks.poses import PINHOLE, observe, place_ball
+from benchmarks.localization.poses import PINHOLE, observe, place_ball
+from benchmarks.localization.prediction import errors as prediction_errors
+from benchmarks.localization.range import Task, measure
 
 import matchset as ms
 from balls import Floats
-from matchset.sim.flight import Flight
+from matchset.sim.clips.ball_flight_clip import Flight
 
 
 @pytest.mark.parametrize(("camera", "degrees"), [("pinhole", 0), ("pinhole", 35), ("barrel", 0), ("barrel", 25)])

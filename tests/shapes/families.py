@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from matchset.shapes.jit import compiled
+from matchset.numeric.jit import compiled
 from matchset.shapes.shape import from_hull, outline, places
 from matchset.tracking.fit import fit_lines, scratch_size
 

@@ -10,7 +10,7 @@ from families import SHAPES, page_example
 
 import matchset as ms
 from matchset.shapes.shape import outline
-from matchset.sim.flat import draw_flat
+from matchset.sim.rendering.flat import draw_flat
 
 Image = npt.NDArray[np.uint8]
 BLUE, ROOM, SKIN = (200, 70, 30), (120, 140, 150), (120, 150, 196)

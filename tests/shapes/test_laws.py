@@ -11,7 +11,7 @@ from families import SHAPES, Points, apart, begin_at, dense, fit, page_example
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from matchset.shapes.rules import check_family
+from matchset.shapes.family_check import check_family
 from matchset.shapes.shape import places
 from matchset.shapes.template import Affine
 

@@ -2,9 +2,9 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.sim.clip import Clip, Truth
-from matchset.sim.outline import mean_circle, sphere_outline
-from matchset.sim.pal import Pal
+from matchset.sim.analog_link import Pal
+from matchset.sim.clips.clip import Clip, Truth
+from matchset.sim.clips.outline import mean_circle, sphere_outline
 
 SMALL = {"width": 160, "height": 120, "radii": (8.0, 30.0)}
 

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from balls import BARREL, PINHOLE
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.backdrop import Backdrop, Window, as_words
-from matchset.sim.balloon import Balloon
-from matchset.sim.eye import Eye, Look, Sight
-from matchset.sim.surface import Surface
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.rendering.background import Backdrop, Window, as_words
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.vehicle_camera import Eye, Look, Sight
 
 NOWHERE, LEVEL = np.zeros(3), np.eye(3)
 GRAY = np.array([[(90, 90, 90, 255)]], np.uint8)

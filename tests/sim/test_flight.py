@@ -7,11 +7,11 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, rim
-from matchset.sim.balloon import Balloon
-from matchset.sim.clip import Clip
-from matchset.sim.flight import Flight
-from matchset.sim.lens_view import LensView
-from matchset.sim.renderer import draw_balloon
+from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.clips.clip import Clip
+from matchset.sim.rendering.lens_warp import LensView
+from matchset.sim.rendering.renderer import draw_balloon
 
 HERE = np.array((0.35, -0.15, 1.3))
 BACK = Rotation.from_matrix(np.diag((-1.0, 1.0, -1.0)))

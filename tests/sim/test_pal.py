@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.sim.pal import BAD, CLEAN, PRESETS, TYPICAL, Pal, degrade, noise_gain, pole
+from matchset.sim.analog_link import BAD, CLEAN, PRESETS, TYPICAL, Pal, degrade, noise_gain, pole
 
 PIXEL_TIME = 81e-9
 

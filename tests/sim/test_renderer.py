@@ -4,11 +4,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.balloon import Balloon
-from matchset.sim.occluder import bar_over, bar_width, board_over, visible_share
-from matchset.sim.outline import Outline, sphere_outline
-from matchset.sim.renderer import Rows, draw_balloon, draw_occluder
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.clips.occluder import bar_over, bar_width, board_over, visible_share
+from matchset.sim.clips.outline import Outline, sphere_outline
+from matchset.sim.rendering.renderer import Rows, draw_balloon, draw_occluder
 
 CAMERA = CameraModel.from_fov(640, 480, 1.07)
 BALLOON = Balloon()

@@ -3,9 +3,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.scene import Scene, viewpoint
-from matchset.sim.surface import Surface
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.scene.scene import Scene, viewpoint
 
 CAMERA = CameraModel.from_fov(160, 120, 1.07)
 

@@ -3,7 +3,7 @@ from importlib import resources
 
 import pytest
 
-from matchset.sim.settings import read_settings
+from matchset.sim.toml_settings import read_settings
 from matchset.sim.vehicle import VehicleParameters, toy
 
 TEXT = resources.files("matchset.sim").joinpath("vehicle.toml").read_text(encoding="utf-8")

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.camera_model import CameraModel
 from matchset.shapes.circle import Circle
-from matchset.sim.outline import Outline, mean_circle, sphere_outline
+from matchset.sim.clips.outline import Outline, mean_circle, sphere_outline
 
 CAMERA = CameraModel.from_fov(640, 480, 1.07)
 

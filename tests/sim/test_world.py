@@ -5,9 +5,9 @@ import pytest
 
 from matchset.control.command import Command
 from matchset.control.follower import SetPlace
-from matchset.sim.eye import Sight
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import toy
+from matchset.sim.vehicle_camera import Sight
 from matchset.sim.world import LENS, RATE, ChainParameters, World, place_beside, quantized
 
 CHAIN = ChainParameters(place=SetPlace(height=-0.19))

@@ -1,15 +1,15 @@
 """The bars of the benchmark on a few short clips that neither it nor the tuning uses."""
 
 import pytest
-from benchmarks.accuracy import GOALS, pooled
-from benchmarks.covariance import figures
-from benchmarks.sequences import sequence
-from benchmarks.trial import follow
+from benchmarks.tracking import false_locks, reacquisition
+from benchmarks.tracking.accuracy import GOALS, pooled
+from benchmarks.tracking.covariance import figures
+from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import follow
 from scenes import Answer
 
 import matchset as ms
-from benchmarks import false_locks, reacquisition
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 
 SEEDS = 200, 201, 202
 

@@ -5,12 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from benchmarks.contest import compete
-from benchmarks.field import OURS, peer
-from benchmarks.sequences import sequence
+from benchmarks.contest.field import OURS, peer
+from benchmarks.contest.run import compete
+from benchmarks.tracking.sequences import sequence
 
-from matchset.app.score import error_px
-from matchset.sim.clip import Clip
+from matchset.app.track.score import error_px
+from matchset.sim.clips.clip import Clip
 
 SEEDS = 260, 261
 

@@ -7,13 +7,13 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from benchmarks.shapes_accuracy import GOALS
-from benchmarks.shapes_cases import THIRD, corner_error
-from benchmarks.shapes_trial import ShapeTask, follow_shape
+from benchmarks.shapes.accuracy import GOALS
+from benchmarks.shapes.cases import THIRD, corner_error
+from benchmarks.shapes.trial import ShapeTask, follow_shape
 
 import matchset as ms
 from matchset.shapes.shape import outline
-from matchset.sim.flat import draw_flat
+from matchset.sim.rendering.flat import draw_flat
 
 Image = npt.NDArray[np.uint8]
 BLUE, ROOM = (200, 70, 30), (120, 140, 150)

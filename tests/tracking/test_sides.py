@@ -3,12 +3,12 @@
 import numpy as np
 import numpy.typing as npt
 import pytest
-from benchmarks.shapes_cases import THIRD, corner_error
-from benchmarks.shapes_trial import ShapeTask, follow_shape
+from benchmarks.shapes.cases import THIRD, corner_error
+from benchmarks.shapes.trial import ShapeTask, follow_shape
 
 import matchset as ms
-from matchset.shapes.jit import plain
-from matchset.sim.flat import draw_flat
+from matchset.numeric.jit import plain
+from matchset.sim.rendering.flat import draw_flat
 from matchset.tracking.memory import TIME, Memory
 from matchset.tracking.motion import correct
 

@@ -10,7 +10,7 @@ import pytest
 from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run, scene, wall, with_ball
 
 import matchset as ms
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 from matchset.tracking.parameters import TrackerParameters
 
 MOVING = [(60.0 + 4.0 * k, 80.0 + 1.5 * k, 25.0) for k in range(12)]

@@ -9,8 +9,6 @@ from typing import Annotated
 
 import typer
 
-from matchset.app.cli_flight import FLY_EPILOG, SIMULATE_EPILOG, fly, simulate
-from matchset.app.cli_locate import LOCATE_EPILOG, locate
 from matchset.app.cli_options import (
     AnnotatedVideo,
     Candidate,
@@ -25,9 +23,11 @@ from matchset.app.cli_options import (
     Source,
     ToStdout,
 )
-from matchset.app.cli_replay import REPLAY_EPILOG, replay
-from matchset.app.ending import EXIT_CODES, errors_in_one_line, say_error
-from matchset.app.radio_cli import radio
+from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line, say_error
+from matchset.app.flight.command import FLY_EPILOG, SIMULATE_EPILOG, fly, simulate
+from matchset.app.locate.command import LOCATE_EPILOG, locate
+from matchset.app.radio.command import radio
+from matchset.app.recording.command import REPLAY_EPILOG, replay
 
 app = typer.Typer(
     name="matchset",
@@ -93,8 +93,8 @@ def track(
 ) -> None:
     """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
     with errors_in_one_line():
-        from matchset.app import track_command
-        from matchset.app.target import Wish
+        from matchset.app.track import command as track_command
+        from matchset.app.track.target_options import Wish
 
         wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()), gray)
         options = track_command.TrackOptions(source, wish, out, video, jsonl, to_stdout, force, points, shape)
@@ -133,7 +133,7 @@ def learn(
 ) -> None:
     """Show where the ball is, in a picture with a pixel grid; with a pick, learn its color and save it."""
     with errors_in_one_line():
-        from matchset.app import learn_command
+        from matchset.app.track import learn_command
 
         options = learn_command.LearnOptions(source, frame, pick, out, force, shape)
         code = learn_command.learn(options)
@@ -191,8 +191,8 @@ def calibrate(
 ) -> None:
     """Find a camera's focal length and lens distortion, from a board or from the ball itself."""
     with errors_in_one_line():
-        from matchset.app.calibrate_options import run
-        from matchset.app.target import Wish
+        from matchset.app.calibrate.options import run
+        from matchset.app.track.target_options import Wish
 
         wish = Wish(pick, candidate, tuple(color or ()), tuple(hsv or ()))
         code = run(
@@ -233,7 +233,7 @@ def score(
 ) -> None:
     """Measure tracks against the truth."""
     with errors_in_one_line():
-        from matchset.app.score_command import score_files
+        from matchset.app.track.score_command import score_files
 
         score_files(tracks, truth, start, video, as_json)
 
@@ -248,11 +248,11 @@ def demo(
     """Track a rendered clip with exact truth: no camera, no network, under a minute."""
     with errors_in_one_line():
         if shape == "circle":
-            from matchset.app.demo import run_demo
+            from matchset.app.track.demo import run_demo
 
             code = run_demo(out, frames, force)
         else:
-            from matchset.app.shape_demo import run_shape_demo
+            from matchset.app.track.shape_demo import run_shape_demo
 
             code = run_shape_demo(shape, out, frames, force)
     raise typer.Exit(code)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from types import FrameType, TracebackType
 from typing import Self
 
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 
 FOUND = 0
 """The command did its work."""

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
 

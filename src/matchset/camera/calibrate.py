@@ -5,8 +5,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.board import View
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.board import View
+from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
 

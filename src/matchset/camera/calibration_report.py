@@ -7,9 +7,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.board import View
-from matchset.localization.calibrate import Calibration
-from matchset.localization.lens import INTRINSICS
+from matchset.camera.board import View
+from matchset.camera.calibrate import Calibration
+from matchset.camera.lens import INTRINSICS
 
 Grade = Literal["good", "usable", "poor"]
 

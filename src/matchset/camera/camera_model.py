@@ -8,8 +8,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.camera import camera_toml as camera_file
+from matchset.camera import lens
 from matchset.image.frame import Frame, check_image
-from matchset.localization import camera_file, lens
 
 Floats = npt.NDArray[np.float64]
 

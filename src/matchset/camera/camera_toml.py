@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.lens import INTRINSICS
+from matchset.camera.lens import INTRINSICS
 
 Floats = npt.NDArray[np.float64]
 Keys = dict[str, str]
@@ -71,7 +71,7 @@ def read_camera(path: Path) -> tuple[dict[str, Any], Keys]:
 
 def _read_yaml(text: str) -> tuple[dict[str, Any], Keys]:
     """Read a YAML camera; its library is loaded only where there is one."""
-    from matchset.localization.camera_yaml import read_yaml
+    from matchset.camera.camera_yaml import read_yaml
 
     return read_yaml(text)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from matchset.localization.board import View
+from matchset.camera.board import View
 
 TOO_ALIKE = 0.02
 """Two views count as one if their corners lie closer than this, in widths of the picture. Less keeps more views of a

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.command import Command
+from matchset.control.ego_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
+from matchset.control.feedforward import Pace, PaceParameters
 from matchset.control.neighbor_motion import NeighborMotion, NeighborMotionParameters
-from matchset.control.own_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
-from matchset.control.pace import Pace, PaceParameters
 from matchset.control.pid import Pid, PidParameters, Terms
 from matchset.control.safety import Wish
 from matchset.localization.pose import Pose

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 

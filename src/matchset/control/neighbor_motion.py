@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.dead_reckoning import PLACE, turn_of
+from matchset.control.ego_motion import OwnState
 from matchset.control.neighbor_filter import REFUSED, STATES, marker_way, predict, take, to_rest
-from matchset.control.own_motion import OwnState
 from matchset.localization.pose import Pose
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 UNTURNED = np.empty((0, 0))

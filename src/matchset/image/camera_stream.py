@@ -6,10 +6,10 @@ from time import monotonic
 
 import cv2
 
+from matchset.image.camera_settings import apply
 from matchset.image.capture import hushed, open_capture, unpack
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
-from matchset.image.settings import apply
 
 WARM_UP = 10.0  # s that the first picture may take: cameras start slowly, streams wait for a key frame
 RETRY = 0.01  # s between attempts while a device delivers nothing

@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.brightness import Gray, level_in, log_odds_of
+from matchset.image.color_learning import bin_centers, learned_color, learned_gray
 from matchset.image.frame import check_image
-from matchset.image.gray import Gray, level_in, log_odds_of
-from matchset.image.learned import bin_centers, learned_color, learned_gray
 from matchset.image.region import calm, grow, surroundings
 
 LIMIT = 4.0  # largest log-odds: one pixel can be wrong

@@ -9,7 +9,7 @@ that looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing
+from matchset.numeric.jit import borrowing
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -21,7 +21,7 @@ def connect(uri: str) -> Link:
     """
     scheme, mark, _ = uri.partition("://")
     if mark and scheme == "serial":
-        from matchset.links.arduino import ArduinoLink
+        from matchset.links.arduino.arduino_link import ArduinoLink
 
         return ArduinoLink(uri)
     if mark and scheme == "sim":

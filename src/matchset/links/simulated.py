@@ -15,17 +15,17 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.follower import SetPlace
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.eye import Sight
-from matchset.sim.pal import PRESETS
+from matchset.sim.analog_link import PRESETS
+from matchset.sim.cameras import FIELD, Studio
 from matchset.sim.rope import RopeParameters
-from matchset.sim.studio import FIELD, Studio
 from matchset.sim.vehicle import VehicleParameters, toy
+from matchset.sim.vehicle_camera import Sight
 from matchset.sim.world import RATE, ChainParameters, World
 
 FPS, FRAME = 30, RATE // 30  # pictures a second, steps a picture

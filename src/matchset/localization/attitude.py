@@ -10,8 +10,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.matrix3 import apply, cross, invert, rotate
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
+from matchset.numeric.matrix3 import apply, cross, invert, rotate
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -12,9 +12,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.lens import bend, fold, undistort
-from matchset.localization.matrix3 import add_spread, apply, invert, length
-from matchset.shapes.jit import kernel, summing
+from matchset.camera.lens import bend, fold, undistort
+from matchset.numeric.jit import kernel, summing
+from matchset.numeric.matrix3 import add_spread, apply, invert, length
 
 Floats = npt.NDArray[np.float64]
 

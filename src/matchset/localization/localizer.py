@@ -9,13 +9,13 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization import sighting
+from matchset.camera.camera_model import CameraModel
+from matchset.localization import pose_estimation as sighting
 from matchset.localization.ball import NOWHERE, REASONS, BallParameters, outline_of
-from matchset.localization.camera_model import CameraModel
-from matchset.localization.markers import FULL, LEVEL, NOTHING
+from matchset.localization.ball_target import MOST, BallTarget
+from matchset.localization.marker_identification import FULL, LEVEL, NOTHING
 from matchset.localization.pose import Observed, Pose
-from matchset.localization.sighting import COVARIANCE, KNOWN, OUT, RADIUS, TURN, sight
-from matchset.localization.target import MOST, BallTarget
+from matchset.localization.pose_estimation import COVARIANCE, KNOWN, OUT, RADIUS, TURN, sight
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 

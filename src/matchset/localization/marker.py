@@ -5,8 +5,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.lens import fold, undistort
-from matchset.shapes.jit import kernel
+from matchset.camera.lens import fold, undistort
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 

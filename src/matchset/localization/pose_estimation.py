@@ -4,9 +4,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.cone import DONE, fit_cone
-from matchset.localization.markers import NOTHING, observe_turn
+from matchset.localization.marker_identification import NOTHING, observe_turn
 from matchset.localization.pose import UNSEEN
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -6,9 +6,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.kalman import advance, correct
-from matchset.localization.matrix3 import rotate, turn_from
 from matchset.localization.pose import UNSEEN, Observed, Pose
+from matchset.numeric.kalman import advance, correct
+from matchset.numeric.matrix3 import rotate, turn_from
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]

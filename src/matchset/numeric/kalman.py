@@ -3,8 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.matrix3 import invert
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
+from matchset.numeric.matrix3 import invert
 
 Floats = npt.NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing
+from matchset.numeric.jit import borrowing
 
 Floats = npt.NDArray[np.float64]
 

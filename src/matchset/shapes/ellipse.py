@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes import linear
+from matchset.shapes import linear_outline as linear
 
 Floats = npt.NDArray[np.float64]
 ROUND = 0.2  # px: where half the difference of the semi-axes is as small, the angle follows noise half as much

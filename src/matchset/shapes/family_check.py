@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import compiled, plain
+from matchset.numeric.jit import compiled, plain
 from matchset.shapes.shape import places, slopes
 
 Floats = npt.NDArray[np.float64]

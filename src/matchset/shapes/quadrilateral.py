@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes import linear
+from matchset.shapes import linear_outline as linear
 from matchset.shapes.polygon import convex_corners
 
 Floats = npt.NDArray[np.float64]

@@ -13,8 +13,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
-from matchset.shapes.linear import along_sides
+from matchset.numeric.jit import kernel
+from matchset.shapes.linear_outline import along_sides
 
 Floats = npt.NDArray[np.float64]
 

@@ -14,9 +14,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes import linear
+from matchset.shapes import linear_outline as linear
+from matchset.shapes.orientation import likely_turns, root_of, symmetries
 from matchset.shapes.shape import center_of
-from matchset.shapes.turns import likely_turns, root_of, symmetries
 
 Floats = npt.NDArray[np.float64]
 Motion = Literal["similarity", "affine"]

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.surface import Surface
+from matchset.sim.rendering.surface import Surface
 from matchset.sim.vehicle import VehicleParameters
 
 Floats = npt.NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.sim.line_filter import expose, receive, transmit
-from matchset.sim.renderer import Picture
+from matchset.sim.rendering.renderer import Picture
 
 _PIXEL_TIME = 81e-9  # s, of the 640 px that span the 52 us of an active PAL line
 

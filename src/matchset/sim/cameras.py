@@ -3,14 +3,14 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.camera_model import CameraModel
 from matchset.sim.airframe import airframe
-from matchset.sim.backdrop import Backdrop
-from matchset.sim.balloon import Balloon
-from matchset.sim.eye import Eye, Look, Sight
-from matchset.sim.pal import PRESETS, degrade
-from matchset.sim.scene import Scene
-from matchset.sim.surface import Surface
+from matchset.sim.analog_link import PRESETS, degrade
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.rendering.background import Backdrop
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.scene.scene import Scene
+from matchset.sim.vehicle_camera import Eye, Look, Sight
 from matchset.sim.world import RATE, World, lens_of
 
 Floats = npt.NDArray[np.float64]
@@ -28,7 +28,7 @@ class Studio:
     camera : CameraModel
         Every follower's.
     preset : str
-        The analog link: a name in `matchset.sim.pal.PRESETS`.
+        The analog link: a name in `matchset.sim.analog_link.PRESETS`.
     """
 
     def __init__(self, world: World, camera: CameraModel, preset: str) -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
 from matchset.sim.quadrotor import PLACE, SPEED, TURN, downwash, rotation, step_vehicle
 from matchset.sim.rope import hanging, swing, yaw_of
 

@@ -5,7 +5,7 @@ from importlib import resources
 
 import msgspec
 
-from matchset.sim.settings import read_settings
+from matchset.sim.toml_settings import read_settings
 
 
 class VehicleParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

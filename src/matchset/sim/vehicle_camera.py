@@ -13,12 +13,12 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.backdrop import Backdrop, Words
-from matchset.sim.balloon import Balloon
-from matchset.sim.field_lens import FieldLens, widen
-from matchset.sim.renderer import Light, Picture, appearance
-from matchset.sim.seen import draw_ball, window_of
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.rendering.background import Backdrop, Words
+from matchset.sim.rendering.field_lens import FieldLens, widen
+from matchset.sim.rendering.renderer import Light, Picture, appearance
+from matchset.sim.visible_objects import draw_ball, window_of
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
-from matchset.sim.backdrop import Words
-from matchset.sim.coverage import draw_sphere_on_words
+from matchset.numeric.jit import kernel
+from matchset.sim.rendering.background import Words
+from matchset.sim.rendering.coverage import draw_sphere_on_words
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -18,7 +18,7 @@ NEAREST = 0.12  # m, nothing nearer to the lens than that is drawn of vehicles
 TALL = 0.19  # m from a vehicle's center of mass to its ball's, along which `Look.above` is measured
 TOP = 0.05  # m, radius of the sphere at the upper end of what is above a ball
 BESIDE = 0.05  # m, a ball must be so far before the lens to be drawn
-MARKER, BETWEEN, EYE_DEPTH = 6, 16, 19  # places in `matchset.sim.renderer.appearance`
+MARKER, BETWEEN, EYE_DEPTH = 6, 16, 19  # places in `matchset.sim.rendering.renderer.appearance`
 LIGHT = 10
 
 
@@ -110,7 +110,7 @@ def draw_ball(
     radius : float
         m.
     looks : (20,)
-        `matchset.sim.renderer.appearance` of the ball, but for what depends on where it is.
+        `matchset.sim.rendering.renderer.appearance` of the ball, but for what depends on where it is.
     """
     center, marker, look = np.zeros(3), np.zeros(3), looks.copy()
     for j in range(3):

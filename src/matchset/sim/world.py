@@ -10,12 +10,12 @@ from matchset.control.command import Command
 from matchset.control.follower import SetPlace
 from matchset.sim import chain_motion
 from matchset.sim.chain_motion import HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, NOTHING
-from matchset.sim.eye import BACKWARD, Sight
-from matchset.sim.furniture import FLOOR
 from matchset.sim.quadrotor import GRAVITY, PLACE, SIZE, SPEED, constants, resting, rotation
-from matchset.sim.room import BACK, BEHIND, HALF_WIDTH
 from matchset.sim.rope import Rope, RopeParameters
+from matchset.sim.scene.furniture import FLOOR
+from matchset.sim.scene.room import BACK, BEHIND, HALF_WIDTH
 from matchset.sim.vehicle import VehicleParameters, toy
+from matchset.sim.vehicle_camera import BACKWARD, Sight
 
 Floats = npt.NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.brightness import level_in
 from matchset.image.color import ColorModel
-from matchset.image.gray import level_in
 from matchset.shapes.shape import Shape, from_hull, outline
 from matchset.tracking.look import Look
 from matchset.tracking.matcher import Matcher

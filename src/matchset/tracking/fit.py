@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing, part
+from matchset.numeric.jit import borrowing, part
 from matchset.tracking.least_squares import solve, substitute, turn
 from matchset.tracking.match_set import CANDIDATES
 

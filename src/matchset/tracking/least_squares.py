@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing, part, summing
+from matchset.numeric.jit import borrowing, part, summing
 
 Floats = npt.NDArray[np.float64]
 

@@ -16,7 +16,7 @@ is the fit's question. The lines are read first and judged then, because memory 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing, cut, part
+from matchset.numeric.jit import borrowing, cut, part
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

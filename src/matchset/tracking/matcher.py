@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.shapes.jit import compiled, plain
-from matchset.shapes.rules import check_family
+from matchset.numeric.jit import compiled, plain
+from matchset.shapes.family_check import check_family
 from matchset.shapes.shape import Shape, corners, nearest, places, slopes, steady
 from matchset.tracking import memory, motion
 from matchset.tracking.look import Look

@@ -3,8 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.adapt import count_inside
-from matchset.shapes.jit import inlined
+from matchset.image.color_adaptation import count_inside
+from matchset.numeric.jit import inlined
 from matchset.tracking.fit import fit_lines
 from matchset.tracking.match_set import match_lines
 from matchset.tracking.memory import (

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import cut, inlined, plain
+from matchset.numeric.jit import cut, inlined, plain
 from matchset.tracking.fit import scratch_size
 from matchset.tracking.match_set import CANDIDATES, LONGEST, SUMS
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined
+from matchset.numeric.jit import inlined
 from matchset.tracking.fit import PARTED
 from matchset.tracking.memory import (
     APART,

@@ -6,10 +6,10 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.adapt import adapt_table
+from matchset.image.brightness import level_across
 from matchset.image.color import ColorModel
-from matchset.image.gray import level_across
-from matchset.shapes.jit import inlined
+from matchset.image.color_adaptation import adapt_table
+from matchset.numeric.jit import inlined
 from matchset.shapes.shape import Shape, outline
 from matchset.tracking.memory import CONFIRMED, INSIDE, SEEN, Views
 from matchset.tracking.parameters import ADAPT_INSIDE, ADAPT_RATE, ADAPT_SUPPORT

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing
+from matchset.numeric.jit import borrowing
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

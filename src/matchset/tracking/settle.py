@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined
+from matchset.numeric.jit import inlined
 from matchset.tracking import motion
 from matchset.tracking.measure import measure
 from matchset.tracking.memory import AGREEMENT, BENT, LEAST, NOISE, RATE, REACH, SEEN, SIGMA, SIZE, Views

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing, inlined
+from matchset.numeric.jit import borrowing, inlined
 from matchset.tracking import motion
 from matchset.tracking.memory import (
     BLIND,

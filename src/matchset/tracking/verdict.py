@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import borrowing, inlined
+from matchset.numeric.jit import borrowing, inlined
 from matchset.tracking.memory import (
     AGREEMENT,
     BENT,

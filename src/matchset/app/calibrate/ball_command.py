@@ -9,17 +9,17 @@ from typing import Any
 
 import msgspec
 
-from matchset.app import ending
-from matchset.app.calibrate_command import camera_file
-from matchset.app.ending import StopRequest, say_error
+from matchset.app import exit_codes as ending
+from matchset.app.calibrate.command import camera_file
+from matchset.app.calibrate.still_ball import Still, still_moments
+from matchset.app.exit_codes import StopRequest, say_error
 from matchset.app.patience import if_slow
-from matchset.app.screen import Hint, counting
-from matchset.app.still_ball import Still, still_moments
-from matchset.app.target import Target, Wish, check_wish, known_target, target_in
-from matchset.app.trackers import COMPILING
+from matchset.app.progress import Hint, counting
+from matchset.app.track.target_options import Target, Wish, check_wish, known_target, target_in
+from matchset.app.track.trackers import COMPILING
+from matchset.camera.ball_focal_length import BallFocal, HeldBall, focal_from_ball
 from matchset.image.frame import Frame
 from matchset.image.video import Video
-from matchset.localization.ball_focal import BallFocal, HeldBall, focal_from_ball
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker

@@ -6,12 +6,12 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.ending import StopRequest
-from matchset.app.screen import Hint, counting
+from matchset.app.exit_codes import StopRequest
+from matchset.app.progress import Hint, counting
+from matchset.camera.board import Board, BoardFinder, View
+from matchset.camera.calibration_report import covered, unseen_corners
+from matchset.camera.view_selection import select_views
 from matchset.image.video import Video
-from matchset.localization.board import Board, BoardFinder, View
-from matchset.localization.calibration_verdict import covered, unseen_corners
-from matchset.localization.view_selection import select_views
 
 _LOOKS = 240
 """Frames of a recording that are looked at, spread over it: a calibration needs a few dozen."""

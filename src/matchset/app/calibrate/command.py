@@ -6,17 +6,17 @@ from pathlib import Path
 import msgspec
 from PIL import Image
 
-from matchset.app import ending
-from matchset.app.board_views import Seen, look_for_board
-from matchset.app.coverage import coverage_picture
-from matchset.app.ending import StopRequest, say_error
-from matchset.app.learn_command import write_picture
-from matchset.app.runs import output_file, output_folder
+from matchset.app import exit_codes as ending
+from matchset.app.calibrate.board_views import Seen, look_for_board
+from matchset.app.calibrate.coverage_picture import coverage_picture
+from matchset.app.exit_codes import StopRequest, say_error
+from matchset.app.run_folder import output_file, output_folder
+from matchset.app.track.learn_command import write_picture
+from matchset.camera.board import Board
+from matchset.camera.calibrate import Calibration, calibrate
+from matchset.camera.calibration_report import Verdict, judge_calibration
+from matchset.camera.view_selection import select_views
 from matchset.image.video import Video
-from matchset.localization.board import Board
-from matchset.localization.calibrate import Calibration, calibrate
-from matchset.localization.calibration_verdict import Verdict, judge_calibration
-from matchset.localization.view_selection import select_views
 
 _DPI = 300.0
 _INCH = 0.0254  # m

@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.text import draw_text, text_width
-from matchset.localization.board import View
-from matchset.localization.calibration_verdict import Verdict, covered
+from matchset.app.drawing.text import draw_text, text_width
+from matchset.camera.board import View
+from matchset.camera.calibration_report import Verdict, covered
 
 Picture = npt.NDArray[np.uint8]
 

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from matchset.app.ball_command import BallOptions, calibrate_ball
-from matchset.app.calibrate_command import CalibrateOptions, calibrate_board, draw_board, parse_board
-from matchset.app.target import Wish
-from matchset.localization.board import Board
+from matchset.app.calibrate.ball_command import BallOptions, calibrate_ball
+from matchset.app.calibrate.command import CalibrateOptions, calibrate_board, draw_board, parse_board
+from matchset.app.track.target_options import Wish
+from matchset.camera.board import Board
 
 BoardWords = tuple[str | None, float | None, float | None, str, Path | None]
 BallWords = tuple[float | None, str | None, Wish]

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.row import Row
-from matchset.app.text import draw_text, text_width
+from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.track.rows import Row
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import outline

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import cv2
 
-from matchset.sim.clip import Clip
-from matchset.sim.truth import Truth
+from matchset.sim.clips.clip import Clip
+from matchset.sim.clips.truth import Truth
 
 _CODECS = {".avi": "FFV1", ".mkv": "FFV1", ".mp4": "mp4v"}
 

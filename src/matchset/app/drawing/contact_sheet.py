@@ -8,8 +8,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.draw import OUTLINE, POINT, as_color, draw_circle
-from matchset.app.text import draw_text
+from matchset.app.drawing.annotate import OUTLINE, POINT, as_color, draw_circle
+from matchset.app.drawing.text import draw_text
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost, Track
 

@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.webm import PACKING_FPS, set_frame_rate
+from matchset.app.drawing.webm import PACKING_FPS, set_frame_rate
 from matchset.image.capture import hushed
 
 Picture = npt.NDArray[np.uint8]

@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from matchset.app.cli_options import Folder, Force
-from matchset.app.cli_replay import FlightRecord, FlightReport, FlightVideo, Quiet
-from matchset.app.ending import errors_in_one_line
+from matchset.app.exit_codes import errors_in_one_line
+from matchset.app.recording.command import FlightRecord, FlightReport, FlightVideo, Quiet
 
 FLIGHT_CODES = (
     "Exit codes: 0 everyone flew to the end, 1 not, 2 bad input or options, 3 a device broke, "
@@ -70,8 +70,9 @@ def fly(
 ) -> None:
     """Fly a chain of quadcopters that hold their places by looking at each other."""
     with errors_in_one_line():
-        from matchset.app import flight_settings, fly_command
-        from matchset.app.flight_outlets import FlightFiles
+        from matchset.app.flight import config as flight_settings
+        from matchset.app.flight import fly_command
+        from matchset.app.flight.outputs import FlightFiles
 
         if print_config:
             print(flight_settings.template(), end="")
@@ -106,8 +107,9 @@ def simulate(
 ) -> None:
     """Fly many simulated flights under changed conditions and judge them by limits."""
     with errors_in_one_line():
-        from matchset.app import flight_settings, simulate_command
-        from matchset.app.simulation_table import Limits
+        from matchset.app.flight import config as flight_settings
+        from matchset.app.flight import simulate as simulate_command
+        from matchset.app.flight.simulation_table import Limits
 
         if world != "chain":
             raise ValueError(f"--world must be chain, got {world!r}")

@@ -6,10 +6,10 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.flight_run import FlightParameters
+from matchset.app.flight.flight import FlightParameters
+from matchset.camera.camera_model import CameraModel
 from matchset.links.simulated import parse_uri
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.settings import read_settings
+from matchset.sim.toml_settings import read_settings
 
 TEMPLATE = "flight.toml"
 
@@ -30,7 +30,7 @@ class FlightFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 def template() -> str:
     """Return the settings that come with the package: every key with its default, its unit and its source."""
-    return resources.files("matchset.app").joinpath(TEMPLATE).read_text(encoding="utf-8")
+    return resources.files("matchset.app.flight").joinpath(TEMPLATE).read_text(encoding="utf-8")
 
 
 def read_flight(path: Path) -> FlightParameters:

@@ -3,8 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight_log import PHASES, FlightLog
-from matchset.app.flight_run import SETTLING
+from matchset.app.flight.flight import SETTLING
+from matchset.app.flight.log import PHASES, FlightLog
 
 Floats = npt.NDArray[np.float64]
 

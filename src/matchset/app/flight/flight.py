@@ -9,10 +9,10 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.loop import Colors, Pilot, PilotParameters, Step, learn_colors
+from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, Step, learn_colors
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
-from matchset.sim.eye import Sight
+from matchset.sim.vehicle_camera import Sight
 from matchset.sim.world import place_beside
 
 Floats = npt.NDArray[np.float64]

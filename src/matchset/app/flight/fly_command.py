@@ -4,13 +4,13 @@ import sys
 
 import msgspec
 
-from matchset.app.ending import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight_figures import verdict
-from matchset.app.flight_outlets import FlightFiles, FlightOutlets
-from matchset.app.flight_run import Flight, FlightParameters
-from matchset.app.flight_score import FlightJudge
-from matchset.app.flight_setting import setting_of
-from matchset.app.pacer import Pacer
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight.figures import verdict
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.outputs import FlightFiles, FlightOutlets
+from matchset.app.flight.pacer import Pacer
+from matchset.app.flight.score import FlightJudge
+from matchset.app.flight.setting import setting_of
 from matchset.app.patience import if_slow
 from matchset.links.simulated import FPS
 

@@ -10,11 +10,11 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from matchset.app.flight_run import Tick
-from matchset.app.flight_tally import FlightTally, FollowerTally
-from matchset.app.loop import Step
-from matchset.app.palette import PHASES, as_hex
-from matchset.app.step_words import age_words, distance_words, off_place, place_words, state_words
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.pilot import Step
+from matchset.app.flight.step_words import age_words, distance_words, off_place, place_words, state_words
+from matchset.app.flight.tally import FlightTally, FollowerTally
+from matchset.app.flight_report.colors import PHASES, as_hex
 from matchset.control.follower import SetPlace
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")

@@ -6,12 +6,12 @@ from array import array
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.common_frame import composed, from_last
-from matchset.app.flight_run import Crash, Tick
-from matchset.app.flight_setting import Setting
-from matchset.app.flight_tally import FlightTally
-from matchset.app.loop import Step
-from matchset.app.true_circle import true_circle
+from matchset.app.flight.flight import Crash, Tick
+from matchset.app.flight.pilot import Step
+from matchset.app.flight.setting import Setting
+from matchset.app.flight.tally import FlightTally
+from matchset.app.flight_report.common_frame import composed, from_last
+from matchset.app.flight_report.true_circle import true_circle
 from matchset.control.safety import Phase
 from matchset.sim.world import lens_of
 from matchset.tracking.track import Track

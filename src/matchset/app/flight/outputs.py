@@ -8,16 +8,16 @@ from typing import Self
 
 import msgspec
 
-from matchset.app.flight_log import FlightLog
-from matchset.app.flight_picture import FlightPicture
-from matchset.app.flight_recording import FlightRecording
-from matchset.app.flight_report import check_report, write_report
-from matchset.app.flight_run import Tick
-from matchset.app.flight_screen import FlightScreen
-from matchset.app.flight_setting import Setting
-from matchset.app.mcap_file import check_mcap
-from matchset.app.recorder import Recorder, codecs_for
-from matchset.app.runs import output_file
+from matchset.app.drawing.video_writer import Recorder, codecs_for
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.live_view import FlightScreen
+from matchset.app.flight.log import FlightLog
+from matchset.app.flight.setting import Setting
+from matchset.app.flight_report.picture import FlightPicture
+from matchset.app.flight_report.report import check_report, write_report
+from matchset.app.recording.mcap_file import check_mcap
+from matchset.app.recording.writer import FlightRecording
+from matchset.app.run_folder import output_file
 from matchset.links.simulated import FPS
 
 

@@ -12,18 +12,18 @@ from typing import NamedTuple, Protocol
 import msgspec
 import numpy as np
 
-from matchset.app.first_ball import first_ball
+from matchset.app.flight.first_ball import first_ball
+from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
 from matchset.control.safety import Facts, Memory, SafetyParameters, guard
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.links.link import Link
-from matchset.localization.camera_model import CameraModel
+from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
-from matchset.localization.marker_tracker import MarkerTracker
+from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
-from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker

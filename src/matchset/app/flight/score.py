@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight_run import FlightParameters, Tick
+from matchset.app.flight.flight import FlightParameters, Tick
 from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]

@@ -5,8 +5,8 @@ import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 
-from matchset.app.flight_run import Flight, FlightParameters
-from matchset.app.flight_score import FlightJudge, FlightScore
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.score import FlightJudge, FlightScore
 
 
 def fly_once(parameters: FlightParameters, tell: Callable[[], object] | None = None) -> FlightScore:

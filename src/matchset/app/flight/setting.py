@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from matchset.app.flight_run import Flight, FlightParameters
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
 
 
 class Setting(NamedTuple):

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.ending import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight_run import FlightParameters
-from matchset.app.flight_score import FlightScore
-from matchset.app.flight_series import fly_all
-from matchset.app.flight_settings import changed
-from matchset.app.runs import output_folder
-from matchset.app.simulation_table import HEADER, Limits, Row, flight_line, rows_of, table_of, verdict
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight.config import changed
+from matchset.app.flight.flight import FlightParameters
+from matchset.app.flight.score import FlightScore
+from matchset.app.flight.series import fly_all
+from matchset.app.flight.simulation_table import HEADER, Limits, Row, flight_line, rows_of, table_of, verdict
+from matchset.app.run_folder import output_folder
 from matchset.links.simulated import SimulationParameters
 
 UNIT = {"latency_ms": "ms", "swing": "m", "yaw_deg": "degrees", "bias_deg": "degrees", "hidden": "s", "start_off": "m"}

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from matchset.app.flight_run import FlightParameters
-from matchset.app.flight_score import FlightScore
+from matchset.app.flight.flight import FlightParameters
+from matchset.app.flight.score import FlightScore
 
 HEADER = "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us"
 

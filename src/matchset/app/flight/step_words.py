@@ -2,7 +2,7 @@
 
 import math
 
-from matchset.app.loop import Step
+from matchset.app.flight.pilot import Step
 from matchset.control.follower import Answer, SetPlace
 from matchset.localization.pose import Pose
 

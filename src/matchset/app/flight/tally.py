@@ -1,7 +1,7 @@
 """Figures of a flight as it goes on: `FlightTally`, with a `FollowerTally` for each."""
 
-from matchset.app.flight_run import Tick
-from matchset.app.loop import Step
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.pilot import Step
 from matchset.tracking.track import Track
 
 

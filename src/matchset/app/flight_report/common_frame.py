@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.loop import Step
+from matchset.app.flight.pilot import Step
 from matchset.localization.chain import FACING_AWAY, seen_from_last
-from matchset.sim.eye import BACKWARD, Sight
+from matchset.sim.vehicle_camera import BACKWARD, Sight
 
 Floats = npt.NDArray[np.float64]
 

@@ -3,12 +3,12 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.draw import as_color, caption
-from matchset.app.draw_pose import draw_seen
-from matchset.app.loop import Step
-from matchset.app.step_words import age_words, place_words, state_words
-from matchset.app.text import draw_text
-from matchset.localization.camera_model import CameraModel
+from matchset.app.drawing.annotate import as_color, caption
+from matchset.app.drawing.text import draw_text
+from matchset.app.flight.pilot import Step
+from matchset.app.flight.step_words import age_words, place_words, state_words
+from matchset.app.locate.annotate_pose import draw_seen
+from matchset.camera.camera_model import CameraModel
 
 Picture = npt.NDArray[np.uint8]
 

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.draw_step import annotate_step
-from matchset.app.flight_run import Tick
-from matchset.app.flight_setting import Setting
-from matchset.app.top_view import TopView
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.setting import Setting
+from matchset.app.flight_report.draw_step import annotate_step
+from matchset.app.flight_report.top_view import TopView
 
 Picture = npt.NDArray[np.uint8]
 

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from matchset.app.flight_log import FlightLog, FollowerLog
-from matchset.app.flight_run import SETTLING
-from matchset.app.palette import as_hex, vehicle_rgb
-from matchset.app.plot import INK, PALE, PINK, calm
+from matchset.app.drawing.curves import INK, PALE, PINK, calm
+from matchset.app.flight.flight import SETTLING
+from matchset.app.flight.log import FlightLog, FollowerLog
+from matchset.app.flight_report.colors import as_hex, vehicle_rgb
 from matchset.localization.chain import FACING_AWAY, seen_from_last
 from matchset.localization.pose import Pose
 

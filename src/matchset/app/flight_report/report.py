@@ -7,8 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.flight_figures import HEADINGS, follower_figures, verdict
-from matchset.app.flight_log import FlightLog
+from matchset.app.flight.figures import HEADINGS, follower_figures, verdict
+from matchset.app.flight.log import FlightLog
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; margin: 2em auto; padding: 0 1em; }
@@ -63,7 +63,7 @@ def _page(log: FlightLog) -> str:
 
 def _pictures(log: FlightLog) -> list[str]:
     """Draw the pictures; Matplotlib is loaded only now."""
-    from matchset.app.flight_plot import coordinates_png, errors_png, paths_png, times_png
+    from matchset.app.flight_report.plots import coordinates_png, errors_png, paths_png, times_png
 
     parts = ["<h2>Paths from above</h2>", _image(paths_png(log), "paths from above")]
     parts.append("<h2>Side, height and heading over time</h2>")

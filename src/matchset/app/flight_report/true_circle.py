@@ -5,10 +5,10 @@ import math
 import msgspec
 import numpy as np
 
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.camera_model import CameraModel
 from matchset.shapes.circle import Circle
-from matchset.sim.eye import Sight
-from matchset.sim.outline import sphere_outline
+from matchset.sim.clips.outline import sphere_outline
+from matchset.sim.vehicle_camera import Sight
 from matchset.sim.world import lens_of
 
 POINTS = 90

@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.draw import COASTING, as_color, caption, draw_circle, draw_points
-from matchset.app.locate import Sighting
-from matchset.app.pose_row import POSITION, PoseRow
-from matchset.app.text import draw_text, text_width
+from matchset.app.drawing.annotate import COASTING, as_color, caption, draw_circle, draw_points
+from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.locate.loop import Sighting
+from matchset.app.locate.rows import POSITION, PoseRow
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track

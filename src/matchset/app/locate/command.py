@@ -17,7 +17,7 @@ from matchset.app.cli_options import (
     Source,
     ToStdout,
 )
-from matchset.app.ending import EXIT_CODES, errors_in_one_line
+from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line
 
 LOCATE_EPILOG = f"""
 [bold]Examples[/bold]
@@ -73,9 +73,9 @@ def locate(
 ) -> None:
     """Say where a ball of known size is, in meters, and the camera as the ball's markers see it."""
     with errors_in_one_line():
-        from matchset.app import locate_command
-        from matchset.app.marker_wish import MarkerWish
-        from matchset.app.target import Wish
+        from matchset.app.locate import run as locate_command
+        from matchset.app.locate.marker_wish import MarkerWish
+        from matchset.app.track.target_options import Wish
 
         options = locate_command.LocateOptions(
             source=source,

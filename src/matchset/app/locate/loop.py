@@ -5,12 +5,12 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.ending import StopRequest
-from matchset.app.follow import Follower, follow
-from matchset.app.pose_row import PoseRow, pose_row_of
+from matchset.app.exit_codes import StopRequest
+from matchset.app.locate.rows import PoseRow, pose_row_of
+from matchset.app.track.loop import Follower, follow
 from matchset.image.frame import Frame
 from matchset.localization.localizer import Localizer
-from matchset.localization.marker_tracker import MarkerTracker
+from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost, Track
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.still import frame_at
-from matchset.app.target import Target, Wish, parse_pick, target_for
+from matchset.app.track.frame_picker import frame_at
+from matchset.app.track.target_options import Target, Wish, parse_pick, target_for
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.localization.target import BallTarget
+from matchset.localization.ball_target import BallTarget
 
 _KEYS = "diameter, marker_diameter (m) and markers = [[x, y, z], ...]"
 _LARGEST_BYTES = 100_000

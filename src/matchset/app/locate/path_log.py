@@ -6,7 +6,7 @@ from array import array
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.locate import Sighting
+from matchset.app.locate.loop import Sighting
 from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]

@@ -9,9 +9,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from matchset.app.course import Course
-from matchset.app.plot import INK, PALE, PINK, calm
-from matchset.localization.camera_model import CameraModel
+from matchset.app.drawing.curves import INK, PALE, PINK, calm
+from matchset.app.locate.path_log import Course
+from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
 

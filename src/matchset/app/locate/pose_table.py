@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from matchset.app.cell_writer import Cell, CellWriter
-from matchset.app.csv_file import Cells, read_csv
-from matchset.app.pose_row import POSITION, SEEN, PoseRow
+from matchset.app.locate.rows import POSITION, SEEN, PoseRow
+from matchset.app.tables import Cells, read_csv
 
 _STD = "_std"
 

@@ -10,30 +10,30 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app import ending
-from matchset.app.ball_file import ball_target
-from matchset.app.course import Course
-from matchset.app.draw_pose import annotate_pose
-from matchset.app.ending import StopRequest
-from matchset.app.follow import Tally
-from matchset.app.learn_command import write_picture
-from matchset.app.locate import Locator, Sighting, locate
-from matchset.app.marker_wish import MarkerWish, check_marker_wish, targets_for
-from matchset.app.outlets import Outlets, Picture, live_figures, recorder_for
+from matchset.app import exit_codes as ending
+from matchset.app.drawing.video_writer import codecs_for
+from matchset.app.exit_codes import StopRequest
+from matchset.app.locate.annotate_pose import annotate_pose
+from matchset.app.locate.loop import Locator, Sighting, locate
+from matchset.app.locate.marker_wish import MarkerWish, check_marker_wish, targets_for
+from matchset.app.locate.options import ball_target
+from matchset.app.locate.path_log import Course
+from matchset.app.locate.pose_table import PoseWriter
 from matchset.app.patience import if_slow
-from matchset.app.pose_table import PoseWriter
-from matchset.app.recorder import codecs_for
-from matchset.app.runs import output_folder
-from matchset.app.screen import screen_for
-from matchset.app.summary import sum_up
-from matchset.app.target import Wish, check_wish
-from matchset.app.trackers import trackers_for
+from matchset.app.progress import screen_for
+from matchset.app.run_folder import output_folder
+from matchset.app.track.learn_command import write_picture
+from matchset.app.track.loop import Tally
+from matchset.app.track.outputs import Outlets, Picture, live_figures, recorder_for
+from matchset.app.track.summary import sum_up
+from matchset.app.track.target_options import Wish, check_wish
+from matchset.app.track.trackers import trackers_for
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
-from matchset.localization.camera_model import CameraModel
+from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
-from matchset.localization.marker_tracker import MarkerTracker
-from matchset.localization.target import BallTarget
+from matchset.localization.markers.marker_tracker import MarkerTracker
 
 
 class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -145,7 +145,7 @@ def _finish(options: LocateOptions, folder: Path, course: Course, camera: Camera
     files = [folder / "poses.csv", folder / "poses.jsonl" if options.jsonl else None, options.video]
     if course.any_found:
         with if_slow("drawing the path ..."):
-            from matchset.app.pose_plot import path_picture
+            from matchset.app.locate.path_picture import path_picture
 
             write_picture(folder / "poses.png", path_picture(course, camera))
         files.append(folder / "poses.png")

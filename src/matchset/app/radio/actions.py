@@ -7,9 +7,9 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from matchset.app import ending
-from matchset.app.radio_link import REFUSED, Radio
-from matchset.links.transmitter import BIND_DURATION, Config, Report
+from matchset.app import exit_codes as ending
+from matchset.app.radio.link import REFUSED, Radio
+from matchset.links.arduino.messages import BIND_DURATION, Config, Report
 
 LINE_PERIOD = 0.1  # s between lines of the monitor; the firmware speaks as often
 

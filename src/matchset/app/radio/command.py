@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from matchset.app.ending import errors_in_one_line
+from matchset.app.exit_codes import errors_in_one_line
 
 RADIO_EXIT_CODES = (
     "Exit codes: 0 done, 1 the firmware refused or heard something else, 2 bad options, "
@@ -25,7 +25,8 @@ Port = Annotated[str, typer.Argument(metavar="PORT", help="Its serial port: /dev
 def bind(port: Port) -> None:
     """Make the quadcopter listen to this transmitter. Switch it on, lay it level, then run this."""
     with errors_in_one_line():
-        from matchset.app import radio_commands, radio_link
+        from matchset.app.radio import actions as radio_commands
+        from matchset.app.radio import link as radio_link
 
         code = radio_commands.bind(radio_link.open_radio(port))
     raise typer.Exit(code)
@@ -39,7 +40,8 @@ def monitor(
 ) -> None:
     """Show what the transmitter says of itself: state, frames, errors, sticks, warnings. Sends no command."""
     with errors_in_one_line():
-        from matchset.app import radio_commands, radio_link
+        from matchset.app.radio import actions as radio_commands
+        from matchset.app.radio import link as radio_link
 
         code = radio_commands.monitor(radio_link.open_radio(port), duration, to_stdout)
     raise typer.Exit(code)
@@ -54,7 +56,8 @@ def sticks(
 ) -> None:
     """Move one stick after the other and compare with what the firmware hears. Motors stay off without --arm."""
     with errors_in_one_line():
-        from matchset.app import radio_link, stick_test
+        from matchset.app.radio import link as radio_link
+        from matchset.app.radio import stick_test
 
         options = stick_test.StickOptions(arm, throttle, countdown)
         code = stick_test.try_sticks(radio_link.open_radio(port), options)
@@ -82,8 +85,9 @@ def config(
 ) -> None:
     """Show what the transmitter keeps in its memory, or change what is named."""
     with errors_in_one_line():
-        from matchset.app import radio_commands, radio_link
-        from matchset.app.radio_options import config_changes
+        from matchset.app.radio import actions as radio_commands
+        from matchset.app.radio import link as radio_link
+        from matchset.app.radio.config_options import config_changes
 
         changes = config_changes(identity, bind_channels, reverse, trims)
         flags = {"bind_at_power_on": bind_at_power_on, "trim_follows_stick": trim_follows_stick, "tail": tail}

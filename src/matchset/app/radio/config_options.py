@@ -1,6 +1,6 @@
 """The options of `matchset radio config`, from text to values."""
 
-from matchset.links.transmitter import AXES, Config
+from matchset.links.arduino.messages import AXES, Config
 
 
 def config_changes(

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import msgspec
 
-from matchset.links.arduino import ArduinoLink
-from matchset.links.transmitter import Report
+from matchset.links.arduino.arduino_link import ArduinoLink
+from matchset.links.arduino.messages import Report
 
 REFUSED = 1
 """Exit code: the firmware refused, or heard something else."""

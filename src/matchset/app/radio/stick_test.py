@@ -6,8 +6,8 @@ after a countdown, they do.
 
 import msgspec
 
-from matchset.app import ending
-from matchset.app.radio_link import REFUSED, Radio
+from matchset.app import exit_codes as ending
+from matchset.app.radio.link import REFUSED, Radio
 from matchset.control.command import Command
 
 MOST_THROTTLE = 0.3

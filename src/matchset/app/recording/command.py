@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from matchset.app.cli_options import Force
-from matchset.app.ending import errors_in_one_line
+from matchset.app.exit_codes import errors_in_one_line
 
 REPLAY_EPILOG = """
 [bold]Examples[/bold]
@@ -44,8 +44,8 @@ def replay(
 ) -> None:
     """Fly a recorded flight again through the same code, and check that every step comes out the same."""
     with errors_in_one_line():
-        from matchset.app import replay_command
-        from matchset.app.flight_outlets import FlightFiles
+        from matchset.app.flight.outputs import FlightFiles
+        from matchset.app.recording import replay_command
 
         files = FlightFiles(video=video, report=report, force=force)
         code = replay_command.replay(replay_command.ReplayOptions(recording, files, quiet))

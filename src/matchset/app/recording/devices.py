@@ -3,10 +3,10 @@
 from types import TracebackType
 from typing import Self
 
+from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
-from matchset.localization.camera_model import CameraModel
 
 
 class RecordedCamera:

@@ -10,11 +10,11 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight_run import Tick
-from matchset.app.loop import Step
-from matchset.app.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.pilot import Step
+from matchset.app.recording.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
 from matchset.image.frame import Frame
-from matchset.sim.eye import Sight
+from matchset.sim.vehicle_camera import Sight
 
 M = TypeVar("M")
 

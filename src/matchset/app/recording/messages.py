@@ -4,9 +4,9 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.flight_run import Crash, FlightParameters
+from matchset.app.flight.flight import Crash, FlightParameters
+from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
-from matchset.localization.camera_model import CameraModel
 
 FORMAT = 1
 """Of a recording; one of another number is refused."""

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.encoding import decode, frame_of
-from matchset.app.flight_setting import Setting
-from matchset.app.mcap_file import McapReader, Message
-from matchset.app.messages import (
+from matchset.app.flight.setting import Setting
+from matchset.app.recording.encoding import decode, frame_of
+from matchset.app.recording.mcap_file import McapReader, Message
+from matchset.app.recording.messages import (
     CONFIGURATION,
     FORMAT,
     TRUTH,

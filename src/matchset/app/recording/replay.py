@@ -6,13 +6,13 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from matchset.app.encoding import outcome_of, sight_of
-from matchset.app.flight_run import Tick
-from matchset.app.loop import Pilot, Step, learn_colors
-from matchset.app.messages import StepMessage
-from matchset.app.recorded_devices import RecordedCamera, RecordedLink
-from matchset.app.recorded_flight import RecordedFlight, RecordedTick
-from matchset.app.step_difference import first_difference
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.pilot import Pilot, Step, learn_colors
+from matchset.app.recording.devices import RecordedCamera, RecordedLink
+from matchset.app.recording.encoding import outcome_of, sight_of
+from matchset.app.recording.messages import StepMessage
+from matchset.app.recording.reader import RecordedFlight, RecordedTick
+from matchset.app.recording.step_difference import first_difference
 from matchset.image.frame import Frame
 
 

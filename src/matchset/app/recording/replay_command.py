@@ -5,11 +5,11 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.ending import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight_figures import verdict
-from matchset.app.flight_outlets import FlightFiles, FlightOutlets
-from matchset.app.recorded_flight import RecordedFlight
-from matchset.app.replay import Replay
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight.figures import verdict
+from matchset.app.flight.outputs import FlightFiles, FlightOutlets
+from matchset.app.recording.reader import RecordedFlight
+from matchset.app.recording.replay import Replay
 
 SAID = 5
 """Differences that are told one by one."""

@@ -10,11 +10,11 @@ from typing import NamedTuple, Self
 
 import msgspec
 
-from matchset.app.encoding import encode, step_message, to_png, truth_message
-from matchset.app.flight_run import Tick
-from matchset.app.flight_setting import Setting
-from matchset.app.mcap_file import Kind, McapWriter, Message
-from matchset.app.messages import (
+from matchset.app.flight.flight import Tick
+from matchset.app.flight.setting import Setting
+from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
+from matchset.app.recording.mcap_file import Kind, McapWriter, Message
+from matchset.app.recording.messages import (
     CONFIGURATION,
     FORMAT,
     TRUTH,

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.blobs import CircleTuple, propose_circles
+from matchset.app.track.blobs import CircleTuple, propose_circles
 
 Floats = npt.NDArray[np.float64]
 Lab = npt.NDArray[np.float32]

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app import ending
-from matchset.app.ending import StopRequest
-from matchset.app.follow import Follower, Tally, follow
-from matchset.app.outlets import live_figures, recorder_for, track_outlets
-from matchset.app.recorder import codecs_for
-from matchset.app.runs import output_folder
-from matchset.app.screen import screen_for
-from matchset.app.shape_option import parse_shape
-from matchset.app.summary import sum_up
-from matchset.app.target import Wish, check_wish, target_for
-from matchset.app.trackers import trackers_for
+from matchset.app import exit_codes as ending
+from matchset.app.drawing.video_writer import codecs_for
+from matchset.app.exit_codes import StopRequest
+from matchset.app.progress import screen_for
+from matchset.app.run_folder import output_folder
+from matchset.app.track.loop import Follower, Tally, follow
+from matchset.app.track.outputs import live_figures, recorder_for, track_outlets
+from matchset.app.track.shape_option import parse_shape
+from matchset.app.track.summary import sum_up
+from matchset.app.track.target_options import Wish, check_wish, target_for
+from matchset.app.track.trackers import trackers_for
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 

@@ -10,25 +10,25 @@ import numpy as np
 import numpy.typing as npt
 from rich.console import Console
 
-from matchset.app import ending
-from matchset.app.draw import shape_names
-from matchset.app.ending import StopRequest
-from matchset.app.follow import Tally, follow
-from matchset.app.learn_command import write_picture
-from matchset.app.outlets import track_outlets
+from matchset.app import exit_codes as ending
+from matchset.app.drawing.annotate import shape_names
+from matchset.app.drawing.contact_sheet import WIDTH_PX, Shot, picture_sheet
+from matchset.app.drawing.video_writer import Recorder
+from matchset.app.exit_codes import StopRequest
 from matchset.app.patience import if_slow
-from matchset.app.recorder import Recorder
-from matchset.app.row import Row
-from matchset.app.runs import output_folder
-from matchset.app.score import Score, circles, error_px, score
-from matchset.app.score_command import print_score
-from matchset.app.screen import counting
-from matchset.app.sheet import WIDTH_PX, Shot, picture_sheet
-from matchset.app.trackers import COMPILING
-from matchset.app.truth import COLUMNS, Truth
+from matchset.app.progress import counting
+from matchset.app.run_folder import output_folder
+from matchset.app.track.learn_command import write_picture
+from matchset.app.track.loop import Tally, follow
+from matchset.app.track.outputs import track_outlets
+from matchset.app.track.rows import Row
+from matchset.app.track.score import Score, circles, error_px, score
+from matchset.app.track.score_command import print_score
+from matchset.app.track.trackers import COMPILING
+from matchset.app.track.truth import COLUMNS, Truth
 from matchset.image.color import ColorModel
 from matchset.shapes.circle import Circle
-from matchset.sim.clip import Clip
+from matchset.sim.clips.clip import Clip
 from matchset.tracking.tracker import Tracker
 
 _SHOTS = 8
@@ -125,7 +125,7 @@ def _write_truth(path: Path, truths: list[Truth]) -> None:
 
 def _sheet(clip: Clip, show: _Show, result: Score, tally: Tally) -> npt.NDArray[np.uint8]:
     with if_slow("drawing the sheet ..."):
-        from matchset.app.plot import error_plot
+        from matchset.app.drawing.curves import error_plot
 
         errors = [_error(row, truth) for row, truth in zip(show.rows, show.truths, strict=True)]
         radii = [math.nan if truth.circle is None else truth.circle[2] for truth in show.truths]

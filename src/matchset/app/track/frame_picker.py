@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from matchset.app.candidates import CONVINCING, Candidate, find_candidates
+from matchset.app.track.candidates import CONVINCING, Candidate, find_candidates
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.candidates import Candidate
-from matchset.app.draw import OUTLINE, as_color
-from matchset.app.text import draw_text, text_width
+from matchset.app.drawing.annotate import OUTLINE, as_color
+from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.track.candidates import Candidate
 
 Picture = npt.NDArray[np.uint8]
 

@@ -8,14 +8,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app import ending
-from matchset.app.candidates import Candidate, find_candidates
-from matchset.app.draw import as_color
-from matchset.app.grid import grid_picture
-from matchset.app.runs import output_file, output_folder
-from matchset.app.shape_option import parse_shape
-from matchset.app.still import ball_like_frame, frame_at
-from matchset.app.target import parse_pick
+from matchset.app import exit_codes as ending
+from matchset.app.drawing.annotate import as_color
+from matchset.app.run_folder import output_file, output_folder
+from matchset.app.track.candidates import Candidate, find_candidates
+from matchset.app.track.frame_picker import ball_like_frame, frame_at
+from matchset.app.track.grid_picture import grid_picture
+from matchset.app.track.shape_option import parse_shape
+from matchset.app.track.target_options import parse_pick
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video

@@ -8,8 +8,8 @@ from typing import Any, Protocol
 
 import msgspec
 
-from matchset.app.ending import StopRequest
-from matchset.app.row import Row, row_of
+from matchset.app.exit_codes import StopRequest
+from matchset.app.track.rows import Row, row_of
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost, Track
 

@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.cell_writer import Cell, json_line
-from matchset.app.draw import annotate
-from matchset.app.ending import forget_stdout
-from matchset.app.follow import Step
-from matchset.app.recorder import Recorder
-from matchset.app.runs import output_file
-from matchset.app.table import TableWriter
+from matchset.app.drawing.annotate import annotate
+from matchset.app.drawing.video_writer import Recorder
+from matchset.app.exit_codes import forget_stdout
+from matchset.app.run_folder import output_file
+from matchset.app.track.loop import Step
+from matchset.app.track.row_table import TableWriter
 from matchset.image.video import Video
 
 Picture = npt.NDArray[np.uint8]

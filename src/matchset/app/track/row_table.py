@@ -6,8 +6,8 @@ from types import TracebackType
 from typing import Self
 
 from matchset.app.cell_writer import Cell, CellWriter
-from matchset.app.csv_file import Cells, read_csv
-from matchset.app.row import Row
+from matchset.app.tables import Cells, read_csv
+from matchset.app.track.rows import Row
 
 _STD = "_std"
 

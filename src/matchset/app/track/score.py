@@ -7,8 +7,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.row import Row
-from matchset.app.truth import Truth
+from matchset.app.track.rows import Row
+from matchset.app.track.truth import Truth
 
 Circle3 = tuple[float, float, float]
 

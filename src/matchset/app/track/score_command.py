@@ -6,9 +6,9 @@ import msgspec
 from rich.console import Console
 from rich.table import Table
 
-from matchset.app.score import VALID_BELOW_PX, Score, circles, score
-from matchset.app.table import read_tracks
-from matchset.app.truth import read_truth
+from matchset.app.track.row_table import read_tracks
+from matchset.app.track.score import VALID_BELOW_PX, Score, circles, score
+from matchset.app.track.truth import read_truth
 
 
 def score_files(tracks: Path, truth: Path, start: int, video: str | None, as_json: bool) -> Score:

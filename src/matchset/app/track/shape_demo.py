@@ -10,22 +10,22 @@ import numpy as np
 import numpy.typing as npt
 from rich.console import Console
 
-from matchset.app import ending
-from matchset.app.ending import StopRequest
-from matchset.app.follow import Tally, follow
-from matchset.app.outlets import track_outlets
+from matchset.app import exit_codes as ending
+from matchset.app.drawing.video_writer import Recorder
+from matchset.app.exit_codes import StopRequest
 from matchset.app.patience import if_slow
-from matchset.app.recorder import Recorder
-from matchset.app.runs import output_folder
-from matchset.app.screen import counting
-from matchset.app.shape_option import parse_shape
-from matchset.app.trackers import COMPILING
+from matchset.app.progress import counting
+from matchset.app.run_folder import output_folder
+from matchset.app.track.loop import Tally, follow
+from matchset.app.track.outputs import track_outlets
+from matchset.app.track.shape_option import parse_shape
+from matchset.app.track.trackers import COMPILING
 from matchset.image.color import ColorModel
 from matchset.shapes.ellipse import Ellipse
 from matchset.shapes.quadrilateral import Quadrilateral
 from matchset.shapes.rectangle import Rectangle
 from matchset.shapes.shape import outline
-from matchset.sim.shape_clip import ShapeClip
+from matchset.sim.clips.shape_clip import ShapeClip
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TextIO
 
-from matchset.app.follow import Tally
+from matchset.app.track.loop import Tally
 from matchset.image.video import Video
 
 

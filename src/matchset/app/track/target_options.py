@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.still import ball_like_frame, frame_at, pick_in
+from matchset.app.track.frame_picker import ball_like_frame, frame_at, pick_in
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from matchset.app.follow import Follower
 from matchset.app.patience import if_slow
-from matchset.app.target import Target
+from matchset.app.track.loop import Follower
+from matchset.app.track.target_options import Target
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.csv_file import Cells, read_csv
+from matchset.app.tables import Cells, read_csv
 
 COLUMNS = ("video", "frame", "x", "y", "r", "visible", "method")
 

@@ -1,8 +1,8 @@
 """``serial:///dev/ttyUSB0``: an Arduino with a radio, which runs ``firmware/syma_transmitter``.
 
 On the wire, 115200 baud, 8N1: to the board one RC_CHANNELS_PACKED frame of CRSF per command, 26 bytes, whose
-channels `matchset.links.channels` defines; from the board a status frame for each of them and at least ten a
-second, defined with the few other frames in `matchset.links.transmitter`.
+channels `matchset.links.arduino.channels` defines; from the board a status frame for each of them and at least ten a
+second, defined with the few other frames in `matchset.links.arduino.messages`.
 
 The firmware has a failsafe that nothing here can switch off: without a good frame for 100 ms sticks go neutral,
 within 250 ms the throttle is zero and stays there until the host disarms and arms again.
@@ -16,12 +16,13 @@ from typing import Self
 import msgspec
 
 from matchset.control.command import Command
-from matchset.image.device import LinkError
-from matchset.links import channels, transmitter
+from matchset.image.errors import LinkError
+from matchset.links.arduino import channels
+from matchset.links.arduino import messages as transmitter
+from matchset.links.arduino.messages import Config, Report, Result
+from matchset.links.arduino.protocol import Wire
+from matchset.links.arduino.serial_port import Port, SerialPort
 from matchset.links.link import LinkStatus
-from matchset.links.serial_port import Port, SerialPort
-from matchset.links.transmitter import Config, Report, Result
-from matchset.links.wire import Wire
 
 SCHEME = "serial://"
 

@@ -5,7 +5,7 @@ firmware sends back; the others rest in the middle.
 """
 
 from matchset.control.command import Command
-from matchset.links.crsf import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
+from matchset.links.arduino.crsf import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
 
 NUMBERS = 1024
 """Frames are numbered modulo this."""

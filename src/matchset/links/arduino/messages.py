@@ -22,8 +22,8 @@ from typing import Literal, get_args
 
 import msgspec
 
-from matchset.image.device import LinkError
-from matchset.links import crsf
+from matchset.image.errors import LinkError
+from matchset.links.arduino import crsf
 from matchset.links.link import State
 
 PROTOCOL = 1

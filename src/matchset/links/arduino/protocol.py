@@ -4,10 +4,11 @@ import contextlib
 from collections.abc import Callable
 
 from matchset.control.command import Command
-from matchset.image.device import LinkError
-from matchset.links import channels, crsf, transmitter
-from matchset.links.serial_port import Port
-from matchset.links.transmitter import Config, Report, Result
+from matchset.image.errors import LinkError
+from matchset.links.arduino import channels, crsf
+from matchset.links.arduino import messages as transmitter
+from matchset.links.arduino.messages import Config, Report, Result
+from matchset.links.arduino.serial_port import Port
 
 
 class Wire:

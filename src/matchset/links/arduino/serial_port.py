@@ -4,7 +4,7 @@ import contextlib
 import os
 from typing import Any, Protocol
 
-from matchset.image.device import LinkError
+from matchset.image.errors import LinkError
 
 BAUD = 115_200
 WRITE_TIMEOUT = 0.1  # s; a frame takes 2.3 ms, so a port that is stuck for longer is no port

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.marker_shape import ellipse
-from matchset.localization.matrix3 import apply, invert
-from matchset.shapes.jit import kernel
+from matchset.localization.markers.marker_shape import ellipse
+from matchset.numeric.jit import kernel
+from matchset.numeric.matrix3 import apply, invert
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]

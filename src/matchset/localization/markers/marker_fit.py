@@ -10,9 +10,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.marker_pixels import KINDS, LIGHT, VALUE, WEIGHT, X, Y, gather, lay_out, shading
-from matchset.localization.marker_shape import coverage, ellipse
-from matchset.shapes.jit import kernel, summing
+from matchset.localization.markers.marker_patch import KINDS, LIGHT, VALUE, WEIGHT, X, Y, gather, lay_out, shading
+from matchset.localization.markers.marker_shape import coverage, ellipse
+from matchset.numeric.jit import kernel, summing
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -9,8 +9,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.matrix3 import apply, invert
-from matchset.shapes.jit import kernel, summing
+from matchset.numeric.jit import kernel, summing
+from matchset.numeric.matrix3 import apply, invert
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import inlined, kernel
+from matchset.numeric.jit import inlined, kernel
 
 Floats = npt.NDArray[np.float64]
 Number = float | np.float32

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.marker_fit import fit_marker
-from matchset.localization.marker_look import blend, teach, tell_apart
-from matchset.localization.marker_shape import describe
-from matchset.shapes.jit import kernel
+from matchset.localization.markers.marker_color import blend, teach, tell_apart
+from matchset.localization.markers.marker_fit import fit_marker
+from matchset.localization.markers.marker_shape import describe
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]

@@ -9,8 +9,10 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization import marker_follow
-from matchset.localization.marker_follow import (
+from matchset.localization.ball_target import BallTarget
+from matchset.localization.markers import marker_step as marker_follow
+from matchset.localization.markers.marker_color import look
+from matchset.localization.markers.marker_step import (
     AT,
     EXPLAINED,
     FOUND,
@@ -21,8 +23,6 @@ from matchset.localization.marker_follow import (
     follow_markers,
     is_alone,
 )
-from matchset.localization.marker_look import look
-from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.detect import channels_last
 from matchset.tracking.track import Lost, Track

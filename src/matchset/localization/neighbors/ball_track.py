@@ -4,13 +4,13 @@ import math
 
 import msgspec
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
+from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
-from matchset.localization.marker_tracker import MarkerTracker
+from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
-from matchset.localization.target import BallTarget
 from matchset.shapes.circle import Circle
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track

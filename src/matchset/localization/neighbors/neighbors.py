@@ -4,12 +4,12 @@ import math
 
 import msgspec
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
-from matchset.localization.neighbor import Member, Neighbor
-from matchset.localization.newcomers import Newcomers
-from matchset.localization.target import BallTarget
+from matchset.localization.ball_target import BallTarget
+from matchset.localization.neighbors.ball_search import Newcomers
+from matchset.localization.neighbors.ball_track import Member, Neighbor
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 

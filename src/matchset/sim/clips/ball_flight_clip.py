@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.balloon import Balloon, Vector
-from matchset.sim.lens_view import LensView
-from matchset.sim.pal import PRESETS, Pal, degrade
-from matchset.sim.renderer import Picture, draw_balloon
-from matchset.sim.scene import Scene, viewpoint
-from matchset.sim.shutter import fields
+from matchset.sim.analog_link import PRESETS, Pal, degrade
+from matchset.sim.clips.balloon import Balloon, Vector
+from matchset.sim.rendering.lens_warp import LensView
+from matchset.sim.rendering.renderer import Picture, draw_balloon
+from matchset.sim.rendering.shutter import fields
+from matchset.sim.scene.scene import Scene, viewpoint
 
 Array = npt.NDArray[np.float64]
 

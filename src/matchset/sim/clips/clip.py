@@ -7,17 +7,17 @@ import cv2
 import msgspec
 import numpy as np
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.balloon import Balloon
-from matchset.sim.occluder import Occluder, bar_over, board_over, visible_share
-from matchset.sim.outline import Outline, mean_circle, sphere_outline
-from matchset.sim.pal import PRESETS, Pal, degrade
-from matchset.sim.path import BallPath
-from matchset.sim.renderer import Picture, Rows, draw_balloon, draw_occluder
-from matchset.sim.scene import Scene, viewpoint
-from matchset.sim.shutter import channel_gain, fields, sub_exposures
-from matchset.sim.truth import Truth
+from matchset.sim.analog_link import PRESETS, Pal, degrade
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.clips.occluder import Occluder, bar_over, board_over, visible_share
+from matchset.sim.clips.outline import Outline, mean_circle, sphere_outline
+from matchset.sim.clips.trajectory import BallPath
+from matchset.sim.clips.truth import Truth
+from matchset.sim.rendering.renderer import Picture, Rows, draw_balloon, draw_occluder
+from matchset.sim.rendering.shutter import channel_gain, fields, sub_exposures
+from matchset.sim.scene.scene import Scene, viewpoint
 
 __all__ = ["Clip", "Truth"]
 

@@ -6,13 +6,13 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.balloon import Balloon
-from matchset.sim.pal import PRESETS, degrade
-from matchset.sim.renderer import Picture, draw_balloon
-from matchset.sim.scene import Scene, viewpoint
-from matchset.sim.shutter import fields
+from matchset.sim.analog_link import PRESETS, degrade
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.rendering.renderer import Picture, draw_balloon
+from matchset.sim.rendering.shutter import fields
+from matchset.sim.scene.scene import Scene, viewpoint
 
 Path = Callable[[float], Sequence[float] | None]
 Array = npt.NDArray[np.float64]

@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 from scipy.optimize import brentq
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.outline import Outline
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.outline import Outline
 
 
 class Occluder(msgspec.Struct, frozen=True, kw_only=True):

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.camera_model import CameraModel
 from matchset.shapes.circle import Circle
 
 Array = npt.NDArray[np.float64]

@@ -8,14 +8,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.flat import draw_flat
-from matchset.sim.pal import PRESETS, degrade
-from matchset.sim.path import BallPath
-from matchset.sim.renderer import Picture, Rows
-from matchset.sim.scene import Scene, viewpoint
-from matchset.sim.shutter import fields, sub_exposures
+from matchset.sim.analog_link import PRESETS, degrade
+from matchset.sim.clips.trajectory import BallPath
+from matchset.sim.rendering.flat import draw_flat
+from matchset.sim.rendering.renderer import Picture, Rows
+from matchset.sim.rendering.shutter import fields, sub_exposures
+from matchset.sim.scene.scene import Scene, viewpoint
 
 Array = npt.NDArray[np.float64]
 

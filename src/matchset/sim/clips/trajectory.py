@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
+from matchset.camera.camera_model import CameraModel
 
 Array = npt.NDArray[np.float64]
 _SHARES = np.array([0.82, 0.18])  # of two waves: together they reach 1, their steps stay close to the larger one's

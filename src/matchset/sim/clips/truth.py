@@ -3,7 +3,7 @@
 import msgspec
 
 from matchset.shapes.circle import Circle
-from matchset.sim.outline import Outline
+from matchset.sim.clips.outline import Outline
 
 
 class Truth(msgspec.Struct, frozen=True, kw_only=True):

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
-from matchset.sim.surface import Surface, span
+from matchset.numeric.jit import kernel
+from matchset.sim.rendering.surface import Surface, span
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

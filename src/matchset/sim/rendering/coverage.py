@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.shapes.jit import kernel
+from matchset.numeric.jit import kernel
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
-from matchset.shapes.jit import kernel
-from matchset.sim.backdrop import Window, Words
+from matchset.camera.camera_model import CameraModel
+from matchset.numeric.jit import kernel
+from matchset.sim.rendering.background import Window, Words
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]

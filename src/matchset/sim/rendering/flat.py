@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.renderer import ALL_ROWS, Picture, Rows
+from matchset.sim.rendering.renderer import ALL_ROWS, Picture, Rows
 
 Array = npt.NDArray[np.float64]
 FINE = 16  # lines by which a row of pixels is sampled

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.renderer import Picture
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.rendering.renderer import Picture
 
 _FINER = 2.0  # the pinhole picture has so many pixels for one of the camera's, along x and along y
 _SAMPLES = 3  # places per pixel, along x and along y

@@ -9,10 +9,10 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.balloon import Balloon
-from matchset.sim.coverage import draw_bars, draw_sphere
-from matchset.sim.occluder import Occluder
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.clips.occluder import Occluder
+from matchset.sim.rendering.coverage import draw_bars, draw_sphere
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 import math
 
-from matchset.sim.renderer import Rows
+from matchset.sim.rendering.renderer import Rows
 
 _SWING_PERIOD = 4.0  # s
 _DRIFT_PERIOD = 9.0

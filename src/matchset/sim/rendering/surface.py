@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
-from matchset.shapes.jit import kernel
+from matchset.camera.camera_model import CameraModel
+from matchset.numeric.jit import kernel
 
 Array = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.float32]

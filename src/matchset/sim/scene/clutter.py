@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.paint import Random, Texture
-from matchset.sim.room import BACK, HALF_WIDTH
-from matchset.sim.surface import Surface
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.scene.room import BACK, HALF_WIDTH
+from matchset.sim.scene.textures import Random, Texture
 
 TRIES = 12  # places tried for a thing before it is left out
 CLEAR = 1.1  # share of the two half-widths that must lie between a hoop and anything else

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.paint import Picture, texture
-from matchset.sim.surface import Surface
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.scene.textures import Picture, texture
 
 Array = npt.NDArray[np.float64]
 _TO_LIGHT = np.array([-0.48, -0.72, -0.5])

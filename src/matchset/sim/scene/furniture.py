@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from matchset.sim.balloon import Color
-from matchset.sim.cuboid import cuboid
-from matchset.sim.paint import PAINTS, Random, books, cloud, framed, leaves, plain, wood
-from matchset.sim.surface import Surface
+from matchset.sim.clips.balloon import Color
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.scene.cuboid import cuboid
+from matchset.sim.scene.textures import PAINTS, Random, books, cloud, framed, leaves, plain, wood
 
 FLOOR = 1.75  # m below the eye
 _FABRICS: tuple[Color, ...] = ((64, 142, 186), (92, 124, 96), (128, 134, 138), (84, 92, 150), (166, 186, 198))

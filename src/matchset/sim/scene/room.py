@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim import furniture
-from matchset.sim.balloon import Color
-from matchset.sim.furniture import FLOOR
-from matchset.sim.paint import Picture, Random, cloud, plain, planks, plaster, poster, texture, window
-from matchset.sim.surface import Surface
+from matchset.sim.clips.balloon import Color
+from matchset.sim.rendering.surface import Surface
+from matchset.sim.scene import furniture
+from matchset.sim.scene.furniture import FLOOR
+from matchset.sim.scene.textures import Picture, Random, cloud, plain, planks, plaster, poster, texture, window
 
 Array = npt.NDArray[np.float64]
 HALF_WIDTH, BACK, BEHIND = 2.8, 6.4, -2.0  # m from the eye

@@ -4,10 +4,10 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.camera_model import CameraModel
-from matchset.sim.clutter import clutter as blue_things
-from matchset.sim.room import room as furnished_room
-from matchset.sim.surface import Picture, Surface, draw_surfaces
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.rendering.surface import Picture, Surface, draw_surfaces
+from matchset.sim.scene.clutter import clutter as blue_things
+from matchset.sim.scene.room import room as furnished_room
 
 Array = npt.NDArray[np.float64]
 _SMOOTH_WIDTH = 1280  # px; up to this width a pixel gets four rays

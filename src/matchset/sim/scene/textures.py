@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.balloon import Color
+from matchset.sim.clips.balloon import Color
 
 Random = np.random.Generator
 Picture = npt.NDArray[np.float32]

@@ -1,13 +1,16 @@
 """The one Numba policy: every kernel of the library is compiled by the decorators here, nothing else imports Numba.
 
 The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
-to see whether that code is still good; here it must be of the same `SOURCES` too, so that kernels may call kernels of
-other files. `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the zero-division checks, so kernels
-guard their divisions themselves. `fastmath` is off; in `summing` kernels alone the order of a sum's terms is free, so
-that they are added several at a time. On one machine results are the same, bit for bit, from run to run.
+to see whether that code is still good; here the files that it imports must be the same too (`source_stamp`), so that
+kernels may call kernels of other files. `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the
+zero-division checks, so kernels guard their divisions themselves. `fastmath` is off; in `summing` kernels alone the
+order of a sum's terms is free, so that they are added several at a time. On one machine results are the same, bit for
+bit, from run to run.
 """
 
+import functools
 import math
+import re
 import sys
 import zlib
 from collections.abc import Callable
@@ -31,15 +34,43 @@ Array = npt.NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _checksum() -> int:
-    """Checksum of all source files of the package."""
-    total = 0
-    for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
-        total = zlib.crc32(path.read_bytes(), total)
-    return total
+PACKAGE = Path(__file__).parent.parent
+_IMPORT = re.compile(r"^\s*from (matchset[\w.]*) import (\([^)]*\)|[^\n]*)|^\s*import (matchset[\w.]+)", re.MULTILINE)
 
 
-SOURCES = _checksum()
+def source_stamp(file: Path) -> int:
+    """Checksum of a source file and of all files of the package that it imports, directly or not.
+
+    Parameters
+    ----------
+    file : Path
+        The file that a kernel stands in; it need not be of the package.
+
+    Returns
+    -------
+    int
+        Changes with any source that can change the kernel's machine code.
+    """
+    seen: dict[Path, int] = {}
+    waiting = [file.resolve()]
+    while waiting:
+        path = waiting.pop()
+        if path not in seen:
+            seen[path], imported = _read_source(path)
+            waiting.extend(imported)
+    return zlib.crc32(repr([(path.name, seen[path]) for path in sorted(seen)]).encode())
+
+
+@functools.cache
+def _read_source(path: Path) -> tuple[int, tuple[Path, ...]]:
+    """Checksum of one file, and the files of the package that it imports."""
+    text = path.read_bytes()
+    imported = []
+    for package, names, module in _IMPORT.findall(text.decode()):
+        folder = PACKAGE.joinpath(*(package or module).split(".")[1:])
+        candidates = [folder, *(folder / name for name in re.findall(r"\w+", names))]
+        imported += [found for each in candidates if (found := each.with_suffix(".py")).is_file()]
+    return zlib.crc32(text), tuple(imported)
 
 
 def kernel(function: F) -> F:
@@ -87,7 +118,7 @@ def _kept(function: F, **options: Any) -> F:
     made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     file = getattr(getattr(made, "_cache", None), "_cache_file", None)
     if file is not None:
-        file._source_stamp = (file._source_stamp, SOURCES)
+        file._source_stamp = (file._source_stamp, source_stamp(Path(function.__code__.co_filename)))
     result: F = _identified(made)
     return result
 

@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 from numba import TypingError
 
-from matchset.shapes.jit import borrowing, cut
+from matchset.numeric.jit import borrowing, cut
 
 Floats = npt.NDArray[np.float64]
 

@@ -5,12 +5,12 @@ import numpy.typing as npt
 import pytest
 from numba import TypingError
 
-from matchset.numeric.jit import borrowing, cut
+from matchset.numeric.jit import cut, kernel
 
 Floats = npt.NDArray[np.float64]
 
 
-@borrowing
+@kernel(refcount=False)
 def scale(block: Floats, start: int, rows: int, columns: int) -> float:
     """Number every place of a cut; returns its last row's sum."""
     table = cut(block, start, (rows, columns))

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
-from matchset.numeric.jit import compiled
+from matchset.numeric.jit import compile_user_function
 from matchset.shapes.shape import from_hull, outline, places
 from matchset.tracking.fit import fit_lines, scratch_size
 
@@ -107,7 +107,7 @@ def fit(family: type[Any], points: Points, start: Any, lines: int = 64, spread: 
     """Fit points by the tracker's own kernel, tracing anew until nothing moves."""
     state, begin = start.state.copy(), start.state.copy()
     s, p = len(state), len(family.parameters)
-    where, trace = places(family, lines), compiled(family.trace)
+    where, trace = places(family, lines), compile_user_function(family.trace)
     errors = np.random.default_rng(5).normal(0.0, max(points.noise, 1e-12), lines)
     covariance, found = np.zeros((p, s + 2)), np.zeros((lines, 3))
     scratch = np.zeros(scratch_size(lines, s))
@@ -138,5 +138,5 @@ def apart(one: Any, other: Floats) -> float:
     """Largest distance of a shape's outline from another outline, px, along its normals."""
     state = one.state
     rows = np.zeros((97, 4 + len(state)))
-    compiled(type(one).trace)(state, places(type(one), 97), rows)
+    compile_user_function(type(one).trace)(state, places(type(one), 97), rows)
     return float(np.abs(offsets(rows, other)).max())

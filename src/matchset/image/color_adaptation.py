@@ -9,7 +9,7 @@ that looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -25,7 +25,7 @@ SHIFT = 1 << 24
 ROUND = SHIFT + 0.5
 
 
-@borrowing
+@kernel(refcount=False)
 def _cell(image: Bytes, x: float, y: float) -> np.int64 | int:
     """Color cell of the pixel at (x, y), or -1 outside the picture."""
     column, row = int(x + ROUND) - SHIFT, int(y + ROUND) - SHIFT
@@ -41,7 +41,7 @@ def _cell(image: Bytes, x: float, y: float) -> np.int64 | int:
     return (b >> 3) << 10 | (g >> 3) << 5 | r >> 3
 
 
-@borrowing
+@kernel(refcount=False)
 def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
     """Move one cell, toward target for a positive amount, toward background for a negative one."""
     old = log_odds[cell]
@@ -53,7 +53,7 @@ def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: S
     table[cell] = np.int8(np.rint(WHITE * np.tanh(half)))
 
 
-@borrowing
+@kernel(refcount=False)
 def _teach(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
     """Move a cell that is not sure yet and, half as much, its neighbors in color."""
     if log_odds[cell] * (1.0 if amount > 0.0 else -1.0) > SURE:
@@ -70,7 +70,7 @@ def _teach(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: S
         shift = shift * 32 if log_odds.size > 256 else log_odds.size
 
 
-@borrowing
+@kernel(refcount=False)
 def count_inside(
     image: Bytes, table: Table, points: Floats, shares: Floats, x: float, y: float
 ) -> tuple[float, float, float]:
@@ -119,7 +119,7 @@ def count_inside(
     return inside, core_hits / core_seen if core_seen > 3 else -1.0, hollow
 
 
-@borrowing
+@kernel(refcount=False)
 def adapt_table(
     image: Bytes,
     log_odds: Singles,

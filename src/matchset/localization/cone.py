@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.lens import bend, fold, undistort
-from matchset.numeric.jit import kernel, summing
+from matchset.numeric.jit import kernel
 from matchset.numeric.matrix3 import add_spread, apply, invert, length
 
 Floats = npt.NDArray[np.float64]
@@ -68,7 +68,7 @@ def _see(
     return seen
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _fall(slopes: Floats, q: Floats, falls: Floats) -> None:
     """By how much r.q changes per px outward, at every point."""
     x, y, z, q0, q1, q2 = slopes[0], slopes[1], slopes[2], q[0], q[1], q[2]
@@ -77,7 +77,7 @@ def _fall(slopes: Floats, q: Floats, falls: Floats) -> None:
         falls[i] = x[i] * q0 + y[i] * q1 + z[i] * q2
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _err(rays: Floats, q: Floats, falls: Floats, errors: Floats, order: Floats) -> None:
     """How far every point lies outside the cone, px, and the same without its sign."""
     x, y, z, q0, q1, q2 = rays[0], rays[1], rays[2], q[0], q[1], q[2]
@@ -88,7 +88,7 @@ def _err(rays: Floats, q: Floats, falls: Floats, errors: Floats, order: Floats) 
         order[np.uintp(place)] = abs(errors[np.uintp(place)])
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _add(rays: Floats, falls: Floats, weights: Floats, normal: Floats, b: Floats) -> None:
     """Write the normal equations of q."""
     x, y, z = rays[0], rays[1], rays[2]

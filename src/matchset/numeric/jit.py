@@ -3,7 +3,7 @@
 The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
 to see whether that code is still good; here the files that it imports must be the same too (`source_stamp`), so that
 kernels may call kernels of other files. `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the
-zero-division checks, so kernels guard their divisions themselves. `fastmath` is off; in `summing` kernels alone the
+zero-division checks, so kernels guard their divisions themselves. `fastmath` is off; with `reassociate` alone the
 order of a sum's terms is free, so that they are added several at a time. On one machine results are the same, bit for
 bit, from run to run.
 """
@@ -15,7 +15,7 @@ import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, overload
 
 import numba
 import numpy.typing as npt
@@ -73,39 +73,40 @@ def _read_source(path: Path) -> tuple[int, tuple[Path, ...]]:
     return zlib.crc32(text), tuple(imported)
 
 
-def kernel(function: F) -> F:
-    """Compile `function` with the options that all kernels share.
+@overload
+def kernel(function: F) -> F: ...
+@overload
+def kernel(*, refcount: bool = True, reassociate: bool = False) -> Callable[[F], F]: ...
+
+
+def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = False) -> Any:
+    """Compile a function of arrays and scalars that neither raises nor prints.
 
     Parameters
     ----------
     function : callable
-        A function of arrays and scalars that neither raises nor prints.
+        It keeps its signature.
+    refcount : bool
+        Whether references to the arrays are counted: an atomic instruction for each view. A kernel that makes no arrays
+        may leave it out.
+    reassociate : bool
+        Whether the terms of a sum may be added in any order, several at a time: for long sums.
 
     Returns
     -------
     callable
-        The compiled function; it has the same signature.
+        The compiled function, or the decorator with these options.
     """
-    return _kept(function)
+    options: dict[str, Any] = {} if refcount else {"_nrt": False}
+    if reassociate:  # no set, whose order differs from run to run: it is in the key of kept code
+        options["fastmath"] = {"reassoc": True, "nsz": True}
+    if function is None:
+        return lambda made: _kept(made, **options)
+    return _kept(function, **options)
 
 
-def borrowing(function: F) -> F:
-    """Like `kernel`, for one that makes no arrays: it does not count the references to those that it is handed.
-
-    Each count is an atomic instruction, and each view of an array has one.
-    """
-    return _kept(function, _nrt=False)
-
-
-def summing(function: F) -> F:
-    """Like `borrowing`, for long sums: their terms may be added in any order, several at a time."""
-    # no set, whose order differs from run to run: it is in the key of kept code
-    order = {"reassoc": True, "nsz": True}
-    return _kept(function, _nrt=False, fastmath=order)
-
-
-def part(function: F) -> F:
-    """Like `borrowing`, for a piece of a kernel: Python must not call it, and it is laid into its caller.
+def helper(function: F) -> F:
+    """Compile a piece of a kernel that Python must not call: it is laid into its caller, and counts no references.
 
     Without the way in from Python it compiles faster; laid in, its arrays' shapes and strides are not handed over anew
     for each line.
@@ -137,7 +138,7 @@ def inlined(function: F) -> F:
     return result
 
 
-def compiled(function: F) -> F:
+def compile_user_function(function: F) -> F:
     """Compile a function that a user wrote, or leave it as it is if it is compiled; asked again, the same."""
     if hasattr(function, "py_func"):
         return function

@@ -14,14 +14,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 
 INF = math.inf
 
 
-@borrowing
+@kernel(refcount=False)
 def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
     """Outline of the state at the given (cos, sin); see `Shape.trace`."""
     x, y, radius, c, s = state[0], state[1], state[2], state[3], state[4]
@@ -44,7 +44,7 @@ def _trace(state: Floats, turns: Floats, outline: Floats) -> None:
         outline[i, 8] = along * (s2 + 1.5 * unit * (c * s4 - s * c4))
 
 
-@borrowing
+@kernel(refcount=False)
 def _half_width(state: Floats) -> float:
     """Mean radius of a state, px."""
     return float(state[2])

@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import compiled, plain
+from matchset.numeric.jit import compile_user_function, plain
 from matchset.shapes.shape import places, slopes
 
 Floats = npt.NDArray[np.float64]
@@ -166,8 +166,8 @@ def _broken_compiler(family: type[Any], where: Floats, state: Floats) -> str:
     """Numba must be able to compile it; what a user compiled himself is taken as it is."""
     outline = np.full((len(where), 4 + len(state) + 2), np.nan)
     try:
-        compiled(family.trace)(state, where, outline)
-        size = compiled(family.half_width)(state)
+        compile_user_function(family.trace)(state, where, outline)
+        size = compile_user_function(family.half_width)(state)
     except Exception as error:  # whatever the compiler may raise
         words = " ".join(str(error).split())[:200]
         return f"Numba cannot compile its trace and half_width: {words}"

@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing, part
+from matchset.numeric.jit import helper, kernel
 from matchset.tracking.least_squares import solve, substitute, turn
 from matchset.tracking.match_set import CANDIDATES
 
@@ -37,7 +37,7 @@ PARTED = 0.5  # px a frame: from this speed on the fields of an interlaced pictu
 CONFUSED = 0.4  # px: the least noise by which priors are weighed
 
 
-@borrowing
+@kernel(refcount=False)
 def _median(values: Singles, wanted: int) -> float:
     """Return the value that stands at place `wanted` of values >= 0 in order, found bit by bit without a branch."""
     bits = values.view(np.int32)  # floats >= 0 are in the order of their bits
@@ -57,7 +57,7 @@ def _median(values: Singles, wanted: int) -> float:
     return math.inf
 
 
-@part
+@helper
 def _hold(
     held: Floats, state: Floats, expected: Floats, spread: Floats, size: float, fields: Floats, noise: float
 ) -> None:
@@ -81,7 +81,7 @@ def _hold(
         held[3 * k], held[3 * k + 1], held[3 * k + 2] = 1.0 / fields[4] ** 2, fields[2 + k - s], 0.0
 
 
-@part
+@helper
 def _predict(turned: Floats, step: Floats, predicted: Floats, p: int) -> None:
     """How far the step moves the outline on every line."""
     n = predicted.shape[0]
@@ -93,7 +93,7 @@ def _predict(turned: Floats, step: Floats, predicted: Floats, p: int) -> None:
             predicted[i] += row[i] * along
 
 
-@part
+@helper
 def _weigh(
     edges: Floats,
     choice: Floats,
@@ -137,7 +137,7 @@ def _weigh(
     return total, count
 
 
-@part
+@helper
 def _prepare(edges: Floats, choice: Floats) -> int:
     """Write how much less likely the weaker edge points of a line are, and full weights; returns lines with any."""
     typical, count = 0.0, 0
@@ -158,7 +158,7 @@ def _prepare(edges: Floats, choice: Floats) -> int:
     return count
 
 
-@part
+@helper
 def _join_fields(outline: Floats, edges: Floats, found: Floats, step: Floats, s: int) -> None:
     """Take the distance between the fields out of the edge points that were taken."""
     for i in range(outline.shape[0]):
@@ -172,7 +172,7 @@ def scratch_size(n: int, s: int) -> int:
     return (ROWS + p) * n + p * (p + 5)
 
 
-@borrowing
+@kernel(refcount=False)
 def fit_lines(
     outline: Floats,
     edges: Floats,

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing, part, summing
+from matchset.numeric.jit import helper, kernel
 
 Floats = npt.NDArray[np.float64]
 
 
-@part
+@helper
 def _factor(a: Floats, n: int) -> bool:
     """Cholesky factor of the lower triangle of a (n, n) in one row, in place; False if it is not positive definite."""
     for j in range(n):
@@ -29,7 +29,7 @@ def _factor(a: Floats, n: int) -> bool:
     return True
 
 
-@borrowing
+@kernel(refcount=False)
 def substitute(a: Floats, b: Floats, x: Floats, n: int) -> None:
     """Solve with a Cholesky factor (n, n) in one row."""
     for i in range(n):
@@ -44,7 +44,7 @@ def substitute(a: Floats, b: Floats, x: Floats, n: int) -> None:
         x[i] = t / a[i * n + i]
 
 
-@part
+@helper
 def turn(outline: Floats, turned: Floats, p: int) -> None:
     """Write how the outline moves, a row for each number of the state: sums over lines then run along memory."""
     n = outline.shape[0]
@@ -55,7 +55,7 @@ def turn(outline: Floats, turned: Floats, p: int) -> None:
             row[i] = outline[i, column]
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _gather(turned: Floats, weights: Floats, places: Floats, scaled: Floats, a: Floats, b: Floats, p: int) -> None:
     """Add the weighted normal equations to `a` (lower triangle, in one row) and `b`."""
     n = weights.shape[0]
@@ -72,7 +72,7 @@ def _gather(turned: Floats, weights: Floats, places: Floats, scaled: Floats, a: 
             a[k * p + m] += total
 
 
-@part
+@helper
 def solve(
     turned: Floats,
     weights: Floats,

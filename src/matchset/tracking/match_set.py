@@ -16,7 +16,7 @@ is the fit's question. The lines are read first and judged then, because memory 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing, cut, part
+from matchset.numeric.jit import cut, helper, kernel
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -41,7 +41,7 @@ ROUND_ABOUT = np.uintp((1 << 48) - 1)
 B3, B5, B10 = np.uint32(3), np.uint32(5), np.uint32(10)
 
 
-@part
+@helper
 def _place(
     outline: Floats,
     i: Index,
@@ -84,7 +84,7 @@ def _place(
     starts[i, 0], starts[i, 1] = step * (first - start) * slant, slant
 
 
-@part
+@helper
 def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: Bytes, at: int) -> int:
     """Copy the pixels of line i, inside first, to a place of `pixels`; returns the place behind them."""
     across, fixed, position, step = runs[i, 0], runs[i, 1], runs[i, 2], runs[i, 3]
@@ -104,7 +104,7 @@ def _read(flat: Bytes, width: int, channels: int, runs: Ints, i: Index, pixels: 
     return int(at + channels * runs[i, 4])
 
 
-@part
+@helper
 def _sum(pixels: Bytes, at: int, length: int, table: npt.NDArray[np.int8], sums: Counts) -> None:
     """Take running sums of scores and values along a line: those at k cover the pixels before k."""
     ts = t0 = t1 = t2 = np.int32(0)
@@ -127,7 +127,7 @@ def _sum(pixels: Bytes, at: int, length: int, table: npt.NDArray[np.int8], sums:
             sums[after], sums[after + W1], sums[after + W2], sums[after + W3] = ts, t0, t1, t2
 
 
-@part
+@helper
 def _judge(s: Counts, length: int, margin: int, threshold: float, enough: float, plain: float, asked: Singles) -> None:
     """At every pixel the squared contrast, and the whiteness of Eq. 1: 0 where there is no edge point."""
     m, w = np.uintp(margin), np.uintp(2 * margin + 1)
@@ -148,7 +148,7 @@ def _judge(s: Counts, length: int, margin: int, threshold: float, enough: float,
         asked[k + W1] = (white if white < full else full) * np.float32(is_edge)
 
 
-@part
+@helper
 def _keep(
     i: Index, j: Index, k: Index, strength: np.float32, asked: Singles, start: Floats, enough: float, edges: Floats
 ) -> None:
@@ -161,7 +161,7 @@ def _keep(
     edges[i, j, 2] = asked[k + W1] / enough
 
 
-@part
+@helper
 def _keep_best(
     length: int, margin: int, i: Index, starts: Floats, enough: float, asked: Singles, edges: Floats
 ) -> None:
@@ -190,7 +190,7 @@ def _keep_best(
         _keep(i, TWO, k2, q2, asked, starts, enough, edges)
 
 
-@borrowing
+@kernel(refcount=False)
 def match_lines(
     image: Bytes,
     table: npt.NDArray[np.int8],

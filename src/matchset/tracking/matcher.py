@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.numeric.jit import compiled, plain
+from matchset.numeric.jit import compile_user_function, plain
 from matchset.shapes.family_check import check_family
 from matchset.shapes.shape import Shape, corners, nearest, places, slopes, steady
 from matchset.tracking import memory, motion
@@ -118,7 +118,7 @@ class Matcher(Generic[S]):
         where = places(family, points)
         held = memory.Memory(points, len(shape.state), len(family.parameters), where.shape[1])
         self.parts, self._block = parts, _ = held.parts, held.block
-        self._step = make_step(compiled(family.trace), compiled(family.half_width))
+        self._step = make_step(compile_user_function(family.trace), compile_user_function(family.half_width))
         parts.rays[:] = np.column_stack((where, INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)))
         self.state = parts.state
         chosen = (match or MatchParameters(), judge or JudgeParameters(), track or TrackerParameters())

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -13,7 +13,7 @@ Ints = npt.NDArray[np.int64]
 LEAST = 0.3  # px: edge points are never judged to be more exact than this
 
 
-@borrowing
+@kernel(refcount=False)
 def review_lines(
     found: Floats, edges: Floats, runs: Ints, turns: Floats, tolerance: float
 ) -> tuple[int, int, float, float, float, float]:
@@ -76,7 +76,7 @@ def review_lines(
     return seen, confirmed, agreement / whole, evidence / whole, wave, corners
 
 
-@borrowing
+@kernel(refcount=False)
 def conclude(
     outline: Floats,
     edges: Floats,

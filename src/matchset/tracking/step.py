@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing, inlined
+from matchset.numeric.jit import inlined, kernel
 from matchset.tracking import motion
 from matchset.tracking.memory import (
     BLIND,
@@ -65,7 +65,7 @@ def make_step(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Call
     """
     follow = _make_follow(make_settle(trace, half_width), half_width)
 
-    @borrowing
+    @kernel(refcount=False)
     def step(
         image: Bytes,
         table: Scores,

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import borrowing, inlined
+from matchset.numeric.jit import inlined, kernel
 from matchset.tracking.memory import (
     AGREEMENT,
     BENT,
@@ -114,7 +114,7 @@ DOUBT, SIDE_DOUBT = _PLACES["doubt"], _PLACES["side_doubt"]
 INFLATION, CENTER_FLOOR, SIZE_FLOOR = (_PLACES[name] for name in ("inflation", "center_floor", "size_floor"))
 
 
-@borrowing
+@kernel(refcount=False)
 def is_other_shape(fit: Floats, limits: Floats, leeway: float) -> bool:
     """Whether the edge points follow an outline, but not one of this family.
 
@@ -135,7 +135,7 @@ def is_other_shape(fit: Floats, limits: Floats, leeway: float) -> bool:
     )
 
 
-@borrowing
+@kernel(refcount=False)
 def following(fit: Floats, limits: Floats, points: int) -> int:
     """Verdict on a shape that was followed: `SURE` if this frame confirms it, else what speaks against it.
 
@@ -157,20 +157,20 @@ def following(fit: Floats, limits: Floats, points: int) -> int:
     return SURE
 
 
-@borrowing
+@kernel(refcount=False)
 def missing(seen: float, points: int) -> int:
     """Verdict where there was nothing to fit."""
     return LEFT if seen < PRESENT * points else EDGELESS
 
 
-@borrowing
+@kernel(refcount=False)
 def is_doubtful(fit: Floats, limits: Floats, points: int) -> bool:
     """Whether a fit should be looked at again, since its edge points hardly agree, or too few have the color's step."""
     weak = fit[AGREEMENT] < limits[DOUBT] or fit[EVIDENCE] < limits[SIDE_DOUBT]
     return bool(weak and fit[NOISE] > 0.0 and fit[SEEN] > 0.5 * points and fit[SIZE] > SMALLEST)
 
 
-@borrowing
+@kernel(refcount=False)
 def is_near(state: Floats, size: float, expected: Floats, expected_size: float, surprise: float) -> bool:
     """Whether a fitted state is so near to its prediction that it needs no other proof.
 

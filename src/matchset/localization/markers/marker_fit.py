@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from matchset.localization.markers.marker_patch import KINDS, LIGHT, VALUE, WEIGHT, X, Y, gather, lay_out, shading
 from matchset.localization.markers.marker_shape import coverage, ellipse
-from matchset.numeric.jit import kernel, summing
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -40,7 +40,7 @@ LEFT, MISFIT = 10, 14
 WEIGHTS, VALUES, SQUARES, REST, ALONG, DOWN, SUMS = range(15, 22)
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _expect(
     pixels: tuple[Singles, Singles, Singles, Singles, Singles],
     window: Floats,
@@ -73,7 +73,7 @@ def _expect(
     sums[REST] += rest
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _add(work: Singles, tie: float, fresh: Singles, weighted: Singles, sums: Floats) -> None:
     """Add a block to the normal equations.
 
@@ -102,7 +102,7 @@ def _add(work: Singles, tie: float, fresh: Singles, weighted: Singles, sums: Flo
     sums[ALONG] += along
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _down(fresh: Singles, weighted: Singles) -> float:
     """How much alike what is left is on neighboring lines."""
     total = ZERO

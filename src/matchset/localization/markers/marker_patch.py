@@ -9,7 +9,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import kernel, summing
+from matchset.numeric.jit import kernel
 from matchset.numeric.matrix3 import apply, invert
 
 Floats = npt.NDArray[np.float64]
@@ -113,7 +113,7 @@ def _read(
         pixels[W, j] = ONE
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _weigh(window: tuple[float, float, float, float, float], ball: Floats, shade: Floats, pixels: Singles) -> None:
     """Write the light on all pixels, and what they weigh inside the ball, outside highlights, and near by."""
     bright, lights, weights, xs, ys = pixels[BRIGHT], pixels[LIGHT], pixels[WEIGHT], pixels[X], pixels[Y]
@@ -136,7 +136,7 @@ def _weigh(window: tuple[float, float, float, float, float], ball: Floats, shade
         weights[j] = weights[j] * weight * matt * np.float32(dx * dx + dy * dy <= most)
 
 
-@summing
+@kernel(refcount=False, reassociate=True)
 def _leave_out(x: float, y: float, ox: float, oy: float, pixels: Singles) -> None:
     """Take the weight of those pixels that are nearer to another marker."""
     weights, xs, ys = pixels[WEIGHT], pixels[X], pixels[Y]

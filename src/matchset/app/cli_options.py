@@ -1,9 +1,14 @@
-"""Options that several commands share, as `typer` wants them."""
+"""Options of the command line: those that several commands share, and how a class of options becomes a command."""
 
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TypeVar
 
 import typer
+
+from matchset.app.exit_codes import errors_in_one_line
 
 Source = Annotated[
     str, typer.Argument(help="A video file, a picture, a folder of pictures, a camera's number, or a URL.")
@@ -48,3 +53,60 @@ ToStdout = Annotated[
     bool, typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there.")
 ]
 Points = Annotated[int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")]
+
+
+Options = TypeVar("Options")
+
+
+def command_of(function: Callable[[Options], int]) -> Callable[..., None]:
+    """Make a Typer command of a function that takes one object with all options.
+
+    Parameters
+    ----------
+    function : callable
+        Takes one object; its class (a dataclass or a `msgspec.Struct`) has one field for each option, annotated with
+        ``Annotated[type, typer.Option(...)]`` or ``typer.Argument``. A field whose type is again such a class is a
+        group of options; the command line shows its fields in this place. A field without such an annotation is no
+        option and keeps its default. The function returns the exit code.
+
+    Returns
+    -------
+    callable
+        What `typer.Typer.command` takes: one keyword for each option. It reports a user's error in one line and ends
+        with the exit code.
+    """
+    (options,) = inspect.signature(function, eval_str=True).parameters.values()
+
+    def command(**values: Any) -> None:
+        with errors_in_one_line():
+            code = function(_built(options.annotation, values))
+        raise typer.Exit(code)
+
+    parameters = _parameters(options.annotation)
+    command.__name__, command.__doc__ = function.__name__, function.__doc__
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    return command
+
+
+def _parameters(options: type[Any]) -> list[inspect.Parameter]:
+    """Return the options of a class, and of its groups, in the order of its fields."""
+    found = []
+    for field in inspect.signature(options).parameters.values():
+        if _is_group(field.annotation):
+            found += _parameters(field.annotation)
+        elif hasattr(field.annotation, "__metadata__"):
+            found.append(field.replace(kind=inspect.Parameter.KEYWORD_ONLY))
+    return found
+
+
+def _built(options: type[Options], values: Mapping[str, Any]) -> Options:
+    """Make an object of a class of options, with its groups, from the values of all options by name."""
+    fields = inspect.signature(options).parameters.values()
+    groups = {field.name: _built(field.annotation, values) for field in fields if _is_group(field.annotation)}
+    return options(**groups, **{field.name: values[field.name] for field in fields if field.name in values})
+
+
+def _is_group(annotation: Any) -> bool:
+    is_class = isinstance(annotation, type)
+    return is_class and (dataclasses.is_dataclass(annotation) or hasattr(annotation, "__struct_fields__"))

@@ -111,3 +111,13 @@ def turn_of(state: Floats, turn: Floats) -> None:
     turn[0, 0], turn[0, 1], turn[0, 2] = cy * cr - sy * sp * sr, -cy * sr - sy * sp * cr, sy * cp
     turn[1, 0], turn[1, 1], turn[1, 2] = cp * sr, cp * cr, sp
     turn[2, 0], turn[2, 1], turn[2, 2] = -sy * cr - cy * sp * sr, sy * sr - cy * sp * cr, cy * cp
+
+
+def precompile() -> None:
+    """Compile the kernels that Python calls, with the types that `OwnMotion` hands over."""
+    ring, sticks, model = np.zeros((2, SIZE)), np.zeros(4), np.ones(HEFT + 1)
+    states, turn = np.zeros((1, SIZE)), np.eye(3)
+    catch_up(ring, 0, sticks, 0.0, model)
+    recall(ring, 1, sticks, 0.0, model, states[0])
+    recall_all(ring, 1, sticks, model, states)
+    turn_of(states[0], turn)

@@ -24,6 +24,7 @@ from matchset.control.dead_reckoning import (
     VELOCITY,
     YAW,
     catch_up,
+    precompile,
     recall,
     recall_all,
     turn_of,
@@ -133,7 +134,7 @@ class OwnState:
 
 
 class OwnMotion:
-    """Follows the vehicle through the commands that were sent to it.
+    """Follows the vehicle through the commands that were sent to it; all kernels are compiled here.
 
     Parameters
     ----------
@@ -145,6 +146,7 @@ class OwnMotion:
         self._model = np.array([getattr(self.parameters, name) for name in self.parameters.__struct_fields__])
         self._sticks = np.zeros(4)
         self._ring, self._count = np.zeros((KEPT, SIZE)), 0
+        precompile()
 
     def sent(self, sticks: Sticks, now: float) -> None:
         """Note what was sent.

@@ -13,9 +13,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.dead_reckoning import PLACE, turn_of
+from matchset.control.dead_reckoning import PLACE, SIZE, turn_of
 from matchset.control.ego_motion import OwnState
-from matchset.control.neighbor_filter import REFUSED, STATES, marker_way, predict, take, to_rest
+from matchset.control.neighbor_filter import PATIENCE, REFUSED, STATES, marker_way, predict, take, to_rest
 from matchset.localization.pose import Pose
 from matchset.numeric.jit import kernel
 
@@ -81,7 +81,7 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
 
 
 class NeighborMotion:
-    """Filters one neighbor in the frame at rest.
+    """Filters one neighbor in the frame at rest; all kernels are compiled here.
 
     Parameters
     ----------
@@ -102,6 +102,8 @@ class NeighborMotion:
         self._covariance = np.zeros((4, STATES, STATES))
         self._limits = np.array([float(getattr(self.parameters, name)) for name in self.parameters.__struct_fields__])
         self._refused = np.zeros(2, np.int64)
+        self._seen = np.zeros(3), np.zeros((6, 6)), np.zeros((3, 3))  # copies: a pose's arrays may be of any layout
+        precompile()
 
     def update(self, pose: Pose, own: OwnState) -> bool:
         """Take in a pose in the camera frame, seen from a state of the vehicle at the same time.
@@ -111,10 +113,14 @@ class NeighborMotion:
         bool
             Whether its position was believed.
         """
+        position, covariance, turn = self._seen
+        position[:], covariance[:] = pose.position, pose.covariance
+        if pose.turn is not None:
+            turn[:] = pose.turn
         believed = _take_in(
-            pose.position,
-            pose.covariance,
-            UNTURNED if pose.turn is None else pose.turn,
+            position,
+            covariance,
+            UNTURNED if pose.turn is None else turn,
             own.numbers,
             pose.time - self.time,
             pose.time - self.turn_time,
@@ -187,3 +193,12 @@ def _take_in(
     if turned and take(state, covariance, seen, wide, 3, 4, turn_since, limits, refused) != REFUSED:
         believed += TURNED
     return believed
+
+
+def precompile() -> None:
+    """Compile the kernels that Python calls, with the types that `NeighborMotion` hands over."""
+    state, covariance, limits = np.zeros((4, STATES)), np.zeros((4, STATES, STATES)), np.ones(PATIENCE + 1)
+    refused, own = np.zeros(2, np.int64), np.zeros(SIZE)
+    since = math.inf
+    _take_in(np.zeros(3), np.zeros((6, 6)), UNTURNED, own, since, since, state, covariance, limits, refused)
+    _predict_all(state, 0.0, 0.0, 0.0, limits, np.zeros((1, 4, 4)))

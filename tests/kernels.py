@@ -8,7 +8,7 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table, count_inside
 from matchset.shapes.circle import Circle
-from matchset.tracking import detect_grid
+from matchset.tracking import voting
 from matchset.tracking.fit import _median, fit_lines, scratch_size
 from matchset.tracking.match_set import match_lines
 from matchset.tracking.memory import Memory
@@ -159,7 +159,7 @@ def _outline(circle: Circle, n: int) -> tuple[Floats, Floats]:
 def grid_edges(smooth: npt.NDArray[np.int32]) -> Floats:
     """Boundary of the positive region of a grid: x, y and outward normal, (n, 4)."""
     edges = np.zeros((smooth.size, 4))
-    return edges[: detect_grid.find_edges(smooth, edges)]
+    return edges[: voting.find_edges(smooth, edges)]
 
 
 def votes_for_centers(
@@ -167,6 +167,6 @@ def votes_for_centers(
 ) -> npt.NDArray[np.float32]:
     """Votes for each cell of a grid to be a center, as they fall and summed over 5 x 5 cells."""
     votes, runs, total = (np.zeros(smooth.shape, np.float32) for _ in range(3))
-    detect_grid.vote(smooth, edges, len(edges), nearest, farthest, 1, votes)
-    detect_grid.spread_votes(votes, runs, total)
+    voting.vote(smooth, edges, len(edges), nearest, farthest, 1, votes)
+    voting.spread_votes(votes, runs, total)
     return np.stack((votes, total))

@@ -5,136 +5,24 @@ import threading
 from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, from_hull
-from matchset.tracking import detect_grid
 from matchset.tracking.doubt import drawn_out
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.look import Look
 from matchset.tracking.matcher import Matcher
-from matchset.tracking.regions import region_hulls
 from matchset.tracking.track import Track
+from matchset.tracking.voting import Searcher, SearchParameters
 
 S = TypeVar("S", bound=Shape)
 HOPELESS = 0.25  # agreement below which a candidate is given up at once
 MOVING = 8.0  # px per frame that a shape may move at first sight
-BORDER = 12  # cells of radius up to which votes are counted finely
 Floats = npt.NDArray[np.float64]
 Start = tuple[float, float, float, Floats]
-
-
-class SearchParameters(msgspec.Struct, frozen=True):
-    """How the whole frame is searched.
-
-    Parameters
-    ----------
-    cells : int
-        The grid has about this many columns, of 2 to 8 px each: more finds smaller shapes and takes longer.
-    votes : float
-        Least votes of a candidate, summed over 5 x 5 cells; a full circle collects about 30.
-    share : float
-        Least share of a candidate's outline that boundary cells must confirm.
-    candidates : int
-        How many candidates are looked at in the picture itself.
-    """
-
-    cells: int = 160
-    votes: float = 1.6
-    share: float = 0.25
-    candidates: int = 12
-
-
-class Searcher:
-    """The grids of a search, made once per picture size.
-
-    Parameters
-    ----------
-    width, height : int
-        Size of the picture, px.
-    parameters : SearchParameters
-    """
-
-    def __init__(self, width: int, height: int, parameters: SearchParameters | None = None) -> None:
-        self.parameters = parameters or SearchParameters()
-        self.size = width, height
-        self.stride = min(max(width // self.parameters.cells, 2), 8)
-        rows, columns = max(height // self.stride, 3), max(width // self.stride, 3)
-        self.fits = height >= 3 * self.stride and width >= 3 * self.stride
-        self.grid, self.sums, self.smooth = (np.zeros((rows, columns), np.int32) for _ in range(3))
-        half = (rows + 1) // 2, (columns + 1) // 2
-        self.near, self.far = ([np.zeros(shape, np.float32) for _ in range(3)] for shape in ((rows, columns), half))
-        self.edges = np.zeros((max(rows * columns // 3, 64), 4))
-        self.peaks = np.zeros((self.parameters.candidates // 2, 5))
-        self.longest = int(0.6 * max(rows, columns))
-
-    def candidates(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Floats:
-        """Rough circles, most of whose outline is confirmed first.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
-
-        Returns
-        -------
-        ndarray of shape (k, 4), float64
-            x, y, radius, px; share of the outline that boundary cells confirm.
-        """
-        if not self._look(image, color):
-            return np.zeros((0, 4))
-        count = detect_grid.find_edges(self.smooth, self.edges)
-        near = self._peaks(count, self.near, 1, BORDER, 1)
-        far = self._peaks(count, self.far, BORDER - 3, self.longest, 2)
-        rough = np.concatenate((near, far))
-        rough = rough[rough[:, 3] >= self.parameters.share]
-        rough = rough[np.argsort(-rough[:, 3], kind="stable")]
-        rough[:, :3] *= self.stride
-        rough[:, 0] += 0.25 * self.stride
-        rough[:, 1] += 0.5 * self.stride
-        return rough
-
-    def hulls(self, image: npt.NDArray[np.uint8], color: ColorModel) -> list[Floats]:
-        """Rough convex outlines of the regions that look like the target, largest first.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
-
-        Returns
-        -------
-        list of ndarray of shape (m, 2), float64
-            px.
-        """
-        if not self._look(image, color):
-            return []
-        return region_hulls(self.smooth, self.stride, self.parameters.candidates)
-
-    def _look(self, image: npt.NDArray[np.uint8], color: ColorModel) -> bool:
-        """Fill the smoothed grid with what a picture shows; False if the picture is too small for one."""
-        if self.fits:
-            detect_grid.sample_grid(image, color.table, self.stride, self.grid)
-            detect_grid.smooth_grid(self.grid, self.sums, self.smooth)
-            detect_grid.smooth_grid(self.smooth, self.sums, self.grid)
-            self.smooth, self.grid = self.grid, self.smooth
-        return self.fits
-
-    def _peaks(
-        self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int
-    ) -> Floats:
-        """Candidates with radii between two numbers of cells: x, y, radius (cells), share."""
-        votes, runs, spread = grids
-        votes[:] = 0.0
-        detect_grid.vote(self.smooth, self.edges, count, nearest, farthest, fold, votes)
-        detect_grid.spread_votes(votes, runs, spread)
-        least = self.parameters.votes
-        found = detect_grid.pick_peaks(spread, self.edges, count, farthest, least, fold, self.peaks)
-        return self.peaks[:found, :4].copy()
 
 
 class Finder(Generic[S]):

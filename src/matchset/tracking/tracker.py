@@ -10,7 +10,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself
 from matchset.tracking.begin import begin_near
-from matchset.tracking.detect import MOVING, Finder, Searcher, channels_last
+from matchset.tracking.detect import MOVING, Finder, channels_last
 from matchset.tracking.doubt import BETTER, DRAWN, SURELY, alternatives, drawn_out, worth
 from matchset.tracking.judge import Judge, Prior
 from matchset.tracking.look import Look
@@ -22,6 +22,7 @@ from matchset.tracking.place import place_of
 from matchset.tracking.step import NEVER
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.verdict import is_near, missing
+from matchset.tracking.voting import Searcher
 from matchset.tracking.warm_up import warm_up
 
 S = TypeVar("S", bound=Shape)

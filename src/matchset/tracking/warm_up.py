@@ -7,11 +7,11 @@ import numpy as np
 
 from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, finds_itself, outline
-from matchset.tracking.detect import Searcher
 from matchset.tracking.judge import Judge
 from matchset.tracking.look import Look
 from matchset.tracking.matcher import Matcher
 from matchset.tracking.verdict import is_doubtful, is_near, is_other_shape, missing
+from matchset.tracking.voting import Searcher
 
 S = TypeVar("S", bound=Shape)
 

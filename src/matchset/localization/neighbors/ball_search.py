@@ -8,10 +8,11 @@ import msgspec
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
-from matchset.tracking.detect import Searcher, channels_last
+from matchset.tracking.detect import channels_last
 from matchset.tracking.judge import Judge
 from matchset.tracking.look import Look
 from matchset.tracking.matcher import Matcher
+from matchset.tracking.voting import Searcher
 
 HOPELESS = 0.25  # agreement below which a candidate is given up at once
 STRIPS = 3  # each half as high as the picture, each overlapping the next by half

@@ -65,7 +65,7 @@ $(READY): pyproject.toml .ci/setup
 $(PEERS): pyproject.toml .ci/setup-bench | $(READY)
 	.ci/setup-bench
 
-$(VISP): benchmarks/common/visp_driver.cpp .ci/setup-visp $(PEERS)
+$(VISP): benchmarks/peers/visp_driver.cpp .ci/setup-visp $(PEERS)
 	.ci/setup-visp
 	touch $@
 

@@ -1,7 +1,7 @@
-"""What a peer is given in the first frame, and what it gives back."""
+"""What a peer is given in the first frame, what it gives back, and what is known of it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -30,3 +30,27 @@ class Start(msgspec.Struct, frozen=True):
     image: Image
     circle: Circle3
     here: bool = True
+
+
+class Method(NamedTuple):
+    """One way to find the ball that people use.
+
+    Attributes
+    ----------
+    name : str
+        For tables.
+    needs : str
+        What it is given in the first frame: "nothing", a "color" or a "circle".
+    parameters : type
+        A frozen struct with the defaults.
+    choices : mapping of str to sequence
+        The values of the parameters that the search tries.
+    follow : callable
+        ``follow(start, parameters)``: from the first frame to a function that is called with every frame.
+    """
+
+    name: str
+    needs: str
+    parameters: type[Any]
+    choices: Choices
+    follow: Callable[[Start, Any], Step]

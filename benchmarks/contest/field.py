@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 
 from benchmarks.common.start import Choices, Start, Step
-from benchmarks.common.stored import load
-from benchmarks.common.visp import DRIVER
+from benchmarks.peers import load
+from benchmarks.peers.visp import DRIVER
 
 OURS, PAPER, RIVAL = "matchset", "paper", "region_bgr"
 GRAY = ("edge_drawing", "hough_gradient", "hough_alt")
@@ -46,18 +46,18 @@ NEEDS_WORDS = {"nothing": "nothing", "color": "the color of the ball", "circle":
 
 
 class Peer(msgspec.Struct, frozen=True):
-    """One of the files in `peers/`, with the parameters that were found for it.
+    """One of the methods in `peers/`, with the parameters that were found for it.
 
     Parameters
     ----------
     key : str
-        Name of its file.
+        Its name in `peers.MODULES`.
     name : str
         For tables.
     needs : str
         What it is given in the first frame: "nothing", "color" or "circle".
     parameters : Struct
-        See the file.
+        A struct, see its module.
     choices : mapping of str to sequence
         What the search tries.
     start : callable
@@ -87,7 +87,7 @@ def peer(key: str) -> Peer:
     Parameters
     ----------
     key : str
-        Name of its file.
+        Its name in `peers.MODULES`.
 
     Returns
     -------
@@ -98,8 +98,8 @@ def peer(key: str) -> Peer:
     ImportError
         If what it needs is not installed.
     """
-    module, parameters = load(key)
-    return Peer(key, module.NAME, module.NEEDS, parameters, module.CHOICES, module.follow)
+    method, parameters = load(key)
+    return Peer(key, method.name, method.needs, parameters, method.choices, method.follow)
 
 
 def missing(key: str) -> str:

@@ -7,9 +7,9 @@ import time
 import cv2
 import numpy as np
 
-from benchmarks.common.size import resident_mb
+from benchmarks.common.resident_memory import resident_mb
 from benchmarks.common.start import Start
-from benchmarks.common.stored import load
+from benchmarks.peers import load
 
 
 def main(key: str, path: str) -> None:
@@ -17,8 +17,8 @@ def main(key: str, path: str) -> None:
     cv2.setNumThreads(1)
     with np.load(path) as file:
         images, circle = file["images"], file["circle"].tolist()
-    module, parameters = load(key)
-    step = module.follow(Start(images[0], tuple(circle)), parameters)
+    method, parameters = load(key)
+    step = method.follow(Start(images[0], tuple(circle)), parameters)
     step(images[1])
     moment = time.time()
     for image in images[2:]:

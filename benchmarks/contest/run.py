@@ -7,11 +7,11 @@ from pathlib import Path
 import msgspec
 
 import matchset as ms
-from benchmarks.common import card
 from benchmarks.common.start import Circle3, Start, Step
 from benchmarks.contest.field import LIGHT, PAPER, PEERS, Peer, peer, present
 from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.options import Options
+from benchmarks.peers.tags import CARDS
 from benchmarks.tracking.sequences import WHAT, sequence
 from benchmarks.tracking.trial import Trial, as_truth
 from benchmarks.workers import spread
@@ -128,8 +128,7 @@ class Tagged(msgspec.Struct, frozen=True):
 
 def run_tags(heat: Tagged) -> Trial:
     """Follow a card."""
-    cards = {"april_tag": card.APRIL, "aruco": card.ARUCO}
-    clip = TagClip(sequence(heat.name, heat.seed, heat.frames), cards[heat.peer])
+    clip = TagClip(sequence(heat.name, heat.seed, heat.frames), CARDS[heat.peer])
     return compete(iter(clip), None, [peer(heat.peer)], heat.seed)[heat.peer]
 
 

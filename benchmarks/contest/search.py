@@ -17,12 +17,12 @@ import typer
 from rich.console import Console
 
 import matchset as ms
-from benchmarks.common import card
-from benchmarks.common.stored import PARAMETERS, stored
 from benchmarks.contest.field import PEERS, TAGS, Peer, missing, peer
 from benchmarks.contest.run import compete
 from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.machine import Machine
+from benchmarks.peers import PARAMETERS, stored
+from benchmarks.peers.tags import CARDS
 from benchmarks.tracking.sequences import WHAT, sequence
 from benchmarks.tracking.trial import Trial
 from benchmarks.workers import one_thread
@@ -67,9 +67,8 @@ def ball_sequences() -> list[Frames]:
 
 def tag_sequences(key: str) -> list[Frames]:
     """Render the sequences of a tag system."""
-    cards = {"april_tag": card.APRIL, "aruco": card.ARUCO}
     return [
-        list(TagClip(sequence(name, seed, FRAMES), cards[key])) for seed, name in enumerate(("clean", "typical", "bad"))
+        list(TagClip(sequence(name, seed, FRAMES), CARDS[key])) for seed, name in enumerate(("clean", "typical", "bad"))
     ]
 
 

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.common.card import Card
+from benchmarks.peers.tags import Card
 from matchset.image.frame import Frame
 from matchset.sim.analog_link import degrade
 from matchset.sim.clips.clip import Clip

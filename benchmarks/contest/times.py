@@ -7,13 +7,13 @@ from typing import Any
 import msgspec
 
 import matchset as ms
-from benchmarks.common import card
 from benchmarks.common.start import Start
-from benchmarks.common.visp import Visp
 from benchmarks.contest.field import HEAVY, LIGHT, OURS, RIVAL, TAGS, Peer, peer, present
 from benchmarks.contest.run import compete, first_sight
 from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.options import Options
+from benchmarks.peers.tags import CARDS
+from benchmarks.peers.visp import Visp
 from benchmarks.tracking.accuracy import pooled
 from benchmarks.tracking.contenders import convert
 from benchmarks.tracking.sequences import sequence
@@ -64,9 +64,8 @@ def _everybody(seed: int, quick: bool) -> tuple[Result, Result]:
     light = duel([*contenders(present(LIGHT), pool), convert(CONVERSION, pool.frames, 0)], laps=2 if quick else 8)
     short = Pool(pool.start, pool.frames[: frames // 2])
     heavy = contenders([peer(OURS), *present(HEAVY)], short)
-    cards = {"april_tag": card.APRIL, "aruco": card.ARUCO}
     for each in present(TAGS):
-        tags = Pool.render(TagClip(sequence("typical", seed, frames // 2 + 1, shrink_to=40.0), cards[each.key]))
+        tags = Pool.render(TagClip(sequence("typical", seed, frames // 2 + 1, shrink_to=40.0), CARDS[each.key]))
         heavy += contenders([each], tags)
     return light, duel(heavy, laps=1 if quick else 2, warm_up=3)
 

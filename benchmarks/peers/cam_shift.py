@@ -4,11 +4,9 @@ import cv2
 import msgspec
 import numpy as np
 
-from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.start import Choices, Circle3, Image, Method, Start, Step
 from benchmarks.common.target_color import disc_pixels
 
-NAME = "CamShift"
-NEEDS = "circle"
 UNTIL = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 1.0)
 
 
@@ -51,3 +49,8 @@ def follow(start: Start, parameters: Parameters) -> Step:
         return (float(box[0][0]), float(box[0][1]), float(radius)) if radius > 0.5 else None
 
     return step
+
+
+PEERS = {
+    "cam_shift": Method("CamShift", "circle", Parameters, CHOICES, follow),
+}

@@ -3,10 +3,8 @@
 import msgspec
 
 import matchset as ms
-from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.start import Choices, Circle3, Image, Method, Start, Step
 
-NAME = "matchset"
-NEEDS = "color"
 FPS = 30.0
 
 
@@ -36,3 +34,8 @@ def follow(start: Start, parameters: Parameters) -> Step:  # noqa: ARG001
         return shape.x, shape.y, shape.radius
 
     return step
+
+
+PEERS = {
+    "matchset": Method("matchset", "color", Parameters, CHOICES, follow),
+}

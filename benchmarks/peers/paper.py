@@ -3,13 +3,11 @@
 import msgspec
 import numpy as np
 
-from benchmarks.common.mask import COLOR_CHOICES
-from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.contour import COLOR_CHOICES
+from benchmarks.common.start import Choices, Circle3, Image, Method, Start, Step
 from benchmarks.common.target_color import hsv_mask, hsv_range
 from matchset.reference import Search, init_circle, track_circle
 
-NAME = "the paper to the letter (NumPy)"
-NEEDS = "circle"
 AROUND = 4  # px: INITCIRCLE tries the circles this near to the first; all of a frame's would take it hours
 
 
@@ -51,3 +49,8 @@ def follow(start: Start, parameters: Parameters) -> Step:
         return answer if np.isfinite(answer).all() else None
 
     return step
+
+
+PEERS = {
+    "paper": Method("the paper to the letter (NumPy)", "circle", Parameters, CHOICES, follow),
+}

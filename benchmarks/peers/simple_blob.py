@@ -3,11 +3,8 @@
 import cv2
 import msgspec
 
-from benchmarks.common.start import Choices, Circle3, Image, Start, Step
+from benchmarks.common.start import Choices, Circle3, Image, Method, Start, Step
 from benchmarks.common.target_color import hsv_mask, hsv_range
-
-NAME = "SimpleBlobDetector on the HSV mask"
-NEEDS = "color"
 
 
 class Parameters(msgspec.Struct, frozen=True):
@@ -53,3 +50,8 @@ def follow(start: Start, parameters: Parameters) -> Step:
         return None if best is None else (float(best.pt[0]), float(best.pt[1]), float(best.size) / 2.0)
 
     return step
+
+
+PEERS = {
+    "simple_blob": Method("SimpleBlobDetector on the HSV mask", "color", Parameters, CHOICES, follow),
+}

@@ -72,7 +72,7 @@ def ellipse_method(
         px.
     parameters : EllipseParameters, optional
     """
-    from benchmarks.common.ellipses import ellipse_detector
+    from benchmarks.peers.edge_drawing import ellipse_detector
 
     chosen = parameters or EllipseParameters()
     low, high = color_range(image, outline)

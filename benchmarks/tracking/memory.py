@@ -1,7 +1,7 @@
 """Does memory stay flat: the size of a process over 100,000 frames."""
 
 import matchset as ms
-from benchmarks.common.size import resident_mb
+from benchmarks.common.resident_memory import resident_mb
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
 from benchmarks.tracking.sequences import sequence

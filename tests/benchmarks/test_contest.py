@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
-from benchmarks.common.card import ARUCO
 from benchmarks.contest.accuracy import first_finding, scored, valid_finding, waits_of
 from benchmarks.contest.search import loss_px
 from benchmarks.contest.speed import rival_finding
 from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.guard import read, too_much
+from benchmarks.peers.tags import ARUCO
 from benchmarks.tracking.sequences import WHAT, sequence
 from benchmarks.tracking.stopwatch import Contender, Times, duel
 from benchmarks.tracking.trial import Trial

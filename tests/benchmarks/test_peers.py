@@ -5,13 +5,13 @@ import cv2
 import numpy as np
 import pytest
 from benchmarks.common import contour
-from benchmarks.common.card import APRIL, ARUCO, Card
 from benchmarks.common.region import around_the_last
 from benchmarks.common.start import Circle3, Image, Start
-from benchmarks.common.stored import PARAMETERS, stored
 from benchmarks.common.target_color import bgr_mask, bgr_range, hsv_mask, hsv_range, looks_right
 from benchmarks.contest.field import NEEDS_WORDS, PEERS, TAGS, missing, peer
 from benchmarks.contest.run import compete
+from benchmarks.peers import PARAMETERS, stored
+from benchmarks.peers.tags import APRIL, ARUCO, Card
 from benchmarks.tracking.sequences import sequence
 
 BLUE = (200, 60, 30)

@@ -1,1 +1,7 @@
-"""The evidence: what matchset costs and how exact it is, measured in one run by `python -m benchmarks`."""
+"""The evidence: `python -m benchmarks`, or `make bench`, measures everything and writes RESULTS.md.
+
+`__main__` lists the sections; `results` is what a section returns, `report` and `readme` write it down, `options`,
+`machine` and `workers` are what a run knows of itself. `guard` holds a change against limits.toml in a minute. The
+sections are in `tracking`, `contest`, `shapes`, `localization` and `flight`; the peers in `peers`, their parts in
+`common`.
+"""

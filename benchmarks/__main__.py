@@ -3,6 +3,7 @@
 import importlib
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +23,7 @@ HERE = Path(__file__).resolve().parent
 MODULES = {
     "speed": "tracking.speed",
     "contest_speed": "contest.speed",
-    "contest_table1": "contest.paper",
+    "contest_table1": "contest.paper:run_table1",
     "contest_start": "contest.start",
     "shapes_speed": "shapes.speed",
     "startup": "tracking.startup",
@@ -34,7 +35,7 @@ MODULES = {
     "real": "tracking.real",
     "contest_accuracy": "contest.accuracy",
     "contest_summary": "contest.summary",
-    "contest_figure6": "contest.figure6",
+    "contest_figure6": "contest.paper:run_figure6",
     "contest_tags": "contest.tags",
     "contest_real": "contest.real",
     "shapes_accuracy": "shapes.accuracy",
@@ -57,6 +58,13 @@ def chosen(only: str) -> list[str]:
     if unknown:
         raise typer.BadParameter(f"{', '.join(unknown)}: choose from {', '.join(NAMES)}")
     return [name for name in NAMES if not names or name in names]
+
+
+def section_of(name: str) -> Callable[[Options], Section]:
+    """Find the function that measures a section: `run`, where `MODULES` names no other."""
+    module, _, function = MODULES[name].partition(":")
+    found: Callable[[Options], Section] = getattr(importlib.import_module(f"benchmarks.{module}"), function or "run")
+    return found
 
 
 def main(
@@ -117,7 +125,7 @@ def measure(names: list[str], options: Options, keep: Path | None = None) -> lis
             sections.append(msgspec.msgpack.decode(file.read_bytes(), type=Section))
             continue
         with console.status(f"{name} ..."):
-            sections.append(importlib.import_module(f"benchmarks.{MODULES[name]}").run(options))
+            sections.append(section_of(name)(options))
         if file is not None:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_bytes(msgspec.msgpack.encode(sections[-1]))

@@ -17,14 +17,13 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.contest.field import OURS, RIVAL, peer
-from benchmarks.contest.times import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
+from benchmarks.contest.speed import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
 from benchmarks.machine import Machine
 from benchmarks.tracking.accuracy import pooled
 from benchmarks.tracking.contenders import Pool as SearchPool
 from benchmarks.tracking.contenders import convert, search
-from benchmarks.tracking.sequences import sequence
 from benchmarks.tracking.stopwatch import duel
-from benchmarks.tracking.trial import follow
+from benchmarks.tracking.trial import follow, sequence
 from benchmarks.workers import one_thread
 
 LIMITS = Path(__file__).resolve().parent / "limits.toml"

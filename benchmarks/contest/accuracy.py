@@ -10,8 +10,7 @@ from benchmarks.contest.run import Results
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, quantity, table
 from benchmarks.tracking.accuracy import pooled
-from benchmarks.tracking.sequences import GONE, WHAT
-from benchmarks.tracking.trial import Trial
+from benchmarks.tracking.trial import GONE, WHAT, Trial
 from matchset.app.track.score import VALID_BELOW_PX, Score, error_px
 
 NEAR_PX = 0.05

@@ -9,11 +9,8 @@ import msgspec
 import matchset as ms
 from benchmarks.common.start import Circle3, Start, Step
 from benchmarks.contest.field import LIGHT, PAPER, PEERS, Peer, peer, present
-from benchmarks.contest.tag_pictures import TagClip
 from benchmarks.options import Options
-from benchmarks.peers.tags import CARDS
-from benchmarks.tracking.sequences import WHAT, sequence
-from benchmarks.tracking.trial import Trial, as_truth
+from benchmarks.tracking.trial import WHAT, Trial, as_truth, sequence
 from benchmarks.workers import spread
 from matchset.app.track.truth import Truth
 from matchset.sim.clips.clip import Clip
@@ -115,21 +112,6 @@ def compete(
             done[key].truths.append(truth)
             done[key].answers.append(step(frame.image))
     return done
-
-
-class Tagged(msgspec.Struct, frozen=True):
-    """A card to be followed by a tag system."""
-
-    peer: str
-    name: str
-    seed: int
-    frames: int
-
-
-def run_tags(heat: Tagged) -> Trial:
-    """Follow a card."""
-    clip = TagClip(sequence(heat.name, heat.seed, heat.frames), CARDS[heat.peer])
-    return compete(iter(clip), None, [peer(heat.peer)], heat.seed)[heat.peer]
 
 
 def real_heat(folder: Path, truths: list[Truth], peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:

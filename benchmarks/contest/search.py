@@ -19,12 +19,11 @@ from rich.console import Console
 import matchset as ms
 from benchmarks.contest.field import PEERS, TAGS, Peer, missing, peer
 from benchmarks.contest.run import compete
-from benchmarks.contest.tag_pictures import TagClip
+from benchmarks.contest.tags import TagClip
 from benchmarks.machine import Machine
 from benchmarks.peers import PARAMETERS, stored
 from benchmarks.peers.tags import CARDS
-from benchmarks.tracking.sequences import WHAT, sequence
-from benchmarks.tracking.trial import Trial
+from benchmarks.tracking.trial import WHAT, Trial, sequence
 from benchmarks.workers import one_thread
 from matchset.app.track.score import error_px
 

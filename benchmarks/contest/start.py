@@ -13,7 +13,7 @@ from benchmarks.contest.field import HEAVY, LIGHT, OURS, missing, peer
 from benchmarks.contest.run import first_sight
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Section, quantity, table
-from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import sequence
 
 FRAMES = 20
 ROOT = Path(__file__).resolve().parents[2]

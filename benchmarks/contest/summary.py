@@ -3,14 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 from benchmarks.contest import run as contest
-from benchmarks.contest import times as contest_times
+from benchmarks.contest import speed as contest_times
 from benchmarks.contest.field import LIGHT, OURS, peer
 from benchmarks.contest.run import Results
 from benchmarks.contest.search import loss_px
 from benchmarks.options import Options
 from benchmarks.results import Picture, Section, quantity, table
 from benchmarks.tracking.accuracy import pooled
-from benchmarks.tracking.sequences import WHAT
+from benchmarks.tracking.trial import WHAT
 
 TITLE = "In one table"
 BALLS = tuple(name for name in WHAT if name != "empty")

@@ -1,1 +1,4 @@
-"""flight."""
+"""Simulated flights: rows of twenty, scored, and how long a follower takes for a picture.
+
+`fly` flies the rows of benchmarks/FLIGHT.md and writes that page; `processing` times the steps of a follower.
+"""

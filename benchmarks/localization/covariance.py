@@ -10,8 +10,7 @@ from benchmarks.localization.poses import PINHOLE, RADIUS, observe, place_ball
 from benchmarks.options import Options
 from benchmarks.results import Finding, Section, table
 from benchmarks.tracking.covariance import BAR, FREEDOM, LEVEL, PRIZE, figures
-from benchmarks.tracking.sequences import sequence
-from benchmarks.tracking.trial import clicked
+from benchmarks.tracking.trial import clicked, sequence
 from benchmarks.workers import spread
 from matchset.sim.clips.ball_flight_clip import Flight
 

@@ -14,8 +14,7 @@ from benchmarks.shapes.cases import CASES
 from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, METHODS
 from benchmarks.tracking import contenders as rivals
 from benchmarks.tracking import stopwatch
-from benchmarks.tracking.races import CONVERSION, UPDATE, Result
-from benchmarks.tracking.speed import against, times_table
+from benchmarks.tracking.speed import CONVERSION, UPDATE, Result, against, times_table
 from benchmarks.tracking.stopwatch import Contender, race
 
 FRAMES, QUICK_FRAMES = 100, 40

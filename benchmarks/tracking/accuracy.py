@@ -6,8 +6,7 @@ from pathlib import Path
 
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
-from benchmarks.tracking.sequences import SEQUENCES
-from benchmarks.tracking.trial import Trial, trials
+from benchmarks.tracking.trial import SEQUENCES, Trial, trials
 from matchset.app.track.score import Score, score
 from matchset.app.track.truth import Truth
 

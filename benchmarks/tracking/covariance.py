@@ -5,8 +5,7 @@ from scipy.stats import chi2
 
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
-from benchmarks.tracking.sequences import PRESETS, SEQUENCES
-from benchmarks.tracking.trial import Trial, trials
+from benchmarks.tracking.trial import PRESETS, SEQUENCES, Trial, trials
 
 FREEDOM = 3
 LEVEL = 0.95

@@ -13,8 +13,7 @@ import msgspec
 import matchset as ms
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
-from benchmarks.tracking.sequences import sequence
-from benchmarks.tracking.trial import clicked
+from benchmarks.tracking.trial import clicked, sequence
 from benchmarks.workers import spread
 from matchset.sim.clips.clip import Clip
 

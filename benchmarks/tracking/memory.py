@@ -4,8 +4,7 @@ import matchset as ms
 from benchmarks.common.resident_memory import resident_mb
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
-from benchmarks.tracking.sequences import sequence
-from benchmarks.tracking.trial import clicked
+from benchmarks.tracking.trial import clicked, sequence
 from benchmarks.workers import spread
 
 FRAMES, QUICK_FRAMES = 100_000, 10_000

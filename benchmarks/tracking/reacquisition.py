@@ -8,8 +8,7 @@ import numpy as np
 import matchset as ms
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
-from benchmarks.tracking.sequences import FPS, sequence
-from benchmarks.tracking.trial import as_truth, circle, clicked
+from benchmarks.tracking.trial import FPS, as_truth, circle, clicked, sequence
 from benchmarks.workers import spread
 from matchset.app.track.score import VALID_BELOW_PX, error_px
 

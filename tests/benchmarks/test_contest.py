@@ -3,12 +3,11 @@ import pytest
 from benchmarks.contest.accuracy import first_finding, scored, valid_finding, waits_of
 from benchmarks.contest.search import loss_px
 from benchmarks.contest.speed import rival_finding
-from benchmarks.contest.tag_pictures import TagClip
+from benchmarks.contest.tags import TagClip
 from benchmarks.guard import read, too_much
 from benchmarks.peers.tags import ARUCO
-from benchmarks.tracking.sequences import WHAT, sequence
 from benchmarks.tracking.stopwatch import Contender, Times, duel
-from benchmarks.tracking.trial import Trial
+from benchmarks.tracking.trial import WHAT, Trial, sequence
 
 import matchset as ms
 from matchset.app.track.score import Circle3

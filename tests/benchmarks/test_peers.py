@@ -12,7 +12,7 @@ from benchmarks.contest.field import NEEDS_WORDS, PEERS, TAGS, missing, peer
 from benchmarks.contest.run import compete
 from benchmarks.peers import PARAMETERS, stored
 from benchmarks.peers.tags import APRIL, ARUCO, Card
-from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import sequence
 
 BLUE = (200, 60, 30)
 

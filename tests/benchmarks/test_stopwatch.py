@@ -3,8 +3,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from benchmarks.options import UNSEEN
-from benchmarks.tracking.sequences import sequence
 from benchmarks.tracking.stopwatch import WARM_UP, Contender, race
+from benchmarks.tracking.trial import sequence
 
 import matchset as ms
 

@@ -4,8 +4,7 @@ import pytest
 from benchmarks.tracking import false_locks, reacquisition
 from benchmarks.tracking.accuracy import GOALS, pooled
 from benchmarks.tracking.covariance import figures
-from benchmarks.tracking.sequences import sequence
-from benchmarks.tracking.trial import follow
+from benchmarks.tracking.trial import follow, sequence
 from scenes import Answer
 
 import matchset as ms

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from benchmarks.contest.field import OURS, peer
 from benchmarks.contest.run import compete
-from benchmarks.tracking.sequences import sequence
+from benchmarks.tracking.trial import sequence
 
 from matchset.app.track.score import error_px
 from matchset.sim.clips.clip import Clip

@@ -8,9 +8,8 @@ import numpy.typing as npt
 from PIL import Image
 
 from matchset.app.drawing.text import draw_text
-from matchset.app.flight.flight import Flight, FlightParameters, Tick
-from matchset.app.flight.setting import Setting, setting_of
-from matchset.app.flight_report.draw_step import annotate_step
+from matchset.app.flight.flight import Flight, FlightParameters, Setting, Tick, setting_of
+from matchset.app.flight_report.picture import annotate_step
 from matchset.app.flight_report.top_view import TopView
 from matchset.app.progress import counting
 from matchset.links.simulated import FPS, SimulationParameters

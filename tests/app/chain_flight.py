@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.flight.flight import Crash, Flight, FlightParameters, Tick
+from matchset.app.flight.flight import Crash, Flight, FlightParameters, Setting, Tick, setting_of
 from matchset.app.flight.pilot import Step
-from matchset.app.flight.setting import Setting, setting_of
 from matchset.control.command import Command
 from matchset.control.safety import Memory
 from matchset.links.simulated import SimulationParameters

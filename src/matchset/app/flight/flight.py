@@ -3,13 +3,14 @@
 import itertools
 from collections.abc import Iterator
 from types import TracebackType
-from typing import Self
+from typing import NamedTuple, Self
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, Step, learn_colors
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
 from matchset.sim.vehicle_camera import Sight
@@ -196,3 +197,35 @@ class Flight:
             inside=tuple(self.chain.inside(who, index) for who in range(len(steps))),
             crashes=tuple(Crash(time, who + 1, what) for time, who, what in self.chain.world.crashes),
         )
+
+
+class Setting(NamedTuple):
+    """What is true for a whole flight, one that is flown or one that is replayed.
+
+    Attributes
+    ----------
+    parameters : FlightParameters
+    cameras : tuple of CameraModel
+        One per follower.
+    samples : tuple of Frame
+        The pictures from which each follower learned its colors.
+    """
+
+    parameters: FlightParameters
+    cameras: tuple[CameraModel, ...]
+    samples: tuple[Frame, ...]
+
+    @property
+    def followers(self) -> int:
+        """How many watch another."""
+        return len(self.cameras)
+
+    @property
+    def radius(self) -> float:
+        """Of the balls, m."""
+        return self.parameters.pilot.target.radius
+
+
+def setting_of(flight: Flight) -> Setting:
+    """Tell the setting of a flight that is about to be flown."""
+    return Setting(flight.parameters, tuple(pilot.camera.model for pilot in flight.pilots), flight.samples)

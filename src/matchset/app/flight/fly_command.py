@@ -5,12 +5,11 @@ import sys
 import msgspec
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight.figures import verdict
-from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.flight import Flight, FlightParameters, setting_of
+from matchset.app.flight.log import verdict
 from matchset.app.flight.outputs import FlightFiles, FlightOutlets
 from matchset.app.flight.pacer import Pacer
 from matchset.app.flight.score import FlightJudge
-from matchset.app.flight.setting import setting_of
 from matchset.app.patience import if_slow
 from matchset.links.simulated import FPS
 

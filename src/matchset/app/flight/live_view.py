@@ -12,9 +12,9 @@ from rich.text import Text
 
 from matchset.app.flight.flight import Tick
 from matchset.app.flight.pilot import Step
-from matchset.app.flight.step_words import age_words, distance_words, off_place, place_words, state_words
-from matchset.app.flight.tally import FlightTally, FollowerTally
+from matchset.app.flight.score import FlightTally, FollowerTally
 from matchset.app.flight_report.colors import PHASES, as_hex
+from matchset.app.flight_report.step_text import age_words, distance_words, off_place, place_words, state_words
 from matchset.control.follower import SetPlace
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")

@@ -9,10 +9,9 @@ from typing import Self
 import msgspec
 
 from matchset.app.drawing.video_writer import Recorder, codecs_for
-from matchset.app.flight.flight import Tick
+from matchset.app.flight.flight import Setting, Tick
 from matchset.app.flight.live_view import FlightScreen
 from matchset.app.flight.log import FlightLog
-from matchset.app.flight.setting import Setting
 from matchset.app.flight_report.picture import FlightPicture
 from matchset.app.flight_report.report import check_report, write_report
 from matchset.app.recording.mcap_file import check_mcap

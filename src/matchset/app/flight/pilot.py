@@ -11,8 +11,8 @@ from typing import NamedTuple, Protocol
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
-from matchset.app.flight.first_ball import first_ball
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
@@ -25,6 +25,7 @@ from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
+from matchset.tracking.detect import detect
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
@@ -243,3 +244,37 @@ def learn_colors(sample: Frame) -> Colors:
     marker = ColorModel.pick(sample.image, x, y)
     ball = ColorModel.pick(sample.image, x - 0.0625 * width, y)
     return Colors(ball | marker, marker)
+
+
+MOST = 6  # balls that are looked at
+
+
+def first_ball(
+    frame: Frame, color: ColorModel, localizer: Localizer, there: npt.NDArray[np.float64], reach: float
+) -> Circle | None:
+    """Of the balls that may be the neighbor's the nearest to the camera: the next but one looks the same, farther off.
+
+    Parameters
+    ----------
+    frame : Frame
+    color : ColorModel
+        Of the ball with its marker.
+    localizer : Localizer
+        Tells where a ball is; without markers it remembers nothing of it.
+    there : ndarray of shape (3,)
+        Where the neighbor should be, in the camera frame, m.
+    reach : float
+        How far from there a ball may be to be the neighbor's, m.
+
+    Returns
+    -------
+    Circle or None
+        None if no ball may be it.
+    """
+    best: Circle | None = None
+    nearest = math.inf
+    for track in detect(frame, Circle, color, limit=MOST):
+        pose = localizer.update(track)
+        if isinstance(pose, Pose) and np.linalg.norm(pose.position - there) < reach and pose.distance < nearest:
+            best, nearest = track.shape, pose.distance
+    return best

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.flight.figures import HEADINGS, follower_figures, verdict
-from matchset.app.flight.log import FlightLog
+from matchset.app.flight.log import HEADINGS, FlightLog, follower_figures, verdict
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; margin: 2em auto; padding: 0 1em; }

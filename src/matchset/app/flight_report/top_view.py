@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.flight.flight import Tick
-from matchset.app.flight.setting import Setting
+from matchset.app.flight.flight import Setting, Tick
+from matchset.app.flight_report.chain_frame import composed, level_ball_frame, to_room
 from matchset.app.flight_report.colors import bgr, vehicle_rgb
-from matchset.app.flight_report.common_frame import composed, level_ball_frame, to_room
 from matchset.sim.vehicle_camera import Sight
 from matchset.sim.world import lens_of
 

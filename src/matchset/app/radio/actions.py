@@ -8,7 +8,7 @@ from rich.live import Live
 from rich.text import Text
 
 from matchset.app import exit_codes as ending
-from matchset.app.radio.link import REFUSED, Radio
+from matchset.app.radio.connection import REFUSED, Radio
 from matchset.links.arduino.messages import BIND_DURATION, Config, Report
 
 LINE_PERIOD = 0.1  # s between lines of the monitor; the firmware speaks as often

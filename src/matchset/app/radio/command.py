@@ -26,7 +26,7 @@ def bind(port: Port) -> None:
     """Make the quadcopter listen to this transmitter. Switch it on, lay it level, then run this."""
     with errors_in_one_line():
         from matchset.app.radio import actions as radio_commands
-        from matchset.app.radio import link as radio_link
+        from matchset.app.radio import connection as radio_link
 
         code = radio_commands.bind(radio_link.open_radio(port))
     raise typer.Exit(code)
@@ -41,7 +41,7 @@ def monitor(
     """Show what the transmitter says of itself: state, frames, errors, sticks, warnings. Sends no command."""
     with errors_in_one_line():
         from matchset.app.radio import actions as radio_commands
-        from matchset.app.radio import link as radio_link
+        from matchset.app.radio import connection as radio_link
 
         code = radio_commands.monitor(radio_link.open_radio(port), duration, to_stdout)
     raise typer.Exit(code)
@@ -56,7 +56,7 @@ def sticks(
 ) -> None:
     """Move one stick after the other and compare with what the firmware hears. Motors stay off without --arm."""
     with errors_in_one_line():
-        from matchset.app.radio import link as radio_link
+        from matchset.app.radio import connection as radio_link
         from matchset.app.radio import stick_test
 
         options = stick_test.StickOptions(arm, throttle, countdown)
@@ -86,7 +86,7 @@ def config(
     """Show what the transmitter keeps in its memory, or change what is named."""
     with errors_in_one_line():
         from matchset.app.radio import actions as radio_commands
-        from matchset.app.radio import link as radio_link
+        from matchset.app.radio import connection as radio_link
         from matchset.app.radio.config_options import config_changes
 
         changes = config_changes(identity, bind_channels, reverse, trims)

@@ -7,7 +7,7 @@ after a countdown, they do.
 import msgspec
 
 from matchset.app import exit_codes as ending
-from matchset.app.radio.link import REFUSED, Radio
+from matchset.app.radio.connection import REFUSED, Radio
 from matchset.control.command import Command
 
 MOST_THROTTLE = 0.3

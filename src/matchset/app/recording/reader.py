@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.flight.setting import Setting
+from matchset.app.flight.flight import Setting
 from matchset.app.recording.encoding import decode, frame_of
 from matchset.app.recording.mcap_file import McapReader, Message
 from matchset.app.recording.messages import (

@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight.figures import verdict
+from matchset.app.flight.log import verdict
 from matchset.app.flight.outputs import FlightFiles, FlightOutlets
 from matchset.app.recording.reader import RecordedFlight
 from matchset.app.recording.replay import Replay

@@ -10,8 +10,7 @@ from typing import NamedTuple, Self
 
 import msgspec
 
-from matchset.app.flight.flight import Tick
-from matchset.app.flight.setting import Setting
+from matchset.app.flight.flight import Setting, Tick
 from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
 from matchset.app.recording.mcap_file import Kind, McapWriter, Message
 from matchset.app.recording.messages import (

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from chain_flight import Flown, descending, lost, with_crash, with_step
 
-from matchset.app.flight.figures import HEADINGS, follower_figures, verdict
-from matchset.app.flight.log import PHASES, FlightLog
+from matchset.app.flight.log import HEADINGS, PHASES, FlightLog, follower_figures, verdict
 from matchset.app.flight_report.report import check_report, write_report
 
 

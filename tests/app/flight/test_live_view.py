@@ -8,7 +8,7 @@ from chain_flight import Flown, descending, lost, with_crash, with_step
 from rich.console import Console
 
 from matchset.app.flight.live_view import COLUMNS, FlightScreen, flight_view, plain_line
-from matchset.app.flight.tally import FlightTally
+from matchset.app.flight.score import FlightTally
 from matchset.control.follower import SetPlace
 
 PLACE = SetPlace(height=-0.19)

@@ -20,8 +20,7 @@ from matchset.app.recording.encoding import encode, outcome_of, step_message
 from matchset.app.recording.mcap_file import Kind, McapReader, McapWriter, Message
 from matchset.app.recording.messages import CONFIGURATION
 from matchset.app.recording.reader import RecordedFlight
-from matchset.app.recording.replay import Replay
-from matchset.app.recording.step_difference import first_difference
+from matchset.app.recording.replay import Replay, first_difference
 from matchset.app.recording.writer import FlightRecording
 from matchset.control.command import Command
 
@@ -222,7 +221,7 @@ def test_a_signal_ends_the_replay_with_whole_files(
 
 
 def test_the_python_of_the_page_runs(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = (Path(__file__).resolve().parents[2] / "docs" / "recording.md").read_text(encoding="utf-8")
+    page = (Path(__file__).resolve().parents[3] / "docs" / "recording.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     monkeypatch.chdir(recording.parent)
     scope: dict[str, Any] = {}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from chain_flight import Flown
 
-from matchset.app.flight_report.common_frame import composed, from_last, level_ball_frame, to_room
+from matchset.app.flight_report.chain_frame import composed, from_last, level_ball_frame, to_room
 from matchset.app.flight_report.true_circle import true_circle
 from matchset.sim.clips.outline import sphere_outline
 from matchset.sim.vehicle_camera import Sight

@@ -5,7 +5,7 @@ import pytest
 from blue_ball import Matchset
 from fakes import FakePort
 
-from matchset.app.radio import link as radio_link
+from matchset.app.radio import connection as radio_link
 from matchset.links.arduino import crsf
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import Config

@@ -8,8 +8,7 @@ from chain_flight import Flown, descending, lost, with_step
 
 from matchset.app.drawing.annotate import OUTLINE
 from matchset.app.flight_report.colors import as_hex, bgr, vehicle_rgb
-from matchset.app.flight_report.draw_step import annotate_step
-from matchset.app.flight_report.picture import FlightPicture
+from matchset.app.flight_report.picture import FlightPicture, annotate_step
 from matchset.app.flight_report.top_view import TopView
 from matchset.tracking.track import Track
 

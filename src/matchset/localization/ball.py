@@ -79,8 +79,10 @@ def outline_of(track: Track[Circle], limits: BallParameters) -> Outline:
     """Outline of a ball: the match-set of its track, or with few points its circle, as if seen with no edge."""
     circle, points = track.shape, track.match_set
     if len(points) < limits.least_points:
-        spread = np.ascontiguousarray(track.covariance, np.float64)
+        spread = np.array(track.covariance, np.float64)
         points = RIM * circle.radius + (circle.x, circle.y)
         return Outline(points, spread, (circle.x, circle.y, 0.0, limits.edge_shift, 0.0, limits.floor))
     numbers = circle.x, circle.y, 1.0, limits.edge_shift, limits.inflation, limits.floor
-    return Outline(np.ascontiguousarray(points, np.float64), limits.common, numbers)
+    if points.dtype != np.float64 or not points.flags.carray:  # to the compiler read-only arrays are another type
+        points = np.array(points, np.float64, order="C")
+    return Outline(points, limits.common, numbers)

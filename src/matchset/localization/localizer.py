@@ -77,6 +77,8 @@ class Localizer:
         self.camera, self.target = camera, target
         self.parameters = parameters or LocalizerParameters()
         self._bodies = target.directions
+        self._intrinsics = camera.intrinsics.copy()
+        self._camera_covariance = NOWHERE if camera.covariance is None else camera.covariance.copy()
         self._last, self._since = np.eye(3), -math.inf
         self._numbers = np.zeros(sighting.NUMBERS)
         limits = self.parameters
@@ -88,6 +90,7 @@ class Localizer:
             limits.lead,
             limits.misfit,
         )
+        precompile()
 
     def update(
         self, ball: Track[Circle] | Lost[Circle], markers: Iterable[Track[Circle] | Lost[Circle]] = ()
@@ -109,12 +112,12 @@ class Localizer:
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
         outline, numbers, out = outline_of(ball, self.parameters.ball), self._numbers, np.empty(OUT)
-        numbers[:RADIUS], known = outline.numbers, self.camera.covariance
+        numbers[:RADIUS] = outline.numbers
         numbers[KNOWN] = 0.0 <= ball.time - self._since <= self.parameters.memory
         seen = [_numbers(marker) for marker in markers if isinstance(marker, Track)] if len(self._bodies) else []
         miss, kind = sight(
-            self.camera.intrinsics,
-            NOWHERE if known is None else known,
+            self._intrinsics,
+            self._camera_covariance,
             outline.points,
             outline.spread,
             np.array(seen[:MOST]) if seen else NOWHERE,
@@ -137,6 +140,13 @@ class Localizer:
             observed=OBSERVED[kind],
             time=ball.time,
         )
+
+
+def precompile() -> None:
+    """Compile the kernel of a localizer, so that no frame waits for it."""
+    no_points, no_ways = np.empty((0, 2)), (np.empty((0, 1), np.int64), np.zeros(3, np.int64))
+    numbers, out = np.zeros(sighting.NUMBERS), np.empty(OUT)
+    sight(np.ones(9), NOWHERE, no_points, np.eye(3), NOWHERE, *no_ways, np.empty((0, 3)), np.eye(3), numbers, out)
 
 
 def _numbers(marker: Track[Circle]) -> tuple[float, ...]:

@@ -51,7 +51,7 @@ class _Motion:
     """Three numbers and their speeds at a time."""
 
     def __init__(self, noise: float, speed: float) -> None:
-        self.noise, self.speed = noise, speed
+        self.noise, self.speed = float(noise), float(speed)
         self.time, self.refused = -math.inf, 0
         self.state, self.covariance, self.lasting = np.zeros(6), np.zeros((6, 6)), np.zeros((3, 3))
 
@@ -65,8 +65,17 @@ class _Motion:
     def at(self, time: float) -> tuple[Floats, Floats]:
         """State and covariance at a later time."""
         state, covariance = self.state.copy(), self.covariance.copy()
-        advance(state, covariance, time - self.time, self.noise)
+        advance(state, covariance, float(time - self.time), self.noise)
         return state, covariance
+
+
+def precompile() -> None:
+    """Compile the kernels of a filter, so that no frame waits for them."""
+    state, covariance, turn = np.zeros(6), np.eye(6), np.eye(3)
+    advance(state, covariance, 0.0, 0.0)
+    correct(state, covariance, np.zeros(3), np.eye(3), 1.0)
+    turn_from(turn, turn, state[:3])
+    rotate(turn, state[:3])
 
 
 class PoseFilter:
@@ -86,6 +95,7 @@ class PoseFilter:
         self._turn = np.eye(3)
         self._observed: Observed = "position"
         self._time = -math.inf
+        precompile()
 
     def update(self, pose: "Pose | Lost[Pose]") -> bool:
         """Take in the next pose.
@@ -159,7 +169,7 @@ class PoseFilter:
         """Correct the rotation by a pose; its state is the rotation vector from `_turn`, which then takes it up."""
         spin = self._spin
         away = np.empty(3)
-        turn_from(self._turn, np.ascontiguousarray(turn), away)
+        turn_from(self._turn, np.array(turn, np.float64), away)
         if self._take(spin, pose.time, away, pose.covariance[3:, 3:]):
             self._observed = pose.observed
         rotate(self._turn, spin.state[:3])
@@ -173,8 +183,8 @@ class PoseFilter:
             motion.begin(time, fresh, seen)
         else:
             state, covariance = motion.at(time)
-            wide = np.ascontiguousarray(spread)  # the gate must not shut out what frames have in common
-            if correct(state, covariance, seen - state[:3], wide, limits.gate) > limits.gate:
+            wide = np.array(spread, np.float64)  # the gate must not shut out what frames have in common
+            if correct(state, covariance, seen - state[:3], wide, float(limits.gate)) > limits.gate:
                 motion.refused += 1
                 return False
             motion.state, motion.covariance = state, covariance

@@ -99,6 +99,7 @@ class MarkerTracker:
         ball = 0.0, 0.0, 0.0, 0.0  # of the frame
         self._numbers = np.array((*ball, self._size, self._depth, *asked, limits.inflation, limits.floor))
         self._missed: list[int] = []  # frames for which each of them has not been seen
+        precompile(color)
 
     def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
         """Find the markers in a frame.
@@ -133,7 +134,7 @@ class MarkerTracker:
 
     def _look(self, image: Image, ball: Circle) -> None:
         """Add patches of the color that are not known yet."""
-        x, y, radius = ball.x, ball.y, ball.radius
+        x, y, radius = float(ball.x), float(ball.y), float(ball.radius)
         step = max(round(2.0 * radius / GRID), 1)
         cells = int(2.0 * radius / step) + 2
         mask = np.zeros((cells, cells), np.uint8)
@@ -174,6 +175,14 @@ class MarkerTracker:
                 kept.append(k)
                 missed.append(self._missed[former] + 1)
         self._places, self._missed = places[kept], missed
+
+
+def precompile(color: ColorModel) -> None:
+    """Compile the kernels of a marker tracker, so that no frame waits for them."""
+    image, known = np.zeros((3, 3, color.channels), np.uint8), np.zeros(marker_follow.KNOWN)
+    look(image, color.table, 1.0, 1.0, 1.0, 1, np.zeros((1, 1), np.uint8))
+    is_alone(np.zeros(2), np.zeros((1, 2)), 0, 1.0)
+    follow_markers(image, np.ones(marker_follow.NUMBERS), 0, np.zeros((0, 2)), known, np.empty((0, FOUND)))
 
 
 def _track(found: Floats, time: float) -> Track[Circle]:

@@ -3,6 +3,7 @@
 import math
 
 import msgspec
+import numpy as np
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
@@ -93,6 +94,7 @@ class Neighbors:
         self._members: list[Member] = []
         self._hidden: set[int] = set()
         self._count = 0
+        Member(0, *self._make, Circle(0.0, 0.0, 1.0), Frame(np.zeros((1, 1), np.uint8)))  # compiles what newcomers need
 
     def update(self, frame: Frame) -> list[Neighbor]:
         """Follow everyone into a frame and search a strip of it for newcomers.

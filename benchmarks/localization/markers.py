@@ -13,7 +13,7 @@ from benchmarks.localization.poses import PINHOLE, facing, learn, observe, place
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
-from matchset.localization.marker import place_marker
+from matchset.localization.marker_direction import place_marker
 from matchset.sim.clips.ball_flight_clip import Flight
 
 Floats = npt.NDArray[np.float64]

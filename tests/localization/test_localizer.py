@@ -10,7 +10,7 @@ import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, dot, rim, square, track
 from matchset.localization.ball import BallParameters
 from matchset.localization.localizer import LocalizerParameters, assignments
-from matchset.localization.marker import place_marker
+from matchset.localization.marker_direction import place_marker
 from matchset.localization.pose import UNSEEN
 
 EXACT = LocalizerParameters(ball=BallParameters(edge_shift=0.0))

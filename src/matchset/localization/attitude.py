@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
-from matchset.numeric.matrix3 import apply, cross, invert, rotate
+from matchset.numeric.linalg import apply, cross, invert, rotate
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

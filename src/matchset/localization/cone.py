@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from matchset.camera.lens import bend, fold, undistort
 from matchset.numeric.jit import kernel
-from matchset.numeric.matrix3 import add_spread, apply, invert, length
+from matchset.numeric.linalg import add_spread, apply, invert, length
 
 Floats = npt.NDArray[np.float64]
 

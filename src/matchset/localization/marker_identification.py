@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.attitude import BAD, fit_level, fit_turn, turn_between
-from matchset.localization.marker import place_marker
+from matchset.localization.marker_direction import place_marker
 from matchset.numeric.jit import kernel
-from matchset.numeric.matrix3 import add_spread, apply, invert, turn_from
+from matchset.numeric.linalg import add_spread, apply, invert, turn_from
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

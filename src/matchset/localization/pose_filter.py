@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from matchset.localization.pose import UNSEEN, Observed, Pose
 from matchset.numeric.kalman import advance, correct
-from matchset.numeric.matrix3 import rotate, turn_from
+from matchset.numeric.linalg import rotate, turn_from
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]

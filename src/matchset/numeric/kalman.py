@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
-from matchset.numeric.matrix3 import invert
+from matchset.numeric.linalg import invert
 
 Floats = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from matchset.localization.markers.marker_shape import ellipse
 from matchset.numeric.jit import kernel
-from matchset.numeric.matrix3 import apply, invert
+from matchset.numeric.linalg import apply, invert
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]

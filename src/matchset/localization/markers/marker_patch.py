@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
-from matchset.numeric.matrix3 import apply, invert
+from matchset.numeric.linalg import apply, invert
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

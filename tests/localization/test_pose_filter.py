@@ -12,7 +12,7 @@ from balls import Floats, square
 from matchset.localization.pose import UNSEEN
 from matchset.localization.pose_filter import FilterParameters
 from matchset.numeric.kalman import advance, correct
-from matchset.numeric.matrix3 import rotate, turn_from
+from matchset.numeric.linalg import rotate, turn_from
 
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 

@@ -17,7 +17,6 @@ from matchset.tracking.verdict import (
     OTHER_SHAPE,
     OUTSIDE,
     UNCONFIRMED,
-    JudgeParameters,
     following,
     is_other_shape,
 )
@@ -46,15 +45,7 @@ class Prior(enum.Enum):
 
 
 class Judge:
-    """Judges what a matcher found.
-
-    Parameters
-    ----------
-    parameters : JudgeParameters
-    """
-
-    def __init__(self, parameters: JudgeParameters | None = None) -> None:
-        self.parameters = parameters or JudgeParameters()
+    """Judges what a matcher found, by the limits of that matcher's parameters."""
 
     def words(self, matcher: Matcher[S], verdict: int) -> str:
         """Say why a shape that was followed is not confirmed; empty if it is."""
@@ -79,7 +70,7 @@ class Judge:
         A shape that is expected about here needs less evidence than one that may be anywhere; one that nothing else
         speaks for needs more, the more corners it has. So does one of which only a part is in the picture.
         """
-        limits, fit = self.parameters, matcher.fit
+        limits, fit = matcher.parameters.validation, matcher.fit
         if fit(SEEN) < limits.in_picture * matcher.points:
             return "most of it is outside the picture"
         least = limits.evidence, limits.small_evidence, limits.tiny_evidence

@@ -13,6 +13,7 @@ at which Eq. 1 holds, to a fraction of a pixel. The strongest few of a line are 
 is the fit's question. The lines are read first and judged then, because memory is slower than arithmetic here.
 """
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -39,6 +40,43 @@ SUMS = 6 * WIDTH
 # as much where a line has a dozen pixels.
 ROUND_ABOUT = np.uintp((1 << 48) - 1)
 B3, B5, B10 = np.uint32(3), np.uint32(5), np.uint32(10)
+
+
+class MatchParameters(msgspec.Struct, frozen=True):
+    """What makes an edge point and a fit; all else follows from the size of the shape and the noise of the picture.
+
+    Parameters
+    ----------
+    margin : int
+        Most pixels that Eq. 1 counts on each side of an edge. Noisy pictures use them all, sharp ones two, small shapes
+        a quarter of their half-width: more is steadier in noise and blur, less is more exact and tells stripes apart.
+    threshold : float
+        The paper's nabla, as a share of a step from surely background to surely target: below it there is no edge.
+        Slightly negative, since a pale stripe of the target may look more like background than what it lies before.
+    enough : float
+        Share beyond which a larger step is no better, and the contrast alone decides where the edge is.
+    clear : float
+        Contrast, in standard deviations of the noise, that an edge point without a step in color must have.
+    floor : float
+        Least noise of an edge point that is believed, px: smaller, and a chance agreement of few points wins.
+    tolerance : float
+        How near an edge point must be to the outline to confirm it, in half-widths, between 1.2 and 3 px.
+    turns : int
+        How often the outline is traced anew at most.
+    start, side_start : float
+        Noise with which a fit begins at least, px, for round shapes and for those with corners: one side that is off
+        is not called back by the others, so it must be seen from farther.
+    """
+
+    margin: int = 4
+    threshold: float = -0.05
+    enough: float = 0.6
+    clear: float = 5.0
+    floor: float = 0.4
+    tolerance: float = 0.06
+    turns: int = 4
+    start: float = 1.0
+    side_start: float = 2.0
 
 
 @helper

@@ -13,11 +13,12 @@ from matchset.shapes.family_check import check_family
 from matchset.shapes.shape import Shape, corners, nearest, places, slopes, steady
 from matchset.tracking import memory, motion
 from matchset.tracking.look import Look
+from matchset.tracking.match_set import MatchParameters
 from matchset.tracking.memory import START, STEADY
 from matchset.tracking.parameters import TRUST, TrackerParameters
 from matchset.tracking.step import FOLLOW, FREE, HELD, LEARN, NEVER, TAKE_IN, TELL, make_step
 from matchset.tracking.track import Track
-from matchset.tracking.verdict import DOUBT, MOST_CORNERS, MOST_HOLLOW, SIDE_DOUBT, SURE, JudgeParameters, is_doubtful
+from matchset.tracking.verdict import DOUBT, MOST_CORNERS, MOST_HOLLOW, SIDE_DOUBT, SURE, is_doubtful
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -32,43 +33,6 @@ NO_ANSWER = np.zeros((0, 2)), np.zeros((0, 0))
 LEAST_FREE, MOST_FREE = 5, 8  # numbers of a state with which a side can move alone, and nothing else is free
 PLAIN_DOUBT = 0.85  # agreement below which a fit is looked at again where no color tells the target
 GOLDEN = 0.6180339887  # spreads the places inside evenly
-
-
-class MatchParameters(msgspec.Struct, frozen=True):
-    """What makes an edge point and a fit; all else follows from the size of the shape and the noise of the picture.
-
-    Parameters
-    ----------
-    margin : int
-        Most pixels that Eq. 1 counts on each side of an edge. Noisy pictures use them all, sharp ones two, small shapes
-        a quarter of their half-width: more is steadier in noise and blur, less is more exact and tells stripes apart.
-    threshold : float
-        The paper's nabla, as a share of a step from surely background to surely target: below it there is no edge.
-        Slightly negative, since a pale stripe of the target may look more like background than what it lies before.
-    enough : float
-        Share beyond which a larger step is no better, and the contrast alone decides where the edge is.
-    clear : float
-        Contrast, in standard deviations of the noise, that an edge point without a step in color must have.
-    floor : float
-        Least noise of an edge point that is believed, px: smaller, and a chance agreement of few points wins.
-    tolerance : float
-        How near an edge point must be to the outline to confirm it, in half-widths, between 1.2 and 3 px.
-    turns : int
-        How often the outline is traced anew at most.
-    start, side_start : float
-        Noise with which a fit begins at least, px, for round shapes and for those with corners: one side that is off
-        is not called back by the others, so it must be seen from farther.
-    """
-
-    margin: int = 4
-    threshold: float = -0.05
-    enough: float = 0.6
-    clear: float = 5.0
-    floor: float = 0.4
-    tolerance: float = 0.06
-    turns: int = 4
-    start: float = 1.0
-    side_start: float = 2.0
 
 
 # places of the parameters in `Views.match`
@@ -86,9 +50,7 @@ class Matcher(Generic[S]):
         The family of shapes, `Circle` for one.
     points : int
         Number of lines across the outline: the size of the match-set.
-    match : MatchParameters, optional
-    judge : JudgeParameters, optional
-    track : TrackerParameters, optional
+    parameters : TrackerParameters, optional
 
     Attributes
     ----------
@@ -108,9 +70,7 @@ class Matcher(Generic[S]):
         self,
         family: type[S],
         points: int,
-        match: MatchParameters | None = None,
-        judge: JudgeParameters | None = None,
-        track: TrackerParameters | None = None,
+        parameters: TrackerParameters | None = None,
     ) -> None:
         check_family(family)
         self.family, self.points = family, points
@@ -121,9 +81,9 @@ class Matcher(Generic[S]):
         self._step = make_step(compile_user_function(family.trace), compile_user_function(family.half_width))
         parts.rays[:] = np.column_stack((where, INNER * np.sqrt((np.arange(points) * GOLDEN) % 1.0)))
         self.state = parts.state
-        chosen = (match or MatchParameters(), judge or JudgeParameters(), track or TrackerParameters())
-        for place, parameters in zip((parts.match, parts.judge, parts.track), chosen, strict=True):
-            numbers = msgspec.structs.astuple(parameters)
+        self.parameters = chosen = parameters or TrackerParameters()
+        for place, each in ((parts.match, chosen.match), (parts.judge, chosen.validation), (parts.track, chosen)):
+            numbers = [value for value in msgspec.structs.astuple(each) if not isinstance(value, msgspec.Struct)]
             place[: len(numbers)] = numbers
         self.has_corners = corners(shape) is not None
         if self.has_corners:

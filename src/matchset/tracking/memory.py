@@ -64,7 +64,7 @@ class Views(NamedTuple):
     fit, clock, look : (FITS,), (CLOCKS,), (LOOKS,)
         See the names of their places above.
     match, judge, track : (LIMITS,)
-        `MatchParameters`, `JudgeParameters` and `TrackerParameters`, in the order of their fields.
+        `MatchParameters`, `ValidationParameters` and `TrackerParameters`, in the order of their fields.
     runs : (n, 5) int64
         Where each line runs: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels; the
         last is 0 where the picture does not reach `margin` pixels beyond the outline on both sides.

@@ -2,6 +2,10 @@
 
 import msgspec
 
+from matchset.tracking.match_set import MatchParameters
+from matchset.tracking.verdict import ValidationParameters
+from matchset.tracking.voting import SearchParameters
+
 
 class TrackerParameters(msgspec.Struct, frozen=True):
     """How a shape is followed.
@@ -20,14 +24,17 @@ class TrackerParameters(msgspec.Struct, frozen=True):
         How far from its prediction a shape may be found again while coasting, in half-widths per missed frame.
     growth : float
         Largest change of size per missed frame, as a factor.
-    search : bool
-        Whether the whole frame is searched while nothing is followed; without, something else must find the shape and
-        `start` the tracker.
     adapt_rate : float
         Speed at which the color follows the light, log-odds per look: 0 keeps the color as it was learned.
     adapt_support, adapt_inside : float
         Least share of the outline that must be confirmed, and of the inside that must look like the target, before a
         frame may teach the color.
+    match : MatchParameters
+        What makes an edge point and a fit.
+    validation : ValidationParameters
+        What confirms a shape.
+    search : SearchParameters
+        How the whole frame is searched.
     """
 
     least_reach: float = 3.0
@@ -36,13 +43,15 @@ class TrackerParameters(msgspec.Struct, frozen=True):
     coast: float = 0.35
     jump: float = 2.0
     growth: float = 1.5
-    search: bool = True
     adapt_rate: float = 0.8
     adapt_support: float = 0.8
     adapt_inside: float = 0.6
+    match: MatchParameters = MatchParameters()
+    validation: ValidationParameters = ValidationParameters()
+    search: SearchParameters = SearchParameters()
 
 
-# places of the parameters in `Views.track`
+# places of the numbers in `Views.track`
 _PLACES = {name: place for place, name in enumerate(TrackerParameters.__struct_fields__)}
 LEAST_REACH, MOST_REACH, TRUST = _PLACES["least_reach"], _PLACES["most_reach"], _PLACES["trust"]
 ADAPT_RATE, ADAPT_SUPPORT, ADAPT_INSIDE = (_PLACES[name] for name in ("adapt_rate", "adapt_support", "adapt_inside"))

@@ -85,7 +85,7 @@ class Tracker(Generic[S]):
         self._learned = self.color.log_odds.copy()
         self._begun: S | None = None
         self._family = family
-        self._matcher: Matcher[S] = Matcher(family, points, track=self.parameters)
+        self._matcher: Matcher[S] = Matcher(family, points, self.parameters)
         if color.gray == "edges":
             self._matcher.ignore_color()
         self._doubts = AGAIN if finds_itself(family) else 1
@@ -264,7 +264,7 @@ class Tracker(Generic[S]):
         expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
         if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
             self._follows, expected = False, None
-        best = self._choose(image, expected) if self.parameters.search else None
+        best = self._choose(image, expected) if self.parameters.search.whole_frame else None
         if best is None:
             return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
         lone = expected is None and self._wish is None
@@ -288,7 +288,9 @@ class Tracker(Generic[S]):
     def _choose(self, image: Image, expected: Floats | None) -> Floats | None:
         """State of the sighting to go on with, or None."""
         if self._finder is None:
-            self._finder = Finder(self._matcher, self._judge, Searcher(image.shape[1], image.shape[0]))
+            self._finder = Finder(
+                self._matcher, self._judge, Searcher(image.shape[1], image.shape[0], self.parameters.search)
+            )
         missed, best, most = self._missed() if expected is not None else 1.0, None, 0.0
         for state, merit in self._finder.sightings(image, self.color, self._prior(expected)):
             if expected is not None and not self._can_be(state, expected, missed):

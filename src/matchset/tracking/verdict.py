@@ -37,7 +37,7 @@ SMALLEST = 6.0  # half-width below which there is nothing to tell apart, px
 SURE, OUTSIDE, UNCONFIRMED, OTHER_SHAPE, FOREIGN, EDGELESS, LEFT, DOUBTFUL = range(8)
 
 
-class JudgeParameters(msgspec.Struct, frozen=True):
+class ValidationParameters(msgspec.Struct, frozen=True):
     """What confirms a shape.
 
     Parameters
@@ -106,7 +106,7 @@ class JudgeParameters(msgspec.Struct, frozen=True):
 
 
 # places of the parameters in `Views.judge`
-_PLACES = {name: place for place, name in enumerate(JudgeParameters.__struct_fields__)}
+_PLACES = {name: place for place, name in enumerate(ValidationParameters.__struct_fields__)}
 SUPPORT, LEAST_AGREEMENT, IN_PICTURE = _PLACES["support"], _PLACES["least_agreement"], _PLACES["in_picture"]
 LEAST_INSIDE, LEAST_CORE = _PLACES["inside"], _PLACES["core"]
 MOST_WAVE, MOST_CORNERS, MOST_BENT, MOST_HOLLOW = (_PLACES[name] for name in ("wave", "corners", "bent", "hollow"))

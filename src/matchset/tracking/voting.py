@@ -28,6 +28,9 @@ class SearchParameters(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
+    whole_frame : bool
+        Whether a tracker searches the whole frame while it follows nothing; without, something else must find the shape
+        and `start` the tracker.
     cells : int
         The grid has about this many columns, of 2 to 8 px each: more finds smaller shapes and takes longer.
     votes : float
@@ -38,6 +41,7 @@ class SearchParameters(msgspec.Struct, frozen=True):
         How many candidates are looked at in the picture itself.
     """
 
+    whole_frame: bool = True
     cells: int = 160
     votes: float = 1.6
     share: float = 0.25

@@ -15,6 +15,7 @@ from matchset.shapes.circle import Circle
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
+from matchset.tracking.voting import SearchParameters
 
 FADE = 0.5  # s after which the velocity of a ball that is not seen has faded to 1/e
 SLOW = 0.3  # share of the latest change that its usual size follows
@@ -73,7 +74,9 @@ class Member:
         frame: Frame,
     ) -> None:
         self.identity = identity
-        self.tracker = Tracker(Circle, ball_color, points, parameters=TrackerParameters(search=False))
+        self.tracker = Tracker(
+            Circle, ball_color, points, parameters=TrackerParameters(search=SearchParameters(whole_frame=False))
+        )
         self.markers = MarkerTracker(marker_color, target)
         self.localizer = Localizer(camera, target)
         self.circle, self.time, self.marked_at = circle, frame.time, -math.inf

@@ -1,8 +1,10 @@
 """The rules of the house, read from the source: who may import whom, and who may touch the world outside."""
 
 import ast
-from collections.abc import Iterator
+import functools
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -38,9 +40,15 @@ MAY_TOUCH_OUTSIDE = {
 READS_OR_WRITES = {"fromfile", "imread", "imwrite", "load", "loadtxt", "open", "save", "savez", "tofile"}
 FOR_PEOPLE = {"matplotlib", "PIL", "rich", "typer"}
 SHOWS = {"print", "putText", "arrowedLine", "drawMarker"}
+MAY_PLOT = {
+    "app/drawing/curves.py",
+    "app/flight_report/plots.py",
+    "app/locate/path_picture.py",
+}
 LONGEST = 400  # lines
 
 
+@functools.cache
 def tree(name: str) -> ast.Module:
     return ast.parse((PACKAGE / name).read_text(encoding="utf-8"), name)
 
@@ -87,35 +95,42 @@ def test_there_are_only_the_layers_of_the_design() -> None:
     assert {layer(name) for name in FILES} <= {*LAYERS, "reference", "__init__"}
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_a_layer_imports_only_from_those_above_it(name: str) -> None:
-    parts = [module.split(".") for module in imported(name) if module.split(".")[0] == "matchset"]
-    foreign = {".".join(path) for path in parts if len(path) < 2 or path[1] not in allowed(name)}
-    assert not foreign, f"{name} imports {foreign}"
+def violations(rule: Callable[[str], Any]) -> dict[str, Any]:
+    """Files that break a rule, and how: the rule returns what is wrong with a file, empty where nothing is."""
+    return {name: wrong for name in FILES if (wrong := rule(name))}
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_only_the_jit_policy_imports_numba(name: str) -> None:
-    roots = {module.split(".")[0] for module in imported(name)}
-    assert name == "numeric/jit.py" or not roots & {"numba", "llvmlite"}
+def roots(name: str) -> set[str]:
+    """Packages that a file imports."""
+    return {module.split(".")[0] for module in imported(name)}
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_files_and_clocks_are_touched_only_where_the_design_says(name: str) -> None:
-    if layer(name) in ("links", "app") or name in MAY_TOUCH_OUTSIDE:
-        return
-    modules = {module.split(".")[0] for module in imported(name)} & OUTSIDE
-    calls = set(called(name)) & READS_OR_WRITES
-    assert not modules | calls, f"{name} uses {modules | calls}"
+def test_a_layer_imports_only_from_those_above_it() -> None:
+    def foreign(name: str) -> set[str]:
+        parts = [module.split(".") for module in imported(name) if module.split(".")[0] == "matchset"]
+        return {".".join(path) for path in parts if len(path) < 2 or path[1] not in allowed(name)}
+
+    assert not violations(foreign)
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_only_the_app_prints_and_draws(name: str) -> None:
-    if layer(name) == "app":
-        return
-    modules = {module.split(".")[0] for module in imported(name)} & FOR_PEOPLE
-    calls = set(called(name)) & SHOWS
-    assert not modules | calls, f"{name} uses {modules | calls}"
+def test_only_the_jit_policy_imports_numba() -> None:
+    assert not violations(lambda name: name != "numeric/jit.py" and roots(name) & {"numba", "llvmlite"})
+
+
+def test_files_and_clocks_are_touched_only_where_the_design_says() -> None:
+    def touched(name: str) -> set[str]:
+        if layer(name) in ("links", "app") or name in MAY_TOUCH_OUTSIDE:
+            return set()
+        return roots(name) & OUTSIDE | set(called(name)) & READS_OR_WRITES
+
+    assert not violations(touched)
+
+
+def test_only_the_app_prints_and_draws() -> None:
+    def shown(name: str) -> set[str]:
+        return set() if layer(name) == "app" else roots(name) & FOR_PEOPLE | set(called(name)) & SHOWS
+
+    assert not violations(shown)
 
 
 @pytest.mark.parametrize(
@@ -135,22 +150,17 @@ def _of(statement: ast.stmt) -> list[str]:
     return [statement.module or ""] if isinstance(statement, ast.ImportFrom) else []
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_only_reports_load_matplotlib(name: str) -> None:
-    roots = {module.split(".")[0] for module in imported(name)}
-    assert "matplotlib" not in roots or name in {
-        "app/drawing/curves.py",
-        "app/flight_report/plots.py",
-        "app/locate/path_picture.py",
-    }
+def test_only_reports_load_matplotlib() -> None:
+    assert not violations(lambda name: name not in MAY_PLOT and "matplotlib" in roots(name))
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_nothing_opens_a_window(name: str) -> None:
-    assert not set(called(name)) & {"imshow", "namedWindow", "waitKey", "selectROI"}
+def test_nothing_opens_a_window() -> None:
+    assert not violations(lambda name: set(called(name)) & {"imshow", "namedWindow", "waitKey", "selectROI"})
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_files_are_short(name: str) -> None:
-    lines = (PACKAGE / name).read_text(encoding="utf-8").count("\n")
-    assert lines <= LONGEST, f"{name} has {lines} lines: one idea per file"
+def test_files_are_short() -> None:
+    def too_long(name: str) -> int:
+        lines = (PACKAGE / name).read_text(encoding="utf-8").count("\n")
+        return lines if lines > LONGEST else 0
+
+    assert not violations(too_long)

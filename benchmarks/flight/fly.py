@@ -25,7 +25,7 @@ from matchset.app.exit_codes import StopRequest
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore
 from matchset.app.flight.series import fly_all
-from matchset.app.flight.simulation_table import Limits, Row, centimeters
+from matchset.app.flight.simulation_table import Limits, SweepRow, centimeters
 from matchset.links.simulated import FPS, SimulationParameters
 
 PAGES = Path(__file__).resolve().parents[1]
@@ -48,7 +48,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True):
     world : dict
         Fields of `SimulationParameters`.
     judge : callable
-        From a `Row` to whether the bar is reached, and the figure in words.
+        From a `SweepRow` to whether the bar is reached, and the figure in words.
     """
 
     name: str
@@ -56,10 +56,10 @@ class Case(msgspec.Struct, frozen=True, kw_only=True):
     bar: str
     duration: float
     world: dict[str, Any]
-    judge: Callable[[Row], tuple[bool, str]]
+    judge: Callable[[SweepRow], tuple[bool, str]]
 
 
-def whole(row: Row) -> tuple[bool, str]:
+def whole(row: SweepRow) -> tuple[bool, str]:
     """Survival, view and spread."""
     limits = Limits()
     axes = ", ".join(centimeters(row.median_spread(axis)) for axis in range(3))
@@ -67,30 +67,30 @@ def whole(row: Row) -> tuple[bool, str]:
         f"{row.survived} of {len(row.scores)} fly to the end; ball in view {100.0 * row.in_view:.1f} % at least; "
         f"spread of side, height, heading {axes} (medians), {centimeters(row.spread)} at worst"
     )
-    return not row.broken(limits), words
+    return not row.violation(limits), words
 
 
-def alive(row: Row) -> tuple[bool, str]:
+def alive(row: SweepRow) -> tuple[bool, str]:
     """No crash."""
     crashed = [score.seed for score in row.scores if score.crash]
     words = f"{len(row.scores) - len(crashed)} of {len(row.scores)} without a crash, {row.survived} fly to the end"
     return not crashed, words + (f"; crashed: seeds {', '.join(map(str, crashed))}" if crashed else "")
 
 
-def settles(limit: float) -> Callable[[Row], tuple[bool, str]]:
+def settles(limit: float) -> Callable[[SweepRow], tuple[bool, str]]:
     """Time until all are near their places."""
 
-    def judge(row: Row) -> tuple[bool, str]:
-        times = [score.settled for score in row.scores]
+    def judge(row: SweepRow) -> tuple[bool, str]:
+        times = [score.settling_time for score in row.scores]
         words = f"{float(np.median(times)):.1f} s (median), {max(times):.1f} s at worst"
         return max(times) <= limit and row.survived == len(row.scores), words
 
     return judge
 
 
-def comes_down(row: Row) -> tuple[bool, str]:
+def comes_down(row: SweepRow) -> tuple[bool, str]:
     """Time from the pulled cable to the first command of the descent."""
-    times = [score.down - PULLED for score in row.scores]
+    times = [score.descent_time - PULLED for score in row.scores]
     return max(times) <= 0.5, f"descent begins {max(times):.2f} s after the cable at the latest"
 
 
@@ -145,7 +145,7 @@ def main(
 
 def fly_case(
     case: Case, seeds: range, duration: float | None, jobs: int, kept: Path, stop: Callable[[], bool] | StopRequest
-) -> Row:
+) -> SweepRow:
     """Fly what is missing of a row, and keep it."""
     flights = {
         seed: FlightParameters(
@@ -167,7 +167,7 @@ def fly_case(
             file.write(msgspec.msgpack.encode((key, score)).hex().encode() + b"\n")
             file.flush()
             progress.advance(task)
-    return Row(value=0.0, scores=tuple(scores[key] for key in keys.values() if key in scores))
+    return SweepRow(value=0.0, scores=tuple(scores[key] for key in keys.values() if key in scores))
 
 
 def sources() -> str:
@@ -219,7 +219,7 @@ def ten_line(duration: float, kept: Path, stop: Callable[[], bool] | StopRequest
     if not row.scores:
         return "| chain of ten | runs | stopped | **no** |"
     score = row.scores[0]
-    flown = "to the end" if score.survived else score.crash or score.landed
+    flown = "to the end" if score.survived else score.crash or score.landing_reason
     words = f"seed {score.seed}, {score.end:.0f} of {duration:g} s: {flown}"
     if score.spread:
         plot(score)

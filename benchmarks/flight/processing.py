@@ -42,8 +42,8 @@ def processing(seed: int, seconds: float = SECONDS) -> npt.NDArray[np.float64]:
     with Flight(parameters) as flight:
         models, colors = [camera.model for camera in flight.chain.cameras], flight.colors
         seen: list[list[Seen]] = [[] for _ in models]
-        for tick in flight:
-            for turns, step in zip(seen, tick.steps, strict=True):
+        for chain_step in flight:
+            for turns, step in zip(seen, chain_step.steps, strict=True):
                 turns.append(Seen(step.now, step.frame, step.command))
     spent: list[tuple[float, ...]] = []
     for number, turns in enumerate(seen):
@@ -54,7 +54,7 @@ def processing(seed: int, seconds: float = SECONDS) -> npt.NDArray[np.float64]:
             camera.time, camera.frame, link.confirmed = turn
             step = pilot.step()
             if step.frame is not None and step.frame.index > BEGIN:
-                spent.append(step.spent[1:])
+                spent.append(step.stage_times[1:])
     return np.array(spent)
 
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from matchset.app.drawing.text import draw_text
-from matchset.app.flight.flight import Flight, FlightParameters, Setting, Tick, setting_of
+from matchset.app.flight.flight import ChainStep, Flight, FlightParameters, FlightSetup, flight_setup
 from matchset.app.flight_report.picture import annotate_step
 from matchset.app.flight_report.top_view import TopView
 from matchset.app.progress import counting
@@ -23,15 +23,15 @@ QUALITY, METHOD = 42, 3
 LARGEST = 3_000_000  # bytes
 
 
-def scene(tick: Tick, setting: Setting, top: TopView) -> Picture:
+def scene(chain_step: ChainStep, setup: FlightSetup, top: TopView) -> Picture:
     """Put the two cameras side by side, and the chain from above below."""
     cells = []
-    for number, (step, camera) in enumerate(zip(tick.steps, setting.cameras, strict=True), 1):
-        picture = annotate_step(step, number, camera, setting.radius, words=False)
+    for number, (step, camera) in enumerate(zip(chain_step.steps, setup.cameras, strict=True), 1):
+        picture = annotate_step(step, number, camera, setup.radius, words=False)
         cell = np.asarray(cv2.resize(picture, CELL, interpolation=cv2.INTER_AREA), np.uint8)
         draw_text(cell, f"camera of {number}", (10, 16), 15)
         cells.append(cell)
-    return np.vstack((np.hstack(cells), top.draw(tick)))
+    return np.vstack((np.hstack(cells), top.draw(chain_step)))
 
 
 def main() -> None:
@@ -39,12 +39,12 @@ def main() -> None:
     pictures = []
     world = SimulationParameters(vehicles=3, seed=SEED)
     with Flight(FlightParameters(duration=DURATION, world=world)) as flight, counting("flying", flight.length) as bar:
-        setting = setting_of(flight)
-        top = TopView(setting, MAP)
-        for tick in flight:
+        setup = flight_setup(flight)
+        top = TopView(setup, MAP)
+        for chain_step in flight:
             bar.advance()
-            picture = scene(tick, setting, top)  # also those that are not shown: the map remembers paths
-            if tick.index % EVERY == 0 and tick.time >= BEGIN:
+            picture = scene(chain_step, setup, top)  # also those that are not shown: the map remembers paths
+            if chain_step.index % EVERY == 0 and chain_step.time >= BEGIN:
                 pictures.append(Image.fromarray(np.ascontiguousarray(picture[..., ::-1])))
     target = Path(__file__).with_name("chain.webp")
     first, *others = pictures

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.flight.flight import Crash, Flight, FlightParameters, Setting, Tick, setting_of
-from matchset.app.flight.pilot import Step
+from matchset.app.flight.flight import ChainStep, Crash, Flight, FlightParameters, FlightSetup, flight_setup
+from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import Command
 from matchset.control.safety import Memory
 from matchset.links.simulated import SimulationParameters
@@ -20,37 +20,37 @@ SEED = 11
 class Flown(NamedTuple):
     """A flight and what is true for all of it."""
 
-    setting: Setting
-    ticks: tuple[Tick, ...]
+    setup: FlightSetup
+    chain_steps: tuple[ChainStep, ...]
 
 
 def fly() -> Flown:
     """Fly it."""
     world = SimulationParameters(vehicles=3, seed=SEED, cable=CABLE)
     with Flight(FlightParameters(duration=DURATION, world=world)) as flight:
-        return Flown(setting_of(flight), tuple(flight))
+        return Flown(flight_setup(flight), tuple(flight))
 
 
-def lost(step: Step, reason: str = "covered") -> Step:
+def lost(step: PilotStep, reason: str = "covered") -> PilotStep:
     """Make the same step without its ball."""
     ball = Lost(reason, step.now)  # type: ignore[var-annotated]
-    memory = Memory("holding", "the ball is not seen", step.now, command=step.command)
-    return msgspec.structs.replace(step, ball=ball, markers=(), pose=Lost(reason, step.now), memory=memory)
+    safety = Memory("holding", "the ball is not seen", step.now, command=step.command)
+    return msgspec.structs.replace(step, ball=ball, markers=(), pose=Lost(reason, step.now), safety=safety)
 
 
-def descending(step: Step) -> Step:
+def descending(step: PilotStep) -> PilotStep:
     """Make the same step with no answer and on the way down."""
-    memory = Memory("descending", "no new frame for 0.3 s", step.now, command=Command())
-    return msgspec.structs.replace(step, answer=None, memory=memory, age=math.inf)
+    safety = Memory("descending", "no new frame for 0.3 s", step.now, command=Command())
+    return msgspec.structs.replace(step, control=None, safety=safety, age=math.inf)
 
 
-def with_step(tick: Tick, number: int, step: Step) -> Tick:
+def with_step(chain_step: ChainStep, number: int, step: PilotStep) -> ChainStep:
     """Put another step into a tick, for a follower from 0."""
-    steps = list(tick.steps)
+    steps = list(chain_step.steps)
     steps[number] = step
-    return msgspec.structs.replace(tick, steps=tuple(steps))
+    return msgspec.structs.replace(chain_step, steps=tuple(steps))
 
 
-def with_crash(tick: Tick) -> Tick:
+def with_crash(chain_step: ChainStep) -> ChainStep:
     """Let vehicle 1 have hit the floor."""
-    return msgspec.structs.replace(tick, crashes=(Crash(tick.time, 1, "hit the floor"),))
+    return msgspec.structs.replace(chain_step, crashes=(Crash(chain_step.time, 1, "hit the floor"),))

@@ -13,7 +13,7 @@ from emulator import Board
 from receiver import Quadcopter
 
 from flight import BOUND
-from matchset.app.flight.pilot import Pilot, Step, learn_colors
+from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
 from matchset.control.command import Command
 from matchset.image.frame import Frame
 from matchset.links.arduino.arduino_link import ArduinoLink
@@ -54,7 +54,7 @@ class Hover:
         camera = self.chain.cameras[0]
         self.pilot = Pilot(AirCamera(self, camera), self.link, learn_colors(camera.sample()))
 
-    def fly(self, seconds: float) -> list[Step]:
+    def fly(self, seconds: float) -> list[PilotStep]:
         """Fly on for a time; returns what happened in each turn of the loop."""
         if not self.pilot.armed:
             self.pilot.arm()

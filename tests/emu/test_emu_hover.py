@@ -7,7 +7,7 @@ from emulator import HZ
 from hover import Hover
 
 from flight import throttles
-from matchset.app.flight.pilot import Step
+from matchset.app.flight.pilot import PilotStep
 from matchset.image.errors import LinkError
 from matchset.localization.pose import Pose
 from matchset.sim.world import place_beside
@@ -33,7 +33,7 @@ def stops(hover: Hover, after: int, within: float) -> None:
 
 def test_it_hovers_until_the_cable_is_pulled() -> None:
     with Hover(SEED) as hover:
-        steps: list[Step] = []
+        steps: list[PilotStep] = []
         errors = []
         for _ in range(round(SECONDS * 30)):
             steps += hover.fly(1 / 30)

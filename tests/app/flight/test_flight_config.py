@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 import matchset as ms
-from matchset.app.flight.config import changed, from_uri, read_flight, settings, template
+from matchset.app.flight.config import default_toml, flight_parameters, read_flight, with_uri, with_world
 from matchset.app.flight.flight import FlightParameters
 
 
@@ -14,11 +14,11 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_the_template_holds_every_default(tmp_path: Path) -> None:
-    assert read_flight(written(tmp_path, template())) == FlightParameters()
+    assert read_flight(written(tmp_path, default_toml())) == FlightParameters()
 
 
 def test_every_line_of_the_template_has_a_unit_and_a_source() -> None:
-    for line in template().splitlines():
+    for line in default_toml().splitlines():
         if "=" in line.split("#")[0]:
             unit, rest = line.split("#", 1)[1].split(",", 1)
             assert unit.strip(), line
@@ -44,7 +44,7 @@ def test_what_a_file_leaves_out_is_as_it_was(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_wrong_is_refused_with_its_key_and_line(tmp_path: Path, old: str, new: str) -> None:
-    text = template()
+    text = default_toml()
     assert old in text
     text = text.replace(old, new, 1)
     line = next(k for k, words in enumerate(text.splitlines(), 1) if new in words)
@@ -61,8 +61,8 @@ def test_a_camera_for_another_size_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_uri_and_options_change_only_what_they_say(tmp_path: Path) -> None:
-    flight = settings(written(tmp_path, "[flight.world]\nswing = 0.2\nseed = 3\n"), 7.0)
-    flight = from_uri("sim://chain?seed=9", flight)
+    flight = flight_parameters(written(tmp_path, "[flight.world]\nswing = 0.2\nseed = 3\n"), 7.0)
+    flight = with_uri("sim://chain?seed=9", flight)
     assert (flight.world.seed, flight.world.swing, flight.duration) == (9, 0.2, 7.0)
     with pytest.raises(ValueError, match="vehicles"):
-        changed(flight, vehicles=100)
+        with_world(flight, vehicles=100)

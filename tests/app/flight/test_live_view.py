@@ -7,8 +7,8 @@ import pytest
 from chain_flight import Flown, descending, lost, with_crash, with_step
 from rich.console import Console
 
-from matchset.app.flight.live_view import COLUMNS, FlightScreen, flight_view, plain_line
-from matchset.app.flight.score import FlightTally
+from matchset.app.flight.live_view import COLUMNS, LiveView, render_view, text_line
+from matchset.app.flight.score import FlightCounters
 from matchset.control.follower import SetPlace
 
 PLACE = SetPlace(height=-0.19)
@@ -18,24 +18,26 @@ def told(flown: Flown, **options: bool) -> str:
     """All that a console shows of the flight, with a loss, a descent and a crash at its end."""
     out = io.StringIO()
     console = Console(file=out, width=110, highlight=False, force_terminal=options.pop("terminal"), color_system=None)
-    tally = FlightTally(2)
-    ticks = list(flown.ticks)
-    ticks[10] = with_step(ticks[10], 0, lost(ticks[10].steps[0]))
-    ticks[11:] = [with_crash(with_step(tick, 1, descending(tick.steps[1]))) for tick in ticks[11:]]
-    with FlightScreen(PLACE, 60.0, console=console, **options) as screen:
-        for tick in ticks:
-            tally.count(tick)
-            screen.show(tick, tally)
+    counters = FlightCounters(2)
+    chain_steps = list(flown.chain_steps)
+    chain_steps[10] = with_step(chain_steps[10], 0, lost(chain_steps[10].steps[0]))
+    chain_steps[11:] = [
+        with_crash(with_step(chain_step, 1, descending(chain_step.steps[1]))) for chain_step in chain_steps[11:]
+    ]
+    with LiveView(PLACE, 60.0, console=console, **options) as screen:
+        for chain_step in chain_steps:
+            counters.add(chain_step)
+            screen.show(chain_step, counters)
     return out.getvalue()
 
 
 def test_the_view_has_a_row_for_each_follower(flown: Flown) -> None:
-    out, tally = io.StringIO(), FlightTally(2)
-    for tick in flown.ticks[:9]:
-        tally.count(tick)
-    tick = with_step(flown.ticks[9], 1, lost(flown.ticks[9].steps[1]))
-    tally.count(tick)
-    Console(file=out, width=110).print(flight_view(tick, tally, PLACE, 60.0, 2.04))
+    out, counters = io.StringIO(), FlightCounters(2)
+    for chain_step in flown.chain_steps[:9]:
+        counters.add(chain_step)
+    chain_step = with_step(flown.chain_steps[9], 1, lost(flown.chain_steps[9].steps[1]))
+    counters.add(chain_step)
+    Console(file=out, width=110).print(render_view(chain_step, counters, PLACE, 60.0, 2.04))
     head, names, first, second, reason, *_ = out.getvalue().splitlines()
     assert head.startswith("0.4 of 60 s   2 times as fast as real time")
     assert all(name in names for name in COLUMNS)
@@ -49,11 +51,11 @@ def test_the_view_has_a_row_for_each_follower(flown: Flown) -> None:
 
 
 def test_nothing_known_is_a_dash(flown: Flown) -> None:
-    tick = with_step(flown.ticks[3], 0, descending(lost(flown.ticks[3].steps[0])))
-    tally = FlightTally(2)
-    tally.count(tick)
+    chain_step = with_step(flown.chain_steps[3], 0, descending(lost(flown.chain_steps[3].steps[0])))
+    counters = FlightCounters(2)
+    counters.add(chain_step)
     out = io.StringIO()
-    Console(file=out, width=110).print(flight_view(tick, tally, PLACE, 60.0, None))
+    Console(file=out, width=110).print(render_view(chain_step, counters, PLACE, 60.0, None))
     assert out.getvalue().splitlines()[2].split()[3:] == ["descending", *"-------", "1"]
 
 
@@ -77,27 +79,27 @@ def test_quiet_is_quiet(flown: Flown) -> None:
 
 
 def test_a_line_says_why(flown: Flown) -> None:
-    tick = with_step(flown.ticks[3], 0, descending(lost(flown.ticks[3].steps[0])))
-    tally = FlightTally(2)
-    tally.count(tick)
-    assert "1: descending: no new frame for 0.3 s, -, place not known, - old, lost 1" in plain_line(tick, tally)
+    chain_step = with_step(flown.chain_steps[3], 0, descending(lost(flown.chain_steps[3].steps[0])))
+    counters = FlightCounters(2)
+    counters.add(chain_step)
+    assert "1: descending: no new frame for 0.3 s, -, place not known, - old, lost 1" in text_line(chain_step, counters)
 
 
 def test_losses_are_counted_as_spells(flown: Flown) -> None:
-    tally = FlightTally(2)
-    for index, tick in enumerate(flown.ticks):
-        step = tick.steps[0]
-        tally.count(with_step(tick, 0, lost(step, "hidden") if index in (3, 4, 5, 9) else step))
-    first = tally.followers[0]
-    with_picture = sum(tick.steps[0].frame is not None for tick in flown.ticks)
-    assert (first.frames, first.missing) == (with_picture, len(flown.ticks) - with_picture)
+    counters = FlightCounters(2)
+    for index, chain_step in enumerate(flown.chain_steps):
+        step = chain_step.steps[0]
+        counters.add(with_step(chain_step, 0, lost(step, "hidden") if index in (3, 4, 5, 9) else step))
+    first = counters.followers[0]
+    with_picture = sum(chain_step.steps[0].frame is not None for chain_step in flown.chain_steps)
+    assert (first.frames, first.missing) == (with_picture, len(flown.chain_steps) - with_picture)
     assert first.missing > 0
     assert first.losses == 3  # twice hidden, and when the cable was pulled
     assert first.lost == 4
     assert first.reason == "no picture came"
     assert first.longest >= 0.13
     assert first.rate == pytest.approx(30.0)
-    still = msgspec.structs.replace(flown.ticks[0].steps[0], frame=None)
-    alone = FlightTally(1).followers[0]
-    alone.count(still)
+    still = msgspec.structs.replace(flown.chain_steps[0].steps[0], frame=None)
+    alone = FlightCounters(1).followers[0]
+    alone.add(still)
     assert alone.rate is None

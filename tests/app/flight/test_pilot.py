@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.score import FlightJudge
+from matchset.app.flight.score import FlightScorer
 from matchset.app.flight.series import fly_once
 from matchset.control.command import Command
 from matchset.links.simulated import SimulationParameters
@@ -21,7 +21,7 @@ def flight(duration: float, **world: object) -> FlightParameters:
 @pytest.mark.parametrize("seed", [100, 101])
 def test_three_hold_their_places(seed: int) -> None:
     score = fly_once(flight(10.0, seed=seed))
-    assert score.survived, (score.crash, score.landed)
+    assert score.survived, (score.crash, score.landing_reason)
     assert min(score.in_view) >= 0.99
     assert score.worst_spread <= 0.10
     assert score.age == pytest.approx(0.067, abs=1 / 480)
@@ -30,31 +30,31 @@ def test_three_hold_their_places(seed: int) -> None:
 def test_a_pulled_cable_brings_everyone_down_within_half_a_second() -> None:
     pulled = 1.5
     with Flight(flight(4.5, seed=102, cable=pulled)) as flown:
-        ticks = list(flown)
+        chain_steps = list(flown)
     for who in range(2):
-        steps = [tick.steps[who] for tick in ticks]
-        down = [step for step in steps if step.memory.phase == "descending"]
+        steps = [chain_step.steps[who] for chain_step in chain_steps]
+        down = [step for step in steps if step.safety.phase == "descending"]
         before = [step for step in steps if step.now < down[0].now][-1]
         assert down[0].now - pulled <= 0.5
         assert down[0].command.throttle < before.command.throttle
         throttles = [step.command.throttle for step in steps if step.now >= down[0].now]
         assert (np.diff(throttles) <= 1e-9).all()
         assert steps[-1].command == Command()
-        assert steps[-1].memory.phase == "cut"
+        assert steps[-1].safety.phase == "cut"
 
 
 def test_a_ball_out_of_sight_for_half_a_second_is_flown_through() -> None:
-    judge = FlightJudge(flight(5.0, seed=103, hidden=0.5, hidden_every=2.0))
+    scorer = FlightScorer(flight(5.0, seed=103, hidden=0.5, hidden_every=2.0))
     phases = set()
-    with Flight(judge.parameters) as flown:
-        for tick in flown:
-            judge.take(tick)
-            phases |= {step.memory.phase for step in tick.steps}
-            for step in tick.steps:
+    with Flight(scorer.parameters) as flown:
+        for chain_step in flown:
+            scorer.add(chain_step)
+            phases |= {step.safety.phase for step in chain_step.steps}
+            for step in chain_step.steps:
                 sticks = msgspec.structs.astuple(step.command)
                 assert all(math.isfinite(value) for value in sticks)
-    score = judge.score()
-    assert score.survived, (score.crash, score.landed)
+    score = scorer.score()
+    assert score.survived, (score.crash, score.landing_reason)
     assert "holding" in phases
     assert sum(score.losses) >= 1
 
@@ -62,18 +62,18 @@ def test_a_ball_out_of_sight_for_half_a_second_is_flown_through() -> None:
 def test_the_truth_of_a_tick_is_what_the_pictures_show() -> None:
     errors = []
     with Flight(flight(1.0, seed=104, vehicles=2)) as flown:
-        for tick in flown:
-            pose = tick.steps[0].pose
-            me, other = tick.shown
+        for chain_step in flown:
+            pose = chain_step.steps[0].pose
+            me, other = chain_step.truth_at_exposure
             assert isinstance(pose, Pose)
             lens = me.place + 0.05 * me.turn[:, 2]
             errors.append(pose.position - me.turn.T @ (other.ball - lens))
-            assert tick.inside == (True,)
+            assert chain_step.in_view == (True,)
     assert np.abs(np.mean(errors, axis=0)).max() < 0.03
     assert np.std(errors, axis=0).max() < 0.03
 
 
 def test_a_start_half_a_meter_off_settles_although_the_next_ball_but_one_is_in_full_view() -> None:
     score = fly_once(flight(6.5, seed=6, start_off=0.5))
-    assert score.survived, (score.crash, score.landed)
-    assert score.settled <= 6.0
+    assert score.survived, (score.crash, score.landing_reason)
+    assert score.settling_time <= 6.0

@@ -10,9 +10,9 @@ from blue_ball import Matchset
 from chain_flight import Flown, with_crash
 
 from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.score import FlightJudge, FlightScore, settled
+from matchset.app.flight.score import FlightScore, FlightScorer, settling_time
 from matchset.app.flight.simulate import parse_sweep
-from matchset.app.flight.simulation_table import Limits, rows_of, table_of, verdict
+from matchset.app.flight.simulation_table import Limits, markdown_table, rows_by_value, verdict
 from matchset.links.simulated import SimulationParameters
 
 GOOD = FlightScore(
@@ -20,13 +20,13 @@ GOOD = FlightScore(
     duration=60.0,
     end=60.0,
     crash="",
-    landed="",
+    landing_reason="",
     in_view=(1.0, 1.0),
     found=(1.0, 1.0),
     losses=(0, 0),
     spread=((0.03, 0.02, 0.04), (0.05, 0.01, 0.02)),
-    settled=1.0,
-    down=math.inf,
+    settling_time=1.0,
+    descent_time=math.inf,
     processing=2e-4,
     age=0.067,
 )
@@ -38,15 +38,15 @@ def test_who_comes_near_and_leaves_again_has_not_settled() -> None:
     off[time < 2.0, 0, 1] = 0.5
     off[time < 3.0, 1, 2] = -0.3
     off[5, 1, 2] = 0.0
-    assert settled(time, off) == pytest.approx(3.0)
+    assert settling_time(time, off) == pytest.approx(3.0)
     off[:, 0, 0] = 0.2
-    assert settled(time, off) == math.inf
+    assert settling_time(time, off) == math.inf
 
 
 def test_of_a_long_chain_one_begins_after_the_other() -> None:
     three, five = (FlightParameters(world=SimulationParameters(vehicles=count), stagger=1.5) for count in (3, 5))
-    assert [three.begins(who) for who in range(2)] == [0.0, 0.0]
-    assert [five.begins(who) for who in range(4)] == [3.0, 1.5, 0.0, 0.0]
+    assert [three.arming_time(who) for who in range(2)] == [0.0, 0.0]
+    assert [five.arming_time(who) for who in range(4)] == [3.0, 1.5, 0.0, 0.0]
     for bad in ({"together": 0}, {"stagger": -1.0}, {"stagger": math.nan}):
         with pytest.raises(ValueError, match=next(iter(bad))):
             FlightParameters(**bad)
@@ -56,9 +56,9 @@ def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
     world = SimulationParameters(vehicles=4, pal="clean")
     with Flight(FlightParameters(duration=0.5, stagger=0.2, world=world)) as flight:
         armed, throttles = [], []
-        for tick in flight:
+        for chain_step in flight:
             armed.append([pilot.armed for pilot in flight.pilots])
-            throttles.append([step.command.throttle for step in tick.steps])
+            throttles.append([step.command.throttle for step in chain_step.steps])
     assert armed[0] == [False, True, True]
     assert [each[0] for each in armed].index(True) == 6
     assert max(each[0] for each in throttles[:6]) == 0.0
@@ -66,33 +66,33 @@ def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
 
 
 def test_a_flight_is_judged_by_its_ticks(flown: Flown) -> None:
-    judge = FlightJudge(flown.setting.parameters)
-    for tick in flown.ticks:
-        judge.take(tick)
-    score = judge.score()
+    scorer = FlightScorer(flown.setup.parameters)
+    for chain_step in flown.chain_steps:
+        scorer.add(chain_step)
+    score = scorer.score()
     assert score.survived
     assert score.spread == ()
     assert score.worst_spread == math.inf
     assert score.losses == (1, 1)
     assert 0.5 < min(score.found) < 1.0
-    judge.take(with_crash(flown.ticks[-1]))
-    assert judge.over
-    assert judge.score().crash == f"vehicle 1 hit the floor at {flown.ticks[-1].time:.1f} s"
-    assert not judge.score().survived
+    scorer.add(with_crash(flown.chain_steps[-1]))
+    assert scorer.crashed
+    assert scorer.score().crash == f"vehicle 1 hit the floor at {flown.chain_steps[-1].time:.1f} s"
+    assert not scorer.score().survived
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
         ({"crash": "vehicle 1 hit the floor at 3.0 s"}, "only 1 of 2 flights survive"),
-        ({"landed": "vehicle 1: no new frame"}, "only 1 of 2 flights survive"),
+        ({"landing_reason": "vehicle 1: no new frame"}, "only 1 of 2 flights survive"),
         ({"in_view": (1.0, 0.98)}, "in view for only 98.0 %"),
         ({"spread": ((0.03, 0.02, 0.13),)}, "held to 13.0 cm"),
     ],
 )
 def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: str) -> None:
     bad = msgspec.structs.replace(GOOD, **change)
-    rows = rows_of([67.0, 133.0], [(67.0, GOOD), (67.0, GOOD), (133.0, GOOD), (133.0, bad)])
+    rows = rows_by_value([67.0, 133.0], [(67.0, GOOD), (67.0, GOOD), (133.0, GOOD), (133.0, bad)])
     holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
     assert not holds
     assert "at latency 133 ms" in sentence
@@ -100,12 +100,12 @@ def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: st
 
 
 def test_the_verdict_is_good_when_all_limits_hold() -> None:
-    rows = rows_of([67.0, 133.0], [(67.0, GOOD), (133.0, GOOD)])
+    rows = rows_by_value([67.0, 133.0], [(67.0, GOOD), (133.0, GOOD)])
     holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
     assert holds
     assert "\n" not in sentence
     assert "2 flights of 60 s" in sentence
-    table = table_of("latency_ms", "ms", rows)
+    table = markdown_table("latency_ms", "ms", rows)
     assert "| 133 | 1 of 1 | 100.0 % |" in table
     assert not verdict("latency_ms", "ms", [], FlightParameters(), Limits())[0]
 

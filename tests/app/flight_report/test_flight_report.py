@@ -9,42 +9,42 @@ import numpy as np
 import pytest
 from chain_flight import Flown, descending, lost, with_crash, with_step
 
-from matchset.app.flight.log import HEADINGS, PHASES, FlightLog, follower_figures, verdict
+from matchset.app.flight.log import HEADINGS, PHASES, FlightLog, follower_row, verdict
 from matchset.app.flight_report.report import check_report, write_report
 
 
 def log_of(flown: Flown) -> FlightLog:
-    log = FlightLog(flown.setting)
-    for tick in flown.ticks:
-        log.add(tick)
+    log = FlightLog(flown.setup)
+    for chain_step in flown.chain_steps:
+        log.add(chain_step)
     return log
 
 
 def test_the_log_holds_what_the_ticks_said(flown: Flown) -> None:
     log = log_of(flown)
     first = log.followers[0]
-    steps = [tick.steps[0] for tick in flown.ticks]
+    steps = [chain_step.steps[0] for chain_step in flown.chain_steps]
     np.testing.assert_array_equal(first.time, [step.now for step in steps])
-    np.testing.assert_array_equal(first.true, [tick.places[0] for tick in flown.ticks])
-    answer = steps[4].answer
-    assert answer is not None
-    assert first.believed[4].tolist() == [answer.side, answer.height, answer.heading]
-    assert [PHASES[k] for k in first.phase] == [step.memory.phase for step in steps]
+    np.testing.assert_array_equal(first.true, [chain_step.true_positions[0] for chain_step in flown.chain_steps])
+    control = steps[4].control
+    assert control is not None
+    assert first.estimated[4].tolist() == [control.side, control.height, control.heading]
+    assert [PHASES[k] for k in first.phase] == [step.safety.phase for step in steps]
     np.testing.assert_array_equal(np.isnan(first.processing), [step.frame is None for step in steps])
     assert log.room.shape == (len(steps), 3, 3)
     assert np.abs(first.seen_from_last - first.true_from_last)[:10].max() < 0.3
     assert np.isnan(first.seen_from_last[-1]).all()
-    assert float(np.nanmedian(first.error_px)) < 1.5
+    assert float(np.nanmedian(first.circle_error_px)) < 1.5
 
 
 def test_the_figures_are_in_the_order_of_their_headings(flown: Flown) -> None:
     log = log_of(flown)
-    figures = dict(zip(HEADINGS, follower_figures(log, 0), strict=True))
+    figures = dict(zip(HEADINGS, follower_row(log, 0), strict=True))
     assert figures[""] == "1 watches 2"
-    assert figures["pictures"] == str(sum(tick.steps[0].frame is not None for tick in flown.ticks))
+    assert figures["pictures"] == str(sum(chain_step.steps[0].frame is not None for chain_step in flown.chain_steps))
     assert figures["ball found where it was to be seen"].endswith("%")
     assert figures["losses"] == "1"
-    assert figures["at the end"] == flown.ticks[-1].steps[0].memory.phase
+    assert figures["at the end"] == flown.chain_steps[-1].steps[0].safety.phase
     off = "off the set place, cm rms, from 5 s after its start on (side, height, heading)"
     assert figures[off] == "-"  # it is too short
     assert "nobody crashed" in verdict(log)
@@ -52,16 +52,16 @@ def test_the_figures_are_in_the_order_of_their_headings(flown: Flown) -> None:
 
 def test_the_verdict_names_who_crashed_or_came_down(flown: Flown) -> None:
     log = log_of(flown)
-    log.add(with_crash(flown.ticks[-1]))
+    log.add(with_crash(flown.chain_steps[-1]))
     assert "vehicle 1 hit the floor at 0.8 s" in verdict(log)
-    assert follower_figures(log, 0)[-1] == "hit the floor at 0.8 s"
-    assert verdict(FlightLog(flown.setting)) == "nothing was flown"
+    assert follower_row(log, 0)[-1] == "hit the floor at 0.8 s"
+    assert verdict(FlightLog(flown.setup)) == "nothing was flown"
 
 
 def test_a_report_is_one_file_with_its_pictures_in_it(flown: Flown, tmp_path: Path) -> None:
     log, path = log_of(flown), tmp_path / "flight.html"
-    tick = flown.ticks[3]
-    log.add(with_step(tick, 0, descending(lost(tick.steps[0]))))
+    chain_step = flown.chain_steps[3]
+    log.add(with_step(chain_step, 0, descending(lost(chain_step.steps[0]))))
     write_report(log, path)
     page = path.read_text(encoding="utf-8")
     pictures = re.findall(r"data:image/png;base64,([^\"]+)", page)
@@ -78,7 +78,7 @@ def test_a_report_is_one_file_with_its_pictures_in_it(flown: Flown, tmp_path: Pa
 
 
 def test_a_flight_that_never_began_has_a_report_too(flown: Flown, tmp_path: Path) -> None:
-    write_report(FlightLog(flown.setting), tmp_path / "flight.html")
+    write_report(FlightLog(flown.setup), tmp_path / "flight.html")
     assert "nothing was flown" in (tmp_path / "flight.html").read_text(encoding="utf-8")
 
 

@@ -24,7 +24,7 @@ def test_bytes_that_are_no_message_are_refused(data: bytes) -> None:
 
 
 def test_pictures_are_kept_without_loss(flown: Flown) -> None:
-    frame = flown.ticks[0].steps[0].frame
+    frame = flown.chain_steps[0].steps[0].frame
     assert frame is not None
     for image in (frame.image, frame.image[..., 1].copy()):
         back = frame_of(Picture(7, 0.25, to_png(image)))

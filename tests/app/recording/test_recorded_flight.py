@@ -7,9 +7,9 @@ import msgspec
 import pytest
 
 from matchset.app.flight.outputs import FlightFiles
-from matchset.app.recording.mcap_file import Kind, McapWriter, Message
+from matchset.app.recording.mcap_file import McapWriter, Message, Topic
 from matchset.app.recording.messages import CONFIGURATION
-from matchset.app.recording.reader import RecordedFlight
+from matchset.app.recording.reader import RecordingReader
 
 
 @pytest.mark.parametrize(
@@ -19,24 +19,24 @@ def test_other_files_are_refused(tmp_path: Path, content: bytes, words: str) -> 
     path = tmp_path / "other.mcap"
     path.write_bytes(content)
     with pytest.raises(ValueError, match=words):
-        RecordedFlight(path)
+        RecordingReader(path)
 
 
 def test_mcap_files_of_others_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "other.mcap"
-    with McapWriter(path, [Kind("/chatter", "std_msgs/String", b"{}")]) as out:
+    with McapWriter(path, [Topic("/chatter", "std_msgs/String", b"{}")]) as out:
         out.write(Message("/chatter", b"\xa2hi"), 0.0, 0)
     with pytest.raises(ValueError, match="no recording of a flight"):
-        RecordedFlight(path)
+        RecordingReader(path)
 
 
 @pytest.mark.parametrize(("form", "words"), [(2, "its format is 2, this matchset reads 1"), ("x", "no _?[A-Z]")])
 def test_other_formats_are_refused(tmp_path: Path, form: object, words: str) -> None:
     path = tmp_path / "newer.mcap"
-    with McapWriter(path, [Kind(CONFIGURATION, "c", b"{}")]) as out:
+    with McapWriter(path, [Topic(CONFIGURATION, "c", b"{}")]) as out:
         out.write(Message(CONFIGURATION, msgspec.msgpack.encode({"format": form})), 0.0, 0)
     with pytest.raises(ValueError, match=words):
-        RecordedFlight(path)
+        RecordingReader(path)
 
 
 def test_without_mcap_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -44,4 +44,4 @@ def test_without_mcap_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPa
     with pytest.raises(ValueError, match=r"pip install 'matchset\[record\]'"):
         FlightFiles(record=tmp_path / "a.mcap").check()
     with pytest.raises(ValueError, match=r"pip install 'matchset\[record\]'"):
-        RecordedFlight(tmp_path / "a.mcap")
+        RecordingReader(tmp_path / "a.mcap")

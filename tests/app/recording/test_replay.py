@@ -13,15 +13,15 @@ import pytest
 from blue_ball import Matchset
 from chain_flight import Flown
 
-from matchset.app.flight.flight import Tick
-from matchset.app.flight.outputs import FlightFiles, FlightOutlets
-from matchset.app.flight.pilot import Step
+from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.outputs import FlightFiles, FlightOutputs
+from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.encoding import encode, outcome_of, step_message
-from matchset.app.recording.mcap_file import Kind, McapReader, McapWriter, Message
+from matchset.app.recording.mcap_file import McapReader, McapWriter, Message, Topic
 from matchset.app.recording.messages import CONFIGURATION
-from matchset.app.recording.reader import RecordedFlight
+from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay, first_difference
-from matchset.app.recording.writer import FlightRecording
+from matchset.app.recording.writer import RecordingWriter
 from matchset.control.command import Command
 
 
@@ -33,47 +33,47 @@ def recording(flown: Flown, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def record(flown: Flown, path: Path) -> None:
-    with FlightRecording(path, flown.setting) as out:
-        for tick in flown.ticks:
-            out.write(tick, [True] * len(tick.steps))
+    with RecordingWriter(path, flown.setup) as out:
+        for chain_step in flown.chain_steps:
+            out.write(chain_step, [True] * len(chain_step.steps))
 
 
 def test_every_step_comes_out_bit_for_bit(flown: Flown, recording: Path) -> None:
-    recorded = RecordedFlight(recording)
+    recorded = RecordingReader(recording)
     replayed = Replay(recorded)
-    ticks = list(replayed)
+    chain_steps = list(replayed)
     assert replayed.differences == []
-    assert replayed.steps == 2 * len(flown.ticks)
+    assert replayed.steps == 2 * len(flown.chain_steps)
     assert not recorded.cut_off
-    assert recorded.setting.parameters == flown.setting.parameters
-    assert recorded.setting.cameras == flown.setting.cameras
-    for before, after in zip(flown.ticks, ticks, strict=True):
-        assert (before.index, before.time, before.inside, before.crashes) == (
+    assert recorded.setup.parameters == flown.setup.parameters
+    assert recorded.setup.cameras == flown.setup.cameras
+    for before, after in zip(flown.chain_steps, chain_steps, strict=True):
+        assert (before.index, before.time, before.in_view, before.crashes) == (
             after.index,
             after.time,
-            after.inside,
+            after.in_view,
             after.crashes,
         )
-        np.testing.assert_array_equal(before.places, after.places)
-        np.testing.assert_array_equal(before.shown[1].turn, after.shown[1].turn)
+        np.testing.assert_array_equal(before.true_positions, after.true_positions)
+        np.testing.assert_array_equal(before.truth_at_exposure[1].turn, after.truth_at_exposure[1].turn)
         for one, other in zip(before.steps, after.steps, strict=True):
             assert outcome_of(one) == outcome_of(other)
-            assert (one.spent, one.now) == (other.spent, other.now)
+            assert (one.stage_times, one.now) == (other.stage_times, other.now)
             assert (one.frame is None) == (other.frame is None)
             if one.frame is not None and other.frame is not None:
                 np.testing.assert_array_equal(one.frame.image, other.frame.image)
 
 
 def test_a_pixel_that_changed_is_noticed(flown: Flown, tmp_path: Path) -> None:
-    ticks = list(flown.ticks[:8])
-    frame = ticks[5].steps[1].frame
+    chain_steps = list(flown.chain_steps[:8])
+    frame = chain_steps[5].steps[1].frame
     assert frame is not None
     image = frame.image.copy()
     image[200:280, 280:360] //= 2
-    altered = msgspec.structs.replace(ticks[5].steps[1], frame=msgspec.structs.replace(frame, image=image))
-    ticks[5] = msgspec.structs.replace(ticks[5], steps=(ticks[5].steps[0], altered))
-    record(Flown(flown.setting, tuple(ticks)), tmp_path / "altered.mcap")
-    replayed = Replay(RecordedFlight(tmp_path / "altered.mcap"))
+    altered = msgspec.structs.replace(chain_steps[5].steps[1], frame=msgspec.structs.replace(frame, image=image))
+    chain_steps[5] = msgspec.structs.replace(chain_steps[5], steps=(chain_steps[5].steps[0], altered))
+    record(Flown(flown.setup, tuple(chain_steps)), tmp_path / "altered.mcap")
+    replayed = Replay(RecordingReader(tmp_path / "altered.mcap"))
     list(replayed)
     first = replayed.differences[0]
     assert (first.tick, first.follower) == (6, 2)
@@ -83,12 +83,12 @@ def test_a_pixel_that_changed_is_noticed(flown: Flown, tmp_path: Path) -> None:
 
 
 def test_a_pilot_that_was_not_armed_stays_so(flown: Flown, tmp_path: Path) -> None:
-    with FlightRecording(tmp_path / "a.mcap", flown.setting) as out:
-        for tick in flown.ticks[:3]:
-            out.write(tick, (True, False))
-    replayed = Replay(RecordedFlight(tmp_path / "a.mcap"))
-    ticks = list(replayed)
-    assert {tick.steps[1].memory.reason for tick in ticks} == {"not armed"}
+    with RecordingWriter(tmp_path / "a.mcap", flown.setup) as out:
+        for chain_step in flown.chain_steps[:3]:
+            out.write(chain_step, (True, False))
+    replayed = Replay(RecordingReader(tmp_path / "a.mcap"))
+    chain_steps = list(replayed)
+    assert {chain_step.steps[1].safety.reason for chain_step in chain_steps} == {"not armed"}
     assert {each.follower for each in replayed.differences} == {2}
 
 
@@ -96,30 +96,30 @@ def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_goes(recording: P
     data = recording.read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(data[: len(data) // 2])
-    recorded = RecordedFlight(cut)
+    recorded = RecordingReader(cut)
     replayed = Replay(recorded)
-    ticks = list(replayed)
+    chain_steps = list(replayed)
     assert recorded.cut_off
-    assert len(ticks) >= 3
+    assert len(chain_steps) >= 3
     assert replayed.differences == []
 
 
 def test_what_is_written_is_on_disk_before_the_end(flown: Flown, tmp_path: Path) -> None:
     """As if the program were killed: nothing is closed, and yet most of it can be replayed."""
     path = tmp_path / "killed.mcap"
-    recording = FlightRecording(path, flown.setting)
-    for tick in flown.ticks[:12]:
-        recording.write(tick, (True, True))
+    recording = RecordingWriter(path, flown.setup)
+    for chain_step in flown.chain_steps[:12]:
+        recording.write(chain_step, (True, True))
     copy = tmp_path / "copy.mcap"
     copy.write_bytes(path.read_bytes())
     recording.close()
-    ticks = list(RecordedFlight(copy))
-    assert 2 <= len(ticks) <= 12
+    chain_steps = list(RecordingReader(copy))
+    assert 2 <= len(chain_steps) <= 12
 
 
 def test_damage_is_said_and_never_anything_else(flown: Flown, tmp_path: Path) -> None:
     short = tmp_path / "short.mcap"
-    record(Flown(flown.setting, flown.ticks[:2]), short)
+    record(Flown(flown.setup, flown.chain_steps[:2]), short)
     data, rng = short.read_bytes(), np.random.default_rng(7)
     places = [*rng.integers(0, 3000, 15).tolist(), *rng.integers(0, len(data), 15).tolist()]
     said = []
@@ -129,7 +129,7 @@ def test_damage_is_said_and_never_anything_else(flown: Flown, tmp_path: Path) ->
             broken[(place + 7 * k) % len(data)] ^= int(rng.integers(1, 256))
         short.write_bytes(broken)
         try:
-            list(RecordedFlight(short))
+            list(RecordingReader(short))
         except ValueError as error:
             said.append(str(error))
     assert len(said) > len(places) // 2
@@ -142,25 +142,25 @@ def test_parameters_of_another_version_are_refused_by_name(flown: Flown, tmp_pat
     first = next(iter(McapReader(recording)))
     content = msgspec.msgpack.decode(first.data)
     content["parameters"]["world"]["gravity"] = 1.6
-    with McapWriter(tmp_path / "moon.mcap", [Kind(CONFIGURATION, "c", b"{}")]) as out:
+    with McapWriter(tmp_path / "moon.mcap", [Topic(CONFIGURATION, "c", b"{}")]) as out:
         out.write(Message(CONFIGURATION, msgspec.msgpack.encode(content)), 0.0, 0)
     with pytest.raises(ValueError, match="gravity"):
-        RecordedFlight(tmp_path / "moon.mcap")
+        RecordingReader(tmp_path / "moon.mcap")
 
 
 def test_a_missing_picture_is_named(flown: Flown, recording: Path, tmp_path: Path) -> None:
     messages = [each for each in McapReader(recording) if each.topic != "/follower/2/frame"]
-    kinds = [Kind(topic, "x", b"{}") for topic in sorted({each.topic for each in messages})]
+    kinds = [Topic(topic, "x", b"{}") for topic in sorted({each.topic for each in messages})]
     with McapWriter(tmp_path / "less.mcap", kinds) as out:
         for number, each in enumerate(messages):
             out.write(each, 0.0, number)
     with pytest.raises(ValueError, match="tick 1 lacks the picture of follower 2"):
-        list(RecordedFlight(tmp_path / "less.mcap"))
+        list(RecordingReader(tmp_path / "less.mcap"))
 
 
 def test_the_first_difference_is_named(flown: Flown) -> None:
-    step: Step = flown.ticks[5].steps[0]
-    other = msgspec.structs.replace(step, memory=step.memory._replace(command=Command(throttle=0.5)))
+    step: PilotStep = flown.chain_steps[5].steps[0]
+    other = msgspec.structs.replace(step, safety=step.safety._replace(command=Command(throttle=0.5)))
     words = first_difference(outcome_of(step), outcome_of(other))
     assert words.startswith("memory.6.")
     assert first_difference(outcome_of(step), outcome_of(step)) == "the bytes differ"
@@ -192,9 +192,12 @@ def test_the_command_replays_films_and_reports(
 def test_the_command_fails_where_steps_differ(
     matchset: Matchset, flown: Flown, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    step = msgspec.structs.replace(flown.ticks[2].steps[0], age=0.5)
-    ticks = [*flown.ticks[:2], msgspec.structs.replace(flown.ticks[2], steps=(step, flown.ticks[2].steps[1]))]
-    record(Flown(flown.setting, tuple(ticks)), Path("wrong.mcap"))
+    step = msgspec.structs.replace(flown.chain_steps[2].steps[0], age=0.5)
+    chain_steps = [
+        *flown.chain_steps[:2],
+        msgspec.structs.replace(flown.chain_steps[2], steps=(step, flown.chain_steps[2].steps[1])),
+    ]
+    record(Flown(flown.setup, tuple(chain_steps)), Path("wrong.mcap"))
     assert matchset("replay", "wrong.mcap", "--quiet") == 1
     out = capfd.readouterr().out
     assert "replayed 6 steps: 1 differ" in out
@@ -204,14 +207,14 @@ def test_the_command_fails_where_steps_differ(
 def test_a_signal_ends_the_replay_with_whole_files(
     matchset: Matchset, recording: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    show = FlightOutlets.show
+    show = FlightOutputs.show
 
-    def interrupted(outlets: FlightOutlets, tick: Tick) -> None:
-        show(outlets, tick)
-        if tick.index == 3:
+    def interrupted(outputs: FlightOutputs, chain_step: ChainStep) -> None:
+        show(outputs, chain_step)
+        if chain_step.index == 3:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(FlightOutlets, "show", interrupted)
+    monkeypatch.setattr(FlightOutputs, "show", interrupted)
     assert matchset("replay", recording, "--video", "a.avi", "--quiet") == 130
     out, err = capfd.readouterr()
     assert "replayed 6 steps: every one" in out
@@ -232,7 +235,7 @@ def test_the_python_of_the_page_runs(recording: Path, tmp_path: Path, monkeypatc
 def test_a_video_that_cannot_be_written_leaves_nothing_behind(flown: Flown, tmp_path: Path) -> None:
     files = FlightFiles(video=tmp_path / "no" / "a.avi", report=tmp_path / "a.html")
     with pytest.raises(ValueError, match="cannot write"):
-        FlightOutlets(flown.setting, files, quiet=True)
+        FlightOutputs(flown.setup, files, quiet=True)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -241,14 +244,14 @@ def test_whatever_happens_the_files_are_whole(flown: Flown, tmp_path: Path) -> N
     files.check()
 
     def fly() -> None:
-        with FlightOutlets(flown.setting, files, quiet=True) as outlets:
-            for tick in flown.ticks[:6]:
-                outlets.show(tick)
+        with FlightOutputs(flown.setup, files, quiet=True) as outputs:
+            for chain_step in flown.chain_steps[:6]:
+                outputs.show(chain_step)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         fly()
-    recorded = RecordedFlight(tmp_path / "a.mcap")
+    recorded = RecordingReader(tmp_path / "a.mcap")
     assert len(list(recorded)) == 6
     assert not recorded.cut_off
     assert (tmp_path / "a.avi").stat().st_size > 50_000

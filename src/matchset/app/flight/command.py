@@ -75,11 +75,13 @@ def fly(
         from matchset.app.flight.outputs import FlightFiles
 
         if print_config:
-            print(flight_settings.template(), end="")
+            print(flight_settings.default_toml(), end="")
             raise typer.Exit
-        flight = flight_settings.from_uri(uri, flight_settings.settings(config, duration))
+        flight = flight_settings.with_uri(uri, flight_settings.flight_parameters(config, duration))
         said = {"vehicles": vehicles, "seed": seed, "pal": pal, "latency_ms": latency_ms}
-        flight = flight_settings.changed(flight, **{name: value for name, value in said.items() if value is not None})
+        flight = flight_settings.with_world(
+            flight, **{name: value for name, value in said.items() if value is not None}
+        )
         files = FlightFiles(video=video, report=report, record=record, force=force)
         code = fly_command.fly(fly_command.FlyOptions(flight=flight, files=files, quiet=quiet, real_time=real_time))
     raise typer.Exit(code)
@@ -114,8 +116,8 @@ def simulate(
         if world != "chain":
             raise ValueError(f"--world must be chain, got {world!r}")
         said = {"vehicles": vehicles, "pal": pal, "latency_ms": latency_ms}
-        flight = flight_settings.changed(
-            flight_settings.settings(config, duration),
+        flight = flight_settings.with_world(
+            flight_settings.flight_parameters(config, duration),
             **{name: each for name, each in said.items() if each is not None},
         )
         limits = Limits(survival=survival, in_view=in_view, spread=spread)

@@ -14,7 +14,7 @@ from matchset.sim.toml_settings import read_settings
 TEMPLATE = "flight.toml"
 
 
-class FlightFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A file of settings: what `FlightParameters` says, and perhaps the camera's file.
 
     Parameters
@@ -28,7 +28,7 @@ class FlightFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     camera: str = ""
 
 
-def template() -> str:
+def default_toml() -> str:
     """Return the settings that come with the package: every key with its default, its unit and its source."""
     return resources.files("matchset.app.flight").joinpath(TEMPLATE).read_text(encoding="utf-8")
 
@@ -50,7 +50,7 @@ def read_flight(path: Path) -> FlightParameters:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: not a text file: {error}") from None
-    file = read_settings(text, FlightFile, str(path))
+    file = read_settings(text, ConfigFile, str(path))
     if not file.camera:
         return file.flight
     camera = CameraModel.load(path.parent / file.camera)
@@ -61,10 +61,10 @@ def read_flight(path: Path) -> FlightParameters:
             f"{path}, line {line}: camera is for {camera.width} x {camera.height} px, but width and height are "
             f"{world.width} x {world.height}"
         )
-    return changed(file.flight, model=camera)
+    return with_world(file.flight, model=camera)
 
 
-def changed(flight: FlightParameters, **world: Any) -> FlightParameters:
+def with_world(flight: FlightParameters, **world: Any) -> FlightParameters:
     """Change what is simulated, checking it again.
 
     Raises
@@ -77,7 +77,7 @@ def changed(flight: FlightParameters, **world: Any) -> FlightParameters:
     return msgspec.structs.replace(flight, world=new)
 
 
-def from_uri(uri: str, flight: FlightParameters) -> FlightParameters:
+def with_uri(uri: str, flight: FlightParameters) -> FlightParameters:
     """Take what a URI says over what the settings say.
 
     Raises
@@ -88,10 +88,10 @@ def from_uri(uri: str, flight: FlightParameters) -> FlightParameters:
     said = parse_uri(uri)
     names = uri.partition("?")[2]
     keys = [pair.partition("=")[0] for pair in names.split("&") if pair]
-    return changed(flight, **{key: getattr(said, key) for key in keys})
+    return with_world(flight, **{key: getattr(said, key) for key in keys})
 
 
-def settings(path: Path | None, duration: float | None) -> FlightParameters:
+def flight_parameters(path: Path | None, duration: float | None) -> FlightParameters:
     """Read settings where there are any, and set the duration where one is given."""
     flight = FlightParameters() if path is None else read_flight(path)
     if duration is None:

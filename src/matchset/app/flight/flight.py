@@ -1,4 +1,4 @@
-"""A chain of followers in flight: `Flight`, an iterable of `Tick`s; whoever shows, records or judges reads these."""
+"""A chain of followers in flight: `Flight`, an iterable of `ChainStep`s, and what is fixed for it: `FlightSetup`."""
 
 import itertools
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, Step, learn_colors
+from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep, learn_colors
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
@@ -53,14 +53,14 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         if not 0.0 <= self.stagger <= 60.0:
             raise ValueError(f"stagger must be within 0 ... 60, got {self.stagger}")
 
-    def begins(self, who: int) -> float:
+    def arming_time(self, who: int) -> float:
         """When a follower, from 0, is armed, s: until then a hand holds it."""
         behind = self.world.vehicles - 2 - who
         return self.stagger * max(behind - self.together + 1, 0)
 
-    def counts(self, who: int) -> float:
+    def evaluation_start(self, who: int) -> float:
         """From when on the place of a follower, from 0, counts, s: `SETTLING` after it was armed."""
-        return self.begins(who) + SETTLING
+        return self.arming_time(who) + SETTLING
 
 
 class Crash(msgspec.Struct, frozen=True):
@@ -86,7 +86,7 @@ class Crash(msgspec.Struct, frozen=True):
         return f"vehicle {self.vehicle} {self.what} at {self.time:.1f} s"
 
 
-class Tick(msgspec.Struct, frozen=True, kw_only=True):
+class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
     """One turn of all loops: one picture of every camera.
 
     Vehicles are counted as in the paper, the first follower first; `steps` has one entry per follower, the sights one
@@ -98,16 +98,16 @@ class Tick(msgspec.Struct, frozen=True, kw_only=True):
         Of the pictures, from 1.
     time : float
         When the commands were sent, s on the clock of the pictures.
-    steps : tuple of Step
+    steps : tuple of PilotStep
         What each follower saw, decided and sent.
     truth : tuple of Sight
         Where every vehicle and its ball was at `time`, in the room: x right, y down, z forward, m.
-    shown : tuple of Sight
+    truth_at_exposure : tuple of Sight
         The same at the middle of the pictures' exposure: what `steps` should have measured.
-    places : ndarray of shape (followers, 3)
+    true_positions : ndarray of shape (followers, 3)
         True side, height and heading of each follower's camera in the level frame of its neighbor's ball, at `time`, m
         (Epstein & Feldman, Eq. 6-8).
-    inside : tuple of bool
+    in_view : tuple of bool
         Whether the middle of the neighbor's ball was inside each camera's picture, and nothing hid it on purpose.
     crashes : tuple of Crash
         Of this flight so far.
@@ -115,11 +115,11 @@ class Tick(msgspec.Struct, frozen=True, kw_only=True):
 
     index: int
     time: float
-    steps: tuple[Step, ...]
+    steps: tuple[PilotStep, ...]
     truth: tuple[Sight, ...]
-    shown: tuple[Sight, ...]
-    places: Floats
-    inside: tuple[bool, ...]
+    truth_at_exposure: tuple[Sight, ...]
+    true_positions: Floats
+    in_view: tuple[bool, ...]
     crashes: tuple[Crash, ...]
 
 
@@ -155,10 +155,10 @@ class Flight:
             Pilot(camera, link, colors, pilot) for camera, link, colors in zip(cameras, links, self.colors, strict=True)
         )
 
-    def __iter__(self) -> Iterator[Tick]:
+    def __iter__(self) -> Iterator[ChainStep]:
         """Arm one after the other and fly for the duration."""
         for index in range(1, self.length + 1):
-            yield self._tick(index)
+            yield self._chain_step(index)
 
     @property
     def length(self) -> int:
@@ -181,25 +181,25 @@ class Flight:
         """Land everyone."""
         self.close()
 
-    def _tick(self, index: int) -> Tick:
+    def _chain_step(self, index: int) -> ChainStep:
         for who, pilot in enumerate(self.pilots):
-            if not pilot.armed and (index - 1) / FPS >= self.parameters.begins(who):
+            if not pilot.armed and (index - 1) / FPS >= self.parameters.arming_time(who):
                 pilot.arm()
         steps = tuple(pilot.step() for pilot in self.pilots)
-        truth, shown = self.chain.truth(), self.chain.truth(index)
-        return Tick(
+        truth, truth_at_exposure = self.chain.truth(), self.chain.truth(index)
+        return ChainStep(
             index=index,
             time=self.chain.now(),
             steps=steps,
             truth=truth,
-            shown=shown,
-            places=np.array([place_beside(me, other) for me, other in itertools.pairwise(truth)]),
-            inside=tuple(self.chain.inside(who, index) for who in range(len(steps))),
+            truth_at_exposure=truth_at_exposure,
+            true_positions=np.array([place_beside(me, other) for me, other in itertools.pairwise(truth)]),
+            in_view=tuple(self.chain.inside(who, index) for who in range(len(steps))),
             crashes=tuple(Crash(time, who + 1, what) for time, who, what in self.chain.world.crashes),
         )
 
 
-class Setting(NamedTuple):
+class FlightSetup(NamedTuple):
     """What is true for a whole flight, one that is flown or one that is replayed.
 
     Attributes
@@ -226,6 +226,6 @@ class Setting(NamedTuple):
         return self.parameters.pilot.target.radius
 
 
-def setting_of(flight: Flight) -> Setting:
+def flight_setup(flight: Flight) -> FlightSetup:
     """Tell the setting of a flight that is about to be flown."""
-    return Setting(flight.parameters, tuple(pilot.camera.model for pilot in flight.pilots), flight.samples)
+    return FlightSetup(flight.parameters, tuple(pilot.camera.model for pilot in flight.pilots), flight.samples)

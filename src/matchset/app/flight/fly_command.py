@@ -5,11 +5,11 @@ import sys
 import msgspec
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight.flight import Flight, FlightParameters, setting_of
+from matchset.app.flight.flight import Flight, FlightParameters, flight_setup
 from matchset.app.flight.log import verdict
-from matchset.app.flight.outputs import FlightFiles, FlightOutlets
+from matchset.app.flight.outputs import FlightFiles, FlightOutputs
 from matchset.app.flight.pacer import Pacer
-from matchset.app.flight.score import FlightJudge
+from matchset.app.flight.score import FlightScorer
 from matchset.app.patience import if_slow
 from matchset.links.simulated import FPS
 
@@ -42,27 +42,27 @@ def fly(options: FlyOptions) -> int:
         files are whole.
     """
     options.files.check()
-    judge = FlightJudge(options.flight)
+    scorer = FlightScorer(options.flight)
     with if_slow("getting ready ..."):
         flight = Flight(options.flight)
     pacer = Pacer(1.0 / FPS) if options.real_time else None
     with (
         StopRequest() as stop,
         flight,
-        FlightOutlets(setting_of(flight), options.files, options.quiet) as outlets,
+        FlightOutputs(flight_setup(flight), options.files, options.quiet) as outputs,
         flight,  # once more: everyone lands before the files are finished, which takes longer
     ):
-        for tick in flight:
-            judge.take(tick)
-            outlets.show(tick, [pilot.armed for pilot in flight.pilots])
-            if stop or judge.over:
+        for chain_step in flight:
+            scorer.add(chain_step)
+            outputs.show(chain_step, [pilot.armed for pilot in flight.pilots])
+            if stop or scorer.crashed:
                 break
             if pacer is not None:
                 pacer.wait()
-    print(f"flight: {verdict(outlets.log)}")
+    print(f"flight: {verdict(outputs.log)}")
     for path in options.files.paths:
         print(f"  {path}")
     if stop:
         print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
         return stop.code
-    return FOUND if judge.score().survived else NOT_FOUND
+    return FOUND if scorer.score().survived else NOT_FOUND

@@ -10,24 +10,32 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from matchset.app.flight.flight import Tick
-from matchset.app.flight.pilot import Step
-from matchset.app.flight.score import FlightTally, FollowerTally
+from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.pilot import PilotStep
+from matchset.app.flight.score import FlightCounters, FollowerCounters
 from matchset.app.flight_report.colors import PHASES, as_hex
-from matchset.app.flight_report.step_text import age_words, distance_words, off_place, place_words, state_words
+from matchset.app.flight_report.step_text import (
+    age_text,
+    distance_text,
+    distance_to_set_place,
+    position_text,
+    state_text,
+)
 from matchset.control.follower import SetPlace
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")
 EVERY = 5.0  # s of the flight between plain lines
 
 
-def flight_view(tick: Tick, tally: FlightTally, place: SetPlace, duration: float, speed: float | None) -> Group:
+def render_view(
+    chain_step: ChainStep, counters: FlightCounters, place: SetPlace, duration: float, speed: float | None
+) -> Group:
     """Make the live view of a moment: a line on the whole flight, and a row per follower.
 
     Parameters
     ----------
-    tick : Tick
-    tally : FlightTally
+    chain_step : ChainStep
+    counters : FlightCounters
         Of all ticks up to this one.
     place : SetPlace
         Where the followers are to be.
@@ -39,29 +47,29 @@ def flight_view(tick: Tick, tally: FlightTally, place: SetPlace, duration: float
     table = Table(box=None, pad_edge=False, header_style="dim")
     for number, name in enumerate(COLUMNS):
         table.add_column(name, justify="left" if number < 2 else "right", no_wrap=True)
-    for number, (step, figures) in enumerate(zip(tick.steps, tally.followers, strict=True), 1):
+    for number, (step, figures) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
         table.add_row(*_cells(number, step, figures, place))
     reasons = [
-        Text(f"{number} {state_words(step)}", style=_style(step), no_wrap=True, overflow="ellipsis")
-        for number, step in enumerate(tick.steps, 1)
-        if step.memory.phase != "flying"
+        Text(f"{number} {state_text(step)}", style=_style(step), no_wrap=True, overflow="ellipsis")
+        for number, step in enumerate(chain_step.steps, 1)
+        if step.safety.phase != "flying"
     ]
-    return Group(_head(tick, duration, speed), table, *reasons)
+    return Group(_head(chain_step, duration, speed), table, *reasons)
 
 
-def plain_line(tick: Tick, tally: FlightTally) -> str:
+def text_line(chain_step: ChainStep, counters: FlightCounters) -> str:
     """Say a moment in one line: ``  5.0 s   1: flying, 1.51 m, side +0.01 ... m, 67 ms old, lost 0   2: ...``."""
     parts = []
-    for number, (step, figures) in enumerate(zip(tick.steps, tally.followers, strict=True), 1):
-        words = " ".join(place_words(step.answer).split())
+    for number, (step, figures) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
+        words = " ".join(position_text(step.control).split())
         parts.append(
-            f"{number}: {state_words(step)}, {distance_words(step)}, {words}, {age_words(step.age)} old, "
+            f"{number}: {state_text(step)}, {distance_text(step)}, {words}, {age_text(step.age)} old, "
             f"lost {figures.lost}"
         )
-    return f"{tick.time:6.1f} s   " + "   ".join(parts)
+    return f"{chain_step.time:6.1f} s   " + "   ".join(parts)
 
 
-class FlightScreen:
+class LiveView:
     """Shows a flight on a terminal, redrawn 10 times a second; elsewhere it prints a plain line now and then.
 
     Parameters
@@ -83,29 +91,29 @@ class FlightScreen:
         self._begun: tuple[float, float] | None = None
         self._told, self._crashes = -math.inf, 0
 
-    def show(self, tick: Tick, tally: FlightTally) -> None:
+    def show(self, chain_step: ChainStep, counters: FlightCounters) -> None:
         """Show a tick that the tally has counted."""
-        for crash in tick.crashes[self._crashes :]:
+        for crash in chain_step.crashes[self._crashes :]:
             self._say(f"{crash.time:6.1f} s   vehicle {crash.vehicle} {crash.what}")
-        self._crashes = len(tick.crashes)
+        self._crashes = len(chain_step.crashes)
         if self._shown:
-            speed = self._speed(tick)
-            self._live.update(flight_view(tick, tally, self._place, self._duration, speed))
-        elif tick.time - self._told >= EVERY:
-            self._told = tick.time
-            self._say(plain_line(tick, tally))
+            speed = self._speed(chain_step)
+            self._live.update(render_view(chain_step, counters, self._place, self._duration, speed))
+        elif chain_step.time - self._told >= EVERY:
+            self._told = chain_step.time
+            self._say(text_line(chain_step, counters))
 
     def _say(self, words: str) -> None:
         if not self._quiet:
             self._console.print(words, soft_wrap=True, markup=False)
 
-    def _speed(self, tick: Tick) -> float | None:
+    def _speed(self, chain_step: ChainStep) -> float | None:
         """Seconds of flight per second since the first tick."""
         now = time.monotonic()
         if self._begun is None:
-            self._begun = now, tick.time
+            self._begun = now, chain_step.time
         passed = now - self._begun[0]
-        return (tick.time - self._begun[1]) / passed if passed > 0.5 else None
+        return (chain_step.time - self._begun[1]) / passed if passed > 0.5 else None
 
     def __enter__(self) -> Self:
         if self._shown:
@@ -119,30 +127,30 @@ class FlightScreen:
             self._live.__exit__(kind, error, trace)
 
 
-def _head(tick: Tick, duration: float, speed: float | None) -> Text:
-    line = Text(f"{tick.time:.1f} of {duration:g} s", style="bold", no_wrap=True, overflow="ellipsis")
+def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:
+    line = Text(f"{chain_step.time:.1f} of {duration:g} s", style="bold", no_wrap=True, overflow="ellipsis")
     if speed is not None:
         line.append(f"   {speed:.2g} times as fast as real time", style="dim not bold")
-    for crash in tick.crashes:
+    for crash in chain_step.crashes:
         line.append(f"   {crash.vehicle} {crash.what}", style="bold red")
     return line
 
 
-def _cells(number: int, step: Step, figures: FollowerTally, place: SetPlace) -> tuple[Text | str, ...]:
+def _cells(number: int, step: PilotStep, figures: FollowerCounters, place: SetPlace) -> tuple[Text | str, ...]:
     """One follower's row."""
-    answer, off = step.answer, off_place(step.answer, place)
-    there = ("-",) * 3 if answer is None else (f"{v:+z.2f}" for v in (answer.side, answer.height, answer.heading))
+    control, off = step.control, distance_to_set_place(step.control, place)
+    there = ("-",) * 3 if control is None else (f"{v:+z.2f}" for v in (control.side, control.height, control.heading))
     return (
         f"{number} \u2192 {number + 1}",
-        Text(step.memory.phase, style=_style(step)),
-        distance_words(step),
+        Text(step.safety.phase, style=_style(step)),
+        distance_text(step),
         *there,
         "-" if off is None else f"{100.0 * off:.0f} cm",
-        age_words(step.age),
+        age_text(step.age),
         "-" if figures.rate is None else f"{figures.rate:.1f}/s",
         str(figures.lost + figures.missing),
     )
 
 
-def _style(step: Step) -> str:
-    return as_hex(PHASES[step.memory.phase])
+def _style(step: PilotStep) -> str:
+    return as_hex(PHASES[step.safety.phase])

@@ -6,10 +6,10 @@ from array import array
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.flight import SETTLING, Crash, Setting, Tick
-from matchset.app.flight.pilot import Step
-from matchset.app.flight.score import FlightTally
-from matchset.app.flight_report.chain_frame import composed, from_last
+from matchset.app.flight.flight import SETTLING, ChainStep, Crash, FlightSetup
+from matchset.app.flight.pilot import PilotStep
+from matchset.app.flight.score import FlightCounters
+from matchset.app.flight_report.chain_frame import camera_positions, room_to_chain_frame
 from matchset.app.flight_report.true_circle import true_circle
 from matchset.control.safety import Phase
 from matchset.sim.world import lens_of
@@ -42,7 +42,7 @@ class FollowerLog:
         return self._table[:, 0]
 
     @property
-    def believed(self) -> Floats:
+    def estimated(self) -> Floats:
         """Side, height and heading that the follower acted on, for the time of action, (n, 3), m."""
         return self._table[:, 1:4]
 
@@ -52,7 +52,7 @@ class FollowerLog:
         return self._table[:, 4:7]
 
     @property
-    def error_px(self) -> Floats:
+    def circle_error_px(self) -> Floats:
         """Error of the ball's circle, |dx| + |dy| + |dr| (Eq. 10), (n,), px; NaN where it was not found."""
         return self._table[:, 7]
 
@@ -77,7 +77,7 @@ class FollowerLog:
         return self._table[:, 11].astype(np.intp)
 
     @property
-    def inside(self) -> npt.NDArray[np.bool_]:
+    def in_view(self) -> npt.NDArray[np.bool_]:
         """Whether the ball was to be seen, (n,)."""
         return self._table[:, 12] > 0.0
 
@@ -97,71 +97,71 @@ class FlightLog:
 
     Parameters
     ----------
-    setting : Setting
+    setup : FlightSetup
 
     Attributes
     ----------
-    setting : Setting
+    setup : FlightSetup
     followers : list of FollowerLog
-    tally : FlightTally
+    counters : FlightCounters
     crashes : tuple of Crash
     """
 
-    def __init__(self, setting: Setting) -> None:
-        self.setting = setting
-        self.followers = [FollowerLog() for _ in range(setting.followers)]
-        self.tally = FlightTally(setting.followers)
+    def __init__(self, setup: FlightSetup) -> None:
+        self.setup = setup
+        self.followers = [FollowerLog() for _ in range(setup.followers)]
+        self.counters = FlightCounters(setup.followers)
         self.crashes: tuple[Crash, ...] = ()
         self._room = array("d")
 
-    def add(self, tick: Tick) -> None:
+    def add(self, chain_step: ChainStep) -> None:
         """Take note of a tick."""
-        self.tally.count(tick)
-        self.crashes = tick.crashes
-        for sight in tick.shown:
+        self.counters.add(chain_step)
+        self.crashes = chain_step.crashes
+        for sight in chain_step.truth_at_exposure:
             self._room.extend(sight.ball.tolist())
-        for number, place in enumerate(composed(tick.steps)):
-            self.followers[number].add(self._row(tick, number, place))
+        for number, place in enumerate(camera_positions(chain_step.steps)):
+            self.followers[number].add(self._row(chain_step, number, place))
 
     @property
     def room(self) -> Floats:
         """Every vehicle's ball in the room, (n, vehicles, 3), m."""
-        return np.array(self._room, np.float64).reshape(-1, self.setting.followers + 1, 3)
+        return np.array(self._room, np.float64).reshape(-1, self.setup.followers + 1, 3)
 
-    def off_place(self, number: int) -> Floats:
+    def position_error(self, number: int) -> Floats:
         """Subtract the set place of a follower, from 0, from its true one, once it should be held: (n, 3), m."""
-        log, place = self.followers[number], self.setting.parameters.pilot.place
+        log, place = self.followers[number], self.setup.parameters.pilot.place
         off: Floats = log.true - (place.side, place.height, place.heading)
-        return off[log.time >= self.setting.parameters.counts(number)]
+        return off[log.time >= self.setup.parameters.evaluation_start(number)]
 
     def spread(self, number: int) -> Floats:
-        """Root mean square of `off_place` in each axis, (3,), m; empty if the flight was not that long."""
-        off = self.off_place(number)
+        """Root mean square of `position_error` in each axis, (3,), m; empty if the flight was not that long."""
+        off = self.position_error(number)
         return np.sqrt((off**2).mean(axis=0)) if len(off) else np.empty(0)
 
-    def _row(self, tick: Tick, number: int, place: Floats | None) -> tuple[float, ...]:
-        step, answer = tick.steps[number], tick.steps[number].answer
-        believed = _NONE if answer is None else (answer.side, answer.height, answer.heading)
-        lens = lens_of(tick.shown[number])
+    def _row(self, chain_step: ChainStep, number: int, place: Floats | None) -> tuple[float, ...]:
+        step, control = chain_step.steps[number], chain_step.steps[number].control
+        estimated = _NONE if control is None else (control.side, control.height, control.heading)
+        lens = lens_of(chain_step.truth_at_exposure[number])
         return (
             step.now,
-            *believed,
-            *tick.places[number].tolist(),
-            self._error_px(tick, number, step),
+            *estimated,
+            *chain_step.true_positions[number].tolist(),
+            self._error_px(chain_step, number, step),
             step.age,
             math.nan if step.frame is None else step.processing,
             float(isinstance(step.ball, Track)),
-            float(PHASES.index(step.memory.phase)),
-            float(tick.inside[number]),
+            float(PHASES.index(step.safety.phase)),
+            float(chain_step.in_view[number]),
             *(_NONE if place is None else place.tolist()),
-            *from_last(lens, tick.shown[-1]).tolist(),
+            *room_to_chain_frame(lens, chain_step.truth_at_exposure[-1]).tolist(),
         )
 
-    def _error_px(self, tick: Tick, number: int, step: Step) -> float:
+    def _error_px(self, chain_step: ChainStep, number: int, step: PilotStep) -> float:
         if not isinstance(step.ball, Track):
             return math.nan
-        me, other = tick.shown[number], tick.shown[number + 1]
-        truth, found = true_circle(me, other, self.setting.cameras[number], self.setting.radius), step.ball.shape
+        me, other = chain_step.truth_at_exposure[number], chain_step.truth_at_exposure[number + 1]
+        truth, found = true_circle(me, other, self.setup.cameras[number], self.setup.radius), step.ball.shape
         if truth is None:
             return math.nan
         return abs(found.x - truth.x) + abs(found.y - truth.y) + abs(found.radius - truth.radius)
@@ -181,7 +181,7 @@ HEADINGS = (
 )
 
 
-def follower_figures(log: FlightLog, number: int) -> tuple[str, ...]:
+def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
     """Say one follower's figures, in the order of `HEADINGS`.
 
     Parameters
@@ -190,8 +190,8 @@ def follower_figures(log: FlightLog, number: int) -> tuple[str, ...]:
     number : int
         From 0.
     """
-    follower, figures = log.followers[number], log.tally.followers[number]
-    to_see, error = follower.inside, follower.error_px[np.isfinite(follower.error_px)]
+    follower, figures = log.followers[number], log.counters.followers[number]
+    to_see, error = follower.in_view, follower.circle_error_px[np.isfinite(follower.circle_error_px)]
     age = 1000.0 * follower.age[np.isfinite(follower.age)]
     spent = 1e6 * follower.processing[np.isfinite(follower.processing)]
     off = 100.0 * log.spread(number)
@@ -211,10 +211,10 @@ def follower_figures(log: FlightLog, number: int) -> tuple[str, ...]:
 
 def verdict(log: FlightLog) -> str:
     """Say in one sentence how the flight ended."""
-    time = f"{log.tally.time:.1f} s"
+    time = f"{log.counters.time:.1f} s"
     if log.crashes:
         return f"{time}; " + "; ".join(each.words for each in log.crashes)
-    if not log.tally.ticks:
+    if not log.counters.chain_steps:
         return "nothing was flown"
     down = [str(k + 1) for k, follower in enumerate(log.followers) if PHASES[follower.phase[-1]] == "cut"]
     if down:

@@ -1,4 +1,4 @@
-"""Everything that is made of a flight while it is flown, or replayed: `FlightOutlets`."""
+"""Everything that is made of a flight while it is flown, or replayed: `FlightOutputs`."""
 
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -9,13 +9,13 @@ from typing import Self
 import msgspec
 
 from matchset.app.drawing.video_writer import Recorder, codecs_for
-from matchset.app.flight.flight import Setting, Tick
-from matchset.app.flight.live_view import FlightScreen
+from matchset.app.flight.flight import ChainStep, FlightSetup
+from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.log import FlightLog
 from matchset.app.flight_report.picture import FlightPicture
 from matchset.app.flight_report.report import check_report, write_report
 from matchset.app.recording.mcap_file import check_mcap
-from matchset.app.recording.writer import FlightRecording
+from matchset.app.recording.writer import RecordingWriter
 from matchset.app.run_folder import output_file
 from matchset.links.simulated import FPS
 
@@ -63,12 +63,12 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         return [path for path in (self.record, self.video, self.report) if path is not None]
 
 
-class FlightOutlets:
+class FlightOutputs:
     """Shows, films, records and reports ticks; leaving the `with` block finishes every file, however it is left.
 
     Parameters
     ----------
-    setting : Setting
+    setup : FlightSetup
     files : FlightFiles, optional
         `FlightFiles.check` comes before.
     quiet : bool
@@ -80,39 +80,39 @@ class FlightOutlets:
         All numbers of the flight so far.
     """
 
-    def __init__(self, setting: Setting, files: FlightFiles | None = None, quiet: bool = False) -> None:
-        self.log = FlightLog(setting)
+    def __init__(self, setup: FlightSetup, files: FlightFiles | None = None, quiet: bool = False) -> None:
+        self.log = FlightLog(setup)
         self._files = files or FlightFiles()
         self._closed = False
-        parameters = setting.parameters
-        self._screen = FlightScreen(parameters.pilot.place, parameters.duration, quiet)
+        parameters = setup.parameters
+        self._screen = LiveView(parameters.pilot.place, parameters.duration, quiet)
         self._picture: FlightPicture | None = None
         self._recorder: Recorder | None = None
-        self._recording: FlightRecording | None = None
+        self._recording: RecordingWriter | None = None
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:
-                self._picture = FlightPicture(setting)
+                self._picture = FlightPicture(setup)
                 self._recorder = stack.enter_context(Recorder(self._files.video, FPS, self._picture.size))
             if self._files.record is not None:
-                self._recording = stack.enter_context(FlightRecording(self._files.record, setting))
+                self._recording = stack.enter_context(RecordingWriter(self._files.record, setup))
             stack.enter_context(self._screen)
             self._stack = stack.pop_all()
 
-    def show(self, tick: Tick, armed: Sequence[bool] | None = None) -> None:
+    def show(self, chain_step: ChainStep, armed: Sequence[bool] | None = None) -> None:
         """Give a tick to everything.
 
         Parameters
         ----------
-        tick : Tick
+        chain_step : ChainStep
         armed : sequence of bool, optional
             Which pilots have been told to fly; all of them by default.
         """
-        self.log.add(tick)
-        self._screen.show(tick, self.log.tally)
+        self.log.add(chain_step)
+        self._screen.show(chain_step, self.log.counters)
         if self._recorder is not None and self._picture is not None:
-            self._recorder.write(self._picture.draw(tick))
+            self._recorder.write(self._picture.draw(chain_step))
         if self._recording is not None:
-            self._recording.write(tick, [True] * len(tick.steps) if armed is None else armed)
+            self._recording.write(chain_step, [True] * len(chain_step.steps) if armed is None else armed)
 
     def close(self) -> None:
         """Finish all files, the report last."""

@@ -57,7 +57,7 @@ class Colors(NamedTuple):
     marker: ColorModel
 
 
-class Step(msgspec.Struct, frozen=True, kw_only=True):
+class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     """All that happened in one turn of the loop; drawing, recording and reports read nothing else.
 
     Parameters
@@ -70,15 +70,15 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
     markers : tuple of Track
     pose : Pose or Lost
         In the camera frame, at the time of the frame.
-    answer : Answer or None
+    control : Answer or None
         What the follower wants, and why.
     command : Command
         What was sent, as the link confirmed it.
-    memory : Memory
+    safety : Memory
         Of the safety: its phase and its words.
     age : float
         From capture to command, s; inf before the first picture.
-    spent : tuple of float
+    stage_times : tuple of float
         Computing time of each of `STAGES`, s.
     """
 
@@ -87,16 +87,16 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
     ball: Track[Circle] | Lost[Circle]
     markers: tuple[Track[Circle], ...]
     pose: Pose | Lost[Pose]
-    answer: Answer | None
+    control: Answer | None
     command: Command
-    memory: Memory
+    safety: Memory
     age: float
-    spent: tuple[float, ...]
+    stage_times: tuple[float, ...]
 
     @property
     def processing(self) -> float:
         """Computing time from picture to command, s."""
-        return sum(self.spent[1:])
+        return sum(self.stage_times[1:])
 
 
 class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -140,7 +140,7 @@ class Pilot:
         self.camera, self.link = camera, link
         self.armed = False
         target = self.parameters.target
-        self._colors, self._refused = colors, 0
+        self._colors, self._rejected_poses = colors, 0
         self._tracker = Tracker(Circle, colors.ball)
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera.model, target)
@@ -153,7 +153,7 @@ class Pilot:
         self.link.arm()
         self.armed = True
 
-    def step(self) -> Step:
+    def step(self) -> PilotStep:
         """Wait for the newest picture and answer it with a command.
 
         Raises
@@ -165,36 +165,36 @@ class Pilot:
         frame = self.camera.read()
         stamps.append(time.perf_counter())
         now = self.camera.now()
-        ball, markers, pose = self._look(frame, now, stamps)
-        answer = self._follower.update(pose, now)
-        self._believe(pose)
+        ball, markers, pose = self._perceive(frame, now, stamps)
+        control = self._follower.update(pose, now)
+        self._update_gate(pose)
         facts = Facts(now, self._frame_time, self._seen, self.armed)
-        wanted, self._memory = guard(answer and answer.wish, facts, self._memory, self.parameters.safety)
+        wanted, self._memory = guard(control and control.wish, facts, self._memory, self.parameters.safety)
         stamps.append(time.perf_counter())
         command = self.link.send(wanted)
         self._follower.sent(command, now)
         stamps.append(time.perf_counter())
-        return Step(
+        return PilotStep(
             now=now,
             frame=frame,
             ball=ball,
             markers=markers,
             pose=pose,
-            answer=answer,
+            control=control,
             command=command,
-            memory=self._memory,
+            safety=self._memory,
             age=now - self._frame_time,
-            spent=tuple(b - a for a, b in itertools.pairwise(stamps)),
+            stage_times=tuple(b - a for a, b in itertools.pairwise(stamps)),
         )
 
-    def _look(
+    def _perceive(
         self, frame: Frame | None, now: float, stamps: list[float]
     ) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...], Pose | Lost[Pose]]:
         """Track and localize, with a time stamp after each stage."""
         if frame is None:
             stamps.extend([stamps[-1]] * 3)
             return Lost("no picture came", now), (), Lost("no picture came", now)
-        if self._begins(frame):
+        if self._initialized(frame):
             ball: Track[Circle] | Lost[Circle] = self._tracker.update(frame)
         else:
             ball = Lost("no ball is near the place where the neighbor should be", frame.time)
@@ -206,27 +206,31 @@ class Pilot:
         self._frame_time = frame.time
         return ball, markers, pose
 
-    def _begins(self, frame: Frame) -> bool:
+    def _initialized(self, frame: Frame) -> bool:
         """Whether there is a ball to follow: before one was believed the nearest that may be it."""
         if self._follower.neighbor.time > -math.inf:
             return True
         place, near = self.parameters.place, self.parameters.near
         there = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
-        ball = first_ball(frame, self._colors.ball, self._localizer, there, near)
+        ball = find_neighbor_ball(frame, self._colors.ball, self._localizer, there, near)
         if ball is not None:
             self._tracker.start(ball)
         return ball is not None
 
-    def _believe(self, pose: Pose | Lost[Pose]) -> None:
+    def _update_gate(self, pose: Pose | Lost[Pose]) -> None:
         """Note when the ball was seen where it can be; look for it anew when another one is followed."""
         if not isinstance(pose, Pose):
             return
         if self._follower.neighbor.time == pose.time:
-            self._seen, self._refused = pose.time, 0
+            self._seen, self._rejected_poses = pose.time, 0
             return
-        self._refused += 1
+        self._rejected_poses += 1
         there = self._follower.expected(pose.time)
-        if self._refused % DOUBTED == 0 and there is not None and self.camera.model.visible(there[np.newaxis])[0]:
+        if (
+            self._rejected_poses % DOUBTED == 0
+            and there is not None
+            and self.camera.model.visible(there[np.newaxis])[0]
+        ):
             x, y = self.camera.model.project(there[np.newaxis])[0]
             self._tracker = Tracker(Circle, self._colors.ball, start=(float(x), float(y)))
 
@@ -249,7 +253,7 @@ def learn_colors(sample: Frame) -> Colors:
 MOST = 6  # balls that are looked at
 
 
-def first_ball(
+def find_neighbor_ball(
     frame: Frame, color: ColorModel, localizer: Localizer, there: npt.NDArray[np.float64], reach: float
 ) -> Circle | None:
     """Of the balls that may be the neighbor's the nearest to the camera: the next but one looks the same, farther off.

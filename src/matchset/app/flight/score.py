@@ -1,4 +1,4 @@
-"""What a flight was worth against the limits: `FlightJudge` takes its ticks, `FlightScore` is a line of the table."""
+"""What a flight was worth against the limits: `FlightScorer` takes its ticks, `FlightScore` is a line of the table."""
 
 import math
 from array import array
@@ -7,8 +7,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.flight import FlightParameters, Tick
-from matchset.app.flight.pilot import Step
+from matchset.app.flight.flight import ChainStep, FlightParameters
+from matchset.app.flight.pilot import PilotStep
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Track
 
@@ -30,7 +30,7 @@ class FlightScore(msgspec.Struct, frozen=True, kw_only=True):
         When the last command was sent, or the first crash happened, s.
     crash : str
         What happened, empty if nothing.
-    landed : str
+    landing_reason : str
         Why safety ended the flight, empty if it did not.
     in_view : tuple of float
         Share of the pictures in which each follower's ball was inside.
@@ -41,10 +41,10 @@ class FlightScore(msgspec.Struct, frozen=True, kw_only=True):
     spread : tuple of (float, float, float)
         Root mean square of place minus set place from 5 s after its beginning on, side, height and heading of each
         follower, m; empty if the flight was not that long.
-    settled : float
+    settling_time : float
         When the last follower had come within 0.15 m of its set place in every axis for the first time to stay there
         for a second, s; inf if one never did.
-    down : float
+    descent_time : float
         When the first safety began to bring a vehicle down, s; inf if none did.
     processing : float
         Median computing time of track, localize, control and send, s.
@@ -56,20 +56,20 @@ class FlightScore(msgspec.Struct, frozen=True, kw_only=True):
     duration: float
     end: float
     crash: str
-    landed: str
+    landing_reason: str
     in_view: tuple[float, ...]
     found: tuple[float, ...]
     losses: tuple[int, ...]
     spread: tuple[tuple[float, float, float], ...]
-    settled: float
-    down: float
+    settling_time: float
+    descent_time: float
     processing: float
     age: float
 
     @property
     def survived(self) -> bool:
         """Whether everyone flew to the end."""
-        return not self.crash and not self.landed
+        return not self.crash and not self.landing_reason
 
     @property
     def worst_spread(self) -> float:
@@ -77,7 +77,7 @@ class FlightScore(msgspec.Struct, frozen=True, kw_only=True):
         return max((value for each in self.spread for value in each), default=math.inf)
 
 
-class FlightJudge:
+class FlightScorer:
     """Takes the ticks of a flight.
 
     Parameters
@@ -100,53 +100,53 @@ class FlightJudge:
         self._spent, self._age = array("d"), array("d")
         self._down, self._crash, self._landed = math.inf, "", ""
 
-    def take(self, tick: Tick) -> None:
+    def add(self, chain_step: ChainStep) -> None:
         """Take the next tick into account."""
-        self._time.append(tick.time)
-        self._off.extend((tick.places - self._goal).ravel().tolist())
-        for who, step in enumerate(tick.steps):
+        self._time.append(chain_step.time)
+        self._off.extend((chain_step.true_positions - self._goal).ravel().tolist())
+        for who, step in enumerate(chain_step.steps):
             placed = isinstance(step.pose, Pose)
-            self._inside[who] += tick.inside[who]
+            self._inside[who] += chain_step.in_view[who]
             self._found[who] += placed
             self._losses[who] += self._had[who] and not placed
             self._had[who] = placed
             self._spent.append(step.processing)
             self._age.append(step.age)
-            if step.memory.phase in DOWN and not self._landed:
-                self._landed, self._down = f"vehicle {who + 1}: {step.memory.reason}", tick.time
-        if tick.crashes and not self._crash:
-            self._crash = tick.crashes[0].words
+            if step.safety.phase in DOWN and not self._landed:
+                self._landed, self._down = f"vehicle {who + 1}: {step.safety.reason}", chain_step.time
+        if chain_step.crashes and not self._crash:
+            self._crash = chain_step.crashes[0].words
 
     @property
-    def over(self) -> bool:
+    def crashed(self) -> bool:
         """Whether somebody crashed: what follows says nothing more."""
         return bool(self._crash)
 
     def score(self) -> FlightScore:
         """Sum up what was taken."""
-        ticks = max(len(self._time), 1)
+        chain_steps = max(len(self._time), 1)
         time = np.array(self._time)
         off = np.array(self._off).reshape(len(self._time), -1, 3)
-        late = [off[time >= self.parameters.counts(who), who] for who in range(off.shape[1])]
+        late = [off[time >= self.parameters.evaluation_start(who), who] for who in range(off.shape[1])]
         spread = [np.sqrt((each**2).mean(axis=0)) for each in late] if all(len(each) for each in late) else []
         return FlightScore(
             seed=self.parameters.world.seed,
             duration=self.parameters.duration,
             end=float(time[-1]) if len(time) else 0.0,
             crash=self._crash,
-            landed=self._landed,
-            in_view=tuple((self._inside / ticks).tolist()),
-            found=tuple((self._found / ticks).tolist()),
+            landing_reason=self._landed,
+            in_view=tuple((self._inside / chain_steps).tolist()),
+            found=tuple((self._found / chain_steps).tolist()),
             losses=tuple(self._losses.tolist()),
             spread=tuple((float(a), float(b), float(c)) for a, b, c in spread),
-            settled=settled(time, off),
-            down=self._down,
+            settling_time=settling_time(time, off),
+            descent_time=self._down,
             processing=float(np.median(self._spent)) if self._spent else 0.0,
             age=float(np.median(self._age)) if self._age else 0.0,
         )
 
 
-def settled(time: Floats, off: Floats) -> float:
+def settling_time(time: Floats, off: Floats) -> float:
     """When the last follower had come near its set place to stay for a second, s; inf if one never did.
 
     Parameters
@@ -167,7 +167,7 @@ def settled(time: Floats, off: Floats) -> float:
     return last
 
 
-class FollowerTally:
+class FollowerCounters:
     """How one follower's pictures went.
 
     Attributes
@@ -193,7 +193,7 @@ class FollowerTally:
         self._seen, self._since = True, 0.0
         self._times: list[float] = []
 
-    def count(self, step: Step) -> None:
+    def add(self, step: PilotStep) -> None:
         """Take a turn of the loop into account."""
         found = isinstance(step.ball, Track)
         self.frames += step.frame is not None
@@ -217,7 +217,7 @@ class FollowerTally:
         return (len(self._times) - 1) / (self._times[-1] - self._times[0])
 
 
-class FlightTally:
+class FlightCounters:
     """How a flight went.
 
     Parameters
@@ -229,15 +229,15 @@ class FlightTally:
     ticks : int
     time : float
         Of the last tick, s.
-    followers : list of FollowerTally
+    followers : list of FollowerCounters
     """
 
     def __init__(self, followers: int) -> None:
-        self.ticks, self.time = 0, 0.0
-        self.followers = [FollowerTally() for _ in range(followers)]
+        self.chain_steps, self.time = 0, 0.0
+        self.followers = [FollowerCounters() for _ in range(followers)]
 
-    def count(self, tick: Tick) -> None:
+    def add(self, chain_step: ChainStep) -> None:
         """Take a tick into account."""
-        self.ticks, self.time = self.ticks + 1, tick.time
-        for follower, step in zip(self.followers, tick.steps, strict=True):
-            follower.count(step)
+        self.chain_steps, self.time = self.chain_steps + 1, chain_step.time
+        for follower, step in zip(self.followers, chain_step.steps, strict=True):
+            follower.add(step)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 
 from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.score import FlightJudge, FlightScore
+from matchset.app.flight.score import FlightScore, FlightScorer
 
 
 def fly_once(parameters: FlightParameters, tell: Callable[[], object] | None = None) -> FlightScore:
@@ -18,13 +18,13 @@ def fly_once(parameters: FlightParameters, tell: Callable[[], object] | None = N
     tell : callable, optional
         Called at every tick; if it answers True the flight ends there.
     """
-    judge = FlightJudge(parameters)
+    scorer = FlightScorer(parameters)
     with Flight(parameters) as flight:
-        for tick in flight:
-            judge.take(tick)
-            if judge.over or (tell is not None and tell() is True):
+        for chain_step in flight:
+            scorer.add(chain_step)
+            if scorer.crashed or (tell is not None and tell() is True):
                 break
-    return judge.score()
+    return scorer.score()
 
 
 def fly_all(

@@ -9,11 +9,19 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
-from matchset.app.flight.config import changed
+from matchset.app.flight.config import with_world
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
 from matchset.app.flight.series import fly_all
-from matchset.app.flight.simulation_table import HEADER, Limits, Row, flight_line, rows_of, table_of, verdict
+from matchset.app.flight.simulation_table import (
+    HEADER,
+    Limits,
+    SweepRow,
+    csv_line,
+    markdown_table,
+    rows_by_value,
+    verdict,
+)
 from matchset.app.run_folder import output_folder
 from matchset.links.simulated import SimulationParameters
 
@@ -86,7 +94,9 @@ def simulate(options: SimulateOptions) -> int:
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     cases = [(value, seed) for value in values for seed in seeds]
     # All flights are checked before the first one begins.
-    flights = [changed(options.flight, **{name: int(value) if whole else value, "seed": seed}) for value, seed in cases]
+    flights = [
+        with_world(options.flight, **{name: int(value) if whole else value, "seed": seed}) for value, seed in cases
+    ]
     folder = output_folder(options.out, "simulate", options.force)
     done: list[tuple[float, FlightScore]] = []
     with StopRequest() as stop, (folder / "flights.csv").open("w", encoding="utf-8") as file:
@@ -95,17 +105,17 @@ def simulate(options: SimulateOptions) -> int:
             for number, score in fly_all(flights, options.jobs or os.cpu_count() or 1, lambda: bool(stop)):
                 value = cases[number][0]
                 done.append((value, score))
-                print(f"{value:g},{flight_line(score)}", file=file, flush=True)
+                print(f"{value:g},{csv_line(score)}", file=file, flush=True)
                 advance()
-    rows = rows_of(values, done)
-    words = table_of(name, UNIT.get(name, ""), rows)
+    rows = rows_by_value(values, done)
+    words = markdown_table(name, UNIT.get(name, ""), rows)
     (folder / "table.md").write_text(words + "\n", encoding="utf-8")
     print(words)
     print(f"  {folder / 'flights.csv'}")
     return _end(options, name, rows, stop, len(done), len(cases))
 
 
-def _end(options: SimulateOptions, name: str, rows: list[Row], stop: StopRequest, done: int, wanted: int) -> int:
+def _end(options: SimulateOptions, name: str, rows: list[SweepRow], stop: StopRequest, done: int, wanted: int) -> int:
     """Say the verdict in the last line."""
     holds, sentence = verdict(name, UNIT.get(name, ""), rows, options.flight, options.limits)
     if stop:

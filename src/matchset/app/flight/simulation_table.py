@@ -1,4 +1,4 @@
-"""Flights side by side: `rows_of` groups their scores, `table_of` shows them, `verdict` says whether limits hold."""
+"""Flights at several values of one parameter: grouped (`rows_by_value`), as a table (`markdown_table`), judged."""
 
 import math
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"spread must be positive, got {self.spread}")
 
 
-class Row(msgspec.Struct, frozen=True, kw_only=True):
+class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
     """All flights at one value of what was swept.
 
     Parameters
@@ -74,7 +74,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         values = [each[axis] for score in self.scores for each in score.spread]
         return float(np.median(values)) if values else math.inf
 
-    def broken(self, limits: Limits) -> str:
+    def violation(self, limits: Limits) -> str:
         """Say which limit does not hold, empty if all do."""
         count = len(self.scores)
         if not count or self.survived < limits.survival * count:
@@ -86,24 +86,24 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         return ""
 
 
-def rows_of(values: Sequence[float], done: Sequence[tuple[float, FlightScore]]) -> list[Row]:
+def rows_by_value(values: Sequence[float], done: Sequence[tuple[float, FlightScore]]) -> list[SweepRow]:
     """Group scores by value; values without a flight are left out."""
     groups = [(value, tuple(score for at, score in done if at == value)) for value in values]
-    return [Row(value=value, scores=scores) for value, scores in groups if scores]
+    return [SweepRow(value=value, scores=scores) for value, scores in groups if scores]
 
 
-def flight_line(score: FlightScore) -> str:
+def csv_line(score: FlightScore) -> str:
     """One flight as a line of CSV, in the order of `HEADER`."""
-    reason = (score.crash or score.landed).replace(",", ";")
+    reason = (score.crash or score.landing_reason).replace(",", ";")
     spread = f"{score.worst_spread:.4f}" if math.isfinite(score.worst_spread) else ""
-    settled = f"{score.settled:.2f}" if math.isfinite(score.settled) else ""
+    settling_time = f"{score.settling_time:.2f}" if math.isfinite(score.settling_time) else ""
     return (
         f"{score.seed},{score.end:.2f},{int(score.survived)},{reason},{min(score.in_view):.4f},{min(score.found):.4f},"
-        f"{sum(score.losses)},{spread},{settled},{1e6 * score.processing:.0f}"
+        f"{sum(score.losses)},{spread},{settling_time},{1e6 * score.processing:.0f}"
     )
 
 
-def table_of(name: str, unit: str, rows: Sequence[Row]) -> str:
+def markdown_table(name: str, unit: str, rows: Sequence[SweepRow]) -> str:
     """Show rows as a Markdown table."""
     label = name.removesuffix("_ms").removesuffix("_deg") + (f", {unit}" if unit else "")
     lines = [
@@ -112,7 +112,7 @@ def table_of(name: str, unit: str, rows: Sequence[Row]) -> str:
     ]
     for row in rows:
         axes = " | ".join(centimeters(row.median_spread(axis)) for axis in range(3))
-        slowest = max(score.settled for score in row.scores)
+        slowest = max(score.settling_time for score in row.scores)
         when = f"{slowest:.1f} s" if math.isfinite(slowest) else "never"
         lines.append(
             f"| {row.value:g} | {row.survived} of {len(row.scores)} | {100.0 * row.in_view:.1f} % | {row.losses} "
@@ -126,7 +126,9 @@ def centimeters(value: float) -> str:
     return f"{100.0 * value:.1f} cm" if math.isfinite(value) else "-"
 
 
-def verdict(name: str, unit: str, rows: Sequence[Row], flight: FlightParameters, limits: Limits) -> tuple[bool, str]:
+def verdict(
+    name: str, unit: str, rows: Sequence[SweepRow], flight: FlightParameters, limits: Limits
+) -> tuple[bool, str]:
     """Judge all rows.
 
     Returns
@@ -139,7 +141,7 @@ def verdict(name: str, unit: str, rows: Sequence[Row], flight: FlightParameters,
     world = flight.world
     flown = sum(len(row.scores) for row in rows)
     what = f"{flown} flights of {flight.duration:g} s, a chain of {world.vehicles} with {world.pal} PAL"
-    wrong = [(row, row.broken(limits)) for row in rows if row.broken(limits)]
+    wrong = [(row, row.violation(limits)) for row in rows if row.violation(limits)]
     label = name.removesuffix("_ms").removesuffix("_deg")
     if not rows:
         return False, "No flight was flown, so there is no verdict."

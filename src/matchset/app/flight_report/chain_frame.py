@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.pilot import Step
+from matchset.app.flight.pilot import PilotStep
 from matchset.localization.chain import FACING_AWAY, seen_from_last
 from matchset.sim.vehicle_camera import BACKWARD, Sight
 
@@ -26,24 +26,24 @@ def level_ball_frame(sight: Sight) -> Floats:
     return level
 
 
-def from_last(point: Floats, last: Sight) -> Floats:
+def room_to_chain_frame(point: Floats, last: Sight) -> Floats:
     """Express a point of the room in the level frame of the last ball, (3,), m."""
     seen: Floats = (point - last.ball) @ level_ball_frame(last)
     return seen
 
 
-def to_room(point: Floats, last: Sight) -> Floats:
+def chain_frame_to_room(point: Floats, last: Sight) -> Floats:
     """Express a point of the level frame of the last ball in the room, (3,), m."""
     there: Floats = last.ball + level_ball_frame(last) @ point
     return there
 
 
-def composed(steps: Sequence[Step]) -> list[Floats | None]:
+def camera_positions(steps: Sequence[PilotStep]) -> list[Floats | None]:
     """Where the cameras are by what they see, in the level frame of the last ball, each (3,), m.
 
     Parameters
     ----------
-    steps : sequence of Step
+    steps : sequence of PilotStep
         One per follower, in the order of the chain.
 
     Returns

@@ -8,9 +8,9 @@ import numpy.typing as npt
 
 from matchset.app.drawing.annotate import as_color, caption
 from matchset.app.drawing.text import draw_text
-from matchset.app.flight.flight import Setting, Tick
-from matchset.app.flight.pilot import Step
-from matchset.app.flight_report.step_text import age_words, place_words, state_words
+from matchset.app.flight.flight import ChainStep, FlightSetup
+from matchset.app.flight.pilot import PilotStep
+from matchset.app.flight_report.step_text import age_text, position_text, state_text
 from matchset.app.flight_report.top_view import TopView
 from matchset.app.locate.annotate_pose import draw_seen
 from matchset.camera.camera_model import CameraModel
@@ -26,7 +26,7 @@ class FlightPicture:
 
     Parameters
     ----------
-    setting : Setting
+    setup : FlightSetup
     widest : int
         Width that the whole must not exceed, px; no cell gets larger than a camera's picture.
 
@@ -36,20 +36,20 @@ class FlightPicture:
         Width and height of the whole, px, both even.
     """
 
-    def __init__(self, setting: Setting, widest: int = WIDEST) -> None:
-        self._setting = setting
-        self._columns = _columns(setting.followers + 1)
-        camera = setting.cameras[0]
+    def __init__(self, setup: FlightSetup, widest: int = WIDEST) -> None:
+        self._setup = setup
+        self._columns = _columns(setup.followers + 1)
+        camera = setup.cameras[0]
         wide = min(camera.width, widest // self._columns) // 2 * 2
         self._cell = wide, round(wide * camera.height / camera.width) // 2 * 2
-        rows = math.ceil((setting.followers + 1) / self._columns)
+        rows = math.ceil((setup.followers + 1) / self._columns)
         self.size = self._cell[0] * self._columns, self._cell[1] * rows
-        self._map = TopView(setting, self._cell)
+        self._map = TopView(setup, self._cell)
 
-    def draw(self, tick: Tick) -> Picture:
+    def draw(self, chain_step: ChainStep) -> Picture:
         """Draw a tick, BGR; ticks must come in their order, since the map shows paths."""
-        cells = [self._fitted(annotate) for annotate in self._annotated(tick)]
-        cells.append(self._map.draw(tick))
+        cells = [self._fitted(annotate) for annotate in self._annotated(chain_step)]
+        cells.append(self._map.draw(chain_step))
         whole = np.full((self.size[1], self.size[0], 3), EMPTY, np.uint8)
         wide, high = self._cell
         for number, cell in enumerate(cells):
@@ -57,11 +57,11 @@ class FlightPicture:
             whole[row * high : (row + 1) * high, column * wide : (column + 1) * wide] = cell
         return whole
 
-    def _annotated(self, tick: Tick) -> list[Picture]:
-        radius = self._setting.radius
+    def _annotated(self, chain_step: ChainStep) -> list[Picture]:
+        radius = self._setup.radius
         return [
             annotate_step(step, number, camera, radius)
-            for number, (step, camera) in enumerate(zip(tick.steps, self._setting.cameras, strict=True), 1)
+            for number, (step, camera) in enumerate(zip(chain_step.steps, self._setup.cameras, strict=True), 1)
         ]
 
     def _fitted(self, picture: Picture) -> Picture:
@@ -78,12 +78,12 @@ def _columns(cells: int) -> int:
 DARK = 30
 
 
-def annotate_step(step: Step, number: int, camera: CameraModel, radius: float, words: bool = True) -> Picture:
+def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: float, words: bool = True) -> Picture:
     """Draw a turn of a follower's loop into a copy of its picture.
 
     Parameters
     ----------
-    step : Step
+    step : PilotStep
     number : int
         Of the follower, from 1.
     camera : CameraModel
@@ -106,13 +106,13 @@ def annotate_step(step: Step, number: int, camera: CameraModel, radius: float, w
     return image
 
 
-def _write(image: Picture, step: Step, number: int) -> None:
-    doubt = step.memory.phase != "flying"
-    caption(image, f"{number} watches {number + 1}   {state_words(step)}", f"{step.now:.2f} s", bad=doubt, line=1)
-    caption(image, place_words(step.answer), f"age {age_words(step.age)}", bad=doubt)
+def _write(image: Picture, step: PilotStep, number: int) -> None:
+    doubt = step.safety.phase != "flying"
+    caption(image, f"{number} watches {number + 1}   {state_text(step)}", f"{step.now:.2f} s", bad=doubt, line=1)
+    caption(image, position_text(step.control), f"age {age_text(step.age)}", bad=doubt)
 
 
-def _picture(step: Step, camera: CameraModel) -> Picture:
+def _picture(step: PilotStep, camera: CameraModel) -> Picture:
     if step.frame is not None:
         return as_color(step.frame.image)
     image = np.full((camera.height, camera.width, 3), DARK, np.uint8)

@@ -27,14 +27,14 @@ def paths_png(log: FlightLog) -> bytes:
     """Draw everyone's path from above: in the room, and in the frame of the last ball as seen and as it was."""
     figure = Figure(figsize=(14.8, 5.6), dpi=100)
     left, right = figure.subplots(1, 2)
-    for number in range(log.setting.followers + 1):
+    for number in range(log.setup.followers + 1):
         path = log.room[:, number]
         left.plot(path[:, 2], path[:, 0], color=_color(number), linewidth=1.2, label=f"vehicle {number + 1}")
     left.set_title("in the room (truth)", loc="left", color=INK, fontsize=11)
     left.legend(frameon=False, fontsize=9, labelcolor=INK)
     for number, follower in enumerate(log.followers):
         _draw_seen(right, number, follower)
-    right.plot(0.0, 0.0, "o", color=_color(log.setting.followers), markersize=14)
+    right.plot(0.0, 0.0, "o", color=_color(log.setup.followers), markersize=14)
     goals = np.array([place.position for place in seen_from_last([_ideal(log)] * len(log.followers)) if place])
     right.plot(goals[:, 2], goals[:, 0], "+", color=INK, markersize=14, markeredgewidth=1.6)
     words = "in the level frame of the last ball: dots as the chain sees it, line the truth, + set places"
@@ -54,14 +54,14 @@ def coordinates_png(log: FlightLog, number: int) -> bytes:
     """Draw side, height and heading of a follower, from 0, over time: truth, what it acted on, and the set place."""
     figure = Figure(figsize=(14.8, 5.6), dpi=100)
     rows = figure.subplots(3, 1, sharex=True)
-    follower, place = log.followers[number], log.setting.parameters.pilot.place
-    ahead = log.setting.parameters.pilot.follower.own.delay
+    follower, place = log.followers[number], log.setup.parameters.pilot.place
+    ahead = log.setup.parameters.pilot.follower.own.delay
     for way, axes in enumerate(rows):
         wanted = (place.side, place.height, place.heading)[way]
         axes.axhline(wanted, color=INK, linewidth=0.8, linestyle=(0, (4, 4)), label="set place")
         axes.plot(follower.time, follower.true[:, way], color=INK, linewidth=1.0, label="truth")
-        believed = follower.believed[:, way]
-        axes.plot(follower.time + ahead, believed, color=_color(number), linewidth=0.9, label="acted on")
+        estimated = follower.estimated[:, way]
+        axes.plot(follower.time + ahead, estimated, color=_color(number), linewidth=0.9, label="acted on")
         _mark_losses(axes, follower)
         axes.set_ylabel(NAMES[way])
     rows[0].legend(frameon=False, fontsize=9, labelcolor=INK, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98))
@@ -76,10 +76,10 @@ def errors_png(log: FlightLog) -> bytes:
     figure = Figure(figsize=(14.8, 4.2), dpi=100)
     left, right = figure.subplots(1, 2)
     edges = np.linspace(0.0, FULL_PX, 41)
-    _histogram(left, log, lambda k: np.minimum(log.followers[k].error_px, FULL_PX - 1e-9), edges)
+    _histogram(left, log, lambda k: np.minimum(log.followers[k].circle_error_px, FULL_PX - 1e-9), edges)
     left.set_title("error of the ball's circle, |dx| + |dy| + |dr|", loc="left", color=INK, fontsize=11)
     left.set_xlabel(f"px ({FULL_PX:g} and more in the last bar)")
-    distances = [100.0 * np.linalg.norm(log.off_place(k), axis=1) for k in range(len(log.followers))]
+    distances = [100.0 * np.linalg.norm(log.position_error(k), axis=1) for k in range(len(log.followers))]
     most = max((float(each.max()) for each in distances if each.size), default=1.0)
     _histogram(right, log, lambda k: distances[k], np.linspace(0.0, most, 41))
     title = f"true distance from the set place, from {SETTLING:g} s after its start on"
@@ -117,7 +117,7 @@ def times_png(log: FlightLog) -> bytes:
 
 def _ideal(log: FlightLog) -> Pose:
     """Say what a follower at its set place sees that looks straight ahead."""
-    place = log.setting.parameters.pilot.place
+    place = log.setup.parameters.pilot.place
     position = np.array((place.side, place.height, place.heading))
     return Pose(position=position, turn=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
 

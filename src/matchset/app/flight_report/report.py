@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.flight.log import HEADINGS, FlightLog, follower_figures, verdict
+from matchset.app.flight.log import HEADINGS, FlightLog, follower_row, verdict
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; margin: 2em auto; padding: 0 1em; }
@@ -45,18 +45,18 @@ def check_report(path: Path) -> None:
 
 
 def _page(log: FlightLog) -> str:
-    world = log.setting.parameters.world
+    world = log.setup.parameters.world
     facts = f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"
     parts = [
         "<!doctype html><html lang=en><meta charset=utf-8><title>matchset: a flight</title>",
         f"<style>{STYLE}</style><h1>A flight of the chain</h1>",
         f"<p>{html.escape(verdict(log))}.<br><span class=quiet>{html.escape(facts)}</span></p>",
-        _table(HEADINGS, (follower_figures(log, number) for number in range(len(log.followers)))),
+        _table(HEADINGS, (follower_row(log, number) for number in range(len(log.followers)))),
     ]
-    if log.tally.ticks:
+    if log.counters.chain_steps:
         parts += _pictures(log)
     parts.append("<h2>Parameters</h2>")
-    parts.append(_table(("key", "value"), _flat("", msgspec.to_builtins(log.setting.parameters))))
+    parts.append(_table(("key", "value"), _flat("", msgspec.to_builtins(log.setup.parameters))))
     return "\n".join([*parts, "</html>\n"])
 
 

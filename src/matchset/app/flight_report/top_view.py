@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.flight.flight import Setting, Tick
-from matchset.app.flight_report.chain_frame import composed, level_ball_frame, to_room
+from matchset.app.flight.flight import ChainStep, FlightSetup
+from matchset.app.flight_report.chain_frame import camera_positions, chain_frame_to_room, level_ball_frame
 from matchset.app.flight_report.colors import bgr, vehicle_rgb
 from matchset.sim.vehicle_camera import Sight
 from matchset.sim.world import lens_of
@@ -31,46 +31,48 @@ class TopView:
 
     Parameters
     ----------
-    setting : Setting
+    setup : FlightSetup
     size : tuple of two ints
         Width and height of the pictures, px.
     """
 
-    def __init__(self, setting: Setting, size: tuple[int, int]) -> None:
-        self._setting, self._size = setting, size
-        self._place = setting.parameters.pilot.place
-        self._trails = [deque[Floats](maxlen=TRAIL) for _ in range(setting.followers + 1)]
+    def __init__(self, setup: FlightSetup, size: tuple[int, int]) -> None:
+        self._setup, self._size = setup, size
+        self._place = setup.parameters.pilot.place
+        self._trails = [deque[Floats](maxlen=TRAIL) for _ in range(setup.followers + 1)]
         self._scale, self._middle = 1.0, np.zeros(2)
 
-    def draw(self, tick: Tick) -> Picture:
+    def draw(self, chain_step: ChainStep) -> Picture:
         """Draw a tick; ticks must come in their order."""
         if not self._trails[0]:
-            self._fit(tick)
-        for trail, sight in zip(self._trails, tick.shown, strict=True):
+            self._fit(chain_step)
+        for trail, sight in zip(self._trails, chain_step.truth_at_exposure, strict=True):
             trail.append(sight.ball[[2, 0]])
         image = np.full((self._size[1], self._size[0], 3), PAPER, np.uint8)
         self._draw_grid(image)
-        for number in range(len(tick.shown)):
+        for number in range(len(chain_step.truth_at_exposure)):
             self._draw_trail(image, number)
-        for me, other in itertools.pairwise(tick.shown):
+        for me, other in itertools.pairwise(chain_step.truth_at_exposure):
             self._line(image, lens_of(me)[[2, 0]], other.ball[[2, 0]], PALE)
-        for number, sight in enumerate(tick.shown):
+        for number, sight in enumerate(chain_step.truth_at_exposure):
             self._draw_vehicle(image, number, sight)
-        for number, other in enumerate(tick.shown[1:]):
-            self._draw_goal(image, number, other)
-        self._draw_beliefs(image, tick)
+        for number, other in enumerate(chain_step.truth_at_exposure[1:]):
+            self._draw_set_place(image, number, other)
+        self._draw_estimates(image, chain_step)
         self._write(image)
         return image
 
-    def _fit(self, tick: Tick) -> None:
+    def _fit(self, chain_step: ChainStep) -> None:
         """Choose the scale so that the whole chain has room to swing with the last one's yaw."""
-        world = self._setting.parameters.world
-        along = np.array([sight.ball[2] for sight in tick.shown])
+        world = self._setup.parameters.world
+        along = np.array([sight.ball[2] for sight in chain_step.truth_at_exposure])
         width, height = self._size
         long = float(np.ptp(along)) + 2.0 * MARGIN
         wide = float(np.ptp(along)) * math.sin(math.radians(min(world.yaw_deg, 90.0))) + world.swing + ASIDE
         self._scale = min(width / long, height / (2.0 * wide))
-        self._middle = np.array((float(along.min() + along.max()) / 2.0, float(tick.shown[-1].ball[0])))
+        self._middle = np.array(
+            (float(along.min() + along.max()) / 2.0, float(chain_step.truth_at_exposure[-1].ball[0]))
+        )
 
     def _px(self, point: Floats) -> tuple[int, int]:
         """Where (z, x), m, is on the picture: z to the right, x down, in sixteenths of a px."""
@@ -100,7 +102,7 @@ class TopView:
             shade = tuple(int(part) for part in share * color + (1.0 - share) * np.array(PAPER))
             self._line(image, a, b, shade, 2)  # type: ignore[arg-type]
 
-    def _draw_goal(self, image: Picture, number: int, other: Sight) -> None:
+    def _draw_set_place(self, image: Picture, number: int, other: Sight) -> None:
         """Draw the set place of a follower's camera, a cross."""
         goal = other.ball + level_ball_frame(other) @ (self._place.side, -self._place.height, self._place.heading)
         at, color = goal[[2, 0]], bgr(vehicle_rgb(number))
@@ -121,11 +123,11 @@ class TopView:
         x, y = (part / (1 << _SHIFT) for part in self._px(at - 0.27 * ahead))
         draw_text(image, words, (x - text_width(words, size) / 2.0, y), size, INK)
 
-    def _draw_beliefs(self, image: Picture, tick: Tick) -> None:
+    def _draw_estimates(self, image: Picture, chain_step: ChainStep) -> None:
         """Draw rings where the cameras are by what all of the chain sees, carried on from the last ball."""
-        for number, place in enumerate(composed(tick.steps)):
+        for number, place in enumerate(camera_positions(chain_step.steps)):
             if place is not None:
-                at = to_room(place, tick.shown[-1])[[2, 0]]
+                at = chain_frame_to_room(place, chain_step.truth_at_exposure[-1])[[2, 0]]
                 self._circle(image, at, 0.07, PAPER, 4)
                 self._circle(image, at, 0.07, bgr(vehicle_rgb(number)), 2)
 

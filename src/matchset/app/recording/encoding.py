@@ -10,8 +10,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.flight import Tick
-from matchset.app.flight.pilot import Step
+from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
 from matchset.image.frame import Frame
 from matchset.sim.vehicle_camera import Sight
@@ -48,44 +48,44 @@ def decode(data: bytes, kind: type[M]) -> M:
         raise ValueError(f"a message is no {kind.__name__}: {error}") from None
 
 
-def outcome_of(step: Step) -> bytes:
+def outcome_of(step: PilotStep) -> bytes:
     """Write everything of a step that must come out again, without its picture and its computing times."""
     return encode(
         Outcome(
             ball=step.ball,
             markers=step.markers,
             pose=step.pose,
-            answer=step.answer,
-            memory=step.memory,
+            answer=step.control,
+            memory=step.safety,
             command=step.command,
             age=step.age,
         )
     )
 
 
-def step_message(tick: int, step: Step, armed: bool) -> StepMessage:
+def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
     """Make the message of a step."""
     return StepMessage(
-        tick=tick,
+        tick=index,
         armed=armed,
         frame=None if step.frame is None else step.frame.index,
         now=step.now,
         command=step.command,
-        spent=step.spent,
+        spent=step.stage_times,
         outcome=msgspec.Raw(outcome_of(step)),
     )
 
 
-def truth_message(tick: Tick) -> TruthMessage:
+def truth_message(chain_step: ChainStep) -> TruthMessage:
     """Make the message of what is known of a tick."""
     return TruthMessage(
-        index=tick.index,
-        time=tick.time,
-        truth=tuple(_sight_message(sight) for sight in tick.truth),
-        shown=tuple(_sight_message(sight) for sight in tick.shown),
-        places=tuple(_triple(place) for place in tick.places),
-        inside=tick.inside,
-        crashes=tick.crashes,
+        index=chain_step.index,
+        time=chain_step.time,
+        truth=tuple(_sight_message(sight) for sight in chain_step.truth),
+        shown=tuple(_sight_message(sight) for sight in chain_step.truth_at_exposure),
+        places=tuple(_triple(place) for place in chain_step.true_positions),
+        inside=chain_step.in_view,
+        crashes=chain_step.crashes,
     )
 
 

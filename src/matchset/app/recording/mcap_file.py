@@ -23,7 +23,7 @@ class Message(NamedTuple):
     data: bytes
 
 
-class Kind(NamedTuple):
+class Topic(NamedTuple):
     """What the messages of a topic are.
 
     Attributes
@@ -46,7 +46,7 @@ class McapWriter:
     Parameters
     ----------
     path : Path
-    kinds : list of Kind
+    kinds : list of Topic
         The topics.
 
     Raises
@@ -57,7 +57,7 @@ class McapWriter:
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, kinds: list[Kind]) -> None:
+    def __init__(self, path: Path, kinds: list[Topic]) -> None:
         check_mcap()
         from mcap.writer import CompressionType, Writer
 

@@ -55,7 +55,7 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 
     Parameters
     ----------
-    tick : int
+    chain_step : int
     armed : bool
         Whether the pilot was told to fly.
     frame : int or None
@@ -80,7 +80,7 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
-    """What follows from the picture, the clock and all that was before: the fields of `Step`."""
+    """What follows from the picture, the clock and all that was before: the fields of `PilotStep`."""
 
     ball: Any
     markers: Any

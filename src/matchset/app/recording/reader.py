@@ -1,4 +1,4 @@
-"""A recording, read back tick by tick: `RecordedFlight`."""
+"""A recording, read back tick by tick: `RecordingReader`."""
 
 import contextlib
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.flight.flight import Setting
+from matchset.app.flight.flight import FlightSetup
 from matchset.app.recording.encoding import decode, frame_of
 from matchset.app.recording.mcap_file import McapReader, Message
 from matchset.app.recording.messages import (
@@ -25,13 +25,13 @@ from matchset.app.recording.messages import (
 from matchset.image.frame import Frame
 
 
-class _Head(msgspec.Struct):
+class _FormatHeader(msgspec.Struct):
     """What every format's configuration begins with."""
 
     format: int
 
 
-class RecordedTick(NamedTuple):
+class RecordedChainStep(NamedTuple):
     """A tick as it was recorded.
 
     Attributes
@@ -48,8 +48,8 @@ class RecordedTick(NamedTuple):
     truth: TruthMessage
 
 
-class RecordedFlight:
-    """A recorded flight, an iterable of `RecordedTick`s; it is read as it goes, once.
+class RecordingReader:
+    """A recorded flight, an iterable of `RecordedChainStep`s; it is read as it goes, once.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class RecordedFlight:
 
     Attributes
     ----------
-    setting : Setting
+    setup : FlightSetup
     matchset : str
         Version of the package that recorded it.
 
@@ -82,35 +82,37 @@ class RecordedFlight:
         if len(configuration.cameras) != followers:
             raise ValueError(f"{path} is damaged: {len(configuration.cameras)} cameras for {followers} followers")
         samples = tuple(self._sample(number) for number in range(1, followers + 1))
-        self.setting = Setting(configuration.parameters, configuration.cameras, samples)
+        self.setup = FlightSetup(configuration.parameters, configuration.cameras, samples)
 
     @property
     def cut_off(self) -> bool:
         """Whether the file ends in the middle; known after the last tick."""
         return self._reader.cut_off
 
-    def __iter__(self) -> Iterator[RecordedTick]:
+    def __iter__(self) -> Iterator[RecordedChainStep]:
         steps: dict[int, StepMessage] = {}
         frames: dict[int, Frame] = {}
-        numbers = range(1, self.setting.followers + 1)
+        numbers = range(1, self.setup.followers + 1)
         of_step = {step_topic(number): number for number in numbers}
         of_frame = {frame_topic(number): number for number in numbers}
         for topic, data in self._messages:
-            tick = None
+            chain_step = None
             with _named(self.path):
                 if topic in of_frame:
                     frames[of_frame[topic]] = frame_of(decode(data, Picture))
                 elif topic in of_step:
                     steps[of_step[topic]] = decode(data, StepMessage)
                 elif topic == TRUTH:
-                    tick = self._tick(steps, frames, decode(data, TruthMessage))
+                    chain_step = self._chain_step(steps, frames, decode(data, TruthMessage))
                     steps, frames = {}, {}
-            if tick is not None:  # outside of the block: what the caller raises is not about the file
-                yield tick
+            if chain_step is not None:  # outside of the block: what the caller raises is not about the file
+                yield chain_step
 
-    def _tick(self, steps: dict[int, StepMessage], frames: dict[int, Frame], truth: TruthMessage) -> RecordedTick:
+    def _chain_step(
+        self, steps: dict[int, StepMessage], frames: dict[int, Frame], truth: TruthMessage
+    ) -> RecordedChainStep:
         """Put a tick together and check that nothing is missing."""
-        count = self.setting.followers
+        count = self.setup.followers
         for number in range(1, count + 1):
             step, frame = steps.get(number), frames.get(number)
             if step is None or step.tick != truth.index:
@@ -120,10 +122,10 @@ class RecordedFlight:
         if not len(truth.shown) == len(truth.truth) == count + 1 or not len(truth.places) == len(truth.inside) == count:
             raise ValueError(f"the truth of tick {truth.index} is of another number of vehicles")
         numbers = range(1, count + 1)
-        return RecordedTick(tuple(steps[k] for k in numbers), tuple(frames.get(k) for k in numbers), truth)
+        return RecordedChainStep(tuple(steps[k] for k in numbers), tuple(frames.get(k) for k in numbers), truth)
 
     def _check_format(self, first: Message) -> None:
-        head = decode(first.data, _Head)
+        head = decode(first.data, _FormatHeader)
         if head.format != FORMAT:
             raise ValueError(f"its format is {head.format}, this matchset reads {FORMAT}")
 

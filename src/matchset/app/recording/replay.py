@@ -6,21 +6,21 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 
-from matchset.app.flight.flight import Tick
-from matchset.app.flight.pilot import Pilot, Step, learn_colors
+from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
 from matchset.app.recording.devices import RecordedCamera, RecordedLink
 from matchset.app.recording.encoding import outcome_of, sight_of
 from matchset.app.recording.messages import StepMessage
-from matchset.app.recording.reader import RecordedFlight, RecordedTick
+from matchset.app.recording.reader import RecordedChainStep, RecordingReader
 from matchset.image.frame import Frame
 
 
-class Difference(NamedTuple):
+class StepDifference(NamedTuple):
     """A step that did not come out as it was recorded.
 
     Attributes
     ----------
-    tick : int
+    chain_step : int
     follower : int
         From 1.
     words : str
@@ -33,56 +33,56 @@ class Difference(NamedTuple):
 
 
 class Replay:
-    """Flies a recording again: an iterable of `Tick`s, with the recorded truth and computing times.
+    """Flies a recording again: an iterable of `ChainStep`s, with the recorded truth and computing times.
 
     Parameters
     ----------
-    recorded : RecordedFlight
+    recorded : RecordingReader
 
     Attributes
     ----------
     steps : int
         Compared so far.
-    differences : list of Difference
+    differences : list of StepDifference
         The steps that did not come out bit for bit.
     """
 
-    def __init__(self, recorded: RecordedFlight) -> None:
+    def __init__(self, recorded: RecordingReader) -> None:
         self._recorded = recorded
         self.steps = 0
-        self.differences: list[Difference] = []
-        setting = recorded.setting
-        self._cameras = [RecordedCamera(model) for model in setting.cameras]
-        self._links = [RecordedLink(number) for number in range(1, setting.followers + 1)]
-        colors = [learn_colors(sample) for sample in setting.samples]
-        pilot = setting.parameters.pilot
+        self.differences: list[StepDifference] = []
+        setup = recorded.setup
+        self._cameras = [RecordedCamera(model) for model in setup.cameras]
+        self._links = [RecordedLink(number) for number in range(1, setup.followers + 1)]
+        colors = [learn_colors(sample) for sample in setup.samples]
+        pilot = setup.parameters.pilot
         self._pilots = [
             Pilot(camera, link, color, pilot)
             for camera, link, color in zip(self._cameras, self._links, colors, strict=True)
         ]
 
-    def __iter__(self) -> Iterator[Tick]:
+    def __iter__(self) -> Iterator[ChainStep]:
         for recorded in self._recorded:
-            yield self._tick(recorded)
+            yield self._chain_step(recorded)
 
-    def _tick(self, recorded: RecordedTick) -> Tick:
+    def _chain_step(self, recorded: RecordedChainStep) -> ChainStep:
         steps = tuple(
             self._step(number, message, frame)
             for number, (message, frame) in enumerate(zip(recorded.steps, recorded.frames, strict=True))
         )
         truth = recorded.truth
-        return Tick(
+        return ChainStep(
             index=truth.index,
             time=truth.time,
             steps=steps,
             truth=tuple(map(sight_of, truth.truth)),
-            shown=tuple(map(sight_of, truth.shown)),
-            places=np.array(truth.places),
-            inside=truth.inside,
+            truth_at_exposure=tuple(map(sight_of, truth.shown)),
+            true_positions=np.array(truth.places),
+            in_view=truth.inside,
             crashes=truth.crashes,
         )
 
-    def _step(self, number: int, message: StepMessage, frame: Frame | None) -> Step:
+    def _step(self, number: int, message: StepMessage, frame: Frame | None) -> PilotStep:
         camera, link, pilot = self._cameras[number], self._links[number], self._pilots[number]
         camera.frame, camera.time, link.confirmed = frame, message.now, message.command
         if message.armed and not pilot.armed:
@@ -91,8 +91,8 @@ class Replay:
         self.steps += 1
         if outcome_of(step) != bytes(message.outcome):
             words = first_difference(bytes(message.outcome), outcome_of(step))
-            self.differences.append(Difference(message.tick, number + 1, words))
-        return msgspec.structs.replace(step, spent=message.spent)
+            self.differences.append(StepDifference(message.tick, number + 1, words))
+        return msgspec.structs.replace(step, stage_times=message.spent)
 
 
 def first_difference(recorded: bytes, replayed: bytes) -> str:

@@ -7,8 +7,8 @@ import msgspec
 
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.flight.log import verdict
-from matchset.app.flight.outputs import FlightFiles, FlightOutlets
-from matchset.app.recording.reader import RecordedFlight
+from matchset.app.flight.outputs import FlightFiles, FlightOutputs
+from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay
 
 SAID = 5
@@ -31,16 +31,16 @@ def replay(options: ReplayOptions) -> int:
     int
         0 if every step came out as it was recorded, 1 if not, or the code of the signal that stopped it.
     """
-    recorded = RecordedFlight(options.recording)
+    recorded = RecordingReader(options.recording)
     _refuse_itself(options)
     options.files.check()
     flown = Replay(recorded)
-    with StopRequest() as stop, FlightOutlets(recorded.setting, options.files, options.quiet) as outlets:
-        for tick in flown:
-            outlets.show(tick)
+    with StopRequest() as stop, FlightOutputs(recorded.setup, options.files, options.quiet) as outputs:
+        for chain_step in flown:
+            outputs.show(chain_step)
             if stop:
                 break
-    print(f"flight: {verdict(outlets.log)}")
+    print(f"flight: {verdict(outputs.log)}")
     if recorded.cut_off:
         print(f"note: {options.recording} ends in the middle; what it holds was replayed", file=sys.stderr)
     _say(flown, recorded.matchset)

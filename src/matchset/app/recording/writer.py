@@ -1,4 +1,4 @@
-"""A flight, recorded so that it can be replayed: `FlightRecording`."""
+"""A flight, recorded so that it can be replayed: `RecordingWriter`."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -10,9 +10,9 @@ from typing import NamedTuple, Self
 
 import msgspec
 
-from matchset.app.flight.flight import Setting, Tick
+from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
-from matchset.app.recording.mcap_file import Kind, McapWriter, Message
+from matchset.app.recording.mcap_file import McapWriter, Message, Topic
 from matchset.app.recording.messages import (
     CONFIGURATION,
     FORMAT,
@@ -35,18 +35,18 @@ WAITING = 8
 class _Waiting(NamedTuple):
     """A tick whose pictures are being compressed."""
 
-    tick: Tick
+    chain_step: ChainStep
     armed: Sequence[bool]
     pictures: list[Future[bytes] | None]
 
 
-class FlightRecording:
+class RecordingWriter:
     """Writes everything of a flight that its replay needs, and its truth.
 
     Parameters
     ----------
     path : Path
-    setting : Setting
+    setup : FlightSetup
 
     Raises
     ------
@@ -56,22 +56,24 @@ class FlightRecording:
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, setting: Setting) -> None:
-        self._setting = setting
-        self._writer = McapWriter(path, _kinds(setting.followers))
+    def __init__(self, path: Path, setup: FlightSetup) -> None:
+        self._setup = setup
+        self._writer = McapWriter(path, _topics(setup.followers))
         self._pool = ThreadPoolExecutor(THREADS, "matchset recording")
         self._waiting: deque[_Waiting] = deque()
         configuration = Configuration(
-            format=FORMAT, matchset=_version(), parameters=setting.parameters, cameras=setting.cameras
+            format=FORMAT, matchset=_version(), parameters=setup.parameters, cameras=setup.cameras
         )
         self._writer.write(Message(CONFIGURATION, encode(configuration)), 0.0, 0)
-        for number, sample in enumerate(setting.samples, 1):
+        for number, sample in enumerate(setup.samples, 1):
             self._write_picture(sample_topic(number), sample, to_png(sample.image))
 
-    def write(self, tick: Tick, armed: Sequence[bool]) -> None:
+    def write(self, chain_step: ChainStep, armed: Sequence[bool]) -> None:
         """Append a tick, and which pilots had been told to fly."""
-        pictures = [None if step.frame is None else self._pool.submit(to_png, step.frame.image) for step in tick.steps]
-        self._waiting.append(_Waiting(tick, armed, pictures))
+        pictures = [
+            None if step.frame is None else self._pool.submit(to_png, step.frame.image) for step in chain_step.steps
+        ]
+        self._waiting.append(_Waiting(chain_step, armed, pictures))
         while self._waiting and (len(self._waiting) > WAITING or _compressed(self._waiting[0])):
             self._write_first()
 
@@ -85,13 +87,13 @@ class FlightRecording:
             self._writer.close()
 
     def _write_first(self) -> None:
-        tick, armed, pictures = self._waiting.popleft()
-        for number, (step, png) in enumerate(zip(tick.steps, pictures, strict=True), 1):
+        chain_step, armed, pictures = self._waiting.popleft()
+        for number, (step, png) in enumerate(zip(chain_step.steps, pictures, strict=True), 1):
             if step.frame is not None and png is not None:
                 self._write_picture(frame_topic(number), step.frame, png.result())
-            message = step_message(tick.index, step, armed[number - 1])
-            self._writer.write(Message(step_topic(number), encode(message)), step.now, tick.index)
-        self._writer.write(Message(TRUTH, encode(truth_message(tick))), tick.time, tick.index)
+            message = step_message(chain_step.index, step, armed[number - 1])
+            self._writer.write(Message(step_topic(number), encode(message)), step.now, chain_step.index)
+        self._writer.write(Message(TRUTH, encode(truth_message(chain_step))), chain_step.time, chain_step.index)
 
     def _write_picture(self, topic: str, frame: Frame, png: bytes) -> None:
         message = Picture(frame.index, frame.time, png)
@@ -110,18 +112,18 @@ def _compressed(waiting: _Waiting) -> bool:
     return all(picture is None or picture.done() for picture in waiting.pictures)
 
 
-def _kinds(followers: int) -> list[Kind]:
+def _topics(followers: int) -> list[Topic]:
     """Name all topics and what is in them."""
-    kinds = [_kind(CONFIGURATION, Configuration), _kind(TRUTH, TruthMessage)]
+    kinds = [_topic(CONFIGURATION, Configuration), _topic(TRUTH, TruthMessage)]
     for number in range(1, followers + 1):
-        kinds.append(_kind(sample_topic(number), Picture))
-        kinds.append(_kind(frame_topic(number), Picture))
-        kinds.append(_kind(step_topic(number), StepMessage))
+        kinds.append(_topic(sample_topic(number), Picture))
+        kinds.append(_topic(frame_topic(number), Picture))
+        kinds.append(_topic(step_topic(number), StepMessage))
     return kinds
 
 
-def _kind(topic: str, struct: type[msgspec.Struct]) -> Kind:
-    return Kind(topic, f"matchset.{struct.__name__}", msgspec.json.encode(msgspec.json.schema(struct)))
+def _topic(topic: str, struct: type[msgspec.Struct]) -> Topic:
+    return Topic(topic, f"matchset.{struct.__name__}", msgspec.json.encode(msgspec.json.schema(struct)))
 
 
 def _version() -> str:

@@ -1,11 +1,13 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check picture bench bench-quick bench-search bench-fly bench-radio toolchain wheel-check clean
+.PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly bench-radio toolchain wheel-check \
+    clean
 
 BIN := .venv/bin
 READY := .venv/ready
 PEERS := .bench/ready
 VISP := .bench/visp
+SITE_TOOLS := .venv/site-tools
 TOOLCHAIN := .venv/toolchain
 CACHE := .numba_cache
 SOURCES := $(shell find src -name '*.py' 2>/dev/null)
@@ -29,6 +31,13 @@ check: $(READY) wheel-check  ## lint, format, types, and the wheel
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: $(SITE_TOOLS)  ## build the documentation site in site/: guides, API, decisions, results
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "look at it: $(BIN)/python -m http.server -d site"
+
+tree: $(READY)  ## print every file with its purpose (ARGS="src/matchset/tracking" for one folder)
+	@$(BIN)/python .ci/tree.py $(ARGS)
 
 picture: $(READY) $(CACHE)/fresh  ## fly the chain of three and draw the README's animated picture (some minutes)
 	$(BIN)/python docs/pictures/chain.py
@@ -56,11 +65,15 @@ wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels 
 	$(BIN)/python .ci/wheels.py
 
 clean:  ## remove everything that was made, the virtual environment included
-	rm -rf .venv .bench $(CACHE) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
+	rm -rf .venv .bench $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(READY): pyproject.toml .ci/setup
 	.ci/setup
+
+$(SITE_TOOLS): pyproject.toml | $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group docs
+	touch $@
 
 $(PEERS): pyproject.toml .ci/setup-bench | $(READY)
 	.ci/setup-bench

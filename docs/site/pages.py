@@ -1,0 +1,86 @@
+"""The generated pages of the site, as Markdown: the API from the docstrings, and the list of decisions."""
+
+import ast
+from pathlib import Path
+
+import matchset
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "matchset"
+LAYERS = ("shapes", "image", "fitting", "tracking", "camera", "localization", "control", "sim", "links", "app")
+
+# file -> title, the names of `matchset.__all__` that it explains
+API = {
+    "tracking": ("Tracking", ("Tracker", "TrackerParameters", "Track", "Lost", "detect")),
+    "shapes": ("Shapes", ("Circle", "Ellipse", "Rectangle", "Quadrilateral", "Polygon", "Convex")),
+    "pictures": ("Pictures and color", ("Video", "Frame", "ColorModel", "LinkError")),
+    "meters": (
+        "Camera and position",
+        ("CameraModel", "BallTarget", "Localizer", "MarkerTracker", "Pose", "PoseFilter"),
+    ),
+    "neighbors": ("Several balls", ("Neighbors", "Neighbor")),
+}
+
+
+def generated() -> dict[str, str]:
+    """All generated pages: path in the site -> Markdown."""
+    pages = {f"api/{file}.md": _names_page(title, _public(names)) for file, (title, names) in API.items()}
+    index = {"api/index.md": _api_index(), "docs/decisions/index.md": _decisions_index()}
+    return pages | index | {"api/parameters.md": _parameters_page()}
+
+
+def decisions() -> list[str]:
+    """Paths of the decisions' pages, in their order."""
+    return [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/decisions/*.md"))]
+
+
+def anchor(name: str) -> str:
+    """Full name of the place where a public name is defined: its anchor in the page of the API."""
+    thing = getattr(matchset, name)
+    return f"{thing.__module__}.{thing.__qualname__}"
+
+
+def _public(names: tuple[str, ...]) -> list[str]:
+    return [name for name in names if name in matchset.__all__]
+
+
+def _names_page(title: str, names: list[str]) -> str:
+    sections = [f"::: {anchor(name)}\n    options:\n      heading: matchset.{name}\n" for name in names]
+    return "\n".join([f"# {title}", "", *sections])
+
+
+def _api_index() -> str:
+    lines = ["# API", "", "`import matchset as ms`: these names are public.", ""]
+    for file, (title, names) in API.items():
+        lines += [f"## [{title}]({file}.md)", "", "| name | |", "| --- | --- |"]
+        for name in _public(names):
+            what = (getattr(matchset, name).__doc__ or "").strip().partition("\n")[0]
+            lines.append(f"| [`{name}`]({file}.md#{anchor(name)}) | {what} |")
+        lines.append("")
+    return "\n".join([*lines, "## [Parameters](parameters.md)", "", "Every number that decides a result."])
+
+
+def _parameters_page() -> str:
+    """All parameters structs of the package, in the order of the layers."""
+    lines = ["# Parameters", "", "Every number that decides a result, with its unit and its default.", ""]
+    shown = {anchor(name) for _, names in API.values() for name in _public(names)}
+    for layer in LAYERS:
+        structs = [name for path in sorted((PACKAGE / layer).rglob("*.py")) for name in _structs(path)]
+        sections = [f"::: {name}\n    options:\n      heading_level: 3\n" for name in structs if name not in shown]
+        lines += [f"## {layer}", "", *sections] if sections else []
+    return "\n".join(lines)
+
+
+def _structs(path: Path) -> list[str]:
+    """Full names of the parameters structs that a file defines."""
+    module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    classes = [node.name for node in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)]
+    return [f"{module}.{name}" for name in classes if name.endswith("Parameters")]
+
+
+def _decisions_index() -> str:
+    lines = ["# Decisions", "", "Why things are as they are: half a page each, with what was measured.", ""]
+    for name in decisions():
+        title = (ROOT / name).read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+        lines.append(f"- [{title}]({Path(name).name})")
+    return "\n".join(lines) + "\n"

@@ -97,7 +97,7 @@ def main(
         target.write_text(page(sections, machine), encoding="utf-8")
         typer.echo(f"written: {target}")
     if target == HERE / "RESULTS.md":
-        update(HERE.parent / "README.md", sections, machine)
+        update(HERE.parent / "README.md", target)
     typer.echo(json_line(sections, machine))
 
 

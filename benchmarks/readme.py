@@ -1,40 +1,108 @@
-"""The README's table and picture, taken from the results."""
+"""The README's table of results, taken from the page of results: `python -m benchmarks.readme` fills it in again."""
 
 import re
 from pathlib import Path
 
-from benchmarks.contest.summary import TITLE
-from benchmarks.machine import Machine
-from benchmarks.results import Section
+from benchmarks.results import table
 
 BEGIN, END = "<!-- from benchmarks/RESULTS.md -->", "<!-- end -->"
+RENDERED, REAL = "In one table", "Real footage, beside what people use"
+# The rows of the README: matchset, the fastest region, the most exact simple detector, and one of each other kind.
+ROWS = (
+    "matchset",
+    "region + HSV mask, contour, moments",
+    "scikit-image: RANSAC CircleModel on the contour",
+    "ViSP vpMeEllipse",
+    "EdgeDrawing (EDCircles), gray whole frame",
+    "HoughCircles (gradient), gray whole frame",
+    "CSRT",
+    "the paper to the letter (NumPy)",
+)
+COLUMNS = {  # column of the README -> title of the chapter, its column
+    "time": (RENDERED, "time"),
+    "matchset beside it": (RENDERED, "matchset beside it"),
+    "× ours": (RENDERED, "× ours"),
+    "`typical`": (RENDERED, "`typical`"),
+    "`hard`": (RENDERED, "`hard`"),
+    "valid": (RENDERED, "valid, all sequences"),
+    "false locks": (RENDERED, "false locks"),
+    "real clip": (REAL, "median"),
+    "valid there": (REAL, "valid"),
+}
 
 
-def update(readme: Path, sections: list[Section], machine: Machine) -> bool:
-    """Put the contest's table and picture between the two marks of a README; the rest stays.
+def update(readme: Path, results: Path) -> None:
+    """Put the table between the two marks of a README; the rest stays.
 
     Parameters
     ----------
-    readme : Path
-    sections : list of Section
-        If the summary is not among them, nothing is changed.
-    machine : Machine
-        Where they were measured.
+    readme, results : Path
 
-    Returns
-    -------
-    bool
-        Whether it was changed.
+    Raises
+    ------
+    ValueError
+        If the README has no place for it, or the results lack a chapter, a column or a row.
     """
-    summary = next((section for section in sections if section.title == TITLE), None)
-    if summary is None:
-        return False
-    pictures = [f"![{picture.caption}](benchmarks/pictures/{picture.file})\n" for picture in summary.pictures]
-    lines = [BEGIN, *pictures, summary.text.strip() + "\n", f"*{machine.processor}, {machine.date}.*", END]
     text = readme.read_text(encoding="utf-8")
-    block = "\n".join(lines)
-    changed, count = re.subn(f"{re.escape(BEGIN)}.*?{re.escape(END)}", lambda _: block, text, flags=re.DOTALL)
+    filled = f"{BEGIN}\n{block(results.read_text(encoding='utf-8'))}{END}"
+    changed, count = re.subn(f"{re.escape(BEGIN)}.*?{re.escape(END)}", lambda _: filled, text, flags=re.DOTALL)
     if count != 1:
         raise ValueError(f"{readme} has {count} places between {BEGIN!r} and {END!r}, not one")
     readme.write_text(changed, encoding="utf-8")
-    return True
+
+
+def block(results: str) -> str:
+    """Write the README's table and its caption from the text of the page of results.
+
+    Parameters
+    ----------
+    results : str
+        Markdown.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    chapters = {title: read_table(chapter(results, title), title) for title in (RENDERED, REAL)}
+    rows = []
+    for name in ROWS:
+        missing = [title for title, found in chapters.items() if name not in found]
+        if missing:
+            raise ValueError(f"the results have no row {name!r} in {missing}")
+        rows.append([name, *(chapters[title][name][column] for title, column in COLUMNS.values())])
+    where = re.search(r"^(\d{4}-\d\d-\d\d) .*?commit \w+\. (.*?), \d+ cores", results, flags=re.MULTILINE)
+    made = f" {where[2]}, {where[1]}." if where else ""
+    clip = re.search(r"^\*\*(\w+)\*\*, (\d+) rows", chapter(results, REAL), flags=re.MULTILINE)
+    real = f" Real clip: {clip[1]}, {clip[2]} frames." if clip else ""
+    return f"{table(['', *COLUMNS], rows)}\n*Rendered sequences, then a real one.{real}{made}*\n"
+
+
+def chapter(results: str, title: str) -> str:
+    """Return the text of one chapter of the page."""
+    found = re.search(rf"^## {re.escape(title)}\n(.*?)(?=^## |\Z)", results, flags=re.DOTALL | re.MULTILINE)
+    if found is None:
+        raise ValueError(f"the results have no chapter {title!r}")
+    return found[1]
+
+
+def read_table(text: str, title: str) -> dict[str, dict[str, str]]:
+    """Read the first table of a text: row's name -> column -> cell."""
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    cells = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
+    if len(cells) < 3:
+        raise ValueError(f"the chapter {title!r} of the results has no table")
+    head, _, *rows = cells
+    found: dict[str, dict[str, str]] = {}
+    for row in rows:
+        found.setdefault(row[0], dict(zip(head, row, strict=False)))
+    wanted = [column for chapter_title, column in COLUMNS.values() if chapter_title == title]
+    missing = [column for column in wanted if column not in head]
+    if missing:
+        raise ValueError(f"the table of the chapter {title!r} has no column {missing}")
+    return found
+
+
+if __name__ == "__main__":
+    HERE = Path(__file__).resolve().parent
+    update(HERE.parent / "README.md", HERE / "RESULTS.md")

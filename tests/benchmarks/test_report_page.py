@@ -3,11 +3,10 @@ import math
 from pathlib import Path
 
 import pytest
-from benchmarks.contest.summary import TITLE
 from benchmarks.machine import Machine
-from benchmarks.readme import BEGIN, END, update
+from benchmarks.readme import BEGIN, END, REAL, RENDERED, ROWS, block, update
 from benchmarks.report import json_line, page
-from benchmarks.results import Figure, Finding, Goal, Picture, Section
+from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
 
 MACHINE = Machine("2026-11-21 12:00 UTC", "abc1234", "A processor", 2, "Linux", "3.11", {"numpy": "2"}, "bench")
 SECTIONS = [
@@ -53,18 +52,34 @@ def pytest_fail(name: str) -> None:
     raise AssertionError(f"{name} is not JSON")
 
 
+def results_page() -> str:
+    rendered = {"time": "141 µs", "matchset beside it": "141 µs", "× ours": "1.0", "valid, all sequences": "99.8 %"}
+    rendered |= {"`typical`": "0.24 px", "`hard`": "0.38 px", "false locks": "0"}
+    real = {"median": "1.2 px", "valid": "92 %"}
+    text = MACHINE.words() + "\n"
+    for title, cells in ((RENDERED, rendered), (REAL, real)):
+        lines = table(["", *cells], [[name, *cells.values()] for name in ROWS])
+        text += f"\n## {title}\n\n**hand**, 39 rows\n\n{lines}"
+    return text + "\n## More\n"
+
+
 def test_the_readme_gets_its_table_from_the_results(tmp_path: Path) -> None:
-    readme = tmp_path / "README.md"
+    readme, results = tmp_path / "README.md", tmp_path / "RESULTS.md"
     readme.write_text(f"# Title\n\n{BEGIN}\nold\n{END}\n\nmore\n", encoding="utf-8")
-    section = Section(TITLE, [], "| a | b |\n", (Picture("p.png", "a picture"),))
-    assert update(readme, [section], MACHINE)
+    results.write_text(results_page(), encoding="utf-8")
+    update(readme, results)
     text = readme.read_text(encoding="utf-8")
     assert "old" not in text
-    assert "| a | b |" in text
-    assert "![a picture](benchmarks/pictures/p.png)" in text
+    assert "| CSRT | 141 µs | 141 µs | 1.0 | 0.24 px | 0.38 px | 99.8 % | 0 | 1.2 px | 92 % |" in text
+    assert "hand, 39 frames. A processor, 2026-11-21." in text
     assert text.startswith("# Title\n")
     assert text.endswith("more\n")
-    assert not update(readme, [], MACHINE)
     readme.write_text("# Title\n", encoding="utf-8")
     with pytest.raises(ValueError, match="README"):
-        update(readme, [section], MACHINE)
+        update(readme, results)
+
+
+@pytest.mark.parametrize(("old", "new", "missing"), [("CSRT", "?", "CSRT"), ("× ours", "?", "ours"), (REAL, "?", REAL)])
+def test_what_the_readme_needs_and_the_results_lack_is_named(old: str, new: str, missing: str) -> None:
+    with pytest.raises(ValueError, match=missing):
+        block(results_page().replace(old, new))

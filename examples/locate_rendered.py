@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import matchset as ms
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 camera = ms.CameraModel.from_fov(480, 360, math.radians(80))  # or ms.CameraModel.load("camera.toml")
 localizer = ms.Localizer(camera, ms.BallTarget(diameter=0.28))
@@ -18,7 +18,7 @@ def place(time: float) -> np.ndarray:
 
 click = camera.project([np.add(place(0.0), (0.07, 0.0, -0.12))])[0]  # beside the marker
 tracker: ms.Tracker[ms.Circle] | None = None
-for frame in Flight(camera=camera, place=place, frames=20, preset="typical"):
+for frame in BallFlightClip(camera=camera, place=place, frames=20, preset="typical"):
     if tracker is None:
         tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(frame.image, *click), start=(click[0], click[1]))
     pose = localizer.update(tracker.update(frame))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 camera = ms.CameraModel.from_fov(480, 360, math.radians(60))
 position = np.array((0.2, 0.1, 1.1))
@@ -21,7 +21,7 @@ def turn(time: float) -> Rotation:
     return Rotation.from_euler("yx", (180.0 + 40.0 * time, 20.0 * time), degrees=True)
 
 
-flight = Flight(camera=camera, place=lambda _: position, turn=turn, markers=target.markers, frames=15)
+flight = BallFlightClip(camera=camera, place=lambda _: position, turn=turn, markers=target.markers, frames=15)
 blue, purple = camera.project(np.add(position, ((0.0, 0.07, -0.11), (0.0, 0.0, -0.14))))
 tracker: ms.Tracker[ms.Circle] | None = None
 for frame in flight:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 camera = ms.CameraModel(
     width=480, height=360, fx=340.0, fy=340.0, cx=239.5, cy=179.5, distortion=(-0.2, 0.0, 0.0, 0.0, 0.0)
@@ -31,7 +31,7 @@ video = cv2.VideoWriter("flight.avi", cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (ca
 with Path("flight.csv").open("w", newline="") as file:
     table = csv.writer(file, lineterminator="\n")
     table.writerow(("frame", "time", "x", "y", "z"))
-    for frame in Flight(camera=camera, place=place, turn=turn, frames=30):
+    for frame in BallFlightClip(camera=camera, place=place, turn=turn, frames=30):
         video.write(frame.image)
         table.writerow((frame.index, round(frame.time, 6), *np.round(place(frame.time), 6)))
 video.release()

@@ -19,8 +19,7 @@ from benchmarks.workers import spread
 from matchset.image.frame import Frame
 from matchset.sim.analog_link import degrade
 from matchset.sim.clips.clip import Clip
-from matchset.sim.clips.outline import mean_circle
-from matchset.sim.clips.truth import Truth
+from matchset.sim.clips.truth import ClipTruth, mean_circle
 from matchset.sim.rendering.shutter import fields
 
 Picture = npt.NDArray[np.float32]
@@ -43,7 +42,7 @@ class TagClip(msgspec.Struct, frozen=True):
     clip: Clip
     card: Card
 
-    def __iter__(self) -> Iterator[tuple[Frame, Truth]]:
+    def __iter__(self) -> Iterator[tuple[Frame, ClipTruth]]:
         clip, room = self.clip, self.clip.background()
         tag = self.card.picture(CARD_PX).astype(np.float32)
         for index in range(clip.frames):

@@ -12,7 +12,7 @@ from benchmarks.results import Finding, Section, table
 from benchmarks.tracking.covariance import BAR, FREEDOM, LEVEL, PRIZE, figures
 from benchmarks.tracking.trial import clicked, sequence
 from benchmarks.workers import spread
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 PRESETS = ("clean", "typical")
 FLYING, POSES = 10, 60  # sequences, and frames of each that count: 600 poses on the move
@@ -84,5 +84,7 @@ def _resting(task: Task) -> list[float]:
     while place is None:
         place = place_ball(PINHOLE, rng.uniform(15.0, 80.0), math.radians(rng.uniform(0.0, 35.0)), rng)
     still = place
-    flight = Flight(camera=PINHOLE, place=lambda _: still, frames=STILLS + 1, seed=task.seed, preset=task.preset)
+    flight = BallFlightClip(
+        camera=PINHOLE, place=lambda _: still, frames=STILLS + 1, seed=task.seed, preset=task.preset
+    )
     return [sight.square for sight in observe(flight) if isinstance(sight.pose, ms.Pose)]

@@ -14,7 +14,7 @@ from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
 from matchset.localization.marker_direction import place_marker
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def measure(task: Task) -> Result:
         place = place_ball(PINHOLE, radius, math.radians(rng.uniform(0.0, 20.0)), rng)
     still, turn = place, _turn(task, place, rng)
     markers = THREE if task.off_sight_deg is None else THREE[:1]
-    flight = Flight(
+    flight = BallFlightClip(
         camera=PINHOLE,
         place=lambda _: still,
         turn=lambda _: turn,
@@ -107,7 +107,7 @@ def _turn(task: Task, place: Floats, rng: np.random.Generator) -> Rotation:
     return facing(-away)
 
 
-def _blobs(flight: Flight) -> list[float]:
+def _blobs(flight: BallFlightClip) -> list[float]:
     """Errors of OpenCV's blob detector as the marker's finder, rad."""
     target = ms.BallTarget()
     ball_color, marker_color = learn(flight)

@@ -14,7 +14,7 @@ from benchmarks.localization.range import CAMERAS
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Picture, Section, table
 from benchmarks.workers import spread
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]
 
@@ -61,7 +61,7 @@ def measure(task: Task) -> list[list[float]]:
     while place is None:
         place = place_ball(camera, RADIUS_PX, math.radians(task.off_axis_deg), rng, room_px=6.0)
     still, far = place, float(np.linalg.norm(place))
-    flight = Flight(camera=camera, place=lambda _: still, frames=FRAMES + 1, seed=task.seed)
+    flight = BallFlightClip(camera=camera, place=lambda _: still, frames=FRAMES + 1, seed=task.seed)
     blue, purple = learn(flight)
     color = blue | purple
     x, y = camera.project(still[np.newaxis])[0]

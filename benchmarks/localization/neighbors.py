@@ -11,7 +11,7 @@ import matchset as ms
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
 from matchset.localization.neighbors.ball_search import Newcomers
-from matchset.sim.clips.multi_ball_clip import Crowd, Path
+from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
 TARGET = ms.BallTarget(diameter=0.28)
@@ -32,7 +32,7 @@ def run(options: Options) -> Section:
 
 def watcher(seed: int) -> ms.Neighbors:
     """Make neighbors whose colors were learnt from one click each."""
-    frame = next(iter(Crowd(camera=CAMERA, paths=[lambda _: (0.0, 0.0, 1.0)], frames=1, seed=seed)))
+    frame = next(iter(MultiBallClip(camera=CAMERA, paths=[lambda _: (0.0, 0.0, 1.0)], frames=1, seed=seed)))
     purple = ms.ColorModel.pick(frame.image, CAMERA.cx, CAMERA.cy)
     blue = ms.ColorModel.pick(frame.image, CAMERA.cx - 40.0, CAMERA.cy) | purple
     return ms.Neighbors(CAMERA, TARGET, blue, purple)
@@ -55,11 +55,11 @@ class _Timed:
 class _Contender:
     """Neighbors before a crowd of their own: what the search costs them, and all the rest."""
 
-    def __init__(self, paths: list[Path], frames: int, seed: int) -> None:
+    def __init__(self, paths: list[PositionFunction], frames: int, seed: int) -> None:
         self.neighbors = watcher(seed)
         self.search = _Timed(self.neighbors._newcomers)
         vars(self.neighbors)["_newcomers"] = self.search
-        self.frames = list(Crowd(camera=CAMERA, paths=paths, frames=frames, seed=seed))
+        self.frames = list(MultiBallClip(camera=CAMERA, paths=paths, frames=frames, seed=seed))
         self.ns: list[int] = []
 
     def step(self, k: int) -> None:
@@ -105,12 +105,12 @@ def _cost(options: Options) -> list[Finding]:
     ]
 
 
-def _swaying(k: int) -> Path:
+def _swaying(k: int) -> PositionFunction:
     return lambda t: (-1.0 + 0.5 * k, 0.35 * math.sin(2.0 * k + t), 2.2)
 
 
 def _crossing(options: Options) -> Finding:
-    paths: list[Path] = [
+    paths: list[PositionFunction] = [
         lambda t: (-0.9 + 0.4 * t, 0.0, 2.2),
         lambda t: (0.9 - 0.4 * t, 0.05, 1.5),
         lambda t: (0.0, -0.4 + 0.25 * t, 1.0),
@@ -119,7 +119,7 @@ def _crossing(options: Options) -> Finding:
     for seed in options.seeds:
         met: dict[int, set[int]] = {}
         neighbors = watcher(seed)
-        for frame in Crowd(camera=CAMERA, paths=paths, frames=130, seed=seed):
+        for frame in MultiBallClip(camera=CAMERA, paths=paths, frames=130, seed=seed):
             for each in neighbors.update(frame):
                 if isinstance(each.pose, ms.Pose):
                     met.setdefault(each.identity, set()).add(_whose(each.pose, paths, frame.time))
@@ -134,19 +134,19 @@ def _crossing(options: Options) -> Finding:
     )
 
 
-def _whose(pose: ms.Pose, paths: Sequence[Path], time: float) -> int:
+def _whose(pose: ms.Pose, paths: Sequence[PositionFunction], time: float) -> int:
     far = [float(np.linalg.norm(np.subtract(path(time) or (9.0, 9.0, 9.0), pose.position))) for path in paths]
     return int(np.argmin(far)) if min(far) < NEAR else -1
 
 
 def _newcomer(options: Options) -> Finding:
-    entering: Path = lambda t: (-1.6 + 0.6 * t, 0.2, 1.8)  # noqa: E731
+    entering: PositionFunction = lambda t: (-1.6 + 0.6 * t, 0.2, 1.8)  # noqa: E731
     waits = []
     for seed in options.seeds:
         neighbors = watcher(seed)
-        paths: list[Path] = [lambda _: (0.3, 0.0, 1.8), entering]
+        paths: list[PositionFunction] = [lambda _: (0.3, 0.0, 1.8), entering]
         entered = next(k for k in range(90) if _in_view(entering(k / 30)))
-        crowd = Crowd(camera=CAMERA, paths=paths, frames=90, seed=seed)
+        crowd = MultiBallClip(camera=CAMERA, paths=paths, frames=90, seed=seed)
         noticed = next((k for k, frame in enumerate(crowd) if len(neighbors.update(frame)) > 1), 90)
         waits.append(noticed - entered)
     return Finding(

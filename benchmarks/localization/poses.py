@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]
 
@@ -125,12 +125,12 @@ def facing(place: Floats) -> Rotation:
     return Rotation.from_matrix(np.column_stack((np.cross(y, z), y, z)))
 
 
-def learn(flight: Flight) -> tuple[ms.ColorModel, ms.ColorModel]:
+def learn(flight: BallFlightClip) -> tuple[ms.ColorModel, ms.ColorModel]:
     """Learn the colors of ball and marker from a picture of the same room in which marker 0 looks at the camera.
 
     Parameters
     ----------
-    flight : Flight
+    flight : BallFlightClip
 
     Returns
     -------
@@ -145,12 +145,12 @@ def learn(flight: Flight) -> tuple[ms.ColorModel, ms.ColorModel]:
     return ms.ColorModel.pick(image, *pixels[1]), ms.ColorModel.pick(image, *pixels[0])
 
 
-def observe(flight: Flight, target: ms.BallTarget | None = None, warm_up: int = 1) -> Iterator[Sight]:
+def observe(flight: BallFlightClip, target: ms.BallTarget | None = None, warm_up: int = 1) -> Iterator[Sight]:
     """Follow the ball of a flight and place it in every frame, from a click on it and, for a `turn`, on its marker.
 
     Parameters
     ----------
-    flight : Flight
+    flight : BallFlightClip
         With a `turn` its markers are followed too.
     target : BallTarget, optional
         Default: the balloon of the flight.

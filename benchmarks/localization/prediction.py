@@ -9,7 +9,7 @@ import matchset as ms
 from benchmarks.localization.poses import PINHOLE, observe
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def run(options: Options) -> Section:
 
 def errors(preset: str, seed: int, seconds: float) -> tuple[list[float], list[float]]:
     """Distances to the truth 67 ms after each frame: of the prediction, and of the last pose, m."""
-    flight = Flight(camera=PINHOLE, place=place, frames=round(seconds * FPS), fps=FPS, seed=seed, preset=preset)
+    flight = BallFlightClip(camera=PINHOLE, place=place, frames=round(seconds * FPS), fps=FPS, seed=seed, preset=preset)
     rng = np.random.default_rng((seed, 0x717))
     filtered, predicted, last = ms.PoseFilter(), [], []
     for sight in observe(flight):

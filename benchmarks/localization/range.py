@@ -11,7 +11,7 @@ from benchmarks.localization.poses import observe, place_ball
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 ANGLES_DEG = (0, 10, 20, 30, 35)
 SCENES, FRAMES = 10, 5  # 50 frames per angle
@@ -60,7 +60,9 @@ def measure(task: Task) -> list[float]:
     while place is None:
         place = place_ball(camera, rng.uniform(*task.radii), math.radians(task.off_axis_deg), rng, room_px=6.0)
     still = place
-    flight = Flight(camera=camera, place=lambda _: still, frames=task.frames + 1, seed=task.seed, preset=task.preset)
+    flight = BallFlightClip(
+        camera=camera, place=lambda _: still, frames=task.frames + 1, seed=task.seed, preset=task.preset
+    )
     return [sight.range_error for sight in observe(flight)]
 
 

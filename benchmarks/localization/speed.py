@@ -11,7 +11,7 @@ from benchmarks.localization.markers import THREE
 from benchmarks.localization.poses import BARREL, PINHOLE, facing, learn
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 FRAMES = 150
 WARM_UP = 20
@@ -73,7 +73,7 @@ def run(options: Options) -> Section:
 
 def _timed(camera: ms.CameraModel, markers: tuple[tuple[float, float, float], ...], frames: int, seed: int) -> Clock:
     clock = Clock()
-    flight = Flight(
+    flight = BallFlightClip(
         camera=camera,
         place=lambda t: np.array((0.2 * np.sin(t), 0.1 * np.cos(t), 1.55)),
         turn=lambda _: facing(np.array((0.0, 0.0, 1.0))),
@@ -87,7 +87,7 @@ def _timed(camera: ms.CameraModel, markers: tuple[tuple[float, float, float], ..
     return clock
 
 
-def _follow(flight: Flight, clock: Clock) -> Iterator[None]:
+def _follow(flight: BallFlightClip, clock: Clock) -> Iterator[None]:
     target = ms.BallTarget(0.28, flight.markers, 0.06)
     ball_color, marker_color = learn(flight)
     x, y = flight.camera.project(flight.place(0.0)[np.newaxis])[0].tolist()

@@ -13,7 +13,7 @@ from benchmarks.workers import spread
 from matchset.app.track.score import Circle3, error_px
 from matchset.app.track.truth import Truth
 from matchset.sim.clips.clip import Clip
-from matchset.sim.clips.truth import Truth as ClipTruth
+from matchset.sim.clips.truth import ClipTruth
 
 PRESETS = ("clean", "typical", "bad")
 SEQUENCES = (*PRESETS, "hard")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Ellipse
 
 import matchset as ms
-from matchset.sim.clips.outline import sphere_outline
+from matchset.sim.clips.truth import sphere_outline
 
 Floats = npt.NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import matchset as ms
 from matchset.app.locate.marker_wish import MarkerWish
 from matchset.app.locate.run import LocateOptions, run_locate
 from matchset.app.track.target_options import Wish
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=450.0, cx=319.5, cy=239.5, distortion=(-0.2, 0.0, 0.0, 0.0, 0.0)
@@ -35,7 +35,7 @@ def turn(time: float) -> Rotation:
 def locate(folder: Path) -> None:
     """Render the flight and run the command on it."""
     video = cv2.VideoWriter(str(folder / "flight.avi"), cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (640, 480))
-    for frame in Flight(camera=CAMERA, place=place, turn=turn, frames=FRAMES, seed=104, preset="typical"):
+    for frame in BallFlightClip(camera=CAMERA, place=place, turn=turn, frames=FRAMES, seed=104, preset="typical"):
         video.write(frame.image)
     video.release()
     CAMERA.save(folder / "camera.toml")

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from matchset.camera.camera_model import CameraModel
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 SIZE = 320, 240
 FOV_DEG = 60.0
@@ -27,12 +27,12 @@ def turn(time: float) -> Rotation:
     return Rotation.from_euler("y", 180.0 + 30.0 * time, degrees=True)
 
 
-def flight(markers: tuple[tuple[float, float, float], ...] = ((0.0, 0.0, 1.0),)) -> Flight:
+def flight(markers: tuple[tuple[float, float, float], ...] = ((0.0, 0.0, 1.0),)) -> BallFlightClip:
     """The balloon, sharp and with little noise."""
-    return Flight(camera=CAMERA, place=place, turn=turn, markers=markers, frames=FRAMES, preset="clean")
+    return BallFlightClip(camera=CAMERA, place=place, turn=turn, markers=markers, frames=FRAMES, preset="clean")
 
 
-def write_video(path: str, flown: Flight) -> None:
+def write_video(path: str, flown: BallFlightClip) -> None:
     """Write a flight as it is, without loss."""
     writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"FFV1"), 30.0, SIZE)
     for frame in flown:

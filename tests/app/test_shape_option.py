@@ -12,7 +12,7 @@ import matchset as ms
 from matchset.app.cli import app
 from matchset.app.track.shape_option import parse_shape
 from matchset.shapes.shape import outline
-from matchset.sim.rendering.flat import draw_flat
+from matchset.sim.rendering.coverage import draw_polygon
 
 run = CliRunner().invoke
 
@@ -50,7 +50,7 @@ def write_video(path: Path, frames: int = 6) -> None:
     for index in range(frames):
         picture = np.full((240, 320, 3), (210, 205, 200), np.float32)
         corners = ms.Rectangle(150 + 2 * index, 120, 120, 70, 0.2 + 0.02 * index).corners
-        draw_flat(picture, [corners], (60, 50, 40))
+        draw_polygon(picture, [corners], (60, 50, 40))
         cv2.imwrite(str(folder / f"{index:03d}.png"), np.rint(picture).astype(np.uint8))
 
 
@@ -75,7 +75,7 @@ def test_every_family_is_tracked_from_the_command_line(tmp_path: Path, shape: st
     if shape == "picture":  # of an egg, bright inside
         egg = ms.Convex.of(lambda t: 10.0 + 2.0 * np.cos(t) + 0.7 * np.cos(2.0 * t))
         drawing = np.zeros((300, 300, 3), np.float32)
-        draw_flat(drawing, [outline(egg(150.0, 150.0, 9.0, 0.0), 360)], (255, 255, 255))
+        draw_polygon(drawing, [outline(egg(150.0, 150.0, 9.0, 0.0), 360)], (255, 255, 255))
         cv2.imwrite(str(tmp_path / "egg.png"), drawing.astype(np.uint8))
     name = str(tmp_path / "egg.png") if shape == "picture" else shape
     family = parse_shape(name)
@@ -83,7 +83,7 @@ def test_every_family_is_tracked_from_the_command_line(tmp_path: Path, shape: st
     (tmp_path / "video").mkdir()
     for index in range(3):
         picture = np.full((240, 320, 3), (210, 205, 200), np.float32)
-        draw_flat(picture, [np.add(outline(truth, 360), (150.0 + 2.0 * index, 120.0))], (60, 50, 40))
+        draw_polygon(picture, [np.add(outline(truth, 360), (150.0 + 2.0 * index, 120.0))], (60, 50, 40))
         cv2.imwrite(str(tmp_path / "video" / f"{index}.png"), np.rint(picture).astype(np.uint8))
     words = ["track", str(tmp_path / "video"), "--shape", name, "--gray", "dark", "-o", str(tmp_path / "out")]
     result = run(app, words)

@@ -13,14 +13,14 @@ from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, ShapeTrial, scalar
 
 import matchset as ms
 from matchset.shapes.shape import outline
-from matchset.sim.rendering.flat import draw_flat
+from matchset.sim.rendering.coverage import draw_polygon
 
 TRUTH = ms.Ellipse(160.0, 120.0, 60.0 * math.sqrt(1.5), 60.0 / math.sqrt(1.5), 0.4)
 
 
 def picture() -> np.ndarray:
     image = np.full((240, 320, 3), (120, 140, 150), np.float32)
-    draw_flat(image, [outline(TRUTH, 360)], (200, 70, 30))
+    draw_polygon(image, [outline(TRUTH, 360)], (200, 70, 30))
     return np.rint(image).astype(np.uint8)
 
 

@@ -10,7 +10,7 @@ from flight import throttles
 from matchset.app.flight.pilot import PilotStep
 from matchset.image.errors import LinkError
 from matchset.localization.pose import Pose
-from matchset.sim.world import place_beside
+from matchset.sim.world import relative_position
 
 SECONDS = 30.0
 SETTLED = 5.0  # s from which it must hold its place
@@ -19,7 +19,7 @@ SEED = 140
 
 def beside(hover: Hover) -> npt.NDArray[np.float64]:
     me, other = hover.chain.truth()
-    return place_beside(me, other)
+    return relative_position(me, other)
 
 
 def stops(hover: Hover, after: int, within: float) -> None:

@@ -11,7 +11,7 @@ from balls import BARREL, PINHOLE, Floats, ball, rim, square, track
 from matchset.localization.ball import BallParameters
 from matchset.localization.cone import fit_cone
 from matchset.localization.localizer import LocalizerParameters
-from matchset.sim.clips.outline import sphere_outline
+from matchset.sim.clips.truth import sphere_outline
 
 EXACT = BallParameters(edge_shift=0.0)
 BARE = BallParameters(edge_shift=0.0, inflation=1.0, center_floor=1e-6, size_floor=1e-6)

@@ -10,7 +10,7 @@ from benchmarks.localization.range import Task, measure
 
 import matchset as ms
 from balls import Floats
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 
 @pytest.mark.parametrize(("camera", "degrees"), [("pinhole", 0), ("pinhole", 35), ("barrel", 0), ("barrel", 25)])
@@ -27,7 +27,9 @@ def test_the_range_of_a_small_ball_on_analog_video() -> None:
 
 def resting(place: Floats, seed: int, preset: str) -> list[float]:
     """Normalized errors squared of a ball that stays where it is."""
-    flight = Flight(camera=PINHOLE, place=lambda _: place, frames=4, seed=seed, scene_seed=seed % 2, preset=preset)
+    flight = BallFlightClip(
+        camera=PINHOLE, place=lambda _: place, frames=4, seed=seed, scene_seed=seed % 2, preset=preset
+    )
     return [sight.square for sight in observe(flight)]
 
 
@@ -55,7 +57,7 @@ def test_a_ball_far_off_axis_is_followed_where_its_outline_is_an_ellipse() -> No
     rng = np.random.default_rng(0)
     place = place_ball(PINHOLE, 60.0, math.radians(30.0), rng, room_px=3.0)
     assert place is not None
-    flight = Flight(camera=PINHOLE, place=lambda _: place, frames=5, seed=240)
+    flight = BallFlightClip(camera=PINHOLE, place=lambda _: place, frames=5, seed=240)
     sights = list(observe(flight))
     assert all(isinstance(sight.pose, ms.Pose) for sight in sights)
     assert max(abs(sight.range_error) for sight in sights) < 0.005

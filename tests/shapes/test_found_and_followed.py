@@ -10,7 +10,7 @@ from families import SHAPES, page_example
 
 import matchset as ms
 from matchset.shapes.shape import outline
-from matchset.sim.rendering.flat import draw_flat
+from matchset.sim.rendering.coverage import draw_polygon
 
 Image = npt.NDArray[np.uint8]
 BLUE, ROOM, SKIN = (200, 70, 30), (120, 140, 150), (120, 150, 196)
@@ -33,7 +33,7 @@ def placed(name: str, center: tuple[float, float]) -> Any:
 
 def drawn(image: Image, points: npt.NDArray[np.float64], color: tuple[int, int, int]) -> Image:
     picture = image.astype(np.float32)
-    draw_flat(picture, [points], color)
+    draw_polygon(picture, [points], color)
     return np.rint(picture).astype(np.uint8)
 
 

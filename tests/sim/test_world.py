@@ -6,9 +6,8 @@ import pytest
 from matchset.control.command import Command
 from matchset.control.follower import SetPlace
 from matchset.sim.rope import RopeParameters
-from matchset.sim.vehicle import toy
-from matchset.sim.vehicle_camera import Sight
-from matchset.sim.world import LENS, RATE, ChainParameters, World, place_beside, quantized
+from matchset.sim.vehicle import VehiclePose, toy
+from matchset.sim.world import CAMERA_AHEAD, RATE, ChainParameters, World, quantized, relative_position
 
 CHAIN = ChainParameters(place=SetPlace(height=-0.19))
 HOVER = Command(throttle=0.6)
@@ -42,9 +41,11 @@ def test_each_begins_at_its_set_place_or_as_far_off_as_asked() -> None:
 
 def test_a_place_is_side_height_and_heading_in_the_level_frame_of_the_ball() -> None:
     # The neighbor looks along its z; its marker looks back, at who is behind it.
-    neighbor = Sight(np.zeros(3), turned(0.3), np.array((0.0, -0.19, 0.0)))
-    there = np.array((0.0, -0.19, 0.0)) + turned(0.3) @ np.array((-0.2, -0.1, -1.5 - LENS))
-    np.testing.assert_allclose(place_beside(Sight(there, turned(0.3), there), neighbor), (0.2, 0.1, 1.5), atol=1e-12)
+    neighbor = VehiclePose(np.zeros(3), turned(0.3), np.array((0.0, -0.19, 0.0)))
+    there = np.array((0.0, -0.19, 0.0)) + turned(0.3) @ np.array((-0.2, -0.1, -1.5 - CAMERA_AHEAD))
+    np.testing.assert_allclose(
+        relative_position(VehiclePose(there, turned(0.3), there), neighbor), (0.2, 0.1, 1.5), atol=1e-12
+    )
 
 
 def test_who_is_held_waits_for_the_motors() -> None:

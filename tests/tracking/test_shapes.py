@@ -13,7 +13,7 @@ from benchmarks.shapes.trial import ShapeTask, follow_shape
 
 import matchset as ms
 from matchset.shapes.shape import outline
-from matchset.sim.rendering.flat import draw_flat
+from matchset.sim.rendering.coverage import draw_polygon
 
 Image = npt.NDArray[np.uint8]
 BLUE, ROOM = (200, 70, 30), (120, 140, 150)
@@ -23,7 +23,7 @@ def drawn(image: Image, shape: Any, color: Any) -> None:
     """Draw a shape with exact coverage: OpenCV's is half a pixel larger."""
     flat = image if image.ndim == 3 else image[:, :, np.newaxis].repeat(3, axis=2)
     picture = flat.astype(np.float32)
-    draw_flat(picture, [outline(shape, 360)], color if image.ndim == 3 else (color, color, color))
+    draw_polygon(picture, [outline(shape, 360)], color if image.ndim == 3 else (color, color, color))
     seen = np.rint(picture).astype(np.uint8)
     image[:] = seen if image.ndim == 3 else seen[:, :, 0]
 

@@ -8,7 +8,7 @@ from benchmarks.shapes.trial import ShapeTask, follow_shape
 
 import matchset as ms
 from matchset.numeric.jit import plain
-from matchset.sim.rendering.flat import draw_flat
+from matchset.sim.rendering.coverage import draw_polygon
 from matchset.tracking.memory import TIME, Memory
 from matchset.tracking.motion import correct
 
@@ -23,7 +23,7 @@ def picture(card: Floats = CARD) -> Image:
     """Draw a blue card before a pale wall that ends in a dark shelf to the right of it."""
     image = np.full((240, 320, 3), ROOM, np.float32)
     image[:, 222:] = SHELF
-    draw_flat(image, [card], BLUE)
+    draw_polygon(image, [card], BLUE)
     return np.rint(image).astype(np.uint8)
 
 

@@ -22,10 +22,9 @@ from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
 from matchset.sim.analog_link import PRESETS
-from matchset.sim.cameras import FIELD, Studio
+from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.rope import RopeParameters
-from matchset.sim.vehicle import VehicleParameters, toy
-from matchset.sim.vehicle_camera import Sight
+from matchset.sim.vehicle import VehicleParameters, VehiclePose, toy
 from matchset.sim.world import RATE, ChainParameters, World
 
 FPS, FRAME = 30, RATE // 30  # pictures a second, steps a picture
@@ -154,8 +153,8 @@ class SimulatedChain:
     def __init__(self, parameters: SimulationParameters | None = None, place: SetPlace | None = None) -> None:
         self.parameters = parameters or SimulationParameters()
         self.world = World(self.parameters.chain(place or PLACE), self.parameters.seed)
-        self._studio = Studio(self.world, self.parameters.camera, self.parameters.pal)
-        self._studio.hide(self.parameters.hidden, self.parameters.hidden_every)
+        self._images = WorldCameras(self.world, self.parameters.camera, self.parameters.pal)
+        self._images.hide_balls(self.parameters.hidden, self.parameters.hidden_every)
         self._pool = ThreadPoolExecutor(2)
         self._jobs: dict[tuple[int, int], Future[npt.NDArray[np.uint8]]] = {}
         count = self.parameters.vehicles - 1
@@ -181,24 +180,24 @@ class SimulatedChain:
                 break
             for other in range(len(self.cameras)):
                 if (other, wanted) not in self._jobs:
-                    self._jobs[other, wanted] = self._pool.submit(self._studio.picture, other, FRAME * wanted)
+                    self._jobs[other, wanted] = self._pool.submit(self._images.image, other, FRAME * wanted)
         if taken / RATE >= self.parameters.cable:
             return None
         image = self._jobs[who, index].result()
         self._jobs.pop((who, index - 2), None)
         return Frame(image, taken / RATE, index)
 
-    def truth(self, index: int | None = None) -> tuple[Sight, ...]:
+    def truth(self, index: int | None = None) -> tuple[VehiclePose, ...]:
         """Where everyone is now, or was when the pictures of an index were taken."""
-        return tuple(self.world.sights(self.world.step if index is None else FRAME * index))
+        return tuple(self.world.poses(self.world.step if index is None else FRAME * index))
 
     def inside(self, who: int, index: int) -> bool:
         """Whether the middle of the neighbor's ball was in a camera's picture, and nothing was held before it."""
-        return self._studio.inside(who, FRAME * index)
+        return self._images.shows_ball(who, FRAME * index)
 
     def sample(self, who: int) -> Frame:
         """Take a picture of a ball that someone holds 1 m before a camera, to teach the colors."""
-        return Frame(self._studio.sample(who), 0.0, 0)
+        return Frame(self._images.held_ball(who), 0.0, 0)
 
 
 class SimulatedCamera:

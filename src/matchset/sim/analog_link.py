@@ -1,4 +1,4 @@
-"""The analog link: `Pal` degrades a picture as a camera, a transmitter and a PAL receiver do."""
+"""The analog link: `AnalogLink` degrades a picture as a camera, a transmitter and a PAL receiver do."""
 
 import math
 
@@ -13,7 +13,7 @@ from matchset.sim.rendering.renderer import Picture
 _PIXEL_TIME = 81e-9  # s, of the 640 px that span the 52 us of an active PAL line
 
 
-class Pal(msgspec.Struct, frozen=True, kw_only=True):
+class AnalogLink(msgspec.Struct, frozen=True, kw_only=True):
     """What the way from the lens to the picture in memory does to a frame.
 
     All filters have zero phase: a receiver's group delay is the same for every line and is calibrated out.
@@ -61,8 +61,8 @@ class Pal(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"lost_lines is a share, 0 ... 1, got {self.lost_lines}")
 
 
-CLEAN = Pal(blur=0.5, sensor_noise=2.0)
-TYPICAL = Pal(
+CLEAN = AnalogLink(blur=0.5, sensor_noise=2.0)
+TYPICAL = AnalogLink(
     interlaced=True,
     luma_bandwidth=3e6,
     chroma_bandwidth=0.6e6,
@@ -71,7 +71,7 @@ TYPICAL = Pal(
     chroma_lines=True,
     line_jitter=0.3,
 )
-BAD = Pal(
+BAD = AnalogLink(
     interlaced=True,
     luma_bandwidth=2e6,
     chroma_bandwidth=0.4e6,
@@ -86,7 +86,7 @@ PRESETS = {"clean": CLEAN, "typical": TYPICAL, "bad": BAD}
 
 def degrade(
     picture: Picture | npt.NDArray[np.uint8],
-    pal: Pal,
+    pal: AnalogLink,
     seed: int,
     gain: tuple[float, float, float] = (1.0, 1.0, 1.0),
     work: Picture | None = None,
@@ -97,7 +97,7 @@ def degrade(
     ----------
     picture : ndarray of shape (h, w, 3), float32 or uint8
         BGR, 0 ... 255; unchanged.
-    pal : Pal
+    pal : AnalogLink
         The link.
     seed : int
         Decides the noise, the jitter and the lost lines; not negative. The same seed gives the same bytes.
@@ -179,7 +179,7 @@ def noise_gain(p: float) -> float:
     return (1.0 - p) / (1.0 + p) * math.sqrt((1.0 + p * p) / (1.0 - p * p))
 
 
-def _is_analog(pal: Pal) -> bool:
+def _is_analog(pal: AnalogLink) -> bool:
     return (
         max(
             pal.luma_bandwidth,

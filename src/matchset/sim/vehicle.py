@@ -4,8 +4,14 @@ import math
 from importlib import resources
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
 from matchset.sim.toml_settings import read_settings
+
+Floats = npt.NDArray[np.float64]
+
+BACKWARD = np.array((0.0, 0.0, -1.0))  # where a vehicle's marker looks, body frame
 
 
 class VehicleParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -84,6 +90,24 @@ class VehicleParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     def ball_area_drag(self) -> float:
         """Drag of the balloon per squared speed, N s^2/m^2: rho c A / 2."""
         return 0.5 * self.air_density * self.ball_drag * math.pi * self.ball_radius**2
+
+
+class VehiclePose(msgspec.Struct, frozen=True):
+    """A vehicle as others see it at a moment.
+
+    Parameters
+    ----------
+    position : (3,)
+        Its center of mass in the room, m.
+    rotation : (3, 3)
+        From its body to the room.
+    ball : (3,)
+        Center of its ball in the room, m.
+    """
+
+    position: Floats
+    rotation: Floats
+    ball: Floats
 
 
 def toy() -> VehicleParameters:

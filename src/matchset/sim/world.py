@@ -14,8 +14,7 @@ from matchset.sim.quadrotor import GRAVITY, PLACE, SIZE, SPEED, constants, resti
 from matchset.sim.rope import Rope, RopeParameters
 from matchset.sim.scene.furniture import FLOOR
 from matchset.sim.scene.room import BACK, BEHIND, HALF_WIDTH
-from matchset.sim.vehicle import VehicleParameters, toy
-from matchset.sim.vehicle_camera import BACKWARD, Sight
+from matchset.sim.vehicle import BACKWARD, VehicleParameters, VehiclePose, toy
 
 Floats = npt.NDArray[np.float64]
 
@@ -26,7 +25,7 @@ UP = np.array((0.0, -1.0, 0.0))
 LOOK = 4  # steps from one look for crashes to the next
 ROOM_LENGTH = 3.0  # m of chain that fits into the room as it is; for a longer one the room grows
 FRAME_RADIUS = 0.11  # m, of the sphere that a frame with its rotors fills
-LENS = 0.05  # m, the camera before the center of mass
+CAMERA_AHEAD = 0.05  # m, the camera before the center of mass
 
 
 class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -117,7 +116,7 @@ class World:
             due = self._hear(self.step + 1)
             self._fly(min([step, *(when - 1 for when in due)]))
 
-    def sights(self, step: int) -> list[Sight]:
+    def poses(self, step: int) -> list[VehiclePose]:
         """Where everyone was at a step of the last second."""
         step = max(step, 0)
         if not self.step - KEPT < step <= self.step:
@@ -127,12 +126,12 @@ class World:
         states, arm, yaw = self._past[step % KEPT], self._past_arms[step % KEPT], self.rope.yaw(step * STEP)
         height, length = self.parameters.vehicle.ball_height, self.rope.parameters.length
         chain_motion.seen(states, arm, yaw, length, height, places, turns, balls)
-        return [Sight(*each) for each in zip(places, turns, balls, strict=True)]
+        return [VehiclePose(*each) for each in zip(places, turns, balls, strict=True)]
 
     def place(self, who: int, step: int | None = None) -> Floats:
         """Side, height and heading of a follower's camera in the level frame of its neighbor's ball: the truth, m."""
-        sights = self.sights(self.step if step is None else step)
-        return place_beside(sights[who], sights[who + 1])
+        poses = self.poses(self.step if step is None else step)
+        return relative_position(poses[who], poses[who + 1])
 
     def _begin(self, rng: np.random.Generator) -> Floats:
         """Put everyone at the set place, but for `start_off` with signs from the seed."""
@@ -146,7 +145,7 @@ class World:
             rotation(turn, matrix)
             ball = states[who + 1, PLACE : PLACE + 3] + toy.ball_height * UP
             set_place = parameters.place
-            there = ball + matrix @ ((set_place.heading + LENS) * BACKWARD - set_place.side * np.eye(3)[0])
+            there = ball + matrix @ ((set_place.heading + CAMERA_AHEAD) * BACKWARD - set_place.side * np.eye(3)[0])
             there = there + set_place.height * UP
             off = np.array(parameters.start_off) * rng.choice((-1.0, 1.0), 3) * (1.0, -1.0, 1.0)
             thrust = toy.mass * GRAVITY
@@ -245,17 +244,17 @@ def _chain_constants(parameters: ChainParameters, room_scale: float) -> Floats:
     )
 
 
-def lens_of(me: Sight) -> Floats:
+def camera_position(me: VehiclePose) -> Floats:
     """Tell where a vehicle's camera is, (3,), m."""
-    where: Floats = me.place + LENS * me.turn[:, 2]
+    where: Floats = me.position + CAMERA_AHEAD * me.rotation[:, 2]
     return where
 
 
-def place_beside(me: Sight, neighbor: Sight) -> Floats:
+def relative_position(me: VehiclePose, neighbor: VehiclePose) -> Floats:
     """Side, height and heading of a camera in the level frame of a ball, (3,), m (Epstein & Feldman, Eq. 6-8)."""
-    out = neighbor.turn @ BACKWARD
+    out = neighbor.rotation @ BACKWARD
     length = math.hypot(out[0], out[2])
-    away = lens_of(me) - neighbor.ball
+    away = camera_position(me) - neighbor.ball
     across = (out[2] / length, -out[0] / length)
     side, heading = away[0] * across[0] + away[2] * across[1], (away[0] * out[0] + away[2] * out[2]) / length
     return np.array((side, -away[1], heading))

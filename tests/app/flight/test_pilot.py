@@ -66,8 +66,8 @@ def test_the_truth_of_a_tick_is_what_the_pictures_show() -> None:
             pose = chain_step.steps[0].pose
             me, other = chain_step.truth_at_exposure
             assert isinstance(pose, Pose)
-            lens = me.place + 0.05 * me.turn[:, 2]
-            errors.append(pose.position - me.turn.T @ (other.ball - lens))
+            lens = me.position + 0.05 * me.rotation[:, 2]
+            errors.append(pose.position - me.rotation.T @ (other.ball - lens))
             assert chain_step.in_view == (True,)
     assert np.abs(np.mean(errors, axis=0)).max() < 0.03
     assert np.std(errors, axis=0).max() < 0.03

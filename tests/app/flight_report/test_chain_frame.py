@@ -14,25 +14,25 @@ from matchset.app.flight_report.chain_frame import (
     room_to_chain_frame,
 )
 from matchset.app.flight_report.true_circle import true_circle
-from matchset.sim.clips.outline import sphere_outline
-from matchset.sim.vehicle_camera import Sight
-from matchset.sim.world import LENS, lens_of, place_beside
+from matchset.sim.clips.truth import sphere_outline
+from matchset.sim.vehicle import VehiclePose
+from matchset.sim.world import CAMERA_AHEAD, camera_position, relative_position
 from matchset.tracking.track import Track
 
 
-def sight(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Sight:
+def sight(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> VehiclePose:
     c, s = math.cos(yaw), math.sin(yaw)
     turn = np.array(((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)))
-    return Sight(np.array(place), turn, np.array(place) - (0.0, 0.19, 0.0))
+    return VehiclePose(np.array(place), turn, np.array(place) - (0.0, 0.19, 0.0))
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, -1.3, 3.0])
 def test_the_frame_of_the_last_ball_is_that_of_side_height_and_heading(yaw: float) -> None:
     last, me = sight(yaw, (0.3, 0.1, 2.0)), sight(yaw + 0.2, (0.1, -0.1, 0.4))
-    side, minus_height, heading = room_to_chain_frame(lens_of(me), last)
-    np.testing.assert_allclose((side, -minus_height, heading), place_beside(me, last), atol=1e-12)
+    side, minus_height, heading = room_to_chain_frame(camera_position(me), last)
+    np.testing.assert_allclose((side, -minus_height, heading), relative_position(me, last), atol=1e-12)
     np.testing.assert_allclose(
-        chain_frame_to_room(np.array((side, minus_height, heading)), last), lens_of(me), atol=1e-12
+        chain_frame_to_room(np.array((side, minus_height, heading)), last), camera_position(me), atol=1e-12
     )
     np.testing.assert_allclose(np.linalg.det(level_ball_frame(last)), 1.0)
 
@@ -45,7 +45,7 @@ def test_what_the_chain_sees_is_where_it_is(flown: Flown) -> None:
                 off.append(
                     place
                     - room_to_chain_frame(
-                        lens_of(chain_step.truth_at_exposure[number]), chain_step.truth_at_exposure[-1]
+                        camera_position(chain_step.truth_at_exposure[number]), chain_step.truth_at_exposure[-1]
                     )
                 )
     assert len(off) >= 20
@@ -74,7 +74,7 @@ def test_without_distortion_it_is_the_circle_of_the_outline(flown: Flown) -> Non
     me, other = sight(0.0), sight(0.0, (0.3, 0.2, 1.5))
     circle = true_circle(me, other, pinhole, 0.14)
     assert circle is not None
-    exact = sphere_outline(pinhole, other.ball - (0.0, 0.0, LENS), 0.14).circle()
+    exact = sphere_outline(pinhole, other.ball - (0.0, 0.0, CAMERA_AHEAD), 0.14).circle()
     assert (circle.x, circle.y, circle.radius) == pytest.approx((exact.x, exact.y, exact.radius), abs=1e-6)
 
 

@@ -55,7 +55,7 @@ def test_every_step_comes_out_bit_for_bit(flown: Flown, recording: Path) -> None
             after.crashes,
         )
         np.testing.assert_array_equal(before.true_positions, after.true_positions)
-        np.testing.assert_array_equal(before.truth_at_exposure[1].turn, after.truth_at_exposure[1].turn)
+        np.testing.assert_array_equal(before.truth_at_exposure[1].rotation, after.truth_at_exposure[1].rotation)
         for one, other in zip(before.steps, after.steps, strict=True):
             assert outcome_of(one) == outcome_of(other)
             assert (one.stage_times, one.now) == (other.stage_times, other.now)

@@ -9,7 +9,7 @@ from balls import PINHOLE, Floats
 from matchset.localization.markers.marker_fit import REST, SUMS, WIDTH, _compare, fit_marker
 from matchset.localization.markers.marker_patch import KINDS, gather, lay_out
 from matchset.localization.markers.marker_shape import coverage, ellipse
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from naive_marker import Scale, Sight, normal_equations, picture_of_marker
 
 BLUE = ms.ColorModel.hsv((95, 120, 20), (119, 255, 255))
@@ -30,7 +30,7 @@ def looking(off_deg: float, side_deg: float, place: Floats = PLACE) -> Rotation:
 
 def errors_deg(preset: str, off_deg: float, side_deg: float, frames: int = 5, seed: int = 100) -> list[float]:
     turn = looking(off_deg, side_deg)
-    flight = Flight(
+    flight = BallFlightClip(
         camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn,
         frames=frames, seed=seed, scene_seed=5, preset=preset,
     )  # fmt: skip
@@ -62,7 +62,7 @@ def test_the_direction_of_a_marker_on_clean_video() -> None:
 
 def test_a_marker_out_of_sight_leaves_the_position() -> None:
     turn = looking(150.0, 0.0)
-    flight = Flight(camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn, frames=3, seed=1, scene_seed=5)
+    flight = BallFlightClip(camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn, frames=3, seed=1, scene_seed=5)
     x, y = PINHOLE.project(PLACE[np.newaxis])[0].tolist()
     tracker, finder = ms.Tracker(ms.Circle, BLUE | PURPLE, start=(x, y)), ms.MarkerTracker(PURPLE, ms.BallTarget())
     localizer = ms.Localizer(PINHOLE, ms.BallTarget())

@@ -7,14 +7,14 @@ import pytest
 from crowds import CAMERA, TARGET, neighbors
 
 import matchset as ms
-from matchset.sim.clips.multi_ball_clip import Crowd, Path
+from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
 
-STILL: list[Path] = [lambda _: (-0.7, 0.0, 2.0), lambda _: (0.1, -0.3, 1.5), lambda _: (0.8, 0.3, 2.5)]
-CROSSING: list[Path] = [lambda t: (-0.8 + 0.4 * t, 0.0, 2.0), lambda t: (0.6 - 0.3 * t, 0.02, 1.4)]
-LATE: list[Path] = [lambda _: (0.0, 0.0, 1.8), lambda t: (-1.6 + 0.6 * t, 0.2, 1.8) if t > 0.5 else None]
+STILL: list[PositionFunction] = [lambda _: (-0.7, 0.0, 2.0), lambda _: (0.1, -0.3, 1.5), lambda _: (0.8, 0.3, 2.5)]
+CROSSING: list[PositionFunction] = [lambda t: (-0.8 + 0.4 * t, 0.0, 2.0), lambda t: (0.6 - 0.3 * t, 0.02, 1.4)]
+LATE: list[PositionFunction] = [lambda _: (0.0, 0.0, 1.8), lambda t: (-1.6 + 0.6 * t, 0.2, 1.8) if t > 0.5 else None]
 
 
-def nearest(pose: ms.Pose, paths: list[Path], time: float) -> int:
+def nearest(pose: ms.Pose, paths: list[PositionFunction], time: float) -> int:
     """Which of the balls a pose belongs to; -1 where it is none of them."""
     there = [(k, path(time)) for k, path in enumerate(paths)]
     far = {k: float(np.linalg.norm(np.subtract(place, pose.position))) for k, place in there if place is not None}
@@ -24,11 +24,11 @@ def nearest(pose: ms.Pose, paths: list[Path], time: float) -> int:
     return best if far[best] < 0.15 else -1
 
 
-def who(seed: int, paths: list[Path], frames: int) -> tuple[dict[int, set[int]], list[list[ms.Neighbor]]]:
+def who(seed: int, paths: list[PositionFunction], frames: int) -> tuple[dict[int, set[int]], list[list[ms.Neighbor]]]:
     """Which balls each identity was seen at, and all answers."""
     watcher, answers = neighbors(seed, "typical"), []
     met: dict[int, set[int]] = {}
-    for frame in Crowd(camera=CAMERA, paths=paths, frames=frames, seed=seed):
+    for frame in MultiBallClip(camera=CAMERA, paths=paths, frames=frames, seed=seed):
         answers.append(watcher.update(frame))
         for each in answers[-1]:
             if isinstance(each.pose, ms.Pose):
@@ -40,7 +40,7 @@ def test_every_ball_is_found_within_three_frames_and_one_without_a_marker_is_tol
     watcher = neighbors(100, "typical")
     answers = [
         watcher.update(frame)
-        for frame in Crowd(camera=CAMERA, paths=STILL, marked=(True, True, False), frames=12, seed=100)
+        for frame in MultiBallClip(camera=CAMERA, paths=STILL, marked=(True, True, False), frames=12, seed=100)
     ]
     assert len(answers[3]) == 3
     for each in answers[-1]:
@@ -71,13 +71,13 @@ def test_newcomers_are_noticed_within_half_a_second() -> None:
 
 def test_nobody_is_seen_where_nobody_is() -> None:
     watcher = neighbors(104, "typical")
-    assert [watcher.update(frame) for frame in Crowd(camera=CAMERA, paths=[lambda _: None], frames=20, seed=104)] == [
-        []
-    ] * 20
+    assert [
+        watcher.update(frame) for frame in MultiBallClip(camera=CAMERA, paths=[lambda _: None], frames=20, seed=104)
+    ] == [[]] * 20
 
 
 def test_who_left_is_forgotten_after_a_while() -> None:
-    leaving: list[Path] = [lambda t: (0.0, 0.0, 1.8) if t < 0.3 else None]
+    leaving: list[PositionFunction] = [lambda t: (0.0, 0.0, 1.8) if t < 0.3 else None]
     met, answers = who(105, leaving, 90)
     assert [each.identity for each in answers[5]] == [0]
     assert all(isinstance(each.pose, ms.Lost) for seen in answers[12:] for each in seen)

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 
 from matchset.sim.clips.clip import Clip
-from matchset.sim.clips.truth import Truth
+from matchset.sim.clips.truth import ClipTruth
 
 _CODECS = {".avi": "FFV1", ".mkv": "FFV1", ".mp4": "mp4v"}
 
@@ -40,7 +40,7 @@ def write_clip(clip: Clip, target: Path, truth: Path | None = None) -> None:
     write_truth(rows, table, target.name)
 
 
-def write_truth(rows: Iterable[Truth], path: Path, video: str) -> None:
+def write_truth(rows: Iterable[ClipTruth], path: Path, video: str) -> None:
     """Write a truth table: video,frame,x,y,r,visible,method.
 
     x, y, r are empty where nothing of the ball is seen. The method is "rendered"; where less than half of
@@ -48,7 +48,7 @@ def write_truth(rows: Iterable[Truth], path: Path, video: str) -> None:
 
     Parameters
     ----------
-    rows : iterable of Truth
+    rows : iterable of ClipTruth
         One for each frame.
     path : Path
         The file, overwritten.
@@ -65,7 +65,7 @@ def write_truth(rows: Iterable[Truth], path: Path, video: str) -> None:
             writer.writerow((video, row.index, *place, int(row.visible), method))
 
 
-def _write_pictures(clip: Clip, folder: Path) -> list[Truth]:
+def _write_pictures(clip: Clip, folder: Path) -> list[ClipTruth]:
     if folder.exists():
         raise ValueError(f"{folder} exists already: a clip needs a new folder")
     folder.mkdir(parents=True)
@@ -76,7 +76,7 @@ def _write_pictures(clip: Clip, folder: Path) -> list[Truth]:
     return rows
 
 
-def _write_video(clip: Clip, path: Path) -> list[Truth]:
+def _write_video(clip: Clip, path: Path) -> list[ClipTruth]:
     codec = cv2.VideoWriter.fourcc(*_CODECS[path.suffix])
     writer = cv2.VideoWriter(str(path), codec, clip.fps, (clip.width, clip.height))
     if not writer.isOpened():

@@ -13,8 +13,8 @@ from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep,
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
-from matchset.sim.vehicle_camera import Sight
-from matchset.sim.world import place_beside
+from matchset.sim.vehicle import VehiclePose
+from matchset.sim.world import relative_position
 
 Floats = npt.NDArray[np.float64]
 
@@ -100,9 +100,9 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
         When the commands were sent, s on the clock of the pictures.
     steps : tuple of PilotStep
         What each follower saw, decided and sent.
-    truth : tuple of Sight
+    truth : tuple of VehiclePose
         Where every vehicle and its ball was at `time`, in the room: x right, y down, z forward, m.
-    truth_at_exposure : tuple of Sight
+    truth_at_exposure : tuple of VehiclePose
         The same at the middle of the pictures' exposure: what `steps` should have measured.
     true_positions : ndarray of shape (followers, 3)
         True side, height and heading of each follower's camera in the level frame of its neighbor's ball, at `time`, m
@@ -116,8 +116,8 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
     index: int
     time: float
     steps: tuple[PilotStep, ...]
-    truth: tuple[Sight, ...]
-    truth_at_exposure: tuple[Sight, ...]
+    truth: tuple[VehiclePose, ...]
+    truth_at_exposure: tuple[VehiclePose, ...]
     true_positions: Floats
     in_view: tuple[bool, ...]
     crashes: tuple[Crash, ...]
@@ -193,7 +193,7 @@ class Flight:
             steps=steps,
             truth=truth,
             truth_at_exposure=truth_at_exposure,
-            true_positions=np.array([place_beside(me, other) for me, other in itertools.pairwise(truth)]),
+            true_positions=np.array([relative_position(me, other) for me, other in itertools.pairwise(truth)]),
             in_view=tuple(self.chain.inside(who, index) for who in range(len(steps))),
             crashes=tuple(Crash(time, who + 1, what) for time, who, what in self.chain.world.crashes),
         )

@@ -12,7 +12,7 @@ from matchset.app.flight.score import FlightCounters
 from matchset.app.flight_report.chain_frame import camera_positions, room_to_chain_frame
 from matchset.app.flight_report.true_circle import true_circle
 from matchset.control.safety import Phase
-from matchset.sim.world import lens_of
+from matchset.sim.world import camera_position
 from matchset.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
@@ -142,7 +142,7 @@ class FlightLog:
     def _row(self, chain_step: ChainStep, number: int, place: Floats | None) -> tuple[float, ...]:
         step, control = chain_step.steps[number], chain_step.steps[number].control
         estimated = _NONE if control is None else (control.side, control.height, control.heading)
-        lens = lens_of(chain_step.truth_at_exposure[number])
+        lens = camera_position(chain_step.truth_at_exposure[number])
         return (
             step.now,
             *estimated,

@@ -12,27 +12,27 @@ import numpy.typing as npt
 
 from matchset.app.flight.pilot import PilotStep
 from matchset.localization.chain import FACING_AWAY, seen_from_last
-from matchset.sim.vehicle_camera import BACKWARD, Sight
+from matchset.sim.vehicle import BACKWARD, VehiclePose
 
 Floats = npt.NDArray[np.float64]
 
 
-def level_ball_frame(sight: Sight) -> Floats:
+def level_ball_frame(sight: VehiclePose) -> Floats:
     """Matrix from the level frame of a vehicle's ball to the room, (3, 3): z where the marker points, y down."""
-    out = sight.turn @ BACKWARD
+    out = sight.rotation @ BACKWARD
     yaw = math.atan2(-out[0], -out[2])
     c, s = math.cos(yaw), math.sin(yaw)
     level: Floats = np.array(((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))) @ FACING_AWAY
     return level
 
 
-def room_to_chain_frame(point: Floats, last: Sight) -> Floats:
+def room_to_chain_frame(point: Floats, last: VehiclePose) -> Floats:
     """Express a point of the room in the level frame of the last ball, (3,), m."""
     seen: Floats = (point - last.ball) @ level_ball_frame(last)
     return seen
 
 
-def chain_frame_to_room(point: Floats, last: Sight) -> Floats:
+def chain_frame_to_room(point: Floats, last: VehiclePose) -> Floats:
     """Express a point of the level frame of the last ball in the room, (3,), m."""
     there: Floats = last.ball + level_ball_frame(last) @ point
     return there

@@ -12,8 +12,8 @@ from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight_report.chain_frame import camera_positions, chain_frame_to_room, level_ball_frame
 from matchset.app.flight_report.colors import bgr, vehicle_rgb
-from matchset.sim.vehicle_camera import Sight
-from matchset.sim.world import lens_of
+from matchset.sim.vehicle import VehiclePose
+from matchset.sim.world import camera_position
 
 Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]
@@ -53,7 +53,7 @@ class TopView:
         for number in range(len(chain_step.truth_at_exposure)):
             self._draw_trail(image, number)
         for me, other in itertools.pairwise(chain_step.truth_at_exposure):
-            self._line(image, lens_of(me)[[2, 0]], other.ball[[2, 0]], PALE)
+            self._line(image, camera_position(me)[[2, 0]], other.ball[[2, 0]], PALE)
         for number, sight in enumerate(chain_step.truth_at_exposure):
             self._draw_vehicle(image, number, sight)
         for number, other in enumerate(chain_step.truth_at_exposure[1:]):
@@ -102,7 +102,7 @@ class TopView:
             shade = tuple(int(part) for part in share * color + (1.0 - share) * np.array(PAPER))
             self._line(image, a, b, shade, 2)  # type: ignore[arg-type]
 
-    def _draw_set_place(self, image: Picture, number: int, other: Sight) -> None:
+    def _draw_set_place(self, image: Picture, number: int, other: VehiclePose) -> None:
         """Draw the set place of a follower's camera, a cross."""
         goal = other.ball + level_ball_frame(other) @ (self._place.side, -self._place.height, self._place.heading)
         at, color = goal[[2, 0]], bgr(vehicle_rgb(number))
@@ -111,10 +111,10 @@ class TopView:
             for arm in arms:
                 self._line(image, at - arm, at + arm, shade, wide)
 
-    def _draw_vehicle(self, image: Picture, number: int, sight: Sight) -> None:
+    def _draw_vehicle(self, image: Picture, number: int, sight: VehiclePose) -> None:
         """Draw the arms, the ball at its true size, and a nose that points forward."""
         color, at = bgr(vehicle_rgb(number)), sight.ball[[2, 0]]
-        ahead, right = sight.turn[[2, 0], 2], sight.turn[[2, 0], 0]
+        ahead, right = sight.rotation[[2, 0], 2], sight.rotation[[2, 0], 0]
         for way in (ahead + right, ahead - right):
             self._line(image, at - 0.15 * way, at + 0.15 * way, INK, 2)
         self._line(image, at, at + 0.3 * ahead, color, 3)

@@ -7,20 +7,20 @@ import numpy as np
 
 from matchset.camera.camera_model import CameraModel
 from matchset.shapes.circle import Circle
-from matchset.sim.clips.outline import sphere_outline
-from matchset.sim.vehicle_camera import Sight
-from matchset.sim.world import lens_of
+from matchset.sim.clips.truth import sphere_outline
+from matchset.sim.vehicle import VehiclePose
+from matchset.sim.world import camera_position
 
 POINTS = 90
 ROUNDS = 4
 
 
-def true_circle(me: Sight, other: Sight, camera: CameraModel, radius: float) -> Circle | None:
+def true_circle(me: VehiclePose, other: VehiclePose, camera: CameraModel, radius: float) -> Circle | None:
     """Find the least-squares circle to the exact outline of a ball in a picture.
 
     Parameters
     ----------
-    me, other : Sight
+    me, other : VehiclePose
         Who watches, and whose ball, at the middle of the exposure.
     camera : CameraModel
     radius : float
@@ -31,7 +31,7 @@ def true_circle(me: Sight, other: Sight, camera: CameraModel, radius: float) -> 
     Circle or None
         px; None where the ball is not wholly before the camera, or beyond what its lens images.
     """
-    position = me.turn.T @ (other.ball - lens_of(me))
+    position = me.rotation.T @ (other.ball - camera_position(me))
     if position[2] <= radius:
         return None
     pinhole = msgspec.structs.replace(camera, distortion=(0.0,) * 5)

@@ -14,7 +14,7 @@ from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
 from matchset.image.frame import Frame
-from matchset.sim.vehicle_camera import Sight
+from matchset.sim.vehicle import VehiclePose
 
 M = TypeVar("M")
 
@@ -89,9 +89,9 @@ def truth_message(chain_step: ChainStep) -> TruthMessage:
     )
 
 
-def _sight_message(sight: Sight) -> SightMessage:
-    first, second, third = (_triple(row) for row in sight.turn)
-    return SightMessage(_triple(sight.place), (first, second, third), _triple(sight.ball))
+def _sight_message(sight: VehiclePose) -> SightMessage:
+    first, second, third = (_triple(row) for row in sight.rotation)
+    return SightMessage(_triple(sight.position), (first, second, third), _triple(sight.ball))
 
 
 def _triple(values: npt.NDArray[np.float64]) -> Triple:
@@ -99,9 +99,9 @@ def _triple(values: npt.NDArray[np.float64]) -> Triple:
     return x, y, z
 
 
-def sight_of(message: SightMessage) -> Sight:
-    """Turn a message back into a `Sight`."""
-    return Sight(np.array(message.place), np.array(message.turn), np.array(message.ball))
+def sight_of(message: SightMessage) -> VehiclePose:
+    """Turn a message back into a `VehiclePose`."""
+    return VehiclePose(np.array(message.place), np.array(message.turn), np.array(message.ball))
 
 
 def to_png(image: npt.NDArray[np.uint8]) -> bytes:

@@ -1,4 +1,4 @@
-"""A balloon that flies and turns as it is told: `Flight`, an iterable of frames whose truth is in meters."""
+"""A balloon that flies and turns as it is told: `BallFlightClip`, an iterable of frames whose truth is in meters."""
 
 import functools
 from collections.abc import Callable, Iterator
@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.sim.analog_link import PRESETS, Pal, degrade
+from matchset.sim.analog_link import PRESETS, AnalogLink, degrade
 from matchset.sim.clips.balloon import Balloon, Vector
-from matchset.sim.rendering.lens_warp import LensView
+from matchset.sim.rendering.lens_warp import ExactLensWarp
 from matchset.sim.rendering.renderer import Picture, draw_balloon
 from matchset.sim.rendering.shutter import fields
 from matchset.sim.scene.scene import Scene, viewpoint
@@ -20,8 +20,8 @@ from matchset.sim.scene.scene import Scene, viewpoint
 Array = npt.NDArray[np.float64]
 
 
-class Flight(msgspec.Struct, frozen=True, kw_only=True):
-    """A balloon at places of your choice before a camera at rest, lens distortion included: `for frame in Flight(...)`.
+class BallFlightClip(msgspec.Struct, frozen=True, kw_only=True):
+    """A balloon on a given path before a camera at rest, with lens distortion: `for frame in BallFlightClip(...)`.
 
     The truth of a frame is `place` (and `turn`) at its time, the middle of its exposure; `Clip` is for truth in px.
 
@@ -46,7 +46,7 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
         Decides noise and, without a `scene_seed`, the room.
     scene_seed : int or None
         Decides the room.
-    preset : str or Pal
+    preset : str or AnalogLink
         "clean", "typical", "bad", or a link of your own.
     """
 
@@ -59,12 +59,12 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
     fps: float = 30.0
     seed: int = 0
     scene_seed: int | None = None
-    preset: str | Pal = "clean"
+    preset: str | AnalogLink = "clean"
 
     @property
-    def link(self) -> Pal:
+    def link(self) -> AnalogLink:
         """The analog link that `preset` names."""
-        return self.preset if isinstance(self.preset, Pal) else PRESETS[self.preset]
+        return self.preset if isinstance(self.preset, AnalogLink) else PRESETS[self.preset]
 
     def __len__(self) -> int:
         return self.frames
@@ -91,7 +91,7 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
             return []
         return list(self.turn(time).apply(np.array(self.markers)))
 
-    def _draw(self, view: LensView, background: Picture, times: list[float]) -> Picture:
+    def _draw(self, view: ExactLensWarp, background: Picture, times: list[float]) -> Picture:
         """Draw a frame: one picture, or two fields."""
         pictures = []
         for time in times:
@@ -108,9 +108,9 @@ class Flight(msgspec.Struct, frozen=True, kw_only=True):
 
 
 @functools.lru_cache(maxsize=2)
-def _room(camera: CameraModel, seed: int) -> tuple[LensView, Picture]:
+def _room(camera: CameraModel, seed: int) -> tuple[ExactLensWarp, Picture]:
     """Make a lens and the room behind it: flights before the same background often follow each other."""
-    view = LensView(camera)
+    view = ExactLensWarp(camera)
     background = Scene.room(seed).render(view.pinhole, *viewpoint(seed))
     background.flags.writeable = False
     return view, background

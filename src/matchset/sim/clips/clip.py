@@ -1,4 +1,4 @@
-"""A scripted sequence with exact truth: `Clip`, an iterable of (Frame, Truth)."""
+"""A scripted sequence with exact truth: `Clip`, an iterable of (Frame, ClipTruth)."""
 
 import math
 from collections.abc import Iterator
@@ -9,17 +9,16 @@ import numpy as np
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.sim.analog_link import PRESETS, Pal, degrade
+from matchset.sim.analog_link import PRESETS, AnalogLink, degrade
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import Occluder, bar_over, board_over, visible_share
-from matchset.sim.clips.outline import Outline, mean_circle, sphere_outline
-from matchset.sim.clips.trajectory import BallPath
-from matchset.sim.clips.truth import Truth
-from matchset.sim.rendering.renderer import Picture, Rows, draw_balloon, draw_occluder
-from matchset.sim.rendering.shutter import channel_gain, fields, sub_exposures
+from matchset.sim.clips.trajectory import BallTrajectory
+from matchset.sim.clips.truth import ClipTruth, SphereOutline, mean_circle, sphere_outline
+from matchset.sim.rendering.renderer import Picture, draw_balloon, draw_occluder
+from matchset.sim.rendering.shutter import Rows, channel_gain, fields, sub_exposures
 from matchset.sim.scene.scene import Scene, viewpoint
 
-__all__ = ["Clip", "Truth"]
+__all__ = ["Clip", "ClipTruth"]
 
 _LIMITS = {
     "exposure": (0.0, 1.0),
@@ -54,7 +53,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         Decides the room; None: `seed`.
     scene_frames : int
         A new room every so many frames; 0: one room.
-    preset : str or Pal or None
+    preset : str or AnalogLink or None
         "clean", "typical", "bad", a link of your own, or None: only rounded to bytes.
     exposure : float
         Share of the frame's period during which the shutter is open, 0 ... 1: motion blur. Each field of an
@@ -95,7 +94,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
     seed: int = 0
     scene_seed: int | None = None
     scene_frames: int = 0
-    preset: str | Pal | None = "typical"
+    preset: str | AnalogLink | None = "typical"
     exposure: float = 0.0
     ball: bool = True
     balloon: Balloon = Balloon()
@@ -155,11 +154,11 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         return CameraModel.from_fov(self.width, self.height, self.fov)
 
     @property
-    def link(self) -> Pal:
+    def link(self) -> AnalogLink:
         """The analog link that `preset` names."""
-        if isinstance(self.preset, Pal):
+        if isinstance(self.preset, AnalogLink):
             return self.preset
-        return Pal() if self.preset is None else PRESETS[self.preset]
+        return AnalogLink() if self.preset is None else PRESETS[self.preset]
 
     @property
     def first_click(self) -> tuple[float, float]:
@@ -172,7 +171,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
     def __len__(self) -> int:
         return self.frames
 
-    def __iter__(self) -> Iterator[tuple[Frame, Truth]]:
+    def __iter__(self) -> Iterator[tuple[Frame, ClipTruth]]:
         background, room = None, -1
         for index in range(self.frames):
             wanted = index // self.scene_frames if self.scene_frames > 0 else 0
@@ -222,7 +221,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
             image = np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), dtype=np.uint8)
         return Frame(image, index / self.fps, index)
 
-    def truth(self, index: int) -> Truth:
+    def truth(self, index: int) -> ClipTruth:
         """Truth of one frame, without rendering it.
 
         Parameters
@@ -232,15 +231,15 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
 
         Returns
         -------
-        Truth
+        ClipTruth
         """
         if not self.ball:
-            return Truth(index=index, circle=None, visible=False, share=0.0, outline=None, position=None)
+            return ClipTruth(index=index, circle=None, visible=False, share=0.0, outline=None, position=None)
         outlines = [self._outline(time) for _, time in fields(index, self.link.interlaced)]
         shares = [visible_share(o, self.camera, self._occluders(o, index)) for o in outlines]
         share = sum(shares) / len(shares)
         x, y, z = self._path.position(float(index)).tolist()
-        return Truth(
+        return ClipTruth(
             index=index,
             circle=mean_circle([o.circle() for o in outlines]) if share > 0.0 else None,
             visible=share > 0.0,
@@ -250,8 +249,8 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         )
 
     @property
-    def _path(self) -> BallPath:
-        return BallPath(
+    def _path(self) -> BallTrajectory:
+        return BallTrajectory(
             camera=self.camera,
             ball_radius=self.balloon.radius,
             radii=self.radii,
@@ -263,10 +262,10 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
             seed=self.seed,
         )
 
-    def _outline(self, time: float) -> Outline:
+    def _outline(self, time: float) -> SphereOutline:
         return sphere_outline(self.camera, self._path.position(time), self.balloon.radius)
 
-    def _occluders(self, outline: Outline, index: int) -> list[Occluder]:
+    def _occluders(self, outline: SphereOutline, index: int) -> list[Occluder]:
         if self._is_hidden(index):
             return [board_over(outline)]
         if self.occluder <= 0.0:

@@ -1,4 +1,4 @@
-"""Several balloons before one camera: `Crowd`, an iterable of frames whose truth is in meters."""
+"""Several balloons before one camera: `MultiBallClip`, an iterable of frames whose truth is in meters."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -14,12 +14,12 @@ from matchset.sim.rendering.renderer import Picture, draw_balloon
 from matchset.sim.rendering.shutter import fields
 from matchset.sim.scene.scene import Scene, viewpoint
 
-Path = Callable[[float], Sequence[float] | None]
+PositionFunction = Callable[[float], Sequence[float] | None]
 Array = npt.NDArray[np.float64]
 
 
-class Crowd(msgspec.Struct, frozen=True, kw_only=True):
-    """Balloons on paths before a camera at rest, the nearer before the farther: `for frame in Crowd(...)`.
+class MultiBallClip(msgspec.Struct, frozen=True, kw_only=True):
+    """Balloons on paths before a camera at rest, the nearer before the farther: `for frame in MultiBallClip(...)`.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Crowd(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     camera: CameraModel
-    paths: Sequence[Path]
+    paths: Sequence[PositionFunction]
     marked: Sequence[bool] = ()
     frames: int = 100
     fps: float = 30.0

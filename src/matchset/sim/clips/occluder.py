@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from matchset.camera.camera_model import CameraModel
-from matchset.sim.clips.outline import Outline
+from matchset.sim.clips.truth import SphereOutline
 
 
 class Occluder(msgspec.Struct, frozen=True, kw_only=True):
@@ -61,12 +61,12 @@ def bar_width(share: float, offset: float) -> float:
     return float(brentq(lambda w: below(offset + w) - below(offset - w) - share, 0.0, 2.0))
 
 
-def bar_over(outline: Outline, share: float, angle: float, offset: float = -0.3) -> Occluder:
+def bar_over(outline: SphereOutline, share: float, angle: float, offset: float = -0.3) -> Occluder:
     """Build a stick that covers a given share of the disc, taken as the circle of equal area.
 
     Parameters
     ----------
-    outline : Outline
+    outline : SphereOutline
         The ball.
     share : float
         Share of the disc that the stick covers, 0 < share < 1.
@@ -93,12 +93,12 @@ def bar_over(outline: Outline, share: float, angle: float, offset: float = -0.3)
     )
 
 
-def board_over(outline: Outline) -> Occluder:
+def board_over(outline: SphereOutline) -> Occluder:
     """Build a board that hides the whole ball.
 
     Parameters
     ----------
-    outline : Outline
+    outline : SphereOutline
         The ball.
 
     Returns
@@ -117,14 +117,14 @@ def board_over(outline: Outline) -> Occluder:
     )
 
 
-def visible_share(outline: Outline, camera: CameraModel, occluders: list[Occluder]) -> float:
+def visible_share(outline: SphereOutline, camera: CameraModel, occluders: list[Occluder]) -> float:
     """Share of the ball's disc that lies in the picture and behind no occluder.
 
     Counted on about 3200 points of the disc: good to 0.01.
 
     Parameters
     ----------
-    outline : Outline
+    outline : SphereOutline
         The ball.
     camera : CameraModel
         Gives the size of the picture.

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.sim.analog_link import PRESETS, degrade
-from matchset.sim.clips.trajectory import BallPath
-from matchset.sim.rendering.flat import draw_flat
-from matchset.sim.rendering.renderer import Picture, Rows
-from matchset.sim.rendering.shutter import fields, sub_exposures
+from matchset.sim.clips.trajectory import BallTrajectory
+from matchset.sim.rendering.coverage import draw_polygon
+from matchset.sim.rendering.renderer import Picture
+from matchset.sim.rendering.shutter import Rows, fields, sub_exposures
 from matchset.sim.scene.scene import Scene, viewpoint
 
 Array = npt.NDArray[np.float64]
@@ -172,9 +172,9 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         return CameraModel.from_fov(self.width, self.height, 1.07)
 
     @property
-    def _path(self) -> BallPath:
+    def _path(self) -> BallTrajectory:
         reach = self._reach
-        return BallPath(
+        return BallTrajectory(
             camera=self._camera,
             ball_radius=1.0,
             radii=(self.sizes[0] * reach, self.sizes[1] * reach),
@@ -187,10 +187,10 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         begin, end = self.outline(time - 0.5 * self.exposure), self.outline(time + 0.5 * self.exposure)
         times = sub_exposures(time, self.exposure, float(np.abs(end - begin).max()))
         outlines = [self.outline(t) for t in times]
-        draw_flat(picture, outlines, self._look(outlines[len(outlines) // 2]), rows)
+        draw_polygon(picture, outlines, self._look(outlines[len(outlines) // 2]), rows)
         if self.hidden > 0.0:
             for each in zip(*(self.fingers(t) for t in times), strict=True):
-                draw_flat(picture, list(each), SKIN, rows)
+                draw_polygon(picture, list(each), SKIN, rows)
 
     def _look(self, outline: Array) -> Picture:
         """Color of the thing, a little lighter on one side."""

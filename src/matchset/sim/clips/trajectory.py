@@ -1,4 +1,4 @@
-"""Where the ball of a clip is at any time: `BallPath`, a smooth random walk through the picture."""
+"""Where the ball of a clip is at any time: `BallTrajectory`, a smooth random walk through the picture."""
 
 import functools
 import math
@@ -15,7 +15,7 @@ _RATIOS = np.array([1.0, 2.3])
 _CROSSING = 24.0  # frames that the ball takes to leave the picture or to come back
 
 
-class BallPath(msgspec.Struct, frozen=True, kw_only=True):
+class BallTrajectory(msgspec.Struct, frozen=True, kw_only=True):
     """A smooth path in picture and depth, the same for the same seed.
 
     x, y and r are sums of two sine waves with random phases, so position and speed are bounded.

@@ -1,4 +1,4 @@
-"""Flat surfaces for a camera that moves: `Backdrop`, the same surfaces as `Scene`, many times faster and less smooth.
+"""Flat surfaces for a camera that moves: `FastScene`, the same surfaces as `Scene`, many times faster and less smooth.
 
 One ray a pixel, no interpolation between texels, and a texel either hides what is behind it or does not: an analog
 picture shows no more.
@@ -16,14 +16,14 @@ from matchset.sim.rendering.surface import Surface, span
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
-Words = npt.NDArray[np.uint32]
+PackedPixels = npt.NDArray[np.uint32]
 Depth = npt.NDArray[np.float32]
 
 OPAQUE = np.uint32(0x80000000)  # little-endian: alpha, the last byte, is the highest
 NEAR = 0.03  # m, nothing closer is drawn
 
 
-class Window(NamedTuple):
+class Pinhole(NamedTuple):
     """A part of a pinhole camera's picture: pixel (x, y) sees along ((x - cx) / fx, (y - cy) / fy, 1)."""
 
     fx: float
@@ -32,7 +32,7 @@ class Window(NamedTuple):
     cy: float
 
 
-class Backdrop:
+class FastScene:
     """Surfaces, packed for drawing.
 
     Parameters
@@ -50,16 +50,18 @@ class Backdrop:
         starts = np.concatenate(([0], np.cumsum([h * w for h, w in shapes])[:-1]))
         self._sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
         texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
-        self._texels: Words = np.concatenate(texels).view(np.uint32)[:, 0].copy()
+        self._texels: PackedPixels = np.concatenate(texels).view(np.uint32)[:, 0].copy()
 
-    def draw(self, picture: Words, window: Window, turn: Floats, place: Floats, columns: Ints | None = None) -> None:
+    def draw(
+        self, picture: PackedPixels, window: Pinhole, turn: Floats, place: Floats, columns: Ints | None = None
+    ) -> None:
         """Draw what a camera sees over a picture, in place.
 
         Parameters
         ----------
         picture : ndarray of shape (h, w), uint32
-            BGRA in one word, see `as_words`; where nothing is it keeps what it shows.
-        window : Window
+            BGRA in one word, see `packed`; where nothing is it keeps what it shows.
+        window : Pinhole
             Where its pixels look.
         turn : ndarray of shape (3, 3)
             Turns vectors of the surfaces' frame into that of the camera.
@@ -85,7 +87,7 @@ class Backdrop:
         return depth
 
 
-def as_words(picture: Bytes) -> Words:
+def packed(picture: Bytes) -> PackedPixels:
     """See a picture of shape (h, w, 4), uint8, BGRA, as one of words, (h, w)."""
     return picture.view(np.uint32)[..., 0]
 
@@ -150,7 +152,7 @@ def homography(m: Floats, lens: Floats, h: Floats) -> bool:
 
 @kernel
 def draw_flat(
-    picture: Words,
+    picture: PackedPixels,
     nearest: Depth,
     corners: Floats,
     turn: Floats,
@@ -160,7 +162,7 @@ def draw_flat(
     cx: float,
     cy: float,
     sizes: Ints,
-    texels: Words,
+    texels: PackedPixels,
     columns: Ints,
 ) -> None:
     """Draw surfaces into a picture and its depth buffer.
@@ -175,7 +177,7 @@ def draw_flat(
     turn, place : (3, 3), (3,)
         From their frame to the camera's.
     fx, fy, cx, cy : float
-        See `Window`.
+        See `Pinhole`.
     sizes : (n, 3)
         Rows and columns of its texture, and where that begins.
     texels : (m,)

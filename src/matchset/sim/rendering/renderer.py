@@ -13,6 +13,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import Occluder
 from matchset.sim.rendering.coverage import draw_bars, draw_sphere
+from matchset.sim.rendering.shutter import ALL_ROWS, Rows
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]
@@ -34,22 +35,6 @@ class Light(msgspec.Struct, frozen=True, kw_only=True):
     direction: tuple[float, float, float] = (-0.48, -0.72, -0.5)
     ambient: float = 0.45
     highlight: float = 150.0
-
-
-class Rows(msgspec.Struct, frozen=True):
-    """The rows of a picture that are exposed together: start, start + step, ...
-
-    Parameters
-    ----------
-    start, step : int
-        (0, 1): all rows. (0, 2) and (1, 2): the two fields of an interlaced picture.
-    """
-
-    start: int = 0
-    step: int = 1
-
-
-ALL_ROWS = Rows()
 
 
 def draw_balloon(

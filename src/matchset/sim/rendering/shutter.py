@@ -2,12 +2,28 @@
 
 import math
 
-from matchset.sim.rendering.renderer import Rows
+import msgspec
 
 _SWING_PERIOD = 4.0  # s
 _DRIFT_PERIOD = 9.0
 _STEP_PX = 1.5
 _MOST = 16
+
+
+class Rows(msgspec.Struct, frozen=True):
+    """The rows of a picture that are exposed together: start, start + step, ...
+
+    Parameters
+    ----------
+    start, step : int
+        (0, 1): all rows. (0, 2) and (1, 2): the two fields of an interlaced picture.
+    """
+
+    start: int = 0
+    step: int = 1
+
+
+ALL_ROWS = Rows()
 
 
 def fields(index: int, interlaced: bool) -> list[tuple[Rows, float]]:

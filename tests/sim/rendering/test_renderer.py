@@ -7,8 +7,9 @@ import pytest
 from matchset.camera.camera_model import CameraModel
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import bar_over, bar_width, board_over, visible_share
-from matchset.sim.clips.outline import Outline, sphere_outline
-from matchset.sim.rendering.renderer import Rows, draw_balloon, draw_occluder
+from matchset.sim.clips.truth import SphereOutline, sphere_outline
+from matchset.sim.rendering.renderer import draw_balloon, draw_occluder
+from matchset.sim.rendering.shutter import Rows
 
 CAMERA = CameraModel.from_fov(640, 480, 1.07)
 BALLOON = Balloon()
@@ -96,7 +97,7 @@ def test_a_board_hides_everything() -> None:
 
 
 def test_a_disc_half_out_of_the_picture_is_half_visible() -> None:
-    outline = Outline(x=639.5, y=200.0, a=50.0, b=40.0, angle=0.7, projected_x=639.5, projected_y=200.0)
+    outline = SphereOutline(x=639.5, y=200.0, a=50.0, b=40.0, angle=0.7, projected_x=639.5, projected_y=200.0)
     assert visible_share(outline, CAMERA, []) == pytest.approx(0.5, abs=0.01)
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from matchset.camera.camera_model import CameraModel
 from matchset.shapes.circle import Circle
-from matchset.sim.clips.outline import Outline, mean_circle, sphere_outline
+from matchset.sim.clips.truth import SphereOutline, mean_circle, sphere_outline
 
 CAMERA = CameraModel.from_fov(640, 480, 1.07)
 
@@ -36,7 +36,7 @@ def tangent_points(center: npt.NDArray[np.float64], radius: float) -> npt.NDArra
     return np.asarray(foot + reach * (np.cos(phase) * side + np.sin(phase) * up))
 
 
-def off_ellipse(outline: Outline, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def off_ellipse(outline: SphereOutline, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """How far points are from the ellipse, in px to first order."""
     c, s = math.cos(outline.angle), math.sin(outline.angle)
     x, y = points[:, 0] - outline.x, points[:, 1] - outline.y

@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, rim
-from matchset.sim.clips.ball_flight_clip import Flight
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.clip import Clip
-from matchset.sim.rendering.lens_warp import LensView
+from matchset.sim.rendering.lens_warp import ExactLensWarp
 from matchset.sim.rendering.renderer import draw_balloon
 
 HERE = np.array((0.35, -0.15, 1.3))
@@ -19,7 +19,7 @@ BACK = Rotation.from_matrix(np.diag((-1.0, 1.0, -1.0)))
 
 def white_ball(camera: ms.CameraModel, place: Floats) -> Floats:
     """A ball drawn through a lens on black: how much of each pixel it covers."""
-    view = LensView(camera)
+    view = ExactLensWarp(camera)
     picture = np.zeros((view.pinhole.height, view.pinhole.width, 3), np.float32)
     plain = Balloon(color=(0.0, 0.0, 0.0), marker_radius=0.0)
     picture[:] = 255.0
@@ -39,14 +39,14 @@ def test_a_lens_puts_the_outline_where_the_camera_model_projects_it() -> None:
 
 
 def test_a_pinhole_camera_bends_nothing() -> None:
-    view = LensView(PINHOLE)
+    view = ExactLensWarp(PINHOLE)
     picture = np.random.default_rng(0).random((480, 640, 3)).astype(np.float32)
     assert view.pinhole is PINHOLE
     assert view.bend(picture) is picture
 
 
 def test_the_same_flight_gives_the_same_bytes() -> None:
-    flight = Flight(
+    flight = BallFlightClip(
         camera=PINHOLE, place=lambda t: HERE + np.array((0.1 * t, 0.0, 0.0)), frames=2, seed=3, preset="typical"
     )
     sums = [[zlib.crc32(frame.image.tobytes()) for frame in flight] for _ in range(2)]
@@ -57,7 +57,7 @@ def test_the_same_flight_gives_the_same_bytes() -> None:
 @pytest.mark.parametrize("camera", [PINHOLE, BARREL])
 def test_markers_are_where_the_rotation_puts_them(camera: ms.CameraModel) -> None:
     markers = ((0.0, 0.0, 1.0), (math.sin(0.8), 0.0, math.cos(0.8)))
-    flight = Flight(camera=camera, place=lambda _: HERE, turn=lambda _: BACK, markers=markers, frames=1)
+    flight = BallFlightClip(camera=camera, place=lambda _: HERE, turn=lambda _: BACK, markers=markers, frames=1)
     image = next(iter(flight)).image.astype(int)
     for direction in BACK.apply(np.array(markers)):
         x, y = np.rint(camera.project((HERE + 0.137 * direction)[np.newaxis])[0]).astype(int)
@@ -69,7 +69,9 @@ def test_markers_are_where_the_rotation_puts_them(camera: ms.CameraModel) -> Non
 
 
 def test_the_fields_of_an_interlaced_flight_are_half_a_frame_apart() -> None:
-    flight = Flight(camera=PINHOLE, place=lambda t: HERE + np.array((3.0 * t, 0.0, 0.0)), frames=1, preset="typical")
+    flight = BallFlightClip(
+        camera=PINHOLE, place=lambda t: HERE + np.array((3.0 * t, 0.0, 0.0)), frames=1, preset="typical"
+    )
     image = next(iter(flight)).image.astype(float)
     blue = image[..., 0] - image[..., 2] > 60.0
     centers = []

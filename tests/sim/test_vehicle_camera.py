@@ -4,9 +4,10 @@ import pytest
 from balls import BARREL, PINHOLE
 from matchset.camera.camera_model import CameraModel
 from matchset.sim.clips.balloon import Balloon
-from matchset.sim.rendering.background import Backdrop, Window, as_words
+from matchset.sim.rendering.background import FastScene, Pinhole, packed
 from matchset.sim.rendering.surface import Surface
-from matchset.sim.vehicle_camera import Eye, Look, Sight
+from matchset.sim.vehicle import VehiclePose
+from matchset.sim.vehicle_camera import Appearance, VehicleCamera
 
 NOWHERE, LEVEL = np.zeros(3), np.eye(3)
 GRAY = np.array([[(90, 90, 90, 255)]], np.uint8)
@@ -23,9 +24,9 @@ def wall(depth: float, half: float, color: tuple[int, int, int], alpha: int = 25
 
 def test_a_surface_fills_the_pixels_it_projects_to_and_the_nearer_hides_the_farther() -> None:
     picture = np.zeros((120, 160, 4), np.uint8)
-    window = Window(100.0, 100.0, 79.5, 59.5)
-    room = Backdrop([wall(4.0, 4.0, (10, 20, 30)), wall(2.0, 0.5, (200, 0, 0)), wall(1.0, 0.1, (0, 0, 200), 0)])
-    room.draw(as_words(picture), window, LEVEL, NOWHERE)
+    window = Pinhole(100.0, 100.0, 79.5, 59.5)
+    room = FastScene([wall(4.0, 4.0, (10, 20, 30)), wall(2.0, 0.5, (200, 0, 0)), wall(1.0, 0.1, (0, 0, 200), 0)])
+    room.draw(packed(picture), window, LEVEL, NOWHERE)
     y, x = np.indices((120, 160))
     inside = (np.abs(x - 79.5) <= 25.0) & (np.abs(y - 59.5) <= 25.0)
     np.testing.assert_array_equal(picture[..., 0], np.where(inside, 200, 10))
@@ -33,8 +34,8 @@ def test_a_surface_fills_the_pixels_it_projects_to_and_the_nearer_hides_the_fart
 
 def test_a_surface_moves_as_the_camera_does() -> None:
     picture = np.zeros((120, 160, 4), np.uint8)
-    Backdrop([wall(2.0, 0.5, (200, 0, 0))]).draw(
-        as_words(picture), Window(100.0, 100.0, 79.5, 59.5), LEVEL, np.array((0.4, 0.0, 0.0))
+    FastScene([wall(2.0, 0.5, (200, 0, 0))]).draw(
+        packed(picture), Pinhole(100.0, 100.0, 79.5, 59.5), LEVEL, np.array((0.4, 0.0, 0.0))
     )
     columns = np.flatnonzero(picture[60, :, 0])
     assert columns.mean() == pytest.approx(79.5 + 100.0 * 0.4 / 2.0)
@@ -43,12 +44,12 @@ def test_a_surface_moves_as_the_camera_does() -> None:
 @pytest.mark.parametrize("camera", [PINHOLE, BARREL])
 def test_a_ball_is_where_the_camera_model_projects_it(camera: CameraModel) -> None:
     white = Balloon(color=(255.0, 255.0, 255.0), marker_radius=0.0)
-    eye = Eye(camera, Backdrop([wall(5.0, 20.0, (0, 0, 0))]), white, interlaced=True)
+    eye = VehicleCamera(camera, FastScene([wall(5.0, 20.0, (0, 0, 0))]), white, interlaced=True)
     place = np.array((0.35, -0.2, 1.6))
-    sight = Sight(place + np.array((0.0, 0.19, 0.0)), LEVEL, place)
+    sight = VehiclePose(place + np.array((0.0, 0.19, 0.0)), LEVEL, place)
     picture = eye.frame()
     for field in (0, 1):
-        eye.expose(field, NOWHERE, LEVEL, [(sight, Look())], picture)
+        eye.expose(field, NOWHERE, LEVEL, [(sight, Appearance())], picture)
     frame = picture[..., 0]
     rows, columns = np.indices((480, 640))
     bright = frame > 60.0
@@ -69,11 +70,11 @@ def test_a_ball_is_where_the_camera_model_projects_it(camera: CameraModel) -> No
 
 
 def test_fields_are_exposed_at_their_own_times() -> None:
-    eye = Eye(PINHOLE, Backdrop([wall(5.0, 20.0, (0, 0, 0))]), Balloon(), interlaced=True)
+    eye = VehicleCamera(PINHOLE, FastScene([wall(5.0, 20.0, (0, 0, 0))]), Balloon(), interlaced=True)
     frame = eye.frame()
     for field, x in enumerate((-0.02, 0.02)):
         place = np.array((x, 0.0, 1.5))
-        eye.expose(field, NOWHERE, LEVEL, [(Sight(place, LEVEL, place), Look())], frame)
+        eye.expose(field, NOWHERE, LEVEL, [(VehiclePose(place, LEVEL, place), Appearance())], frame)
     frame = frame[..., 0]
     columns = np.indices(frame.shape)[1]
     means = [columns[k::2][frame[k::2] > 100.0].mean() for k in (0, 1)]
@@ -81,12 +82,12 @@ def test_fields_are_exposed_at_their_own_times() -> None:
 
 
 def test_what_is_nearer_hides_the_ball_and_who_is_behind_is_not_drawn() -> None:
-    eye = Eye(PINHOLE, Backdrop([wall(5.0, 20.0, (0, 0, 0))]), Balloon(), interlaced=False)
-    ball = Sight(np.array((0.0, 0.0, 1.6)), LEVEL, np.array((0.0, 0.0, 1.6)))
-    board = Look(Backdrop([wall(0.0, 0.3, (90, 90, 90))]), below=0.5, ball=False)
-    held = Sight(np.array((0.0, 0.0, 0.8)), LEVEL, np.array((0.0, 0.0, 0.8)))
-    behind = Sight(np.array((0.0, 0.0, -1.0)), LEVEL, np.array((0.0, 0.0, -1.0)))
+    eye = VehicleCamera(PINHOLE, FastScene([wall(5.0, 20.0, (0, 0, 0))]), Balloon(), interlaced=False)
+    ball = VehiclePose(np.array((0.0, 0.0, 1.6)), LEVEL, np.array((0.0, 0.0, 1.6)))
+    board = Appearance(FastScene([wall(0.0, 0.3, (90, 90, 90))]), below=0.5, ball=False)
+    held = VehiclePose(np.array((0.0, 0.0, 0.8)), LEVEL, np.array((0.0, 0.0, 0.8)))
+    behind = VehiclePose(np.array((0.0, 0.0, -1.0)), LEVEL, np.array((0.0, 0.0, -1.0)))
     shown = eye.frame()
-    eye.expose(0, NOWHERE, LEVEL, [(ball, Look()), (held, board), (behind, Look())], shown)
+    eye.expose(0, NOWHERE, LEVEL, [(ball, Appearance()), (held, board), (behind, Appearance())], shown)
     assert set(np.unique(shown[..., 0])) <= set(range(91))
     assert shown[shown.shape[0] // 2, shown.shape[1] // 2, 0] == 90

@@ -2,9 +2,9 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.sim.analog_link import Pal
-from matchset.sim.clips.clip import Clip, Truth
-from matchset.sim.clips.outline import mean_circle, sphere_outline
+from matchset.sim.analog_link import AnalogLink
+from matchset.sim.clips.clip import Clip, ClipTruth
+from matchset.sim.clips.truth import mean_circle, sphere_outline
 
 SMALL = {"width": 160, "height": 120, "radii": (8.0, 30.0)}
 
@@ -67,7 +67,7 @@ def test_a_fixed_radius_stays_nearly_fixed() -> None:
 
 
 def test_fields_are_taken_at_their_own_times() -> None:
-    pal = Pal(interlaced=True)
+    pal = AnalogLink(interlaced=True)
     clip = Clip(frames=60, preset=pal, seed=3, radii=(40.0, 40.0), speed=2.0)
     still = Clip(frames=60, preset=None, seed=3, radii=(40.0, 40.0), speed=2.0)
     background = clip.background()
@@ -99,7 +99,7 @@ def test_truth_is_at_the_middle_of_the_exposure() -> None:
 
 def test_absent_hidden_and_away_frames_say_so() -> None:
     empty = small(frames=2, ball=False)
-    assert empty.truth(1) == Truth(index=1, circle=None, visible=False, share=0.0, outline=None, position=None)
+    assert empty.truth(1) == ClipTruth(index=1, circle=None, visible=False, share=0.0, outline=None, position=None)
     hidden = small(frames=9, hidden=((3, 6),), exposure=0.5, preset=None)
     assert [hidden.truth(i).visible for i in range(9)] == [True] * 3 + [False] * 3 + [True] * 3
     background = hidden.background()

@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.sim.analog_link import BAD, CLEAN, PRESETS, TYPICAL, Pal, degrade, noise_gain, pole
+from matchset.sim.analog_link import BAD, CLEAN, PRESETS, TYPICAL, AnalogLink, degrade, noise_gain, pole
 
 PIXEL_TIME = 81e-9
 
@@ -31,7 +31,7 @@ def channels(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.float64]:
 @pytest.mark.parametrize("bandwidth", [2e6, 3e6])
 def test_luma_is_3_db_down_at_its_bandwidth_with_zero_phase(bandwidth: float) -> None:
     source = waves(bandwidth)
-    image = degrade(source, Pal(luma_bandwidth=bandwidth), 0)
+    image = degrade(source, AnalogLink(luma_bandwidth=bandwidth), 0)
     inner = slice(40, -40)
     x = np.arange(640)[inner]
     phase = np.exp(-2j * math.pi * bandwidth * PIXEL_TIME * x)
@@ -46,7 +46,7 @@ def test_chroma_is_3_db_down_at_its_bandwidth_with_zero_phase_and_luma_untouched
     wave = 40.0 * np.sin(2.0 * math.pi * bandwidth * PIXEL_TIME * x)
     luma_free = np.stack((1.773 * wave, -0.3444 * wave, 0.0 * wave), axis=1)
     source = (128.0 + np.tile(luma_free, (64, 1, 1))).astype(np.float32)
-    image = degrade(source, Pal(chroma_bandwidth=bandwidth), 0)
+    image = degrade(source, AnalogLink(chroma_bandwidth=bandwidth), 0)
     inner = slice(60, -60)
     phase = np.exp(-2j * math.pi * bandwidth * PIXEL_TIME * x[inner])
     after = (channels(image)[1, 5, inner] * phase).sum()
@@ -59,7 +59,7 @@ def test_chroma_is_3_db_down_at_its_bandwidth_with_zero_phase_and_luma_untouched
 def test_the_filter_keeps_an_edge_in_its_place() -> None:
     source = flat((40.0, 40.0, 40.0))[:64]
     source[:, 300:] = 200.0
-    line = degrade(source, Pal(luma_bandwidth=2e6), 0)[10, :, 1].astype(float)
+    line = degrade(source, AnalogLink(luma_bandwidth=2e6), 0)[10, :, 1].astype(float)
     assert np.interp(120.0, line[290:310], np.arange(290, 310)) == pytest.approx(299.5, abs=0.02)
 
 
@@ -67,15 +67,15 @@ def test_chroma_averaging_moves_nothing_up_or_down() -> None:
     rows = np.zeros((480, 640, 3), np.float32)
     rows[:] = (90.0, 130.0, 90.0)
     rows[200:240] = (220.0, 90.0, 60.0)
-    image = degrade(rows, Pal(interlaced=True, chroma_lines=True), 0)
+    image = degrade(rows, AnalogLink(interlaced=True, chroma_lines=True), 0)
     blue = channels(image)[1, :, 320]
     weight = blue - blue[0]
     assert (weight * np.arange(480)).sum() / weight.sum() == pytest.approx(219.5, abs=0.05)
 
 
 @pytest.mark.parametrize(("pal", "luma", "chroma"), [(TYPICAL, 6.0, 8.0), (BAD, 15.0, 20.0)])
-def test_noise_in_the_picture_has_the_stated_deviation(pal: Pal, luma: float, chroma: float) -> None:
-    quiet = Pal(**{f: getattr(pal, f) for f in pal.__struct_fields__} | {"lost_lines": 0.0, "line_jitter": 0.0})
+def test_noise_in_the_picture_has_the_stated_deviation(pal: AnalogLink, luma: float, chroma: float) -> None:
+    quiet = AnalogLink(**{f: getattr(pal, f) for f in pal.__struct_fields__} | {"lost_lines": 0.0, "line_jitter": 0.0})
     y, cb, cr = channels(degrade(flat(), quiet, 3))
     assert y.std() == pytest.approx(luma, rel=0.05)
     assert cb.std() == pytest.approx(chroma, rel=0.06)
@@ -97,21 +97,21 @@ def test_clean_is_a_little_blur_and_white_noise() -> None:
     spot = flat((0.0, 0.0, 0.0))
     spot[100, 100] = 255.0
     expected = cv2.GaussianBlur(spot, (9, 9), 0.5)[100, 100, 0]
-    assert degrade(spot, Pal(blur=0.5), 0)[100, 100, 0] == pytest.approx(expected, abs=1.0)
+    assert degrade(spot, AnalogLink(blur=0.5), 0)[100, 100, 0] == pytest.approx(expected, abs=1.0)
 
 
 def test_lines_jitter_by_a_normal_deviate() -> None:
     source = flat((40.0, 40.0, 40.0))
     source[:, 300:] = 200.0
     source = np.asarray(cv2.GaussianBlur(source, (0, 0), 2.0), np.float32)
-    image = degrade(source, Pal(line_jitter=1.0), 5)[..., 1].astype(float)
+    image = degrade(source, AnalogLink(line_jitter=1.0), 5)[..., 1].astype(float)
     places = [np.interp(120.0, line[285:315], np.arange(285, 315)) for line in image]
     assert np.std(places) == pytest.approx(1.0, rel=0.12)
     assert np.mean(places) == pytest.approx(299.5, abs=0.15)
 
 
 def test_lost_lines_are_noise_without_color() -> None:
-    image = degrade(flat((200.0, 60.0, 20.0)), Pal(lost_lines=0.2), 2).astype(float)
+    image = degrade(flat((200.0, 60.0, 20.0)), AnalogLink(lost_lines=0.2), 2).astype(float)
     lost = np.ptp(image[..., 0], axis=1) > 20.0
     assert lost.mean() == pytest.approx(0.2, abs=0.06)
     assert np.ptp(image[lost], axis=2).max() == 0.0
@@ -119,7 +119,7 @@ def test_lost_lines_are_noise_without_color() -> None:
 
 
 def test_gain_saturates_at_white() -> None:
-    image = degrade(flat((200.0, 100.0, 50.0)), Pal(), 0, (1.5, 1.5, 0.5))
+    image = degrade(flat((200.0, 100.0, 50.0)), AnalogLink(), 0, (1.5, 1.5, 0.5))
     assert image[0, 0].tolist() == [255, 150, 25]
 
 
@@ -142,10 +142,10 @@ def test_the_filter_follows_from_its_bandwidth() -> None:
 
 def test_misuse() -> None:
     with pytest.raises(ValueError, match="-1"):
-        Pal(luma_noise=-1.0)
+        AnalogLink(luma_noise=-1.0)
     with pytest.raises(ValueError, match=r"1\.5"):
-        Pal(lost_lines=1.5)
+        AnalogLink(lost_lines=1.5)
     with pytest.raises(ValueError, match="int16"):
         degrade(np.zeros((4, 4, 3), np.int16), CLEAN, 0)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="sensor_noise"):
-        degrade(flat(), Pal(sensor_noise=1.0, luma_noise=1.0), 0)
+        degrade(flat(), AnalogLink(sensor_noise=1.0, luma_noise=1.0), 0)

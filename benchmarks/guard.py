@@ -22,7 +22,7 @@ from benchmarks.machine import Machine
 from benchmarks.tracking.accuracy import pooled
 from benchmarks.tracking.contenders import Pool as SearchPool
 from benchmarks.tracking.contenders import convert, search
-from benchmarks.tracking.stopwatch import duel
+from benchmarks.tracking.stopwatch import time_in_pairs
 from benchmarks.tracking.trial import follow, sequence
 from benchmarks.workers import one_thread
 
@@ -76,10 +76,12 @@ def best_ratios() -> dict[str, float]:
     for _ in range(ROUNDS):
         for radius, pool in pools.items():
             both = contenders([peer(OURS), sharp_rival()], pool)
-            least = {k: t.least_us for k, t in duel([*both, convert(CONVERSION, pool.frames, 0)], LAPS).items()}
+            least = {
+                k: t.least_us for k, t in time_in_pairs([*both, convert(CONVERSION, pool.frames, 0)], LAPS).items()
+            }
             _keep(best, f"update(r = {radius}) / conversion", least[OURS] / least[CONVERSION])
             _keep(best, f"update(r = {radius}) / region + BGR + contour", least[OURS] / least[RIVAL])
-        raced = duel([search("search", empty, one.color), convert(CONVERSION, empty, 0)], 2)
+        raced = time_in_pairs([search("search", empty, one.color), convert(CONVERSION, empty, 0)], 2)
         _keep(best, "search in vain / conversion", raced["search"].least_us / raced[CONVERSION].least_us)
     return best
 

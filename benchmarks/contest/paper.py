@@ -4,7 +4,7 @@ import math
 
 from benchmarks.contest import speed as contest_times
 from benchmarks.contest.field import OURS, PAPER, missing, peer
-from benchmarks.contest.run import Heat, Results, run_heat
+from benchmarks.contest.run import Results, SequenceRun, follow_sequence
 from benchmarks.contest.speed import PAPER_FPS
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Picture, Section, table
@@ -71,9 +71,9 @@ def run_figure6(options: Options) -> Section:
     """Follow one long `typical` sequence with those of the paper's figure, its algorithm, and the strongest rival."""
     frames = QUICK_FRAMES if options.quick else FRAMES
     keys = [key for key in SHOWN if not missing(key)]
-    heats = [Heat("typical", options.seeds[0], frames, (key,)) for key in keys]
+    heats = [SequenceRun("typical", options.seeds[0], frames, (key,)) for key in keys]
     done: Results = {}
-    for each in spread(run_heat, heats, options.jobs):
+    for each in spread(follow_sequence, heats, options.jobs):
         done |= each
     scores = {peer(key).name: figures(pooled([trial])) for key, trial in done.items()}
     rows = [[name, *(figure.text for figure in row)] for name, row in scores.items()]

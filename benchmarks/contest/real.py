@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from benchmarks.contest.field import OURS, PEERS, missing, peer
-from benchmarks.contest.run import real_heat
+from benchmarks.contest.run import follow_real_clip
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Section, table
 from benchmarks.tracking.accuracy import figures
@@ -39,7 +39,7 @@ def scored(folder: Path, keys: tuple[str, ...]) -> dict[str, Score]:
     """Follow a clip with some peers and score them."""
     truths = read_truth(folder / "truth.csv")
     first = next(truth.frame for truth in truths if truth.tight)
-    answers = real_heat(folder, truths, [peer(key) for key in keys if not missing(key)])
+    answers = follow_real_clip(folder, truths, [peer(key) for key in keys if not missing(key)])
     return {key: score(each, truths, start=first + 1) for key, each in answers.items()}
 
 

@@ -1,4 +1,4 @@
-"""Everybody on the same frames: `compete` follows one sequence with every peer, frame by frame."""
+"""Everybody on the same frames: `follow_with_all` follows one sequence with every peer, frame by frame."""
 
 import functools
 from collections.abc import Iterable, Iterator
@@ -21,7 +21,7 @@ QUICK_PEERS = (*LIGHT, "hobby", "simple_blob", "edge_drawing", PAPER)
 ELSEWHERE = 250  # seeds: the room where colors are learned for the sequence without a ball
 
 
-class Heat(msgspec.Struct, frozen=True):
+class SequenceRun(msgspec.Struct, frozen=True):
     """A sequence to be followed by several peers: its name, seed and length, and their keys."""
 
     name: str
@@ -54,18 +54,18 @@ def results(options: Options) -> dict[str, list[Results]]:
 @functools.cache
 def _results(chosen: tuple[str, ...], seeds: tuple[int, ...], frames: int, jobs: int) -> dict[str, list[Results]]:
     keys = tuple(each.key for each in present(chosen))
-    heats = [Heat(name, seed, frames, keys) for name in WHAT for seed in seeds]
-    done = spread(run_heat, heats, jobs)
+    heats = [SequenceRun(name, seed, frames, keys) for name in WHAT for seed in seeds]
+    done = spread(follow_sequence, heats, jobs)
     return {name: [r for heat, r in zip(heats, done, strict=True) if heat.name == name] for name in WHAT}
 
 
-def run_heat(heat: Heat) -> Results:
+def follow_sequence(heat: SequenceRun) -> Results:
     """Follow the sequence of a heat with its peers."""
     peers = [peer(key) for key in heat.peers]
     clip = sequence(heat.name, heat.seed, heat.frames)
     if clip.ball:
-        return compete(iter(clip), None, peers, heat.seed)
-    return compete(iter(clip), elsewhere(clip), [each for each in peers if each.detects], heat.seed)
+        return follow_with_all(iter(clip), None, peers, heat.seed)
+    return follow_with_all(iter(clip), elsewhere(clip), [each for each in peers if each.detects], heat.seed)
 
 
 def elsewhere(clip: Clip) -> Start:
@@ -82,7 +82,7 @@ def first_sight(frame: ms.Frame, truth: object, here: bool = True) -> Start:
     return Start(frame.image, (circle.x, circle.y, circle.radius), here)
 
 
-def compete(
+def follow_with_all(
     frames: Iterator[tuple[ms.Frame, object]], start: Start | None, peers: Iterable[Peer], seed: int
 ) -> Results:
     """Give every frame to every peer and note the answers.
@@ -114,7 +114,7 @@ def compete(
     return done
 
 
-def real_heat(folder: Path, truths: list[Truth], peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:
+def follow_real_clip(folder: Path, truths: list[Truth], peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:
     """Follow a real clip with every peer, from its first row with the ball well known.
 
     Parameters

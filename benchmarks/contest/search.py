@@ -18,7 +18,7 @@ from rich.console import Console
 
 import matchset as ms
 from benchmarks.contest.field import PEERS, TAGS, Peer, missing, peer
-from benchmarks.contest.run import compete
+from benchmarks.contest.run import follow_with_all
 from benchmarks.contest.tags import TagClip
 from benchmarks.machine import Machine
 from benchmarks.peers import PARAMETERS, stored
@@ -96,7 +96,7 @@ def search(one: Peer, sequences: list[Frames], together: int = 0) -> tuple[dict[
         name = repr(sorted(parameters.items()))
         if name not in tried:
             changed = msgspec.structs.replace(one, parameters=type(one.parameters)(**parameters))
-            tried[name] = loss_px(compete(iter(frames), None, [changed], 0)[one.key] for frames in sequences)
+            tried[name] = loss_px(follow_with_all(iter(frames), None, [changed], 0)[one.key] for frames in sequences)
         return tried[name]
 
     names = list(one.choices)[:together]

@@ -23,7 +23,7 @@ from benchmarks.contest.field import (
     peer,
     present,
 )
-from benchmarks.contest.run import compete, first_sight
+from benchmarks.contest.run import first_sight, follow_with_all
 from benchmarks.contest.tags import TagClip
 from benchmarks.options import Options
 from benchmarks.peers.tags import CARDS
@@ -31,7 +31,7 @@ from benchmarks.peers.visp import Visp
 from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
 from benchmarks.tracking.accuracy import pooled
 from benchmarks.tracking.contenders import convert
-from benchmarks.tracking.stopwatch import Contender, Times, duel
+from benchmarks.tracking.stopwatch import Contender, Times, time_in_pairs
 from benchmarks.tracking.trial import sequence
 from matchset.sim.clips.clip import Clip
 
@@ -76,13 +76,15 @@ def _everybody(seed: int, quick: bool) -> tuple[Result, Result]:
     frames = QUICK_FRAMES if quick else FRAMES
     clip = sequence("typical", seed, frames + 1, shrink_to=20.0)
     pool = Pool.render(clip)
-    light = duel([*contenders(present(LIGHT), pool), convert(CONVERSION, pool.frames, 0)], laps=2 if quick else 8)
+    light = time_in_pairs(
+        [*contenders(present(LIGHT), pool), convert(CONVERSION, pool.frames, 0)], laps=2 if quick else 8
+    )
     short = Pool(pool.start, pool.frames[: frames // 2])
     heavy = contenders([peer(OURS), *present(HEAVY)], short)
     for each in present(TAGS):
         tags = Pool.render(TagClip(sequence("typical", seed, frames // 2 + 1, shrink_to=40.0), CARDS[each.key]))
         heavy += contenders([each], tags)
-    return light, duel(heavy, laps=1 if quick else 2, warm_up=3)
+    return light, time_in_pairs(heavy, laps=1 if quick else 2, warm_up=3)
 
 
 def against_radius(options: Options) -> dict[int, Result]:
@@ -115,8 +117,8 @@ def head_to_head(options: Options) -> tuple[dict[int, Result], float]:
         clip = sharp_clip(options.seeds[0], float(radius), count + 1)
         pool = Pool.render(clip)
         both = contenders([peer(OURS), sharp_rival()], pool)
-        results[radius] = duel([*both, convert(CONVERSION, pool.frames, 0)], laps=5 if options.quick else 20)
-        score = pooled([compete(iter(clip), None, [sharp_rival()], clip.seed)[RIVAL]])
+        results[radius] = time_in_pairs([*both, convert(CONVERSION, pool.frames, 0)], laps=5 if options.quick else 20)
+        score = pooled([follow_with_all(iter(clip), None, [sharp_rival()], clip.seed)[RIVAL]])
         valid = min(valid, score.valid_percent or 0.0)
     return results, valid
 
@@ -149,7 +151,7 @@ def _scaled(pool: Pool, laps: int) -> Result:
     light = contenders([each for each in chosen if each.key in LIGHT], pool)
     few = Pool(pool.start, pool.frames[:10])
     heavy = contenders([each for each in chosen if each.key not in LIGHT], few)
-    return duel([*light, convert(CONVERSION, pool.frames, 0)], laps) | duel(heavy, 1, warm_up=2)
+    return time_in_pairs([*light, convert(CONVERSION, pool.frames, 0)], laps) | time_in_pairs(heavy, 1, warm_up=2)
 
 
 def contenders(peers: Iterable[Peer], pool: Pool) -> list[Contender]:

@@ -22,9 +22,9 @@ def run(options: Options) -> Section:
     light, heavy = contest_times.everybody(options)
     rows = []
     for key in results["clean"][0]:
-        race = light if key in LIGHT else heavy
-        times = race[key].median_us
-        ours = race[OURS].median_us
+        timed = light if key in LIGHT else heavy
+        times = timed[key].median_us
+        ours = timed[OURS].median_us
         shown = [f"{times:,.0f} µs", f"{ours:,.0f} µs", f"{times / ours:,.1f}"]
         rows.append([peer(key).name, *shown, *_exactness(results, key)])
     head = [

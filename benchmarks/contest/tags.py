@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.contest.field import TAGS, missing, peer
-from benchmarks.contest.run import compete
+from benchmarks.contest.run import follow_with_all
 from benchmarks.options import Options
 from benchmarks.peers.tags import CARDS, Card
 from benchmarks.results import Figure, Finding, Section, table
@@ -106,7 +106,7 @@ class Tagged(msgspec.Struct, frozen=True):
 def run_tags(heat: Tagged) -> Trial:
     """Follow a card."""
     clip = TagClip(sequence(heat.name, heat.seed, heat.frames), CARDS[heat.peer])
-    return compete(iter(clip), None, [peer(heat.peer)], heat.seed)[heat.peer]
+    return follow_with_all(iter(clip), None, [peer(heat.peer)], heat.seed)[heat.peer]
 
 
 def run(options: Options) -> Section:

@@ -12,10 +12,10 @@ from benchmarks.results import Figure, Finding, Goal, Section
 from benchmarks.shapes.accuracy import peers_of
 from benchmarks.shapes.cases import CASES
 from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, METHODS
-from benchmarks.tracking import contenders as rivals
+from benchmarks.tracking import contenders as kinds
 from benchmarks.tracking import stopwatch
 from benchmarks.tracking.speed import CONVERSION, UPDATE, Result, against, times_table
-from benchmarks.tracking.stopwatch import Contender, race
+from benchmarks.tracking.stopwatch import Contender, time_by_turns
 
 FRAMES, QUICK_FRAMES = 100, 40
 LAPS, QUICK_LAPS = 8, 4
@@ -63,15 +63,17 @@ def races_of(case: str, options: Options) -> tuple[Result, Result]:
 
     def contenders(apart: int) -> list[Contender]:
         theirs = [
-            rivals.function(
-                NAMES[peer], frames, functools.partial(METHODS[peer], case, first.image, outline), k * apart
-            )
+            kinds.function(NAMES[peer], frames, functools.partial(METHODS[peer], case, first.image, outline), k * apart)
             for k, peer in enumerate(peers_of(case), 2)
         ]
-        return [Contender(name=UPDATE, frames=frames, begin=begin), rivals.convert(CONVERSION, frames, apart), *theirs]
+        return [
+            Contender(name=UPDATE, frames=frames, begin=begin),
+            kinds.convert(CONVERSION, frames, apart),
+            *theirs,
+        ]
 
     steps = count * (QUICK_LAPS if options.quick else LAPS)
-    return race(contenders(0)[:2], steps), race(contenders(count // 5), steps)
+    return time_by_turns(contenders(0)[:2], steps), time_by_turns(contenders(count // 5), steps)
 
 
 def finding(name: str, what: str, same: Result, cold: Result) -> Finding:

@@ -6,10 +6,10 @@ import numpy as np
 
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
-from benchmarks.tracking import contenders as rivals
+from benchmarks.tracking import contenders as kinds
 from benchmarks.tracking import stopwatch
 from benchmarks.tracking.contenders import Pool
-from benchmarks.tracking.stopwatch import Times, race
+from benchmarks.tracking.stopwatch import Times, time_by_turns
 from benchmarks.tracking.trial import sequence
 
 Result = dict[str, Times]
@@ -31,26 +31,30 @@ def sweep_pool(options: Options) -> Pool:
 def sweep(pool: Pool, options: Options) -> Result:
     """Race the tracker, while r changes, against both yardsticks, all on the same frame."""
     frames = pool.frames
-    contenders = [rivals.update(UPDATE, pool), rivals.convert(CONVERSION, frames, 0), rivals.copy(COPY, frames, 0)]
-    return race(contenders, len(frames) * _laps(options))
+    contenders = [
+        kinds.update(UPDATE, pool),
+        kinds.convert(CONVERSION, frames, 0),
+        kinds.copy(COPY, frames, 0),
+    ]
+    return time_by_turns(contenders, len(frames) * _laps(options))
 
 
 def cold_sweep(pool: Pool, options: Options) -> Result:
     """Race the same, each on a frame that nobody has touched lately, and against kept buffers."""
     frames, count = pool.frames, len(pool.frames)
     contenders = [
-        rivals.update(UPDATE, pool),
-        rivals.convert(CONVERSION, frames, count // 5),
-        rivals.copy(COPY, frames, 2 * count // 5),
-        rivals.convert_kept(CONVERSION_KEPT, frames, 3 * count // 5),
-        rivals.copy_kept(COPY_KEPT, frames, 4 * count // 5),
+        kinds.update(UPDATE, pool),
+        kinds.convert(CONVERSION, frames, count // 5),
+        kinds.copy(COPY, frames, 2 * count // 5),
+        kinds.convert_kept(CONVERSION_KEPT, frames, 3 * count // 5),
+        kinds.copy_kept(COPY_KEPT, frames, 4 * count // 5),
     ]
-    return race(contenders, count * _laps(options))
+    return time_by_turns(contenders, count * _laps(options))
 
 
 def alone(pool: Pool, options: Options) -> Result:
     """Time the tracker on the same frames with no one else: its code and its data stay in the cache."""
-    return race([rivals.update(UPDATE, pool)], len(pool.frames) * _laps(options))
+    return time_by_turns([kinds.update(UPDATE, pool)], len(pool.frames) * _laps(options))
 
 
 def fixed_radii(options: Options) -> Result:
@@ -59,10 +63,10 @@ def fixed_radii(options: Options) -> Result:
     pools = {
         f"r = {r}": Pool.render(sequence("typical", options.seeds[0], count, radii=(float(r), float(r)))) for r in RADII
     }
-    contenders = [rivals.update(name, pool) for name, pool in pools.items()]
+    contenders = [kinds.update(name, pool) for name, pool in pools.items()]
     middle = pools[f"r = {RADII[len(RADII) // 2]}"]
-    contenders.append(rivals.convert(CONVERSION, middle.frames, count // 2))
-    return race(contenders, count * _laps(options))
+    contenders.append(kinds.convert(CONVERSION, middle.frames, count // 2))
+    return time_by_turns(contenders, count * _laps(options))
 
 
 def resolutions(options: Options) -> Result:
@@ -75,8 +79,8 @@ def resolutions(options: Options) -> Result:
         count = 100 if width == SIZES[-1][0] else (10 if options.quick else 20)
         radii = (SIZES_RADIUS, SIZES_RADIUS)
         clip = sequence("clean", options.seeds[0], count, width=width, height=height, radii=radii)
-        contenders.append(rivals.update(f"{width} × {height}", Pool.render(clip)))
-    return race(contenders, 100 * _laps(options))
+        contenders.append(kinds.update(f"{width} × {height}", Pool.render(clip)))
+    return time_by_turns(contenders, 100 * _laps(options))
 
 
 def whole_frames(pool: Pool, options: Options) -> Result:
@@ -84,11 +88,11 @@ def whole_frames(pool: Pool, options: Options) -> Result:
     frames, count = pool.frames, len(pool.frames)
     empty = [frame for frame, _ in sequence("typical", options.seeds[0], count // 2, ball=False)]
     contenders = [
-        rivals.detect(DETECT, pool, 0),
-        rivals.convert(CONVERSION, frames, count // 2),
-        rivals.search(SEARCH, empty, pool.color),
+        kinds.detect(DETECT, pool, 0),
+        kinds.convert(CONVERSION, frames, count // 2),
+        kinds.search(SEARCH, empty, pool.color),
     ]
-    return race(contenders, count * (2 if options.quick else 5))
+    return time_by_turns(contenders, count * (2 if options.quick else 5))
 
 
 def _laps(options: Options) -> int:

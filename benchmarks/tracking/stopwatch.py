@@ -1,4 +1,4 @@
-"""Contenders timed side by side: `race`.
+"""Contenders timed side by side: `time_by_turns`.
 
 Every contender walks through a pool of different frames, again and again. In each step every contender does
 one frame, one after the other, and who begins changes from step to step: whatever disturbs the machine
@@ -111,7 +111,7 @@ class _Runner:
             self.place, self.call = 0, self.contender.begin()
 
 
-def race(contenders: Sequence[Contender], steps: int) -> dict[str, Times]:
+def time_by_turns(contenders: Sequence[Contender], steps: int) -> dict[str, Times]:
     """Time contenders side by side, with the garbage collector at rest.
 
     Parameters
@@ -134,7 +134,7 @@ def race(contenders: Sequence[Contender], steps: int) -> dict[str, Times]:
     return {r.contender.name: Times(np.array(r.ns), np.array(r.places), r.misses) for r in runners}
 
 
-def duel(contenders: Sequence[Contender], laps: int, warm_up: int = 10) -> dict[str, Times]:
+def time_in_pairs(contenders: Sequence[Contender], laps: int, warm_up: int = 10) -> dict[str, Times]:
     """Time contenders on the same frame, one after the other, in an order that is drawn anew for each frame.
 
     Whoever comes first brings the frame into the cache for the others, and everybody finds his own code and data

@@ -6,7 +6,7 @@ from benchmarks.contest.speed import rival_finding
 from benchmarks.contest.tags import TagClip
 from benchmarks.guard import read, too_much
 from benchmarks.peers.tags import ARUCO
-from benchmarks.tracking.stopwatch import Contender, Times, duel
+from benchmarks.tracking.stopwatch import Contender, Times, time_in_pairs
 from benchmarks.tracking.trial import WHAT, Trial, sequence
 
 import matchset as ms
@@ -76,7 +76,7 @@ def test_everybody_meets_every_frame_in_changing_order() -> None:
     def contender(name: str) -> Contender:
         return Contender(name=name, frames=frames, begin=lambda: lambda frame: seen.append((name, frame.index)))
 
-    result = duel([contender("a"), contender("b")], laps=20, warm_up=0)
+    result = time_in_pairs([contender("a"), contender("b")], laps=20, warm_up=0)
     assert len(result["a"].ns) == 120
     assert [index for name, index in seen if name == "b"] == list(range(6)) * 20
     pairs = {(seen[k][0], seen[k + 1][0]) for k in range(0, len(seen), 2)}
@@ -90,7 +90,7 @@ def test_idle_time_does_not_count() -> None:
     frames = [ms.Frame(np.zeros((16, 16, 3), np.uint8), float(k), k) for k in range(2)]
     begin = lambda: lambda frame: frame  # noqa: E731
     slow = Contender(name="slow", frames=frames, begin=begin, idle=lambda: next(clock))
-    assert duel([slow], laps=1, warm_up=0)["slow"].ns.max() < 0
+    assert time_in_pairs([slow], laps=1, warm_up=0)["slow"].ns.max() < 0
 
 
 LIMITS = """

@@ -9,7 +9,7 @@ from benchmarks.common.region import around_the_last
 from benchmarks.common.start import Circle3, Image, Start
 from benchmarks.common.target_color import bgr_mask, bgr_range, hsv_mask, hsv_range, looks_right
 from benchmarks.contest.field import NEEDS_WORDS, PEERS, TAGS, missing, peer
-from benchmarks.contest.run import compete
+from benchmarks.contest.run import follow_with_all
 from benchmarks.peers import PARAMETERS, stored
 from benchmarks.peers.tags import APRIL, ARUCO, Card
 from benchmarks.tracking.trial import sequence
@@ -118,7 +118,7 @@ def test_nobody_learns_more_of_the_truth_than_the_first_frame() -> None:
     from benchmarks.contest.field import Peer
 
     blind = Peer("blind", "blind", "circle", None, {}, follow)
-    trial = compete(iter(sequence("clean", 3, 4)), None, [blind], 3)["blind"]
+    trial = follow_with_all(iter(sequence("clean", 3, 4)), None, [blind], 3)["blind"]
     assert len(told) == 1
     assert trial.answers == [None, None, None]
     assert [truth.frame for truth in trial.truths] == [1, 2, 3]

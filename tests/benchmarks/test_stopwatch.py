@@ -3,7 +3,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from benchmarks.options import UNSEEN
-from benchmarks.tracking.stopwatch import WARM_UP, Contender, race
+from benchmarks.tracking.stopwatch import WARM_UP, Contender, time_by_turns
 from benchmarks.tracking.trial import sequence
 
 import matchset as ms
@@ -22,7 +22,7 @@ def test_contenders_take_turns_and_see_every_frame_in_order() -> None:
 
         return Contender(name=name, frames=frames(10), begin=begin, offset=offset)
 
-    result = race([contender("a", 0), contender("b", 5)], 30)
+    result = time_by_turns([contender("a", 0), contender("b", 5)], 30)
     for name, offset in (("a", 0), ("b", 5)):
         seen = [index for who, index in calls if who == name]
         assert seen == [(k + offset) % 10 for k in range(WARM_UP + 30)]
@@ -38,7 +38,7 @@ def test_a_contender_begins_anew_with_each_turn_through_its_pool() -> None:
         begun.append(1)
         return lambda _: None
 
-    race([Contender(name="a", frames=frames(10), begin=begin)], 20)
+    time_by_turns([Contender(name="a", frames=frames(10), begin=begin)], 20)
     assert len(begun) == 1 + (WARM_UP + 20) // 10
 
 
@@ -46,7 +46,7 @@ def test_what_is_not_answered_is_a_miss() -> None:
     def call(frame: ms.Frame) -> object:
         return ms.Lost("gone", frame.time) if frame.index % 2 else []
 
-    result = race([Contender(name="a", frames=frames(10), begin=lambda: call)], 10)
+    result = time_by_turns([Contender(name="a", frames=frames(10), begin=lambda: call)], 10)
     assert result["a"].misses == 10
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from benchmarks.contest.field import OURS, peer
-from benchmarks.contest.run import compete
+from benchmarks.contest.run import follow_with_all
 from benchmarks.tracking.trial import sequence
 
 from matchset.app.track.score import error_px
@@ -18,7 +18,7 @@ SEEDS = 260, 261
 def errors(clip: Clip, wanted: Callable[[int], bool] = lambda _: True) -> list[float]:
     """Error (Eq. 10) in the frames that the tracker is given, px; infinite where it loses a ball well visible."""
     frames = (pair for pair in clip if wanted(pair[0].index))
-    trial = compete(frames, None, [peer(OURS)], clip.seed)[OURS]
+    trial = follow_with_all(frames, None, [peer(OURS)], clip.seed)[OURS]
     return [
         error_px(answer, truth.circle) if answer else math.inf
         for truth, answer in zip(trial.truths, trial.answers, strict=True)

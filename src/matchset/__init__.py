@@ -1,26 +1,38 @@
-"""Find a known shape in bad video from a few hundred pixels, thousands of times a second."""
+"""Find a known shape in bad video from a few hundred pixels, thousands of times a second.
 
-from matchset.camera.camera_model import CameraModel
-from matchset.image.color import ColorModel
-from matchset.image.errors import LinkError
-from matchset.image.frame import Frame
-from matchset.image.video import Video
-from matchset.localization.ball_target import BallTarget
-from matchset.localization.localizer import Localizer
-from matchset.localization.markers.marker_tracker import MarkerTracker
-from matchset.localization.neighbors.ball_track import Neighbor
-from matchset.localization.neighbors.neighbors import Neighbors
-from matchset.localization.pose import Pose
-from matchset.localization.pose_filter import PoseFilter
-from matchset.shapes.circle import Circle
-from matchset.shapes.convex import Convex
-from matchset.shapes.ellipse import Ellipse
-from matchset.shapes.polygon import Polygon
-from matchset.shapes.quadrilateral import Quadrilateral
-from matchset.shapes.rectangle import Rectangle
-from matchset.tracking.detect import detect
-from matchset.tracking.track import Lost, Track
-from matchset.tracking.tracker import Tracker
+Public names are loaded when they are first used (PEP 562), so ``import matchset`` takes a millisecond and loads neither
+NumPy, OpenCV nor Numba. To read the package, begin with `tracking` (one frame after the other), then `fitting` (one
+frame); below them lie `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`, `links`
+and `app`. A folder imports only from those below it.
+"""
+
+from importlib import import_module
+
+TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this package
+if TYPE_CHECKING:
+    from typing import Any
+
+    from matchset.camera.camera_model import CameraModel
+    from matchset.image.color import ColorModel
+    from matchset.image.errors import LinkError
+    from matchset.image.frame import Frame
+    from matchset.image.video import Video
+    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.localizer import Localizer
+    from matchset.localization.markers.marker_tracker import MarkerTracker
+    from matchset.localization.neighbors.ball_track import Neighbor
+    from matchset.localization.neighbors.neighbors import Neighbors
+    from matchset.localization.pose import Pose
+    from matchset.localization.pose_filter import PoseFilter
+    from matchset.shapes.circle import Circle
+    from matchset.shapes.convex import Convex
+    from matchset.shapes.ellipse import Ellipse
+    from matchset.shapes.polygon import Polygon
+    from matchset.shapes.quadrilateral import Quadrilateral
+    from matchset.shapes.rectangle import Rectangle
+    from matchset.tracking.detect import detect
+    from matchset.tracking.track import Lost, Track
+    from matchset.tracking.tracker import Tracker
 
 __all__ = [
     "BallTarget",
@@ -46,3 +58,43 @@ __all__ = [
     "Video",
     "detect",
 ]
+
+# The same as the imports above; a test compares them.
+_MODULES = {
+    "BallTarget": "matchset.localization.ball_target",
+    "CameraModel": "matchset.camera.camera_model",
+    "Circle": "matchset.shapes.circle",
+    "ColorModel": "matchset.image.color",
+    "Convex": "matchset.shapes.convex",
+    "Ellipse": "matchset.shapes.ellipse",
+    "Frame": "matchset.image.frame",
+    "LinkError": "matchset.image.errors",
+    "Localizer": "matchset.localization.localizer",
+    "Lost": "matchset.tracking.track",
+    "MarkerTracker": "matchset.localization.markers.marker_tracker",
+    "Neighbor": "matchset.localization.neighbors.ball_track",
+    "Neighbors": "matchset.localization.neighbors.neighbors",
+    "Polygon": "matchset.shapes.polygon",
+    "Pose": "matchset.localization.pose",
+    "PoseFilter": "matchset.localization.pose_filter",
+    "Quadrilateral": "matchset.shapes.quadrilateral",
+    "Rectangle": "matchset.shapes.rectangle",
+    "Track": "matchset.tracking.track",
+    "Tracker": "matchset.tracking.tracker",
+    "Video": "matchset.image.video",
+    "detect": "matchset.tracking.detect",
+}
+
+if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
+
+    def __getattr__(name: str) -> "Any":
+        """Load a public name when it is first used."""
+        if name not in _MODULES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        found = globals()[name] = getattr(import_module(_MODULES[name]), name)
+        return found
+
+
+def __dir__() -> list[str]:
+    """List the public names too that are not loaded yet."""
+    return sorted({*globals(), *__all__})

@@ -21,6 +21,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def stamp(file: Path) -> int:
     jit._read_source.cache_clear()
+    jit.source_stamp.cache_clear()
     return jit.source_stamp(file)
 
 

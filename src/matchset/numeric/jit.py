@@ -1,34 +1,40 @@
 """The one Numba policy: every kernel of the library is compiled by the decorators here, nothing else imports Numba.
 
-The machine code is kept on disk, so only the first run on a machine compiles. Numba looks at a kernel's own file alone
-to see whether that code is still good; here the files that it imports must be the same too (`source_stamp`), so that
-kernels may call kernels of other files. `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the
-zero-division checks, so kernels guard their divisions themselves. `fastmath` is off; with `reassociate` alone the
-order of a sum's terms is free, so that they are added several at a time. On one machine results are the same, bit for
-bit, from run to run.
+`nogil=True` lets trackers run in threads. `error_model="numpy"` drops the zero-division checks, so kernels guard their
+divisions themselves. `fastmath` is off; with `reassociate` alone the order of a sum's terms is free, so that they are
+added several at a time. On one machine results are the same, bit for bit, from run to run.
+
+The machine code is kept on disk, so only the first run on a machine compiles. This file alone touches what Numba does
+not promise to keep (tests/numeric/test_jit.py says of each what breaks without it):
+
+- ``Cache._cache_file._source_stamp``: Numba looks at a kernel's own file alone to see whether kept code is still good;
+  here the files that it imports must be the same too (`source_stamp`), so that kernels may call kernels of other files.
+- ``Cache._index_key``: Numba files the code of a closure under all that it holds, pickled, which changes under a
+  profiler and takes 50 ms; here under the identity of what it holds (`identity`).
+- ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
+- option ``_nrt=False``: no references are counted.
 """
 
+import enum
 import functools
+import hashlib
+import importlib
 import math
 import re
 import sys
+import types
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast, overload
 
 import numba
+import numpy as np
 import numpy.typing as npt
-from numba import types
+from numba import types as numba_types
 from numba.core.cgutils import unpack_tuple
 from numba.core.imputils import impl_ret_borrowed
 from numba.extending import lower_builtin, type_callable
-from numba.np.arrayobj import populate_array
-
-_LOWER: Any = lower_builtin  # Numba tells no types
-_UNPACK: Any = unpack_tuple
-_POPULATE: Any = populate_array
-_BORROW: Any = impl_ret_borrowed
 
 Array = npt.NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -38,6 +44,26 @@ PACKAGE = Path(__file__).parent.parent
 _IMPORT = re.compile(r"^\s*from (matchset[\w.]*) import (\([^)]*\)|[^\n]*)|^\s*import (matchset[\w.]+)", re.MULTILINE)
 
 
+def _put_off_scipy() -> None:
+    """Import Numba's array functions without SciPy; what multiplies matrices imports it when it is compiled."""
+    linalg: Any = importlib.import_module("numba.np.linalg")
+    if "numba.np.arraymath" in sys.modules or not hasattr(linalg, "ensure_blas"):
+        return
+    ensure_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = ensure_blas
+
+
+_put_off_scipy()
+_populate_array: Any = importlib.import_module("numba.np.arrayobj").populate_array
+_LOWER: Any = lower_builtin  # Numba tells no types
+_UNPACK: Any = unpack_tuple
+_BORROW: Any = impl_ret_borrowed
+
+
+@functools.cache
 def source_stamp(file: Path) -> int:
     """Checksum of a source file and of all files of the package that it imports, directly or not.
 
@@ -117,25 +143,74 @@ def helper(function: F) -> F:
 def _kept(function: F, **options: Any) -> F:
     """Compile a kernel whose machine code is kept on disk."""
     made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
-    file = getattr(getattr(made, "_cache", None), "_cache_file", None)
+    cache = getattr(made, "_cache", None)
+    file = getattr(cache, "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, source_stamp(Path(function.__code__.co_filename)))
-    result: F = _identified(made)
+        made._cache._index_key = functools.partial(_index_key, function)
+    result: F = made
     return result
 
 
-def _identified(made: Any) -> Any:
-    """Give a kernel a fixed identity: other kernels' compiled code is filed under that of the kernels they hold."""
-    function = made.py_func
-    if hasattr(made, "_set_uuid"):
-        made._set_uuid(f"{function.__module__}.{function.__qualname__}.{zlib.crc32(function.__code__.co_code)}")
-    return made
+def _index_key(function: Callable[..., Any], signature: Any, codegen: Any) -> tuple[Any, ...]:
+    """Tell what kept code is filed under: types of the arguments, processor, and what the function is and holds."""
+    return signature, codegen.magic_tuple(), identity(function)
+
+
+def identity(function: Callable[..., Any]) -> str:
+    """Tell whether two functions would give the same machine code, in this process or another.
+
+    Parameters
+    ----------
+    function : callable
+        Compiled or not.
+
+    Returns
+    -------
+    str
+        A checksum of its module, name and instructions, of the source it stands in (see `source_stamp`), and of the
+        values that it takes from around it: functions by the same traits, everything else by its digits.
+    """
+    return hashlib.sha256("\n".join(_traits(function, set())).encode()).hexdigest()
+
+
+def _traits(function: Callable[..., Any], known: set[Any]) -> Iterator[str]:
+    """All that decides a function's machine code, line by line."""
+    plain: Any = getattr(function, "py_func", function)
+    yield f"{plain.__module__}.{plain.__qualname__}"
+    if plain in known:
+        return
+    known.add(plain)
+    code, file = plain.__code__, Path(plain.__code__.co_filename)
+    yield f"{_digits(code)} {source_stamp(file) if file.is_file() else 0}"
+    cells = (cell.cell_contents for cell in plain.__closure__ or ())
+    values = dict(zip(code.co_freevars, cells, strict=True))
+    if PACKAGE not in file.parents:  # the stamp of a file of the package covers what it imports
+        values |= {name: plain.__globals__[name] for name in code.co_names if name in plain.__globals__}
+    for name, value in sorted(values.items()):
+        if isinstance(getattr(value, "py_func", value), types.FunctionType):
+            yield name
+            yield from _traits(value, known)
+        else:
+            yield f"{name} = {_digits(value)}"
+
+
+def _digits(value: object) -> str:
+    """Write a value out so that equal ones look the same in every process."""
+    if isinstance(value, types.CodeType):
+        return f"{zlib.crc32(value.co_code)} {value.co_names} {[*map(_digits, value.co_consts)]}"
+    if isinstance(value, types.ModuleType):
+        return value.__name__
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {zlib.crc32(np.ascontiguousarray(value).tobytes())}"
+    if isinstance(value, enum.EnumType):
+        return repr(list(value))
+    return repr(value)
 
 
 def inlined(function: F) -> F:
     """Like `kernel`, for a function that other kernels take in: it is compiled with each of them, not once more."""
-    result: F = _identified(numba.njit(inline="always", nogil=True, error_model="numpy")(function))
-    return result
+    return cast(F, numba.njit(inline="always", nogil=True, error_model="numpy")(function))
 
 
 def compile_user_function(function: F) -> F:
@@ -157,7 +232,7 @@ def _compiled_for_user(function: F) -> F:
     if function.__module__ not in sys.modules:  # made by exec
         return cast(F, alone(function))
     if getattr(sys.modules[function.__module__], "__file__", None) is None:  # typed into a shell
-        return cast(F, _identified(alone(function)))
+        return cast(F, alone(function))
     return kernel(function)
 
 
@@ -172,7 +247,7 @@ def cut(block: Array, start: int, shape: tuple[int, ...]) -> Array:
 @type_callable(cut)
 def _type_of_cut(_: Any) -> Any:
     def found(block: Any, start: Any, shape: Any) -> Any:  # noqa: ARG001
-        return types.Array(block.dtype, len(shape), "C") if block.layout == "C" else None
+        return numba_types.Array(block.dtype, len(shape), "C") if block.layout == "C" else None
 
     return found
 
@@ -185,11 +260,11 @@ def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> An
     for size in reversed(sizes[1:]):
         strides.insert(0, builder.mul(strides[0], size))
     data = builder.gep(source.data, [values[1]])
-    _POPULATE(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
+    _populate_array(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
     return _BORROW(context, builder, signature.return_type, made._getvalue())
 
 
-_LOWER(cut, types.Array, types.Integer, types.UniTuple)(_compiled_cut)
+_LOWER(cut, numba_types.Array, numba_types.Integer, numba_types.UniTuple)(_compiled_cut)
 
 
 def plain(function: F) -> F:

@@ -1,0 +1,60 @@
+"""What is not needed is not loaded: neither by `import matchset` nor by the command line's help."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import matchset
+
+HEAVY = ("numba", "cv2", "scipy", "matplotlib", "PIL", "numpy", "msgspec")
+HELP = "import sys\nfrom matchset.app.cli import main\nsys.argv[1:] = {arguments}\ntry: main()\nexcept SystemExit: pass"
+
+
+def loaded(program: str) -> list[str]:
+    """Heavy packages that a fresh process has loaded after a program."""
+    asked = f"{program}\nimport sys\nprint(*[name for name in {HEAVY!r} if name in sys.modules], file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    return done.stderr.split()
+
+
+@pytest.mark.parametrize(
+    "program", ["import matchset", "import matchset; dir(matchset)", "from matchset.app import cli"]
+)
+def test_an_import_loads_nothing_heavy(program: str) -> None:
+    assert loaded(program) == []
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["track", "--help"], ["--version"]])
+def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
+    assert loaded(HELP.format(arguments=arguments)) == []
+
+
+def test_first_pictures_need_no_drawing_library() -> None:
+    assert not set(loaded("import matchset; matchset.Tracker, matchset.ColorModel")) & {"matplotlib", "PIL"}
+
+
+def test_every_public_name_is_there_and_listed() -> None:
+    assert set(matchset.__all__) <= set(dir(matchset))
+    for name in matchset.__all__:
+        assert getattr(matchset, name).__name__ == name
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'Trakcer'"):
+        matchset.Trakcer  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_the_table_of_names_is_what_type_checkers_read() -> None:
+    tree = ast.parse(Path(matchset.__file__).read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    read = {
+        alias.name: node.module
+        for node in block.body
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("matchset")
+        for alias in node.names
+    }
+    assert read == matchset._MODULES
+    assert sorted(read) == sorted(matchset.__all__)

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -151,5 +152,7 @@ print(numba.njit(lambda a: np.dot(a, a))(2.0 * np.eye(2)).tolist(), "scipy.linal
 @pytest.mark.parametrize(("function", "counts"), [(borrowed, False), (counted, True)])
 def test_references_are_counted_only_where_it_is_wanted(function: Any, counts: bool) -> None:
     """Otherwise each view costs an atomic instruction: an update 18.1 instead of 15.6 us."""
-    assert function(np.ones((2, 2))) == 1.0
-    assert all(("call void @NRT_incref" in text) == counts for text in function.inspect_llvm().values())
+    assert function.targetoptions.get("_nrt", True) == counts
+    fresh = numba.njit(function.py_func, _nrt=counts)  # Numba does not show code that was kept
+    assert fresh(np.ones((2, 2))) == 1.0
+    assert all(("NRT_incref" in text) == counts for text in fresh.inspect_llvm().values())

@@ -153,6 +153,7 @@ print(numba.njit(lambda a: np.dot(a, a))(2.0 * np.eye(2)).tolist(), "scipy.linal
 def test_references_are_counted_only_where_it_is_wanted(function: Any, counts: bool) -> None:
     """Otherwise each view costs an atomic instruction: an update 18.1 instead of 15.6 us."""
     assert function.targetoptions.get("_nrt", True) == counts
-    fresh = numba.njit(function.py_func, _nrt=counts)  # Numba does not show code that was kept
+    njit: Any = numba.njit
+    fresh = njit(function.py_func, _nrt=counts)  # Numba does not show code that was kept
     assert fresh(np.ones((2, 2))) == 1.0
     assert all(("NRT_" in text) == counts for text in fresh.inspect_llvm().values())

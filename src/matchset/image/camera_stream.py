@@ -1,13 +1,13 @@
-"""A camera or a stream: a thread keeps its newest picture."""
+"""A camera or a stream: a thread keeps its newest picture; what a camera is asked for, and what it says it does."""
 
+import math
 import threading
 from collections.abc import Mapping
 from time import monotonic
 
 import cv2
 
-from matchset.image.camera_settings import apply
-from matchset.image.capture import hushed, open_capture, unpack
+from matchset.image.capture import Capture, hushed, open_capture, unpack
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 
@@ -16,6 +16,13 @@ RETRY = 0.01  # s between attempts while a device delivers nothing
 # With one V4L2 buffer the driver has nowhere to write while a picture is unpacked, and every other frame is
 # lost. A second one adds no age: the thread empties the queue faster than it fills.
 BUFFERS = 2
+Settings = dict[str, tuple[float, float | None]]
+PROPERTIES = {
+    "exposure": cv2.CAP_PROP_EXPOSURE,
+    "white_balance": cv2.CAP_PROP_WB_TEMPERATURE,
+    "fps": cv2.CAP_PROP_FPS,
+}
+V4L2_MANUAL_EXPOSURE = 1.0  # V4L2_EXPOSURE_MANUAL; the other systems say 0 for "not automatic"
 
 
 class Live:
@@ -131,3 +138,54 @@ class Live:
         with self._news:
             self._news.notify_all()
         self._thread.join(self.timeout)
+
+
+def apply(capture: Capture, wishes: Mapping[str, float]) -> Settings:
+    """Set each wish, its automatic counterpart off, and read back what became of it.
+
+    Parameters
+    ----------
+    capture : Capture
+        An open camera.
+    wishes : mapping of str to float
+        "exposure", "white_balance" or "fps" and the value asked for.
+
+    Returns
+    -------
+    dict
+        Name -> (asked, got); got is None where the camera has no such setting.
+    """
+    settings: Settings = {}
+    for name, asked in wishes.items():
+        if name == "exposure":
+            manual = V4L2_MANUAL_EXPOSURE if capture.getBackendName() == "V4L2" else 0.0
+            capture.set(cv2.CAP_PROP_AUTO_EXPOSURE, manual)
+        elif name == "white_balance":
+            capture.set(cv2.CAP_PROP_AUTO_WB, 0.0)
+        accepted = capture.set(PROPERTIES[name], asked)
+        got = capture.get(PROPERTIES[name])
+        absent = math.isnan(got) or (not accepted and got in (-1.0, 0.0))
+        settings[name] = asked, None if absent else got
+    return settings
+
+
+def differences(settings: Settings) -> list[str]:
+    """Say in words which wishes were not granted.
+
+    Parameters
+    ----------
+    settings : dict
+        Name -> (asked, got).
+
+    Returns
+    -------
+    list of str
+        One sentence for each difference of more than 1 %.
+    """
+    words = []
+    for name, (asked, got) in settings.items():
+        if got is None:
+            words.append(f"{name}: asked for {asked:g}, but this source has no such setting")
+        elif not math.isclose(asked, got, rel_tol=0.01):
+            words.append(f"{name}: asked for {asked:g}, the driver says {got:g}")
+    return words

@@ -14,9 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.brightness import Gray, level_in, log_odds_of
-from matchset.image.color_learning import bin_centers, learned_color, learned_gray
+from matchset.image.color_learning import bin_centers, calm, grow, learned_color, learned_gray, surroundings
 from matchset.image.frame import check_image
-from matchset.image.region import calm, grow, surroundings
 
 LIMIT = 4.0  # largest log-odds: one pixel can be wrong
 WHITE = 127  # table value of a pixel that is surely target

@@ -7,8 +7,7 @@ import weakref
 from pathlib import Path
 from types import TracebackType
 
-from matchset.image.camera_settings import Settings, differences
-from matchset.image.camera_stream import Live
+from matchset.image.camera_stream import Live, Settings, differences
 from matchset.image.frame import Frame
 from matchset.image.image_folder import Pictures, is_picture
 from matchset.image.video_file import Recording

@@ -2,7 +2,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.image.region import calm, grow, surroundings
+from matchset.image.color_learning import calm, grow, surroundings
 
 Mask = npt.NDArray[np.bool_]
 ROWS, COLUMNS = np.indices((120, 160))

@@ -1,0 +1,74 @@
+"""The maps of the house are true: every path and every code name in them exists."""
+
+import ast
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "src" / "matchset"
+PAGES = ("ARCHITECTURE.md", "docs/finding_your_way.md")
+PATH = re.compile(r"[\w./-]+\.(?:py|c|h|md|toml)")
+NAME = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+WORDS = {"True", "False", "None", "blue", "purple"}
+
+
+def names_of(body: list[ast.stmt]) -> Iterator[str]:
+    """Names that a module or a class defines, fields included."""
+    for node in body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            yield node.name
+        elif isinstance(node, ast.Assign):
+            yield from (target.id for target in node.targets if isinstance(target, ast.Name))
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            yield node.target.id
+
+
+def collected() -> tuple[set[str], dict[str, set[str]]]:
+    """All names of the package, and the members of each class, those set in methods included."""
+    everything: set[str] = set()
+    members: dict[str, set[str]] = defaultdict(set)
+    for path in PACKAGE.rglob("*.py"):
+        module = ast.parse(path.read_text(encoding="utf-8"))
+        everything |= set(names_of(module.body))
+        for node in ast.walk(module):
+            if isinstance(node, ast.ClassDef):
+                own = {
+                    each.attr
+                    for each in ast.walk(node)
+                    if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
+                }
+                members[node.name] |= own | set(names_of(node.body))
+    return everything, members
+
+
+EVERYTHING, MEMBERS = collected()
+
+
+def quoted(page: str) -> set[str]:
+    text = re.sub(r"```.*?```", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.DOTALL)
+    return {word.replace("\\|", "|") for word in re.findall(r"`([^`\n]+)`", text)}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_path_exists(page: str) -> None:
+    paths = {word for word in quoted(page) if PATH.fullmatch(word)}
+    assert len(paths) > 10
+    assert not sorted(path for path in paths if not ((PACKAGE / path).exists() or (ROOT / path).exists()))
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_code_name_exists(page: str) -> None:
+    words = {word for word in quoted(page) if NAME.fullmatch(word) and not PATH.fullmatch(word)} - WORDS
+    folders = {path.name for path in PACKAGE.rglob("*") if path.is_dir()}
+    missing = set()
+    for word in words - folders:
+        first, _, rest = word.partition(".")
+        known = first in EVERYTHING and (not rest or rest in MEMBERS[first])
+        if not known and not (not rest and any(first in found for found in MEMBERS.values())):
+            missing.add(word)
+    assert len(words) > 10
+    assert not sorted(missing)

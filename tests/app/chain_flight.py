@@ -8,7 +8,7 @@ import msgspec
 from matchset.app.flight.flight import ChainStep, Crash, Flight, FlightParameters, FlightSetup, flight_setup
 from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import Command
-from matchset.control.safety import Memory
+from matchset.control.safety import SafetyState
 from matchset.links.simulated import SimulationParameters
 from matchset.tracking.track import Lost
 
@@ -34,13 +34,13 @@ def fly() -> Flown:
 def lost(step: PilotStep, reason: str = "covered") -> PilotStep:
     """Make the same step without its ball."""
     ball = Lost(reason, step.now)  # type: ignore[var-annotated]
-    safety = Memory("holding", "the ball is not seen", step.now, command=step.command)
+    safety = SafetyState("holding", "the ball is not seen", step.now, command=step.command)
     return msgspec.structs.replace(step, ball=ball, markers=(), pose=Lost(reason, step.now), safety=safety)
 
 
 def descending(step: PilotStep) -> PilotStep:
     """Make the same step with no answer and on the way down."""
-    safety = Memory("descending", "no new frame for 0.3 s", step.now, command=Command())
+    safety = SafetyState("descending", "no new frame for 0.3 s", step.now, command=Command())
     return msgspec.structs.replace(step, control=None, safety=safety, age=math.inf)
 
 

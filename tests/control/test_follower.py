@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from matchset.control.command import Command
-from matchset.control.ego_motion import GRAVITY, OwnMotion, Sticks
-from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
+from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion
+from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -20,7 +20,7 @@ class World:
 
     def __init__(self, follower: Follower, start: tuple[float, float, float], bias: float = 0.0) -> None:
         self.follower, self.bias = follower, bias
-        self.motion = OwnMotion(follower.parameters.own)
+        self.motion = EgoMotion(follower.parameters.own)
         self.start = np.array(start)
         self.neighbor, self.neighbor_yaw = np.zeros(3), 0.0
 
@@ -41,7 +41,9 @@ class World:
         tilt = limits.own.full_tilt
         lift = GRAVITY * (command.throttle / limits.hover * 0.95 - 1.0)
         turning = limits.own.full_yaw_rate * command.yaw
-        self.motion.sent(Sticks(tilt * command.roll + self.bias, tilt * command.pitch - self.bias, turning, lift), now)
+        self.motion.sent(
+            AttitudeCommand(tilt * command.roll + self.bias, tilt * command.pitch - self.bias, turning, lift), now
+        )
 
     def place(self, time: float) -> tuple[float, float, float]:
         """Side, height and heading in the level frame of the neighbor's ball."""
@@ -50,7 +52,7 @@ class World:
         return float(away @ np.array((out[2], 0.0, -out[0]))), -float(away[1]), float(away @ out)
 
 
-def run(world: World, seconds: float, begin: float = 0.0, lost: bool = False) -> list[Answer | None]:
+def run(world: World, seconds: float, begin: float = 0.0, lost: bool = False) -> list[ControlOutput | None]:
     answers = []
     for k in range(round(seconds / STEP)):
         taken = begin + k * STEP
@@ -58,7 +60,7 @@ def run(world: World, seconds: float, begin: float = 0.0, lost: bool = False) ->
         pose = Lost[Pose]("hidden", taken) if lost else world.see(taken)
         answer = world.follower.update(pose, now)
         answers.append(answer)
-        wish = None if answer is None else answer.wish
+        wish = None if answer is None else answer.desired
         command = Command(throttle=0.55) if wish is None else clipped(wish)
         world.follower.sent(command, now)
         world.obey(command, now)
@@ -71,7 +73,7 @@ def clipped(wish: tuple[float, ...]) -> Command:
 
 
 def test_it_goes_to_its_place_and_stays_with_biased_sticks() -> None:
-    world = World(Follower(SetPlace(side=0.1, height=-0.2, heading=1.5)), (0.5, 0.5, -2.0), bias=0.035)
+    world = World(Follower(RelativeSetpoint(side=0.1, height=-0.2, heading=1.5)), (0.5, 0.5, -2.0), bias=0.035)
     run(world, 12.0)
     assert world.place(12.0) == pytest.approx((0.1, -0.2, 1.5), abs=0.02)
     run(world, 3.0, 12.0)

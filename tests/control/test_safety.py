@@ -5,30 +5,30 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.command import Command
-from matchset.control.safety import Facts, Memory, SafetyParameters, Wish, guard
+from matchset.control.safety import DesiredCommand, SafetyInputs, SafetyParameters, SafetyState, safety_filter
 
 LIMITS = SafetyParameters()
 STEP = 1.0 / 30.0
-HOVER = Wish(0.1, -0.1, 0.0, 0.5)
+HOVER = DesiredCommand(0.1, -0.1, 0.0, 0.5)
 ANYTHING = st.floats(allow_nan=True, allow_infinity=True)
 TIMES = st.one_of(ANYTHING, st.floats(-5.0, 5.0))
 
 
-def fly(seconds: float = 1.0) -> tuple[Memory, float]:
+def fly(seconds: float = 1.0) -> tuple[SafetyState, float]:
     """Hover with everything well; memory and time at the end."""
-    memory, now = Memory(), 0.0
+    memory, now = SafetyState(), 0.0
     for _ in range(round(seconds / STEP)):
         now += STEP
-        _, memory = guard(HOVER, Facts(now, now - 0.05, now - 0.05, True), memory)
+        _, memory = safety_filter(HOVER, SafetyInputs(now, now - 0.05, now - 0.05, True), memory)
     return memory, now
 
 
 def test_nothing_turns_before_it_is_armed_and_sure() -> None:
-    assert guard(HOVER, Facts(1.0, 1.0, 1.0, False), Memory())[0] == Command()
-    for facts in (Facts(1.0, 0.5, 0.5, True), Facts(1.0, 1.0, -math.inf, True)):
-        command, memory = guard(HOVER, facts, Memory())
+    assert safety_filter(HOVER, SafetyInputs(1.0, 1.0, 1.0, False), SafetyState())[0] == Command()
+    for facts in (SafetyInputs(1.0, 0.5, 0.5, True), SafetyInputs(1.0, 1.0, -math.inf, True)):
+        command, memory = safety_filter(HOVER, facts, SafetyState())
         assert (command, memory.phase) == (Command(), "locked")
-    command, memory = guard(None, Facts(1.0, 1.0, 1.0, True), Memory())
+    command, memory = safety_filter(None, SafetyInputs(1.0, 1.0, 1.0, True), SafetyState())
     assert (command, memory.phase) == (Command(), "locked")
 
 
@@ -40,14 +40,14 @@ def test_a_wish_within_the_limits_is_flown() -> None:
 
 def test_sticks_are_limited_and_change_gradually() -> None:
     memory, now = fly()
-    facts = Facts(now + STEP, now, now, True)
-    command, memory = guard(Wish(9.0, -9.0, 9.0, 9.0), facts, memory)
+    facts = SafetyInputs(now + STEP, now, now, True)
+    command, memory = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), facts, memory)
     assert command.roll == pytest.approx(0.1 + LIMITS.slew * STEP)
     assert command.pitch == pytest.approx(-0.1 - LIMITS.slew * STEP)
     assert command.throttle == pytest.approx(0.5 + LIMITS.throttle_slew * STEP)
     for k in range(2, 40):
-        facts = Facts(now + k * STEP, now + k * STEP, now + k * STEP, True)
-        command, memory = guard(Wish(9.0, -9.0, 9.0, 9.0), facts, memory)
+        facts = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
+        command, memory = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), facts, memory)
     assert command == Command(LIMITS.tilt, -LIMITS.tilt, LIMITS.yaw, LIMITS.most_throttle)
 
 
@@ -57,7 +57,7 @@ def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() ->
     seen = start - 0.05
     for k in range(1, 140):
         now = start + k * STEP
-        command, memory = guard(HOVER, Facts(now, now - 0.05, seen, True), memory)
+        command, memory = safety_filter(HOVER, SafetyInputs(now, now - 0.05, seen, True), memory)
         phases.append((now - seen, memory.phase, command))
     assert {phase for age, phase, _ in phases if age <= LIMITS.hold} == {"holding"}
     assert all(command == Command(*HOVER) for age, _, command in phases if age <= LIMITS.hold)
@@ -74,7 +74,7 @@ def test_without_frames_it_goes_down_within_a_third_of_a_second() -> None:
     frame = start - 0.05
     for k in range(1, 200):
         now = start + k * STEP
-        command, memory = guard(HOVER, Facts(now, frame, frame, True), memory)
+        command, memory = safety_filter(HOVER, SafetyInputs(now, frame, frame, True), memory)
         assert (memory.phase in ("descending", "cut")) == (now - frame > LIMITS.fresh)
         if memory.phase == "descending":
             assert command.throttle < 0.5
@@ -86,22 +86,22 @@ def test_a_descent_is_called_off_once_the_ball_is_surely_seen_again() -> None:
     memory, start = fly()
     for k in range(1, 40):
         now = start + k * STEP
-        _, memory = guard(HOVER, Facts(now, now, start, True), memory)
+        _, memory = safety_filter(HOVER, SafetyInputs(now, now, start, True), memory)
     assert memory.phase == "descending"
-    _, memory = guard(HOVER, Facts(now + STEP, now + STEP, now + STEP, True), memory)
+    _, memory = safety_filter(HOVER, SafetyInputs(now + STEP, now + STEP, now + STEP, True), memory)
     assert memory.phase == "descending"
     for k in range(2, 6):
-        facts = Facts(now + k * STEP, now + k * STEP, now + k * STEP, True)
-        _, memory = guard(HOVER, facts, memory)
+        facts = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
+        _, memory = safety_filter(HOVER, facts, memory)
     assert memory.phase == "flying"
 
 
 def test_after_the_cut_only_arming_anew_helps() -> None:
-    cut = Memory("cut", "the ball has not been seen", 1.0)
-    command, memory = guard(HOVER, Facts(2.0, 2.0, 2.0, True), cut)
+    cut = SafetyState("cut", "the ball has not been seen", 1.0)
+    command, memory = safety_filter(HOVER, SafetyInputs(2.0, 2.0, 2.0, True), cut)
     assert (command, memory.phase) == (Command(), "cut")
-    _, memory = guard(HOVER, Facts(2.1, 2.1, 2.1, False), memory)
-    _, memory = guard(HOVER, Facts(2.2, 2.2, 2.2, True), memory)
+    _, memory = safety_filter(HOVER, SafetyInputs(2.1, 2.1, 2.1, False), memory)
+    _, memory = safety_filter(HOVER, SafetyInputs(2.2, 2.2, 2.2, True), memory)
     assert memory.phase == "flying"
 
 
@@ -109,20 +109,27 @@ def test_a_controller_without_an_answer_levels_the_sticks() -> None:
     memory, now = fly()
     for k in range(1, 10):
         time = now + k * STEP
-        command, memory = guard(Wish(math.nan, 0.0, 0.0, 0.5), Facts(time, time, time, True), memory)
+        command, memory = safety_filter(
+            DesiredCommand(math.nan, 0.0, 0.0, 0.5), SafetyInputs(time, time, time, True), memory
+        )
     assert (command, memory.phase) == (Command(throttle=0.5), "holding")
 
 
 @given(
     st.lists(
-        st.tuples(st.none() | st.builds(Wish, *[ANYTHING] * 4), st.builds(Facts, TIMES, TIMES, TIMES, st.booleans())),
+        st.tuples(
+            st.none() | st.builds(DesiredCommand, *[ANYTHING] * 4),
+            st.builds(SafetyInputs, TIMES, TIMES, TIMES, st.booleans()),
+        ),
         max_size=30,
     )
 )
-def test_whatever_happens_what_is_sent_is_finite_and_in_range(calls: list[tuple[Wish | None, Facts]]) -> None:
-    memory = Memory()
+def test_whatever_happens_what_is_sent_is_finite_and_in_range(
+    calls: list[tuple[DesiredCommand | None, SafetyInputs]],
+) -> None:
+    memory = SafetyState()
     for wish, facts in calls:
-        command, memory = guard(wish, facts, memory)  # a Command out of range cannot exist
+        command, memory = safety_filter(wish, facts, memory)  # a Command out of range cannot exist
         assert facts.armed or command == Command()
         assert abs(command.roll) <= LIMITS.tilt
         assert abs(command.pitch) <= LIMITS.tilt

@@ -17,7 +17,7 @@ from matchset.links.arduino.messages import Config, Report
 
 LOCK_STEP_SECONDS = float(os.environ.get("MATCHSET_CABLE_SECONDS", "5"))  # 60: make bench-radio
 REAL_SECONDS = float(os.environ.get("MATCHSET_REAL_SECONDS", "1"))  # 60: make bench-radio
-UNHURRIED = ArduinoParameters(silence=30.0, arm_timeout=30.0, patience=30.0)  # a busy machine is no broken link
+UNHURRIED = ArduinoParameters(timeout=30.0, arm_timeout=30.0, startup_timeout=30.0)  # a busy machine is no broken link
 FLIGHT = Command(throttle=0.4, roll=0.1, pitch=-0.2, yaw=0.3)
 
 
@@ -103,17 +103,17 @@ def test_no_frame_is_lost_through_a_pseudo_terminal_at_30_hz() -> None:
         with link:
             link.arm()
             before, frames = link.report.good, round(30 * LOCK_STEP_SECONDS)
-            sent = link.wire.sent
+            sent = link.firmware.sent
             trips = []
             for _ in range(frames):
                 link.send(FLIGHT)
                 for _ in range(5):
                     cable.step(port, 1 / 150)
                     link.status()
-                trips.append(link.wire.round_trip)
+                trips.append(link.firmware.round_trip)
             report = link.report
-            assert report.good - before & 0xFFFF == frames == link.wire.sent - sent
-            assert link.wire.answered == link.wire.sent
+            assert report.good - before & 0xFFFF == frames == link.firmware.sent - sent
+            assert link.firmware.answered == link.firmware.sent
             assert (report.bad, report.lost_bytes, report.state) == (0, 0, "armed")
             assert None not in trips
         cable.pull()
@@ -133,14 +133,14 @@ def test_no_frame_is_lost_in_real_time() -> None:
                 while time.monotonic() < begin + (number + 1) / 30:
                     time.sleep(0.001)
                     link.status()
-                trips.append(1e3 * (link.wire.round_trip or 0.0))
-            while link.wire.answered < link.wire.sent and time.monotonic() < begin + REAL_SECONDS + 30:
+                trips.append(1e3 * (link.firmware.round_trip or 0.0))
+            while link.firmware.answered < link.firmware.sent and time.monotonic() < begin + REAL_SECONDS + 30:
                 time.sleep(0.01)
                 link.status()
             trips.sort()
-            print(f"{link.wire.answered} of {link.wire.sent} answered; round trip, ms:")
+            print(f"{link.firmware.answered} of {link.firmware.sent} answered; round trip, ms:")
             print(f"median {trips[frames // 2]:.1f}, 99 % {trips[frames * 99 // 100]:.1f}, worst {trips[-1]:.1f}")
-            assert link.wire.answered == link.wire.sent >= frames
+            assert link.firmware.answered == link.firmware.sent >= frames
             assert link.report.bad == link.report.lost_bytes == 0
         cable.pull()
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from matchset.control.command import Command
-from matchset.control.follower import SetPlace
+from matchset.control.follower import RelativeSetpoint
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehiclePose, toy
 from matchset.sim.world import CAMERA_AHEAD, RATE, ChainParameters, World, quantized, relative_position
 
-CHAIN = ChainParameters(place=SetPlace(height=-0.19))
+CHAIN = ChainParameters(place=RelativeSetpoint(height=-0.19))
 HOVER = Command(throttle=0.6)
 
 
@@ -35,7 +35,7 @@ def test_each_begins_at_its_set_place_or_as_far_off_as_asked() -> None:
     world = World(CHAIN, 5)
     for who in range(2):
         np.testing.assert_allclose(world.place(who), (0.0, -0.19, 1.5), atol=0.03)  # the rope hangs askew
-    off = World(ChainParameters(place=SetPlace(height=-0.19), start_off=(0.5, 0.5, 0.5)), 5)
+    off = World(ChainParameters(place=RelativeSetpoint(height=-0.19), start_off=(0.5, 0.5, 0.5)), 5)
     assert np.abs(np.abs(off.place(1) - (0.0, -0.19, 1.5)) - 0.5).max() < 0.05
 
 
@@ -62,7 +62,7 @@ def test_without_commands_the_motors_stop_and_it_falls() -> None:
 
 
 def test_a_command_acts_after_the_radio_and_the_battery_sags() -> None:
-    chain = ChainParameters(place=SetPlace(height=-0.19), rope=RopeParameters(swing=0.0, yaw_deg=0.0))
+    chain = ChainParameters(place=RelativeSetpoint(height=-0.19), rope=RopeParameters(swing=0.0, yaw_deg=0.0))
     world = World(chain, 0)
     for _ in range(3):
         world.send(0, HOVER)

@@ -3,7 +3,7 @@
 A state is 16 numbers: time, roll, pitch, yaw, turning, lift, velocity (3), place (3), roll and pitch as far as the
 motors have begun them, and their speeds: tilt follows its stick through a lag and a swing, ``L db/dt = stick - b``,
 ``T^2 theta'' = b - theta - 2 z T theta'``, and pulls with ``g tan(theta) / heft``. A model has the fields of
-`OwnMotionParameters` in their order.
+`EgoMotionParameters` in their order.
 """
 
 import math
@@ -114,7 +114,7 @@ def turn_of(state: Floats, turn: Floats) -> None:
 
 
 def precompile() -> None:
-    """Compile the kernels that Python calls, with the types that `OwnMotion` hands over."""
+    """Compile the kernels that Python calls, with the types that `EgoMotion` hands over."""
     ring, sticks, model = np.zeros((2, SIZE)), np.zeros(4), np.ones(HEFT + 1)
     states, turn = np.zeros((1, SIZE)), np.eye(3)
     catch_up(ring, 0, sticks, 0.0, model)

@@ -1,4 +1,4 @@
-"""What the vehicle made of its commands: `OwnMotion`, dead reckoning for a vehicle that measures nothing.
+"""What the vehicle made of its commands: `EgoMotion`, dead reckoning for a vehicle that measures nothing.
 
 The commanded tilt goes through a delay, a lag of the motors and a damped swing of the electronics; it pulls the vehicle
 along, ``dv/dt = g tan(theta) / heft - v/T_drag``. What constant offset of the sticks holds the vehicle still, its
@@ -33,10 +33,10 @@ from matchset.control.dead_reckoning import (
 Floats = npt.NDArray[np.float64]
 
 KEPT = 128  # steps of 1/120 s
-__all__ = ["GRAVITY", "OwnMotion", "OwnMotionParameters", "OwnState", "Sticks"]
+__all__ = ["GRAVITY", "AttitudeCommand", "EgoMotion", "EgoMotionParameters", "EgoState"]
 
 
-class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class EgoMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the vehicle answers to its sticks.
 
     Parameters
@@ -79,7 +79,7 @@ class OwnMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkn
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
 
-class Sticks(NamedTuple):
+class AttitudeCommand(NamedTuple):
     """What a command asks for beyond the trim: tilt to the right and forward, rad; turning, rad/s; lift, m/s^2."""
 
     roll: float = 0.0
@@ -88,7 +88,7 @@ class Sticks(NamedTuple):
     lift: float = 0.0
 
 
-class OwnState:
+class EgoState:
     """The vehicle by dead reckoning, in a level frame at rest: x right, y down, z forward of where it began.
 
     Parameters
@@ -133,34 +133,34 @@ class OwnState:
         return turn
 
 
-class OwnMotion:
+class EgoMotion:
     """Follows the vehicle through the commands that were sent to it; all kernels are compiled here.
 
     Parameters
     ----------
-    parameters : OwnMotionParameters, optional
+    parameters : EgoMotionParameters, optional
     """
 
-    def __init__(self, parameters: OwnMotionParameters | None = None) -> None:
-        self.parameters = parameters or OwnMotionParameters()
+    def __init__(self, parameters: EgoMotionParameters | None = None) -> None:
+        self.parameters = parameters or EgoMotionParameters()
         self._model = np.array([getattr(self.parameters, name) for name in self.parameters.__struct_fields__])
         self._sticks = np.zeros(4)
         self._ring, self._count = np.zeros((KEPT, SIZE)), 0
         precompile()
 
-    def sent(self, sticks: Sticks, now: float) -> None:
+    def sent(self, sticks: AttitudeCommand, now: float) -> None:
         """Note what was sent.
 
         Parameters
         ----------
-        sticks : Sticks
+        sticks : AttitudeCommand
         now : float
             When, s; later than before.
         """
         self._count = catch_up(self._ring, self._count, self._sticks, now + self.parameters.delay, self._model)
         self._sticks[:] = sticks
 
-    def at(self, time: float) -> OwnState:
+    def at(self, time: float) -> EgoState:
         """State at a time, from a second back to `delay` from now; later: the sticks stay as they are.
 
         Parameters
@@ -170,9 +170,9 @@ class OwnMotion:
         """
         numbers = np.empty(SIZE)
         recall(self._ring, self._count, self._sticks, time, self._model, numbers)
-        return OwnState(numbers)
+        return EgoState(numbers)
 
-    def at_times(self, times: Sequence[float]) -> list[OwnState]:
+    def at_times(self, times: Sequence[float]) -> list[EgoState]:
         """States at several times, see `at`.
 
         Parameters
@@ -183,4 +183,4 @@ class OwnMotion:
         states = np.empty((len(times), SIZE))
         states[:, TIME] = times
         recall_all(self._ring, self._count, self._sticks, self._model, states)
-        return [OwnState(numbers) for numbers in states]
+        return [EgoState(numbers) for numbers in states]

@@ -1,4 +1,4 @@
-"""How much of a neighbor's speed is flown along: `Pace`.
+"""How much of a neighbor's speed is flown along: `SpeedFeedforward`.
 
 Who flies along with all that its neighbor does, and predicts it for the time of action, enlarges it: of a chain each
 then wobbles more than the one before (string stability, Swaroop & Hedrick 1996). So the slow part of the speed is flown
@@ -10,7 +10,7 @@ import math
 import msgspec
 
 
-class PaceParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class FeedforwardParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What of a neighbor's speed is flown along.
 
     Parameters
@@ -31,15 +31,15 @@ class PaceParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
             raise ValueError(f"calm must be positive, got {self.calm}")
 
 
-class Pace:
+class SpeedFeedforward:
     """Follows one coordinate of a neighbor's speed.
 
     Parameters
     ----------
-    parameters : PaceParameters
+    parameters : FeedforwardParameters
     """
 
-    def __init__(self, parameters: PaceParameters) -> None:
+    def __init__(self, parameters: FeedforwardParameters) -> None:
         self.parameters = parameters
         self._slow: float | None = None
 

@@ -14,18 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.command import Command
-from matchset.control.ego_motion import GRAVITY, OwnMotion, OwnMotionParameters, OwnState, Sticks
-from matchset.control.feedforward import Pace, PaceParameters
-from matchset.control.neighbor_motion import NeighborMotion, NeighborMotionParameters
-from matchset.control.pid import Pid, PidParameters, Terms
-from matchset.control.safety import Wish
+from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
+from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
+from matchset.control.neighbor_motion import NeighborFilter, NeighborFilterParameters
+from matchset.control.pid import Pid, PidParameters, PidTerms
+from matchset.control.safety import DesiredCommand
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
 
 
-class SetPlace(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class RelativeSetpoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where to be, in the level frame of the neighbor's ball: m.
 
     Parameters
@@ -62,11 +62,11 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         steady swing closer, and passes on what the next in the chain sees as shaking.
     drift : float
         The same for what is no sway: a turn of the neighbor that goes on for seconds.
-    pace, rise_pace : PaceParameters
+    pace, rise_pace : FeedforwardParameters
         What of the neighbor's speed is flown along, level and upward.
-    own : OwnMotionParameters
+    own : EgoMotionParameters
         How the vehicle answers to its sticks.
-    motion : NeighborMotionParameters
+    motion : NeighborFilterParameters
         How the neighbor's poses are filtered.
     reach : float
         How far the neighbor's motion is extrapolated past its last sighting, s; after that it is taken to stand.
@@ -105,10 +105,10 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     rise_lead: float = 0.038
     ahead: float = 0.85
     drift: float = 0.45
-    pace: PaceParameters = PaceParameters(share=0.7, calm=0.23)
-    rise_pace: PaceParameters = PaceParameters(share=0.42, calm=0.75)
-    own: OwnMotionParameters = OwnMotionParameters()
-    motion: NeighborMotionParameters = NeighborMotionParameters()
+    pace: FeedforwardParameters = FeedforwardParameters(share=0.7, calm=0.23)
+    rise_pace: FeedforwardParameters = FeedforwardParameters(share=0.42, calm=0.75)
+    own: EgoMotionParameters = EgoMotionParameters()
+    motion: NeighborFilterParameters = NeighborFilterParameters()
     reach: float = 0.4
     memory: float = 1.2
 
@@ -120,29 +120,29 @@ class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
                 raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
 
 
-class Answer(NamedTuple):
+class ControlOutput(NamedTuple):
     """What a follower makes of a moment.
 
     Attributes
     ----------
-    wish : Wish
+    wish : DesiredCommand
     side, height, heading : float
         Where it is in the level frame of the neighbor's ball at the time of action, m.
     bearing : float
         Where the ball is to the right of straight ahead, rad.
-    right, ahead, rise, turn : Terms
+    right, ahead, rise, turn : PidTerms
         Of the controllers.
     """
 
-    wish: Wish
+    wish: DesiredCommand
     side: float
     height: float
     heading: float
     bearing: float
-    right: Terms
-    ahead: Terms
-    rise: Terms
-    turn: Terms
+    right: PidTerms
+    ahead: PidTerms
+    rise: PidTerms
+    turn: PidTerms
 
 
 class Follower:
@@ -150,22 +150,22 @@ class Follower:
 
     Parameters
     ----------
-    place : SetPlace, optional
+    place : RelativeSetpoint, optional
     parameters : FollowerParameters, optional
     """
 
-    def __init__(self, place: SetPlace | None = None, parameters: FollowerParameters | None = None) -> None:
-        self.place = place or SetPlace()
+    def __init__(self, place: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
+        self.place = place or RelativeSetpoint()
         self.parameters = parameters or FollowerParameters()
-        self.own = OwnMotion(self.parameters.own)
-        self.neighbor = NeighborMotion(self.parameters.motion)
+        self.own = EgoMotion(self.parameters.own)
+        self.neighbor = NeighborFilter(self.parameters.motion)
         self._right, self._ahead = Pid(self.parameters.level), Pid(self.parameters.level)
         self._rise, self._yaw = Pid(self.parameters.rise), Pid(self.parameters.yaw)
         pace, rise_pace = self.parameters.pace, self.parameters.rise_pace
-        self._paces = Pace(pace), Pace(rise_pace), Pace(pace)
+        self._paces = SpeedFeedforward(pace), SpeedFeedforward(rise_pace), SpeedFeedforward(pace)
         self._fed = self._time = -math.inf
 
-    def update(self, pose: "Pose | Lost[Pose]", now: float) -> Answer | None:
+    def update(self, pose: "Pose | Lost[Pose]", now: float) -> ControlOutput | None:
         """Decide what to do about a pose.
 
         Parameters
@@ -177,7 +177,7 @@ class Follower:
 
         Returns
         -------
-        Answer or None
+        ControlOutput or None
             None while there is nothing to go by: no ball for long, or its marker never seen.
         """
         if isinstance(pose, Pose) and pose.time > self._fed:
@@ -197,13 +197,13 @@ class Follower:
         limits, hover = self.parameters.own, self.parameters.hover
         pull = GRAVITY / limits.heft
         trims = [pid.terms.integral for pid in (self._right, self._ahead, self._rise)]
-        sticks = Sticks(
+        sticks = AttitudeCommand(
             limits.full_tilt * command.roll - math.atan(trims[0] / pull),
             limits.full_tilt * command.pitch - math.atan(trims[1] / pull),
             limits.full_yaw_rate * command.yaw,
             pull * (command.throttle / hover - 1.0) - trims[2],
         )
-        self.own.sent(sticks if command.throttle > 0.0 else Sticks(), now)
+        self.own.sent(sticks if command.throttle > 0.0 else AttitudeCommand(), now)
 
     def expected(self, time: float) -> Floats | None:
         """Tell where the ball should be in the camera frame at a time, (3,), m; None if it was not seen for long."""
@@ -213,7 +213,7 @@ class Follower:
         there: Floats = own.turn.T @ (self.neighbor.at(time, self.parameters.reach)[:3, 0] - own.place)
         return there
 
-    def _steer(self, acts: float, step: float) -> Answer:
+    def _steer(self, acts: float, step: float) -> ControlOutput:
         """Run the controllers for a command that begins to act at a time."""
         parameters, reach = self.parameters, self.parameters.reach
         times = acts, acts + parameters.lead, acts + parameters.rise_lead
@@ -230,7 +230,7 @@ class Follower:
         turning = self._yaw.update(0.0, -bearing, step)
         model, pull = parameters.own, GRAVITY / parameters.own.heft
         tilt = 1.0 / max(math.cos(own.roll) * math.cos(own.pitch), 0.5)
-        wish = Wish(
+        wish = DesiredCommand(
             math.atan(roll / pull) / model.full_tilt,
             math.atan(pitch / pull) / model.full_tilt,
             turning / model.full_yaw_rate,
@@ -239,9 +239,9 @@ class Follower:
         side = sight[2] * out[0] - sight[0] * out[1]
         heading = -sight[0] * out[0] - sight[2] * out[1]
         terms = (self._right.terms, self._ahead.terms, self._rise.terms, self._yaw.terms)
-        return Answer(wish, side, sight[1], heading, bearing, *terms)
+        return ControlOutput(wish, side, sight[1], heading, bearing, *terms)
 
-    def _level(self, own: OwnState, ball: Floats, yaw: float, step: float) -> tuple[float, float]:
+    def _level(self, own: EgoState, ball: Floats, yaw: float, step: float) -> tuple[float, float]:
         """Accelerations to the right and ahead, m/s^2, that lead to the set place."""
         goal, speed, push = self._goal(ball)
         cos, sin = math.cos(yaw), math.sin(yaw)

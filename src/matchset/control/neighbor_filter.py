@@ -1,6 +1,6 @@
 """Kernels of the filter of a neighbor: five numbers for each coordinate, see `neighbor_motion.py`.
 
-`limits` holds the fields of `NeighborMotionParameters` in their order.
+`limits` holds the fields of `NeighborFilterParameters` in their order.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""How the neighbor moves, from poses seen by a vehicle that does not measure its own tilt: `NeighborMotion`.
+"""How the neighbor moves, from poses seen by a vehicle that does not measure its own tilt: `NeighborFilter`.
 
 In the frame at rest of dead reckoning each coordinate of the ball, and the way its marker points, is the sum of a drift
 with an acceleration that lasts a while (Singer 1970), ``d'' = a, a' = -a/T + noise``, and a sway about the period of
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.dead_reckoning import PLACE, SIZE, turn_of
-from matchset.control.ego_motion import OwnState
+from matchset.control.ego_motion import EgoState
 from matchset.control.neighbor_filter import PATIENCE, REFUSED, STATES, marker_way, predict, take, to_rest
 from matchset.localization.pose import Pose
 from matchset.numeric.jit import kernel
@@ -24,7 +24,7 @@ UNTURNED = np.empty((0, 0))
 PLACED, TURNED = 1, 2  # what of a pose is believed; both are their sum
 
 
-class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class NeighborFilterParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the neighbor's poses are filtered.
 
     Parameters
@@ -80,12 +80,12 @@ class NeighborMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
 
-class NeighborMotion:
+class NeighborFilter:
     """Filters one neighbor in the frame at rest; all kernels are compiled here.
 
     Parameters
     ----------
-    parameters : NeighborMotionParameters, optional
+    parameters : NeighborFilterParameters, optional
 
     Attributes
     ----------
@@ -95,8 +95,8 @@ class NeighborMotion:
         The same for the way its marker points.
     """
 
-    def __init__(self, parameters: NeighborMotionParameters | None = None) -> None:
-        self.parameters = parameters or NeighborMotionParameters()
+    def __init__(self, parameters: NeighborFilterParameters | None = None) -> None:
+        self.parameters = parameters or NeighborFilterParameters()
         self.time = self.turn_time = -math.inf
         self._state = np.zeros((4, STATES))  # x, y, z, and the angle of the marker's way to the right of z
         self._covariance = np.zeros((4, STATES, STATES))
@@ -105,7 +105,7 @@ class NeighborMotion:
         self._seen = np.zeros(3), np.zeros((6, 6)), np.zeros((3, 3))  # copies: a pose's arrays may be of any layout
         precompile()
 
-    def update(self, pose: Pose, own: OwnState) -> bool:
+    def update(self, pose: Pose, own: EgoState) -> bool:
         """Take in a pose in the camera frame, seen from a state of the vehicle at the same time.
 
         Returns
@@ -196,7 +196,7 @@ def _take_in(
 
 
 def precompile() -> None:
-    """Compile the kernels that Python calls, with the types that `NeighborMotion` hands over."""
+    """Compile the kernels that Python calls, with the types that `NeighborFilter` hands over."""
     state, covariance, limits = np.zeros((4, STATES)), np.zeros((4, STATES, STATES)), np.ones(PATIENCE + 1)
     refused, own = np.zeros(2, np.int64), np.zeros(SIZE)
     since = math.inf

@@ -60,7 +60,7 @@ class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             raise ValueError(f"settled must be within 0 ... 1, got {self.settled}")
 
 
-class Terms(NamedTuple):
+class PidTerms(NamedTuple):
     """What the last output was made of; `output` is their sum within the limit."""
 
     proportional: float = 0.0
@@ -81,24 +81,24 @@ class Pid:
 
     Attributes
     ----------
-    terms : Terms
+    terms : PidTerms
         Of the last update.
     """
 
     def __init__(self, parameters: PidParameters) -> None:
         self.parameters = parameters
-        self.terms = Terms()
+        self.terms = PidTerms()
         self._last: float | None = None
         self._rate = self._age = 0.0
 
     def reset(self, keep_integral: bool = False) -> None:
         """Forget the past, on request all but the integral term: what it learned of a bias still holds."""
-        self.terms = Terms(integral=self.terms.integral if keep_integral else 0.0)
+        self.terms = PidTerms(integral=self.terms.integral if keep_integral else 0.0)
         self._age = self._age if keep_integral else 0.0
         self._last, self._rate = None, 0.0
 
     def update(self, goal: float, measured: float, step: float, rate: float | None = None) -> float:
-        """Answer to a measurement.
+        """ControlOutput to a measurement.
 
         Parameters
         ----------
@@ -142,5 +142,5 @@ class Pid:
             integral = self.terms.integral
             total = proportional + integral + derivative
         output = min(max(total, -gains.most), gains.most)
-        self.terms = Terms(proportional, integral, derivative, output)
+        self.terms = PidTerms(proportional, integral, derivative, output)
         return output

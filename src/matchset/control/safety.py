@@ -1,4 +1,4 @@
-"""What may be sent: `guard`, a pure function from a wish and the facts to a `Command` and what to remember.
+"""What may be sent: `safety_filter`, a pure function from a wish and the facts to a `Command` and what to remember.
 
 ``locked -> flying <-> descending -> cut``. While flying, a lost ball is tolerated for `hold` seconds, in which the wish
 rests on the prediction; then, or as soon as frames stop coming, the throttle goes down, and then the motors are cut.
@@ -67,7 +67,7 @@ class SafetyParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             raise ValueError(f"least_throttle must be below most_throttle, got {self.least_throttle}")
 
 
-class Wish(NamedTuple):
+class DesiredCommand(NamedTuple):
     """What the controller would like to send; unchecked, so it may be anything."""
 
     roll: float
@@ -76,7 +76,7 @@ class Wish(NamedTuple):
     throttle: float
 
 
-class Facts(NamedTuple):
+class SafetyInputs(NamedTuple):
     """What is known at the time of a command; times in s on one clock, -inf for never.
 
     Attributes
@@ -97,8 +97,8 @@ class Facts(NamedTuple):
     armed: bool
 
 
-class Memory(NamedTuple):
-    """What the next call needs; start with `Memory()`, or with the command that flies already.
+class SafetyState(NamedTuple):
+    """What the next call needs; start with `SafetyState()`, or with the command that flies already.
 
     Attributes
     ----------
@@ -126,18 +126,18 @@ class Memory(NamedTuple):
     command: Command = Command()
 
 
-def guard(
-    wish: Wish | None, facts: Facts, memory: Memory, limits: SafetyParameters | None = None
-) -> tuple[Command, Memory]:
+def safety_filter(
+    wish: DesiredCommand | None, facts: SafetyInputs, memory: SafetyState, limits: SafetyParameters | None = None
+) -> tuple[Command, SafetyState]:
     """Decide what is sent.
 
     Parameters
     ----------
-    wish : Wish or None
+    wish : DesiredCommand or None
         What the controller wants; None, or anything not finite, is no answer: sticks neutral, throttle as it was.
-    facts : Facts
+    facts : SafetyInputs
         The situation. A time that is not finite or lies ahead counts as bad news.
-    memory : Memory
+    memory : SafetyState
         From the last call.
     limits : SafetyParameters, optional
 
@@ -145,12 +145,12 @@ def guard(
     -------
     command : Command
         Always finite and in range. Zero when not armed and after the cut.
-    memory : Memory
+    memory : SafetyState
         For the next call.
     """
     limits = limits or SafetyParameters()
     if not facts.armed:
-        return Command(), Memory(reason="not armed", time=facts.now)
+        return Command(), SafetyState(reason="not armed", time=facts.now)
     blind = not 0.0 <= facts.now - facts.frame <= limits.fresh
     unseen = not 0.0 <= facts.now - facts.seen <= limits.hold
     usable = wish is not None and all(map(math.isfinite, wish))
@@ -165,15 +165,15 @@ def guard(
     if reason:
         return _descend(facts, memory, reason, again, limits)
     step = min(max(facts.now - memory.time, 0.0), 0.1)
-    goal = wish if usable and wish is not None else Wish(0.0, 0.0, 0.0, memory.command.throttle)
+    goal = wish if usable and wish is not None else DesiredCommand(0.0, 0.0, 0.0, memory.command.throttle)
     command = _limited(goal, memory.command, step, limits)
     direct = usable and facts.seen == facts.frame
     phase: Phase = "flying" if direct else "holding"
     words = "" if direct else "the ball is not seen" if usable else "the controller has no answer"
-    return command, Memory(phase, words, facts.now, again=again, command=command)
+    return command, SafetyState(phase, words, facts.now, again=again, command=command)
 
 
-def _seen_since(facts: Facts, memory: Memory, usable: bool, limits: SafetyParameters) -> float:
+def _seen_since(facts: SafetyInputs, memory: SafetyState, usable: bool, limits: SafetyParameters) -> float:
     """Since when the ball is seen without a break, s; inf while it is not."""
     seen = usable and facts.seen == facts.frame and 0.0 <= facts.now - facts.frame <= limits.fresh
     return min(memory.again, facts.now) if seen else math.inf
@@ -187,15 +187,15 @@ def _doubt(limits: SafetyParameters, blind: bool, unseen: bool) -> str:
 
 
 def _descend(
-    facts: Facts, memory: Memory, reason: str, again: float, limits: SafetyParameters
-) -> tuple[Command, Memory]:
+    facts: SafetyInputs, memory: SafetyState, reason: str, again: float, limits: SafetyParameters
+) -> tuple[Command, SafetyState]:
     """Neutral sticks and less throttle, then the cut."""
     begun = memory.phase == "descending"
     since = memory.since if begun else facts.now
     start = memory.start if begun else memory.command.throttle
     share = (facts.now - since) / limits.descent
     if not 0.0 <= share < 1.0:
-        return Command(), Memory("cut", reason, facts.now)
+        return Command(), SafetyState("cut", reason, facts.now)
     step = min(max(facts.now - memory.time, 1e-3), 0.1)
     throttle = start * (FIRST + (limits.descent_throttle - FIRST) * share)
     last = memory.command
@@ -205,10 +205,10 @@ def _descend(
         _toward(last.yaw, 0.0, limits.slew * step),
         min(max(throttle, 0.0), last.throttle),
     )
-    return command, Memory("descending", reason, facts.now, since, again, start, command)
+    return command, SafetyState("descending", reason, facts.now, since, again, start, command)
 
 
-def _limited(wish: Wish, last: Command, step: float, limits: SafetyParameters) -> Command:
+def _limited(wish: DesiredCommand, last: Command, step: float, limits: SafetyParameters) -> Command:
     """Clip to the limits, then to what may change in one step."""
     tilt, yaw, most, rise = limits.tilt, limits.yaw, limits.slew * step, limits.throttle_slew * step
     throttle = min(max(wish.throttle, limits.least_throttle), limits.most_throttle)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
-from matchset.control.follower import SetPlace
+from matchset.control.follower import RelativeSetpoint
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.links.link import LinkStatus
@@ -29,7 +29,7 @@ from matchset.sim.world import RATE, ChainParameters, World
 
 FPS, FRAME = 30, RATE // 30  # pictures a second, steps a picture
 SCHEME = "sim://"
-PLACE = SetPlace(height=-0.19)  # at the next one's height: its ball is above its frame, and its camera on it
+PLACE = RelativeSetpoint(height=-0.19)  # at the next one's height: its ball is above its frame, and its camera on it
 
 
 class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -115,7 +115,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         if model is not None and (model.width, model.height) != (self.width, self.height):
             raise ValueError(f"width and height are {size}, but the camera is for {model.width} x {model.height} px")
 
-    def chain(self, place: SetPlace) -> ChainParameters:
+    def chain(self, place: RelativeSetpoint) -> ChainParameters:
         """Tell the world what is simulated."""
         return ChainParameters(
             vehicles=self.vehicles,
@@ -140,7 +140,7 @@ class SimulatedChain:
     Parameters
     ----------
     parameters : SimulationParameters, optional
-    place : SetPlace, optional
+    place : RelativeSetpoint, optional
         Where each begins beside the next, but for `SimulationParameters.start_off`.
 
     Attributes
@@ -150,7 +150,7 @@ class SimulatedChain:
     links : list of SimulatedLink
     """
 
-    def __init__(self, parameters: SimulationParameters | None = None, place: SetPlace | None = None) -> None:
+    def __init__(self, parameters: SimulationParameters | None = None, place: RelativeSetpoint | None = None) -> None:
         self.parameters = parameters or SimulationParameters()
         self.world = World(self.parameters.chain(place or PLACE), self.parameters.seed)
         self._images = WorldCameras(self.world, self.parameters.camera, self.parameters.pal)

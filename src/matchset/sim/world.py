@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.command import Command
-from matchset.control.follower import SetPlace
+from matchset.control.follower import RelativeSetpoint
 from matchset.sim import chain_motion
 from matchset.sim.chain_motion import HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, NOTHING
 from matchset.sim.quadrotor import GRAVITY, PLACE, SIZE, SPEED, constants, resting, rotation
@@ -35,7 +35,7 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     ----------
     vehicles : int
         How many, 2 or more.
-    place : SetPlace
+    place : RelativeSetpoint
         Where the camera of each is to be, beside the next one's ball.
     start_off : tuple of 3 floats
         How far off that each begins: to the right, up, and ahead, m.
@@ -45,7 +45,7 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """
 
     vehicles: int = 3
-    place: SetPlace = SetPlace(height=-0.19)
+    place: RelativeSetpoint = RelativeSetpoint(height=-0.19)
     start_off: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rope: RopeParameters = RopeParameters()
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)

@@ -9,9 +9,9 @@ from rich.console import Console
 
 from matchset.app.flight.live_view import COLUMNS, LiveView, render_view, text_line
 from matchset.app.flight.score import FlightCounters
-from matchset.control.follower import SetPlace
+from matchset.control.follower import RelativeSetpoint
 
-PLACE = SetPlace(height=-0.19)
+PLACE = RelativeSetpoint(height=-0.19)
 
 
 def told(flown: Flown, **options: bool) -> str:

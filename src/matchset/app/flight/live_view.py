@@ -21,14 +21,14 @@ from matchset.app.flight_report.step_text import (
     position_text,
     state_text,
 )
-from matchset.control.follower import SetPlace
+from matchset.control.follower import RelativeSetpoint
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")
 EVERY = 5.0  # s of the flight between plain lines
 
 
 def render_view(
-    chain_step: ChainStep, counters: FlightCounters, place: SetPlace, duration: float, speed: float | None
+    chain_step: ChainStep, counters: FlightCounters, place: RelativeSetpoint, duration: float, speed: float | None
 ) -> Group:
     """Make the live view of a moment: a line on the whole flight, and a row per follower.
 
@@ -37,7 +37,7 @@ def render_view(
     chain_step : ChainStep
     counters : FlightCounters
         Of all ticks up to this one.
-    place : SetPlace
+    place : RelativeSetpoint
         Where the followers are to be.
     duration : float
         Of the whole flight, s.
@@ -74,7 +74,7 @@ class LiveView:
 
     Parameters
     ----------
-    place : SetPlace
+    place : RelativeSetpoint
     duration : float
         Of the whole flight, s.
     quiet : bool
@@ -83,7 +83,7 @@ class LiveView:
         Stderr by default.
     """
 
-    def __init__(self, place: SetPlace, duration: float, quiet: bool = False, console: Console | None = None) -> None:
+    def __init__(self, place: RelativeSetpoint, duration: float, quiet: bool = False, console: Console | None = None) -> None:
         self._console = console or Console(stderr=True, highlight=False)
         self._place, self._duration, self._quiet = place, duration, quiet
         self._live = Live(console=self._console, refresh_per_second=10, transient=True)
@@ -136,7 +136,7 @@ def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:
     return line
 
 
-def _cells(number: int, step: PilotStep, figures: FollowerCounters, place: SetPlace) -> tuple[Text | str, ...]:
+def _cells(number: int, step: PilotStep, figures: FollowerCounters, place: RelativeSetpoint) -> tuple[Text | str, ...]:
     """One follower's row."""
     control, off = step.control, distance_to_set_place(step.control, place)
     there = ("-",) * 3 if control is None else (f"{v:+z.2f}" for v in (control.side, control.height, control.heading))

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
-from matchset.control.follower import Answer, Follower, FollowerParameters, SetPlace
-from matchset.control.safety import Facts, Memory, SafetyParameters, guard
+from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
+from matchset.control.safety import SafetyInputs, SafetyState, SafetyParameters, safety_filter
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.links.link import Link
@@ -70,11 +70,11 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     markers : tuple of Track
     pose : Pose or Lost
         In the camera frame, at the time of the frame.
-    control : Answer or None
+    control : ControlOutput or None
         What the follower wants, and why.
     command : Command
         What was sent, as the link confirmed it.
-    safety : Memory
+    safety : SafetyState
         Of the safety: its phase and its words.
     age : float
         From capture to command, s; inf before the first picture.
@@ -87,9 +87,9 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     ball: Track[Circle] | Lost[Circle]
     markers: tuple[Track[Circle], ...]
     pose: Pose | Lost[Pose]
-    control: Answer | None
+    control: ControlOutput | None
     command: Command
-    safety: Memory
+    safety: SafetyState
     age: float
     stage_times: tuple[float, ...]
 
@@ -105,7 +105,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     Parameters
     ----------
     target : BallTarget
-    place : SetPlace
+    place : RelativeSetpoint
     near : float
         How far off its place a follower may begin, m: of the balls that near to where the neighbor's would be the
         nearest is taken for it. Less than the way to the next but one, which looks the same.
@@ -114,7 +114,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """
 
     target: BallTarget = BallTarget()
-    place: SetPlace = SetPlace(height=-0.19)
+    place: RelativeSetpoint = RelativeSetpoint(height=-0.19)
     near: float = 1.0
     follower: FollowerParameters = FollowerParameters()
     safety: SafetyParameters = SafetyParameters()
@@ -145,7 +145,7 @@ class Pilot:
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
-        self._memory = Memory()
+        self._memory = SafetyState()
         self._frame_time = self._seen = -math.inf
 
     def arm(self) -> None:
@@ -168,8 +168,8 @@ class Pilot:
         ball, markers, pose = self._perceive(frame, now, stamps)
         control = self._follower.update(pose, now)
         self._update_gate(pose)
-        facts = Facts(now, self._frame_time, self._seen, self.armed)
-        wanted, self._memory = guard(control and control.wish, facts, self._memory, self.parameters.safety)
+        facts = SafetyInputs(now, self._frame_time, self._seen, self.armed)
+        wanted, self._memory = safety_filter(control and control.desired, facts, self._memory, self.parameters.safety)
         stamps.append(time.perf_counter())
         command = self.link.send(wanted)
         self._follower.sent(command, now)

@@ -3,7 +3,7 @@
 import math
 
 from matchset.app.flight.pilot import PilotStep
-from matchset.control.follower import Answer, SetPlace
+from matchset.control.follower import ControlOutput, RelativeSetpoint
 from matchset.localization.pose import Pose
 
 
@@ -13,7 +13,7 @@ def state_text(step: PilotStep) -> str:
     return f"{memory.phase}: {memory.reason}" if memory.reason and memory.phase != "flying" else memory.phase
 
 
-def position_text(control: Answer | None) -> str:
+def position_text(control: ControlOutput | None) -> str:
     """Say where the follower is beside its neighbor: ``side +0.01   height -0.19   heading +1.50 m``."""
     if control is None:
         return "place not known"
@@ -30,7 +30,7 @@ def age_text(age: float) -> str:
     return f"{1000.0 * age:.0f} ms" if math.isfinite(age) else "-"
 
 
-def distance_to_set_place(control: Answer | None, place: SetPlace) -> float | None:
+def distance_to_set_place(control: ControlOutput | None, place: RelativeSetpoint) -> float | None:
     """How far the follower believes to be from its set place, m."""
     if control is None:
         return None

@@ -74,7 +74,7 @@ def rehearse(radio: Radio) -> bool:
     good = True
     for name, command in MOVES:
         for _ in range(5):
-            sent = radio.link.rehearse(command)
+            sent = radio.link.send_disarmed(command)
             radio.sleep(PERIOD)
         wanted = (round(255 * sent.throttle), *(round(127 * stick) for stick in (sent.pitch, sent.yaw, sent.roll)))
         heard = radio.link.report.heard
@@ -110,5 +110,5 @@ def hold(radio: Radio, command: Command, duration: float, armed: bool = True) ->
         if armed:
             radio.link.send(command)
         else:
-            radio.link.rehearse(command)
+            radio.link.send_disarmed(command)
         radio.sleep(PERIOD)

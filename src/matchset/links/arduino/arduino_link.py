@@ -20,7 +20,7 @@ from matchset.image.errors import LinkError
 from matchset.links.arduino import channels
 from matchset.links.arduino import messages as transmitter
 from matchset.links.arduino.messages import Config, Report, Result
-from matchset.links.arduino.protocol import Wire
+from matchset.links.arduino.protocol import FirmwareClient
 from matchset.links.arduino.serial_port import Port, SerialPort
 from matchset.links.link import LinkStatus
 
@@ -32,12 +32,12 @@ class ArduinoParameters(msgspec.Struct, frozen=True):
 
     Attributes
     ----------
-    silence : float
+    timeout : float
         Longest time without a word from the board, s; then the link is broken. It speaks every 33 ms while
         commands flow and every 100 ms otherwise; shorter notices sooner but trips over a busy computer.
-    patience : float
+    startup_timeout : float
         How long a fresh board may take to say its first word, s. A boot loader waits 1 to 2 s.
-    period : float
+    frame_period : float
         Time between frames while arming and landing, s.
     arm_timeout : float
         How long arming may take, s.
@@ -45,9 +45,9 @@ class ArduinoParameters(msgspec.Struct, frozen=True):
         Fly with the toy's high rate: more tilt, less fine.
     """
 
-    silence: float = 0.5
-    patience: float = 4.0
-    period: float = 0.03
+    timeout: float = 0.5
+    startup_timeout: float = 4.0
+    frame_period: float = 0.03
     arm_timeout: float = 2.0
     high_rate: bool = False
 
@@ -68,7 +68,7 @@ class ArduinoLink:
 
     Attributes
     ----------
-    wire : Wire
+    firmware : FirmwareClient
         The conversation: frames sent and answered, round trip.
 
     Raises
@@ -90,9 +90,9 @@ class ArduinoLink:
         self._clock, self._sleep = clock, sleep
         self._armed, self._throttle, self._open = False, 0.0, True
         port = SerialPort(self.uri.removeprefix(SCHEME)) if port is None else port
-        self.wire = Wire(self.uri, port, self.parameters.silence, clock, sleep)
+        self.firmware = FirmwareClient(self.uri, port, self.parameters.timeout, clock, sleep)
         try:
-            self.wire.greet(self.parameters.patience)
+            self.firmware.wait_ready(self.parameters.startup_timeout)
         except BaseException:
             port.close()
             raise
@@ -100,7 +100,7 @@ class ArduinoLink:
     @property
     def report(self) -> Report:
         """The last word of the firmware, in full; never waits."""
-        return self.wire.report
+        return self.firmware.report
 
     def status(self) -> LinkStatus:
         """Return what the firmware last said of itself; never waits."""
@@ -113,10 +113,10 @@ class ArduinoLink:
         When the firmware is no longer armed, by its failsafe or a reset, the link disarms too: `arm` begins anew.
         """
         _ = self.report  # raises if the board is gone or silent
-        self._armed = self._armed and not self.wire.refused
+        self._armed = self._armed and not self.firmware.refused
         if not self._armed:
             command = Command()
-        self.wire.send_channels(channels.channels(command, self._armed, self.parameters.high_rate), self._armed)
+        self.firmware.send_channels(channels.channels(command, self._armed, self.parameters.high_rate), self._armed)
         self._throttle = command.throttle
         return channels.on_air(command)
 
@@ -137,14 +137,14 @@ class ArduinoLink:
             self._armed = False
             raise
 
-    def rehearse(self, command: Command) -> Command:
+    def send_disarmed(self, command: Command) -> Command:
         """Send sticks with the arm switch low: the firmware hears them, the motors stay off.
 
         Returns the command as the firmware would put it on the air; what it did hear is in `report`.
         """
         self._armed, self._throttle = False, 0.0
         _ = self.report
-        self.wire.send_channels(channels.channels(command), armed=False)
+        self.firmware.send_channels(channels.channels(command), armed=False)
         return channels.on_air(command)
 
     def land(self, duration: float = 1.5) -> None:
@@ -155,25 +155,25 @@ class ArduinoLink:
         start, top = self._clock(), self._throttle
         while self._armed and top > 0 and (past := self._clock() - start) < duration:
             self.send(Command(throttle=top * (1.0 - past / duration)))
-            self._sleep(self.parameters.period)
+            self._sleep(self.parameters.frame_period)
         self._armed = False
         self._repeat(lambda: self.report.state not in ("armed", "holding"), "it did not disarm")
 
     def bind(self) -> None:
         """Begin to send bind packets, for 1.38 s; refused by the firmware while armed."""
-        self.wire.write(transmitter.bind_frame())
+        self.firmware.write(transmitter.bind_frame())
 
     def read_config(self) -> tuple[Result, Config]:
         """Return whether the firmware's configuration is stored or its default, and the configuration."""
-        return self.wire.ask(transmitter.read_config_frame())
+        return self.firmware.ask(transmitter.read_config_frame())
 
     def write_config(self, config: Config) -> Result:
         """Store a configuration; returns whether the firmware took it, once it is in its EEPROM.
 
         A new id needs a new binding.
         """
-        result, _ = self.wire.ask(transmitter.write_config_frame(config))
-        self.wire.wait(lambda: not self.report.storing, 2.0, "the configuration is not stored")
+        result, _ = self.firmware.ask(transmitter.write_config_frame(config))
+        self.firmware.wait(lambda: not self.report.storing, 2.0, "the configuration is not stored")
         return result
 
     def close(self) -> None:
@@ -182,10 +182,10 @@ class ArduinoLink:
             return
         self._open = False
         try:
-            if not self.wire.broken:
+            if not self.firmware.broken:
                 self.land()
         finally:
-            self.wire.close()
+            self.firmware.close()
 
     def __enter__(self) -> Self:
         """Return the link."""
@@ -202,7 +202,7 @@ class ArduinoLink:
         start = self._clock()
         while True:
             self.send(Command())
-            self._sleep(self.parameters.period)
+            self._sleep(self.parameters.frame_period)
             if done():
                 return
             if self._clock() - start > self.parameters.arm_timeout:

@@ -11,7 +11,7 @@ from matchset.links.arduino.messages import Config, Report, Result
 from matchset.links.arduino.serial_port import Port
 
 
-class Wire:
+class FirmwareClient:
     """Talks with the firmware; knows nothing of flying.
 
     Parameters
@@ -20,7 +20,7 @@ class Wire:
         What to call the device in messages.
     port : Port
         What to talk through.
-    silence : float
+    timeout : float
         Longest time without a word from the board, s.
     clock, sleep : callables
         Time, s, and how to let it pass.
@@ -38,9 +38,9 @@ class Wire:
     """
 
     def __init__(
-        self, name: str, port: Port, silence: float, clock: Callable[[], float], sleep: Callable[[float], None]
+        self, name: str, port: Port, timeout: float, clock: Callable[[], float], sleep: Callable[[float], None]
     ) -> None:
-        self.name, self.silence = name, silence
+        self.name, self.timeout = name, timeout
         self.sent = self.answered = 0
         self.round_trip: float | None = None
         self.refused = self.broken = False
@@ -56,21 +56,21 @@ class Wire:
         """The last word of the firmware; never waits."""
         self.listen()
         silence = self._clock() - self._heard_at
-        if silence > self.silence:
+        if silence > self.timeout:
             self.broken = True
             raise LinkError(f"{self.name} has been silent for {silence:.1f} s")
-        assert self._report is not None  # `greet` waited for it
+        assert self._report is not None  # `wait_ready` waited for it
         return self._report
 
-    def greet(self, patience: float) -> None:
+    def wait_ready(self, startup_timeout: float) -> None:
         """Wait for the first word.
 
         Raises
         ------
         LinkError
-            If there is none within `patience`, s.
+            If there is none within `startup_timeout`, s.
         """
-        self.wait(lambda: self._report is not None, patience, "nobody answers")
+        self.wait(lambda: self._report is not None, startup_timeout, "nobody answers")
 
     def send_channels(self, values: list[int], armed: bool) -> None:
         """Send a channel frame; its number is put in."""

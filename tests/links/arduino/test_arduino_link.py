@@ -60,7 +60,7 @@ def test_armed_it_sends_what_it_says(link: ArduinoLink, port: FakePort) -> None:
     assert port.throttle == 128
     assert link.status().state == "armed"
     assert link.status().age <= 0.034
-    assert link.wire.answered >= link.wire.sent - 1
+    assert link.firmware.answered >= link.firmware.sent - 1
 
 
 @given(st.builds(Command, *[st.floats(-1, 1)] * 3, st.floats(0, 1)))

@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.control.feedforward import Pace, PaceParameters
+from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
 
 STEP = 0.01
 
 
 def test_a_steady_speed_is_flown_along_in_full() -> None:
-    pace = Pace(PaceParameters(share=0.0, calm=0.5))
+    pace = SpeedFeedforward(FeedforwardParameters(share=0.0, calm=0.5))
     pace.update(0.0, STEP)
     for _ in range(1000):
         pace.update(0.3, STEP)
@@ -20,7 +20,7 @@ def test_a_steady_speed_is_flown_along_in_full() -> None:
 @pytest.mark.parametrize("rate", [0.2, 1.0, 2.0, 5.0, 20.0])
 def test_of_a_wobble_a_share_is_flown_along(rate: float) -> None:
     calm, share = 0.5, 0.4
-    pace = Pace(PaceParameters(share=share, calm=calm))
+    pace = SpeedFeedforward(FeedforwardParameters(share=share, calm=calm))
     times = [k * STEP for k in range(round(40.0 * math.pi / rate / STEP))]
     most = 0.0
     for time in times:
@@ -34,17 +34,17 @@ def test_of_a_wobble_a_share_is_flown_along(rate: float) -> None:
 
 @given(st.floats(0.0, 1.0), st.floats(0.01, 10.0), st.lists(st.floats(-5.0, 5.0), min_size=1))
 def test_it_is_never_faster_than_the_neighbor_was(share: float, calm: float, speeds: list[float]) -> None:
-    pace = Pace(PaceParameters(share=share, calm=calm))
+    pace = SpeedFeedforward(FeedforwardParameters(share=share, calm=calm))
     for speed in speeds:
         pace.update(speed, STEP)
         assert abs(pace.of(speed)) <= max(map(abs, speeds)) + 1e-9
 
 
 def test_before_anything_was_seen_all_is_flown_along() -> None:
-    assert Pace(PaceParameters(share=0.3)).of(0.7) == 0.7
+    assert SpeedFeedforward(FeedforwardParameters(share=0.3)).of(0.7) == 0.7
 
 
 @pytest.mark.parametrize("bad", [{"share": 1.5}, {"share": -0.1}, {"share": math.nan}, {"calm": 0.0}])
 def test_bad_numbers_are_refused(bad: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
-        PaceParameters(**bad)
+        FeedforwardParameters(**bad)

@@ -5,11 +5,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from matchset.control.dead_reckoning import SIZE, YAW
-from matchset.control.ego_motion import OwnState
-from matchset.control.neighbor_motion import NeighborMotion, NeighborMotionParameters
+from matchset.control.ego_motion import EgoState
+from matchset.control.neighbor_motion import NeighborFilter, NeighborFilterParameters
 from matchset.localization.pose import Pose
 
-STILL = OwnState(np.zeros(SIZE))
+STILL = EgoState(np.zeros(SIZE))
 SPREAD = np.diag([1e-6] * 3 + [1e-4] * 3)
 
 
@@ -18,13 +18,13 @@ def seen(place: tuple[float, float, float], time: float, way: float = math.pi) -
     return Pose(position=np.array(place), turn=turn, covariance=SPREAD, observed="level", time=time)
 
 
-def watched(motion: NeighborMotion, seconds: float, place: object) -> None:
+def watched(motion: NeighborFilter, seconds: float, place: object) -> None:
     for k in range(round(seconds * 30)):
         motion.update(seen(place(k / 30), k / 30), STILL)  # type: ignore[operator]
 
 
 def test_a_steady_flight_is_extrapolated() -> None:
-    motion = NeighborMotion()
+    motion = NeighborFilter()
     watched(motion, 4.0, lambda t: (0.2 * t, 0.1, 1.5 - 0.1 * t))
     ahead = motion.at(4.2, 0.4)
     np.testing.assert_allclose(ahead[:3, 0], (0.84, 0.1, 1.08), atol=0.02)
@@ -34,7 +34,7 @@ def test_a_steady_flight_is_extrapolated() -> None:
 
 def test_a_swing_is_foreseen_half_a_second_ahead() -> None:
     w = 2.0 * math.pi / 2.2
-    motion = NeighborMotion()
+    motion = NeighborFilter()
     watched(motion, 12.0, lambda t: (0.1 * math.sin(w * t), 0.0, 1.5))
     for gone in (0.1, 0.3, 0.5):
         time = 12.0 - 1 / 30 + gone
@@ -43,7 +43,7 @@ def test_a_swing_is_foreseen_half_a_second_ahead() -> None:
 
 
 def test_unseen_for_long_its_drift_stands() -> None:
-    motion = NeighborMotion(NeighborMotionParameters(sway=1e-4))
+    motion = NeighborFilter(NeighborFilterParameters(sway=1e-4))
     watched(motion, 4.0, lambda t: (0.2 * t, 0.0, 1.5))
     late = [motion.at(4.0 + gone, 0.4)[0, 0] for gone in (0.5, 1.0, 1.4)]
     assert late[0] == pytest.approx(late[2], abs=0.01)
@@ -51,7 +51,7 @@ def test_unseen_for_long_its_drift_stands() -> None:
 
 
 def test_an_outlier_is_refused_and_a_new_place_is_believed_after_a_while() -> None:
-    motion = NeighborMotion()
+    motion = NeighborFilter()
     watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
     assert not motion.update(seen((0.6, 0.0, 1.5), 3.0), STILL)
     assert motion.time < 3.0
@@ -62,20 +62,20 @@ def test_an_outlier_is_refused_and_a_new_place_is_believed_after_a_while() -> No
 
 @pytest.mark.parametrize("gone", [0.0, 0.5, 1.0, 2.0])
 def test_the_ball_behind_the_neighbor_is_never_taken_for_it(gone: float) -> None:
-    motion = NeighborMotion()
+    motion = NeighborFilter()
     watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
     assert not any(motion.update(seen((0.0, 0.0, 3.0), 3.0 + gone + k / 30), STILL) for k in range(20))
     assert motion.update(seen((0.02, 0.0, 1.5), 3.0 + gone + 0.7), STILL)
 
 
 def test_after_three_seconds_all_begins_anew() -> None:
-    motion = NeighborMotion()
+    motion = NeighborFilter()
     watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
     assert motion.update(seen((0.0, 0.0, 3.0), 6.1), STILL)
 
 
 def test_the_way_of_the_marker_runs_on_past_half_a_turn() -> None:
-    motion = NeighborMotion()
+    motion = NeighborFilter()
     for k in range(120):
         motion.update(seen((0.0, 0.0, 1.5), k / 30, math.pi - 0.2 + 0.1 * k / 30), STILL)
     assert motion.at(119 / 30, 0.4)[3, 0] == pytest.approx(math.pi - 0.2 + 0.1 * 119 / 30, abs=0.02)
@@ -85,8 +85,8 @@ def test_the_way_of_the_marker_runs_on_past_half_a_turn() -> None:
 def test_poses_are_taken_to_the_frame_at_rest() -> None:
     numbers = np.zeros(SIZE)
     numbers[YAW] = 0.5
-    own = OwnState(numbers)
-    motion = NeighborMotion()
+    own = EgoState(numbers)
+    motion = NeighborFilter()
     motion.update(seen((0.0, 0.0, 2.0), 0.0), own)
     np.testing.assert_allclose(motion.at(0.0, 0.4)[:3, 0], (2.0 * math.sin(0.5), 0.0, 2.0 * math.cos(0.5)), atol=1e-9)
     assert math.remainder(motion.at(0.0, 0.4)[3, 0] - math.pi - 0.5, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
@@ -94,4 +94,4 @@ def test_poses_are_taken_to_the_frame_at_rest() -> None:
 
 def test_numbers_that_are_none_are_refused() -> None:
     with pytest.raises(ValueError, match="period"):
-        NeighborMotionParameters(period=0.0)
+        NeighborFilterParameters(period=0.0)

@@ -2,22 +2,29 @@ import math
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from matchset.control.dead_reckoning import PITCH, ROLL, SIZE, YAW
-from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
+from matchset.control.ego_motion import GRAVITY, STATE, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
+from matchset.numeric.record import fields, new_block
 from matchset.sim.quadrotor import SPEED, constants, resting, rotation, step_vehicle
 from matchset.sim.vehicle import toy
 
-MODEL = EgoMotionParameters(delay=0.05, tilt_lag=1e-6, tilt_time=0.05, tilt_damping=1.0, drag_time=1e9, heft=1.0)
+MODEL = EgoMotionParameters(
+    delay=0.05, tilt_lag=1e-6, tilt_time=0.05, tilt_damping=1.0, drag_time=1e9, effective_mass_ratio=1.0
+)
 TOY = toy()
+Floats = npt.NDArray[np.float64]
 
 
 def fly(sticks: AttitudeCommand, seconds: float) -> EgoMotion:
     own = EgoMotion(MODEL)
     for k in range(round(seconds * 30) + 1):
-        own.sent(sticks, k / 30)
+        own.update(sticks, k / 30)
     return own
 
 
@@ -41,14 +48,14 @@ def test_tilt_and_lift_pull_along_their_axes(sticks: AttitudeCommand, way: tuple
     state = fly(sticks, 1.0).at(1.05)
     pull = GRAVITY * math.tan(0.1)
     assert state.velocity @ np.array(way) == pytest.approx(pull * 1.0, rel=0.12)
-    assert np.linalg.norm(np.cross(state.place, way)) < 1e-9
+    assert np.linalg.norm(np.cross(state.position, way)) < 1e-9
 
 
 def test_what_is_moved_and_not_carried_slows_the_answer() -> None:
-    fast, slow = EgoMotion(MODEL), EgoMotion(msgspec.structs.replace(MODEL, heft=1.25))
+    fast, slow = EgoMotion(MODEL), EgoMotion(msgspec.structs.replace(MODEL, effective_mass_ratio=1.25))
     for own in (fast, slow):
         for k in range(31):
-            own.sent(AttitudeCommand(roll=0.1), k / 30)
+            own.update(AttitudeCommand(roll=0.1), k / 30)
     assert slow.at(1.0).velocity[0] == pytest.approx(0.8 * fast.at(1.0).velocity[0], rel=1e-6)
 
 
@@ -58,7 +65,7 @@ def test_the_defaults_answer_as_the_simulated_toy_does() -> None:
     own, state, turn = EgoMotion(), resting((0.0, 0.0, 0.0), 0.0, TOY.mass * GRAVITY), np.empty((3, 3))
     goal, off, lag = np.array((0.0, 0.0, 0.0, TOY.mass * GRAVITY)), [], []
     for k, tilt in enumerate(tilts):
-        own.sent(AttitudeCommand(roll=float(tilt)), k / 30)
+        own.update(AttitudeCommand(roll=float(tilt)), k / 30)
         for step in range(16 * k, 16 * k + 16):
             arrived = math.floor((step / 480 - TOY.radio_delay) * 30 + 1e-9)
             goal[0] = tilts[arrived] if arrived >= 0 else 0.0
@@ -74,34 +81,88 @@ def test_the_defaults_answer_as_the_simulated_toy_does() -> None:
 def test_after_a_right_turn_forward_is_to_the_right() -> None:
     own = EgoMotion(EgoMotionParameters(drag_time=1e9))
     for k in range(31):
-        own.sent(AttitudeCommand(turning=math.pi / 2), k / 30)
+        own.update(AttitudeCommand(yaw_rate=math.pi / 2), k / 30)
     for k in range(31, 61):
-        own.sent(AttitudeCommand(pitch=0.1), k / 30)
+        own.update(AttitudeCommand(pitch=0.1), k / 30)
     end = own.at(2.0)
     assert end.yaw == pytest.approx(math.pi / 2, abs=0.06)
-    assert end.place[0] > 10.0 * abs(end.place[2])
+    assert end.position[0] > 10.0 * abs(end.position[2])
 
 
 def test_its_turn_is_yaw_then_pitch_then_roll() -> None:
-    numbers = np.zeros(SIZE)
-    numbers[ROLL], numbers[PITCH], numbers[YAW] = 0.2, 0.1, 0.5
+    block = new_block(STATE)
+    state = fields(block, STATE)
+    state.tilt[:], state.yaw = (0.2, 0.1), 0.5
     turn = Rotation.from_euler("YXZ", (0.5, -0.1, 0.2)).as_matrix()
-    np.testing.assert_allclose(EgoState(numbers).turn, turn, atol=1e-12)
+    np.testing.assert_allclose(EgoState(block).rotation, turn, atol=1e-12)
 
 
 def test_it_can_be_asked_about_the_past_and_the_future() -> None:
     own = fly(AttitudeCommand(pitch=0.1), 1.0)
-    assert own.at(-5.0).place.tolist() == [0.0, 0.0, 0.0]
+    assert own.at(-5.0).position.tolist() == [0.0, 0.0, 0.0]
     times = np.linspace(0.2, 1.3, 60)
-    places = np.array([own.at(time).place[2] for time in times])
+    places = np.array([own.at(time).position[2] for time in times])
     assert (np.diff(places) > 0.0).all()
     assert np.abs(np.diff(places, 2)).max() < 2e-3
-    assert math.isfinite(own.at(1e9).place[2])
-    own.sent(AttitudeCommand(), 1e6)
-    assert own.at(1e6).place[2] == 0.0
+    assert math.isfinite(own.at(1e9).position[2])
+    own.update(AttitudeCommand(), 1e6)
+    assert own.at(1e6).position[2] == 0.0
 
 
 def test_states_at_several_times_are_those_at_each() -> None:
-    own, times = fly(AttitudeCommand(roll=0.1, pitch=-0.05, turning=0.4), 1.0), (0.3, 1.02, 1.2)
+    own, times = fly(AttitudeCommand(roll=0.1, pitch=-0.05, yaw_rate=0.4), 1.0), (0.3, 1.02, 1.2)
     for time, state in zip(times, own.at_times(times), strict=True):
-        np.testing.assert_array_equal(state.numbers, own.at(time).numbers)
+        np.testing.assert_array_equal(state.block, own.at(time).block)
+
+
+def exact(model: EgoMotionParameters, commands: list[AttitudeCommand], end: float) -> Floats:
+    """Tilt, yaw, velocity and position of the model's equations by SciPy; a command every 1/30 s, the first at 0."""
+
+    def rates(_: float, state: Floats, command: AttitudeCommand) -> Floats:
+        begun, tilt, tilt_rate, velocity = state[:2], state[2:4], state[4:6], state[9:12]
+        yaw, yaw_rate, lift = state[6:9]
+        t, z = model.tilt_time, model.tilt_damping
+        pull = GRAVITY / model.effective_mass_ratio * np.tan(tilt)
+        push = Rotation.from_euler("y", yaw).apply((pull[0], -lift, pull[1])) - (velocity / model.drag_time)
+        return np.concatenate(
+            (
+                (np.array(command[:2]) - begun) / model.tilt_lag,
+                tilt_rate,
+                ((begun - tilt) / t - 2.0 * z * tilt_rate) / t,
+                (yaw_rate, (command.yaw_rate - yaw_rate) / model.yaw_lag, (command.lift - lift) / model.lift_lag),
+                push,
+                velocity,
+            )
+        )
+
+    state = np.zeros(15)
+    for k, command in enumerate(commands):
+        begin = k / 30 + model.delay
+        stop = min(begin + 1 / 30, end) if k + 1 < len(commands) else end
+        state = solve_ivp(rates, (begin, stop), state, args=(command,), rtol=1e-9, atol=1e-12).y[:, -1]
+    return np.concatenate((state[2:4], state[6:7], state[9:15]))
+
+
+def test_dead_reckoning_converges_to_the_equations_of_its_model() -> None:
+    rng = np.random.default_rng(5)
+    commands = [AttitudeCommand(*(rng.normal(0.0, 1.0, 4) * (0.1, 0.1, 0.5, 1.0))) for _ in range(30)]
+    off = []
+    for step in (1 / 120, 1 / 1200):
+        model = EgoMotionParameters(integration_step=step)
+        own = EgoMotion(model)
+        for k, command in enumerate(commands):
+            own.update(command, k / 30)
+        state, truth = own.at(1.05), exact(model, commands, 1.05)
+        found = np.concatenate(((state.roll, state.pitch, state.yaw), state.velocity, state.position))
+        off.append(np.abs(found - truth).max())
+    assert off[0] < 0.02
+    assert off[1] < 0.2 * off[0]
+
+
+@given(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.floats(-4.0, 4.0))
+def test_every_rotation_is_that_of_scipy(roll: float, pitch: float, yaw: float) -> None:
+    block = new_block(STATE)
+    state = fields(block, STATE)
+    state.tilt[:], state.yaw = (roll, pitch), yaw
+    expected = Rotation.from_euler("YXZ", (yaw, -pitch, roll)).as_matrix()
+    np.testing.assert_allclose(EgoState(block).rotation, expected, atol=1e-12)

@@ -20,16 +20,16 @@ class World:
 
     def __init__(self, follower: Follower, start: tuple[float, float, float], bias: float = 0.0) -> None:
         self.follower, self.bias = follower, bias
-        self.motion = EgoMotion(follower.parameters.own)
+        self.motion = EgoMotion(follower.parameters.ego_motion)
         self.start = np.array(start)
         self.neighbor, self.neighbor_yaw = np.zeros(3), 0.0
 
     def see(self, time: float) -> Pose:
         state = self.motion.at(time)
-        turn = state.turn
+        turn = state.rotation
         ball = Rotation.from_euler("y", self.neighbor_yaw).as_matrix() @ TURNS
         return Pose(
-            position=turn.T @ (self.neighbor - self.start - state.place),
+            position=turn.T @ (self.neighbor - self.start - state.position),
             turn=turn.T @ ball,
             covariance=SPREAD,
             observed="level",
@@ -38,16 +38,16 @@ class World:
 
     def obey(self, command: Command, now: float) -> None:
         limits = self.follower.parameters
-        tilt = limits.own.full_tilt
-        lift = GRAVITY * (command.throttle / limits.hover * 0.95 - 1.0)
-        turning = limits.own.full_yaw_rate * command.yaw
-        self.motion.sent(
+        tilt = limits.ego_motion.full_tilt
+        lift = GRAVITY * (command.throttle / limits.hover_throttle * 0.95 - 1.0)
+        turning = limits.ego_motion.full_yaw_rate * command.yaw
+        self.motion.update(
             AttitudeCommand(tilt * command.roll + self.bias, tilt * command.pitch - self.bias, turning, lift), now
         )
 
     def place(self, time: float) -> tuple[float, float, float]:
         """Side, height and heading in the level frame of the neighbor's ball."""
-        away = self.start + self.motion.at(time).place - self.neighbor
+        away = self.start + self.motion.at(time).position - self.neighbor
         out = -np.array((math.sin(self.neighbor_yaw), 0.0, math.cos(self.neighbor_yaw)))
         return float(away @ np.array((out[2], 0.0, -out[0]))), -float(away[1]), float(away @ out)
 
@@ -60,16 +60,16 @@ def run(world: World, seconds: float, begin: float = 0.0, lost: bool = False) ->
         pose = Lost[Pose]("hidden", taken) if lost else world.see(taken)
         answer = world.follower.update(pose, now)
         answers.append(answer)
-        wish = None if answer is None else answer.desired
-        command = Command(throttle=0.55) if wish is None else clipped(wish)
+        desired = None if answer is None else answer.desired
+        command = Command(throttle=0.55) if desired is None else clipped(desired)
         world.follower.sent(command, now)
         world.obey(command, now)
     return answers
 
 
-def clipped(wish: tuple[float, ...]) -> Command:
-    roll, pitch, yaw = (min(max(value, -1.0), 1.0) for value in wish[:3])
-    return Command(roll, pitch, yaw, min(max(wish[3], 0.0), 1.0))
+def clipped(desired: tuple[float, ...]) -> Command:
+    roll, pitch, yaw = (min(max(value, -1.0), 1.0) for value in desired[:3])
+    return Command(roll, pitch, yaw, min(max(desired[3], 0.0), 1.0))
 
 
 def test_it_goes_to_its_place_and_stays_with_biased_sticks() -> None:
@@ -132,6 +132,6 @@ def test_before_the_first_sight_and_without_a_marker_it_has_no_answer() -> None:
 
 def test_bad_numbers_are_refused() -> None:
     with pytest.raises(ValueError, match="hover"):
-        FollowerParameters(hover=1.5)
+        FollowerParameters(hover_throttle=1.5)
     with pytest.raises(ValueError, match="reach"):
-        FollowerParameters(reach=math.nan)
+        FollowerParameters(max_extrapolation=math.nan)

@@ -1,21 +1,29 @@
 import math
 
+import msgspec
 import numpy as np
+import numpy.typing as npt
 import pytest
 from scipy.spatial.transform import Rotation
 
-from matchset.control.dead_reckoning import SIZE, YAW
-from matchset.control.ego_motion import EgoState
-from matchset.control.neighbor_motion import NeighborFilter, NeighborFilterParameters
+from matchset.control.ego_motion import STATE, EgoState
+from matchset.control.neighbor_filter import NeighborFilter
+from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
 from matchset.localization.pose import Pose
+from matchset.numeric.record import fields, new_block
 
-STILL = EgoState(np.zeros(SIZE))
+Floats = npt.NDArray[np.float64]
+STILL = EgoState(new_block(STATE))
 SPREAD = np.diag([1e-6] * 3 + [1e-4] * 3)
 
 
 def seen(place: tuple[float, float, float], time: float, way: float = math.pi) -> Pose:
     turn = Rotation.from_euler("y", way).as_matrix()
     return Pose(position=np.array(place), turn=turn, covariance=SPREAD, observed="level", time=time)
+
+
+def numbers(forecast: Forecast) -> Floats:
+    return np.array([msgspec.structs.astuple(axis) for axis in msgspec.structs.astuple(forecast)])
 
 
 def watched(motion: NeighborFilter, seconds: float, place: object) -> None:
@@ -26,7 +34,7 @@ def watched(motion: NeighborFilter, seconds: float, place: object) -> None:
 def test_a_steady_flight_is_extrapolated() -> None:
     motion = NeighborFilter()
     watched(motion, 4.0, lambda t: (0.2 * t, 0.1, 1.5 - 0.1 * t))
-    ahead = motion.at(4.2, 0.4)
+    ahead = numbers(motion.at(4.2, 0.4))
     np.testing.assert_allclose(ahead[:3, 0], (0.84, 0.1, 1.08), atol=0.02)
     np.testing.assert_allclose(ahead[:3, 1], (0.2, 0.0, -0.1), atol=0.05)
     assert math.remainder(ahead[3, 0] - math.pi, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-3)
@@ -38,16 +46,16 @@ def test_a_swing_is_foreseen_half_a_second_ahead() -> None:
     watched(motion, 12.0, lambda t: (0.1 * math.sin(w * t), 0.0, 1.5))
     for gone in (0.1, 0.3, 0.5):
         time = 12.0 - 1 / 30 + gone
-        assert motion.at(time, 0.4)[0, 0] == pytest.approx(0.1 * math.sin(w * time), abs=0.02)
-        assert motion.at(time, 0.4)[0, 1] == pytest.approx(0.1 * w * math.cos(w * time), abs=0.06)
+        assert numbers(motion.at(time, 0.4))[0, 0] == pytest.approx(0.1 * math.sin(w * time), abs=0.02)
+        assert numbers(motion.at(time, 0.4))[0, 1] == pytest.approx(0.1 * w * math.cos(w * time), abs=0.06)
 
 
 def test_unseen_for_long_its_drift_stands() -> None:
-    motion = NeighborFilter(NeighborFilterParameters(sway=1e-4))
+    motion = NeighborFilter(NeighborFilterParameters(oscillation_sigma=1e-4))
     watched(motion, 4.0, lambda t: (0.2 * t, 0.0, 1.5))
-    late = [motion.at(4.0 + gone, 0.4)[0, 0] for gone in (0.5, 1.0, 1.4)]
+    late = [numbers(motion.at(4.0 + gone, 0.4))[0, 0] for gone in (0.5, 1.0, 1.4)]
     assert late[0] == pytest.approx(late[2], abs=0.01)
-    assert motion.at(1e6, 0.4)[0, 1] == pytest.approx(0.0, abs=0.01)
+    assert numbers(motion.at(1e6, 0.4))[0, 1] == pytest.approx(0.0, abs=0.01)
 
 
 def test_an_outlier_is_refused_and_a_new_place_is_believed_after_a_while() -> None:
@@ -57,7 +65,7 @@ def test_an_outlier_is_refused_and_a_new_place_is_believed_after_a_while() -> No
     assert motion.time < 3.0
     believed = [motion.update(seen((0.6, 0.0, 1.5), 3.0 + k / 30), STILL) for k in range(1, 12)]
     assert believed[-1]
-    assert motion.at(3.4, 0.4)[0, 0] == pytest.approx(0.6, abs=0.05)
+    assert numbers(motion.at(3.4, 0.4))[0, 0] == pytest.approx(0.6, abs=0.05)
 
 
 @pytest.mark.parametrize("gone", [0.0, 0.5, 1.0, 2.0])
@@ -78,20 +86,24 @@ def test_the_way_of_the_marker_runs_on_past_half_a_turn() -> None:
     motion = NeighborFilter()
     for k in range(120):
         motion.update(seen((0.0, 0.0, 1.5), k / 30, math.pi - 0.2 + 0.1 * k / 30), STILL)
-    assert motion.at(119 / 30, 0.4)[3, 0] == pytest.approx(math.pi - 0.2 + 0.1 * 119 / 30, abs=0.02)
-    assert motion.at(119 / 30, 0.4)[3, 1] == pytest.approx(0.1, abs=0.05)
+    assert numbers(motion.at(119 / 30, 0.4))[3, 0] == pytest.approx(math.pi - 0.2 + 0.1 * 119 / 30, abs=0.02)
+    assert numbers(motion.at(119 / 30, 0.4))[3, 1] == pytest.approx(0.1, abs=0.05)
 
 
 def test_poses_are_taken_to_the_frame_at_rest() -> None:
-    numbers = np.zeros(SIZE)
-    numbers[YAW] = 0.5
-    own = EgoState(numbers)
+    block = new_block(STATE)
+    fields(block, STATE).yaw = 0.5
+    own = EgoState(block)
     motion = NeighborFilter()
     motion.update(seen((0.0, 0.0, 2.0), 0.0), own)
-    np.testing.assert_allclose(motion.at(0.0, 0.4)[:3, 0], (2.0 * math.sin(0.5), 0.0, 2.0 * math.cos(0.5)), atol=1e-9)
-    assert math.remainder(motion.at(0.0, 0.4)[3, 0] - math.pi - 0.5, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(
+        numbers(motion.at(0.0, 0.4))[:3, 0], (2.0 * math.sin(0.5), 0.0, 2.0 * math.cos(0.5)), atol=1e-9
+    )
+    assert math.remainder(numbers(motion.at(0.0, 0.4))[3, 0] - math.pi - 0.5, 2.0 * math.pi) == pytest.approx(
+        0.0, abs=1e-9
+    )
 
 
 def test_numbers_that_are_none_are_refused() -> None:
     with pytest.raises(ValueError, match="period"):
-        NeighborFilterParameters(period=0.0)
+        NeighborFilterParameters(oscillation_period=0.0)

@@ -26,7 +26,7 @@ def test_a_new_goal_does_not_kick() -> None:
 
 
 def test_the_derivative_is_low_passed() -> None:
-    pid = Pid(PidParameters(proportional=0.0, derivative=1.0, smoothing=0.1))
+    pid = Pid(PidParameters(proportional=0.0, derivative=1.0, derivative_filter_time=0.1))
     pid.update(0.0, 0.0, STEP)
     for k in range(1, 26):
         pid.update(0.0, k * STEP, STEP)
@@ -35,7 +35,7 @@ def test_the_derivative_is_low_passed() -> None:
 
 
 def test_the_integral_does_not_wind_up_at_the_limit() -> None:
-    pid = Pid(PidParameters(proportional=1.0, integral=1.0, most=0.5))
+    pid = Pid(PidParameters(proportional=1.0, integral=1.0, output_limit=0.5))
     for _ in range(500):
         assert pid.update(10.0, 0.0, STEP) == 0.5
     assert pid.terms.integral == 0.0
@@ -44,7 +44,7 @@ def test_the_integral_does_not_wind_up_at_the_limit() -> None:
 
 
 def test_a_constant_disturbance_is_forgotten() -> None:
-    pid = Pid(PidParameters(proportional=4.0, integral=2.0, derivative=3.0, most_integral=2.0))
+    pid = Pid(PidParameters(proportional=4.0, integral=2.0, derivative=3.0, integral_limit=2.0))
     place, speed = 0.5, 0.0
     for _ in range(1500):
         speed += (pid.update(0.0, place, STEP, speed) + 0.7) * STEP
@@ -56,7 +56,7 @@ def test_a_constant_disturbance_is_forgotten() -> None:
 
 
 def test_the_integral_learns_fast_at_first() -> None:
-    pid = Pid(PidParameters(proportional=0.0, integral=1.0, learning=1.0, settled=0.2))
+    pid = Pid(PidParameters(proportional=0.0, integral=1.0, integral_decay_time=1.0, integral_floor=0.2))
     terms = []
     for _ in range(round(6.0 / STEP)):
         pid.update(1.0, 0.0, STEP)
@@ -67,7 +67,7 @@ def test_the_integral_learns_fast_at_first() -> None:
 
 
 def test_what_was_learned_before_a_reset_does_not_slow_what_comes_after() -> None:
-    pid, fresh = (Pid(PidParameters(proportional=0.0, integral=1.0, learning=0.5)) for _ in range(2))
+    pid, fresh = (Pid(PidParameters(proportional=0.0, integral=1.0, integral_decay_time=0.5)) for _ in range(2))
     for _ in range(100):
         pid.update(1.0, 0.0, STEP)
     pid.reset()
@@ -76,7 +76,7 @@ def test_what_was_learned_before_a_reset_does_not_slow_what_comes_after() -> Non
 
 @given(st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 2, st.floats(1e-4, 1.0)), max_size=30))
 def test_the_output_stays_within_its_limit(calls: list[tuple[float, float, float]]) -> None:
-    pid = Pid(PidParameters(proportional=3.0, integral=2.0, derivative=1.0, most=0.7, most_integral=0.2))
+    pid = Pid(PidParameters(proportional=3.0, integral=2.0, derivative=1.0, output_limit=0.7, integral_limit=0.2))
     for goal, measured, step in calls:
         assert abs(pid.update(goal, measured, step)) <= 0.7
         assert abs(pid.terms.integral) <= 0.2
@@ -90,13 +90,13 @@ def test_what_is_no_number_is_refused(bad: tuple[float, float, float]) -> None:
 
 def test_gains_that_are_none_are_refused() -> None:
     with pytest.raises(ValueError, match="smoothing"):
-        PidParameters(proportional=1.0, smoothing=-1.0)
+        PidParameters(proportional=1.0, derivative_filter_time=-1.0)
     with pytest.raises(ValueError, match="most_integral"):
-        PidParameters(proportional=1.0, most_integral=0.0)
+        PidParameters(proportional=1.0, integral_limit=0.0)
 
 
 def test_far_off_the_integral_stands_still() -> None:
-    pid = Pid(PidParameters(proportional=1.0, integral=1.0, within=0.2))
+    pid = Pid(PidParameters(proportional=1.0, integral=1.0, integral_zone=0.2))
     for _ in range(10):
         pid.update(1.0, 0.0, 0.1)
     assert pid.terms.integral == 0.0
@@ -104,8 +104,8 @@ def test_far_off_the_integral_stands_still() -> None:
     assert pid.terms.integral > 0.0
 
 
-def test_a_far_goal_is_approached_no_faster_than_the_stride_says() -> None:
-    pid, place, speed, fastest = Pid(PidParameters(proportional=5.0, derivative=3.0, stride=0.25)), 0.0, 0.0, 0.0
+def test_a_far_goal_is_approached_no_faster_than_the_largest_error_says() -> None:
+    pid, place, speed, fastest = Pid(PidParameters(proportional=5.0, derivative=3.0, max_error=0.25)), 0.0, 0.0, 0.0
     for _ in range(400):
         speed += STEP * pid.update(3.0, place, STEP, speed)
         place += STEP * speed

@@ -15,54 +15,54 @@ TIMES = st.one_of(ANYTHING, st.floats(-5.0, 5.0))
 
 
 def fly(seconds: float = 1.0) -> tuple[SafetyState, float]:
-    """Hover with everything well; memory and time at the end."""
-    memory, now = SafetyState(), 0.0
+    """Hover with everything well; state and time at the end."""
+    state, now = SafetyState(), 0.0
     for _ in range(round(seconds / STEP)):
         now += STEP
-        _, memory = safety_filter(HOVER, SafetyInputs(now, now - 0.05, now - 0.05, True), memory)
-    return memory, now
+        _, state = safety_filter(HOVER, SafetyInputs(now, now - 0.05, now - 0.05, True), state)
+    return state, now
 
 
 def test_nothing_turns_before_it_is_armed_and_sure() -> None:
     assert safety_filter(HOVER, SafetyInputs(1.0, 1.0, 1.0, False), SafetyState())[0] == Command()
-    for facts in (SafetyInputs(1.0, 0.5, 0.5, True), SafetyInputs(1.0, 1.0, -math.inf, True)):
-        command, memory = safety_filter(HOVER, facts, SafetyState())
-        assert (command, memory.phase) == (Command(), "locked")
-    command, memory = safety_filter(None, SafetyInputs(1.0, 1.0, 1.0, True), SafetyState())
-    assert (command, memory.phase) == (Command(), "locked")
+    for inputs in (SafetyInputs(1.0, 0.5, 0.5, True), SafetyInputs(1.0, 1.0, -math.inf, True)):
+        command, state = safety_filter(HOVER, inputs, SafetyState())
+        assert (command, state.phase) == (Command(), "locked")
+    command, state = safety_filter(None, SafetyInputs(1.0, 1.0, 1.0, True), SafetyState())
+    assert (command, state.phase) == (Command(), "locked")
 
 
-def test_a_wish_within_the_limits_is_flown() -> None:
-    memory, _ = fly()
-    assert (memory.phase, memory.reason) == ("flying", "")
-    assert memory.command == Command(*HOVER)
+def test_a_desired_command_within_the_limits_is_flown() -> None:
+    state, _ = fly()
+    assert (state.phase, state.reason) == ("flying", "")
+    assert state.command == Command(*HOVER)
 
 
 def test_sticks_are_limited_and_change_gradually() -> None:
-    memory, now = fly()
-    facts = SafetyInputs(now + STEP, now, now, True)
-    command, memory = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), facts, memory)
-    assert command.roll == pytest.approx(0.1 + LIMITS.slew * STEP)
-    assert command.pitch == pytest.approx(-0.1 - LIMITS.slew * STEP)
-    assert command.throttle == pytest.approx(0.5 + LIMITS.throttle_slew * STEP)
+    state, now = fly()
+    inputs = SafetyInputs(now + STEP, now, now, True)
+    command, state = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), inputs, state)
+    assert command.roll == pytest.approx(0.1 + LIMITS.max_stick_rate * STEP)
+    assert command.pitch == pytest.approx(-0.1 - LIMITS.max_stick_rate * STEP)
+    assert command.throttle == pytest.approx(0.5 + LIMITS.max_throttle_rate * STEP)
     for k in range(2, 40):
-        facts = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
-        command, memory = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), facts, memory)
-    assert command == Command(LIMITS.tilt, -LIMITS.tilt, LIMITS.yaw, LIMITS.most_throttle)
+        inputs = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
+        command, state = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), inputs, state)
+    assert command == Command(LIMITS.max_tilt, -LIMITS.max_tilt, LIMITS.max_yaw, LIMITS.max_throttle)
 
 
 def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() -> None:
-    memory, start = fly()
+    state, start = fly()
     phases: list[tuple[float, str, Command]] = []
     seen = start - 0.05
     for k in range(1, 140):
         now = start + k * STEP
-        command, memory = safety_filter(HOVER, SafetyInputs(now, now - 0.05, seen, True), memory)
-        phases.append((now - seen, memory.phase, command))
-    assert {phase for age, phase, _ in phases if age <= LIMITS.hold} == {"holding"}
-    assert all(command == Command(*HOVER) for age, _, command in phases if age <= LIMITS.hold)
-    end = LIMITS.hold + LIMITS.descent
-    assert {phase for age, phase, _ in phases if LIMITS.hold + STEP < age < end} == {"descending"}
+        command, state = safety_filter(HOVER, SafetyInputs(now, now - 0.05, seen, True), state)
+        phases.append((now - seen, state.phase, command))
+    assert {phase for age, phase, _ in phases if age <= LIMITS.hold_time} == {"holding"}
+    assert all(command == Command(*HOVER) for age, _, command in phases if age <= LIMITS.hold_time)
+    end = LIMITS.hold_time + LIMITS.descent_duration
+    assert {phase for age, phase, _ in phases if LIMITS.hold_time + STEP < age < end} == {"descending"}
     falling = [command.throttle for age, phase, command in phases if phase == "descending"]
     assert all(b < a for a, b in zip([0.5, *falling], falling, strict=False))
     assert {phase for age, phase, _ in phases if age > end + 2 * STEP} == {"cut"}
@@ -70,49 +70,49 @@ def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() ->
 
 
 def test_without_frames_it_goes_down_within_a_third_of_a_second() -> None:
-    memory, start = fly()
+    state, start = fly()
     frame = start - 0.05
     for k in range(1, 200):
         now = start + k * STEP
-        command, memory = safety_filter(HOVER, SafetyInputs(now, frame, frame, True), memory)
-        assert (memory.phase in ("descending", "cut")) == (now - frame > LIMITS.fresh)
-        if memory.phase == "descending":
+        command, state = safety_filter(HOVER, SafetyInputs(now, frame, frame, True), state)
+        assert (state.phase in ("descending", "cut")) == (now - frame > LIMITS.max_frame_age)
+        if state.phase == "descending":
             assert command.throttle < 0.5
-            assert "frame" in memory.reason
-    assert memory.phase == "cut"
+            assert "frame" in state.reason
+    assert state.phase == "cut"
 
 
 def test_a_descent_is_called_off_once_the_ball_is_surely_seen_again() -> None:
-    memory, start = fly()
+    state, start = fly()
     for k in range(1, 40):
         now = start + k * STEP
-        _, memory = safety_filter(HOVER, SafetyInputs(now, now, start, True), memory)
-    assert memory.phase == "descending"
-    _, memory = safety_filter(HOVER, SafetyInputs(now + STEP, now + STEP, now + STEP, True), memory)
-    assert memory.phase == "descending"
+        _, state = safety_filter(HOVER, SafetyInputs(now, now, start, True), state)
+    assert state.phase == "descending"
+    _, state = safety_filter(HOVER, SafetyInputs(now + STEP, now + STEP, now + STEP, True), state)
+    assert state.phase == "descending"
     for k in range(2, 6):
-        facts = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
-        _, memory = safety_filter(HOVER, facts, memory)
-    assert memory.phase == "flying"
+        inputs = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
+        _, state = safety_filter(HOVER, inputs, state)
+    assert state.phase == "flying"
 
 
 def test_after_the_cut_only_arming_anew_helps() -> None:
     cut = SafetyState("cut", "the ball has not been seen", 1.0)
-    command, memory = safety_filter(HOVER, SafetyInputs(2.0, 2.0, 2.0, True), cut)
-    assert (command, memory.phase) == (Command(), "cut")
-    _, memory = safety_filter(HOVER, SafetyInputs(2.1, 2.1, 2.1, False), memory)
-    _, memory = safety_filter(HOVER, SafetyInputs(2.2, 2.2, 2.2, True), memory)
-    assert memory.phase == "flying"
+    command, state = safety_filter(HOVER, SafetyInputs(2.0, 2.0, 2.0, True), cut)
+    assert (command, state.phase) == (Command(), "cut")
+    _, state = safety_filter(HOVER, SafetyInputs(2.1, 2.1, 2.1, False), state)
+    _, state = safety_filter(HOVER, SafetyInputs(2.2, 2.2, 2.2, True), state)
+    assert state.phase == "flying"
 
 
 def test_a_controller_without_an_answer_levels_the_sticks() -> None:
-    memory, now = fly()
+    state, now = fly()
     for k in range(1, 10):
         time = now + k * STEP
-        command, memory = safety_filter(
-            DesiredCommand(math.nan, 0.0, 0.0, 0.5), SafetyInputs(time, time, time, True), memory
+        command, state = safety_filter(
+            DesiredCommand(math.nan, 0.0, 0.0, 0.5), SafetyInputs(time, time, time, True), state
         )
-    assert (command, memory.phase) == (Command(throttle=0.5), "holding")
+    assert (command, state.phase) == (Command(throttle=0.5), "holding")
 
 
 @given(
@@ -127,17 +127,17 @@ def test_a_controller_without_an_answer_levels_the_sticks() -> None:
 def test_whatever_happens_what_is_sent_is_finite_and_in_range(
     calls: list[tuple[DesiredCommand | None, SafetyInputs]],
 ) -> None:
-    memory = SafetyState()
-    for wish, facts in calls:
-        command, memory = safety_filter(wish, facts, memory)  # a Command out of range cannot exist
-        assert facts.armed or command == Command()
-        assert abs(command.roll) <= LIMITS.tilt
-        assert abs(command.pitch) <= LIMITS.tilt
-        assert command.throttle <= LIMITS.most_throttle
-        assert memory.phase != "cut" or command == Command()
+    state = SafetyState()
+    for desired, inputs in calls:
+        command, state = safety_filter(desired, inputs, state)  # a Command out of range cannot exist
+        assert inputs.armed or command == Command()
+        assert abs(command.roll) <= LIMITS.max_tilt
+        assert abs(command.pitch) <= LIMITS.max_tilt
+        assert command.throttle <= LIMITS.max_throttle
+        assert state.phase != "cut" or command == Command()
 
 
-@pytest.mark.parametrize("field", ["tilt", "least_throttle", "slew", "fresh"])
+@pytest.mark.parametrize("field", ["max_tilt", "min_throttle", "max_stick_rate", "max_frame_age"])
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_limits_that_are_none_are_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):

@@ -1,1 +1,7 @@
-"""Control: what to do about it."""
+"""Control: from poses of a neighbor's ball to stick commands.
+
+Read `command.py` (what is sent), then `follower.py`, which holds a setpoint beside a neighbor. It uses `ego_motion.py`
+(dead reckoning of the own vehicle), `neighbor_model.py` and `neighbor_filter.py` (Kalman filter of the neighbor),
+`pid.py` and `feedforward.py`. `safety.py` decides what of all that may be sent. `parameter_checks.py` checks
+parameters.
+"""

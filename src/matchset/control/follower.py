@@ -1,9 +1,9 @@
-"""Hold a place beside a neighbor, looking at its ball: `Follower`.
+"""Position control beside a neighbor, by its ball: `Follower`.
 
-Everything happens in a level frame at rest, found by dead reckoning (`own_motion.py`), in which the neighbor's ball is
-filtered (`neighbor_motion.py`) and predicted for the time at which a command acts. There the ball's marker points out
-of the neighbor, and the set place is ``ball + side x + heading z + height up`` with level axes of the ball (Epstein &
-Feldman, Eq. 6-8).
+Everything is computed in a level frame at rest, found by dead reckoning (`ego_motion.py`), in which the neighbor's ball
+is filtered (`neighbor_filter.py`) and predicted for the time at which a command acts. There the ball's marker points
+out of the neighbor, and the setpoint is ``ball + side x + heading z + height up`` with the level axes of the ball
+(Epstein & Feldman, Eq. 6-8).
 """
 
 import math
@@ -16,7 +16,9 @@ import numpy.typing as npt
 from matchset.control.command import Command
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
-from matchset.control.neighbor_motion import NeighborFilter, NeighborFilterParameters
+from matchset.control.neighbor_filter import NeighborFilter
+from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
+from matchset.control.parameter_checks import require, require_not_negative, require_positive
 from matchset.control.pid import Pid, PidParameters, PidTerms
 from matchset.control.safety import DesiredCommand
 from matchset.localization.pose import Pose
@@ -26,7 +28,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class RelativeSetpoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where to be, in the level frame of the neighbor's ball: m.
+    """Where to be, in the level frame of the neighbor's ball, m.
 
     Parameters
     ----------
@@ -39,235 +41,316 @@ class RelativeSetpoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     heading: float = 1.5
 
 
-class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a place is held.
+class FollowerParameters(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    rename={
+        "horizontal": "level",
+        "vertical": "rise",
+        "hover_throttle": "hover",
+        "horizontal_lead": "lead",
+        "vertical_lead": "rise_lead",
+        "oscillation_feedforward": "ahead",
+        "drift_feedforward": "drift",
+        "horizontal_speed": "pace",
+        "vertical_speed": "rise_pace",
+        "ego_motion": "own",
+        "neighbor": "motion",
+        "max_extrapolation": "reach",
+        "pose_timeout": "memory",
+    },
+):
+    """Parameters of a `Follower`; the key in a file is in parentheses where it is another one.
+
+    All gains were searched for (decision 074: an evolution strategy, seeds 0 to 9, by the largest gain over all
+    frequencies, and by position and stick activity in a chain of three), then changed by hand for robustness to thrust,
+    tilt and motors that differ. `python -m benchmarks.flight.fly` shows a change.
 
     Parameters
     ----------
-    level : PidParameters
-        From m to m/s^2, for both level axes.
-    rise : PidParameters
-        From m to m/s^2, upward.
+    horizontal : PidParameters
+        From m to m/s^2, for both level axes (``level``).
+    vertical : PidParameters
+        From m to m/s^2, upward (``rise``).
     yaw : PidParameters
-        From rad to rad/s. Kept slow: a vehicle that turns its own ball fast shakes the one that watches it.
-    hover : float
-        Throttle at which it hovers, roughly; the integral finds the rest.
-    lead : float
-        How long after a command first acts it acts in full, s: what is predicted for that time counts for the level
-        axes. About the lags of the tilt; more is calmer, until the prediction fails.
-    rise_lead : float
-        The same for the height: about the lag of the thrust.
-    ahead : float
-        Share of the set place's swaying that is flown without waiting for an error, 0 ... 1. More follows a
-        steady swing closer, and passes on what the next in the chain sees as shaking.
-    drift : float
-        The same for what is no sway: a turn of the neighbor that goes on for seconds.
-    pace, rise_pace : FeedforwardParameters
-        What of the neighbor's speed is flown along, level and upward.
-    own : EgoMotionParameters
-        How the vehicle answers to its sticks.
-    motion : NeighborFilterParameters
-        How the neighbor's poses are filtered.
-    reach : float
-        How far the neighbor's motion is extrapolated past its last sighting, s; after that it is taken to stand.
-    memory : float
-        How long after the last sighting there is an answer, s; longer than safety lets it be used.
+        From the bearing of the ball, rad, to a yaw rate, rad/s. Slow, since a vehicle that turns its own ball fast
+        disturbs the one that watches it.
+    hover_throttle : float
+        Throttle that hovers, roughly; the integral finds the rest. Estimate (``hover``).
+    horizontal_lead : float
+        Time from the first to the full effect of a command, s: the level axes are controlled by what is predicted for
+        then. More is calmer, until the prediction fails. Chosen by: decision 074; about tilt_lag + tilt_time
+        (``lead``).
+    vertical_lead : float
+        The same for the height. Chosen by: decision 074; about lift_lag (``rise_lead``).
+    oscillation_feedforward : float
+        Share of the setpoint's oscillating acceleration that is flown without waiting for an error, 0 ... 1. More
+        follows a steady swing closer, and passes it on to the next of the chain. Chosen by: decision 074 (``ahead``).
+    drift_feedforward : float
+        The same for its other acceleration. Chosen by: decision 074 (``drift``).
+    horizontal_speed, vertical_speed : FeedforwardParameters
+        Feedforward of the neighbor's speed, level and upward (``pace``, ``rise_pace``).
+    ego_motion : EgoMotionParameters
+        The vehicle's answer to its sticks (``own``).
+    neighbor : NeighborFilterParameters
+        Filter of the neighbor's poses (``motion``).
+    max_extrapolation : float
+        How far the neighbor's drift is extrapolated past its last pose, s; after that it stands still. Estimate
+        (``reach``).
+    pose_timeout : float
+        How long after the last pose there is an output, s; longer than `SafetyParameters.hold_time` (``memory``).
+    min_step, max_step : float
+        Limits of the time between updates that the controllers are told, s: a clock that stands or jumps must not upset
+        them. Chosen by hand.
+    min_tilt_cosine : float
+        The throttle is raised by one over the cosine of the tilt, of no less than that. Chosen by hand: 60 degrees.
     """
 
-    level: PidParameters = PidParameters(
+    horizontal: PidParameters = PidParameters(
         proportional=4.0,
         integral=2.1,
         derivative=3.3,
-        smoothing=0.033,
-        stride=0.4,
-        most=3.0,
-        most_integral=1.2,
-        within=0.3,
-        foresight=0.4,
-        learning=3.0,
-        settled=0.09,
+        derivative_filter_time=0.033,
+        max_error=0.4,
+        output_limit=3.0,
+        integral_limit=1.2,
+        integral_zone=0.3,
+        integral_lead=0.4,
+        integral_decay_time=3.0,
+        integral_floor=0.09,
     )
-    rise: PidParameters = PidParameters(
+    vertical: PidParameters = PidParameters(
         proportional=5.5,
         integral=2.6,
         derivative=7.5,
-        smoothing=0.023,
-        most=4.0,
-        most_integral=3.0,
-        within=0.6,
-        foresight=1.36,
-        learning=5.5,
-        settled=0.12,
+        derivative_filter_time=0.023,
+        output_limit=4.0,
+        integral_limit=3.0,
+        integral_zone=0.6,
+        integral_lead=1.36,
+        integral_decay_time=5.5,
+        integral_floor=0.12,
     )
-    yaw: PidParameters = PidParameters(proportional=0.3, most=1.0)
-    hover: float = 0.59
-    lead: float = 0.074
-    rise_lead: float = 0.038
-    ahead: float = 0.85
-    drift: float = 0.45
-    pace: FeedforwardParameters = FeedforwardParameters(share=0.7, calm=0.23)
-    rise_pace: FeedforwardParameters = FeedforwardParameters(share=0.42, calm=0.75)
-    own: EgoMotionParameters = EgoMotionParameters()
-    motion: NeighborFilterParameters = NeighborFilterParameters()
-    reach: float = 0.4
-    memory: float = 1.2
+    yaw: PidParameters = PidParameters(proportional=0.3, output_limit=1.0)
+    hover_throttle: float = 0.59
+    horizontal_lead: float = 0.074
+    vertical_lead: float = 0.038
+    oscillation_feedforward: float = 0.85
+    drift_feedforward: float = 0.45
+    horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.7, crossover_time=0.23)
+    vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.42, crossover_time=0.75)
+    ego_motion: EgoMotionParameters = EgoMotionParameters()
+    neighbor: NeighborFilterParameters = NeighborFilterParameters()
+    max_extrapolation: float = 0.4
+    pose_timeout: float = 1.2
+    min_step: float = 1e-3
+    max_step: float = 0.1
+    min_tilt_cosine: float = 0.5
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.hover < 1.0:
-            raise ValueError(f"hover must be within 0 ... 1, got {self.hover}")
-        for name in ("lead", "rise_lead", "ahead", "drift", "reach", "memory"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        require(self, ("hover_throttle",), lambda value: 0.0 < value < 1.0, "within 0 ... 1")
+        feedforward = ("oscillation_feedforward", "drift_feedforward")
+        times = ("horizontal_lead", "vertical_lead", "max_extrapolation", "pose_timeout")
+        require_not_negative(self, (*feedforward, *times))
+        require_positive(self, ("min_step", "max_step", "min_tilt_cosine"))
 
 
 class ControlOutput(NamedTuple):
-    """What a follower makes of a moment.
+    """What a follower computes at a moment.
 
     Attributes
     ----------
-    wish : DesiredCommand
+    desired : DesiredCommand
     side, height, heading : float
-        Where it is in the level frame of the neighbor's ball at the time of action, m.
+        Its position in the level frame of the neighbor's ball when the command acts, m.
     bearing : float
-        Where the ball is to the right of straight ahead, rad.
-    right, ahead, rise, turn : PidTerms
+        Angle of the ball to the right of straight ahead, rad.
+    right, forward, up, yaw : PidTerms
         Of the controllers.
     """
 
-    wish: DesiredCommand
+    desired: DesiredCommand
     side: float
     height: float
     heading: float
     bearing: float
     right: PidTerms
-    ahead: PidTerms
-    rise: PidTerms
-    turn: PidTerms
+    forward: PidTerms
+    up: PidTerms
+    yaw: PidTerms
+
+
+class LevelTarget(NamedTuple):
+    """Setpoint in the frame at rest: position x, z, velocity, and the acceleration that is fed forward."""
+
+    position: tuple[float, float]
+    velocity: tuple[float, float]
+    acceleration: tuple[float, float]
 
 
 class Follower:
-    """Holds a place beside one neighbor.
+    """Holds a setpoint beside one neighbor. The constructor compiles all kernels.
 
     Parameters
     ----------
-    place : RelativeSetpoint, optional
+    setpoint : RelativeSetpoint, optional
     parameters : FollowerParameters, optional
+
+    Attributes
+    ----------
+    ego_motion : EgoMotion
+    neighbor : NeighborFilter
     """
 
-    def __init__(self, place: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
-        self.place = place or RelativeSetpoint()
+    def __init__(self, setpoint: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
+        self.setpoint = setpoint or RelativeSetpoint()
         self.parameters = parameters or FollowerParameters()
-        self.own = EgoMotion(self.parameters.own)
-        self.neighbor = NeighborFilter(self.parameters.motion)
-        self._right, self._ahead = Pid(self.parameters.level), Pid(self.parameters.level)
-        self._rise, self._yaw = Pid(self.parameters.rise), Pid(self.parameters.yaw)
-        pace, rise_pace = self.parameters.pace, self.parameters.rise_pace
-        self._paces = SpeedFeedforward(pace), SpeedFeedforward(rise_pace), SpeedFeedforward(pace)
-        self._fed = self._time = -math.inf
+        self.ego_motion = EgoMotion(self.parameters.ego_motion)
+        self.neighbor = NeighborFilter(self.parameters.neighbor)
+        self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
+        self._up, self._yaw = Pid(self.parameters.vertical), Pid(self.parameters.yaw)
+        self._speed_x = SpeedFeedforward(self.parameters.horizontal_speed)
+        self._speed_y = SpeedFeedforward(self.parameters.vertical_speed)
+        self._speed_z = SpeedFeedforward(self.parameters.horizontal_speed)
+        self._pose_time = self._time = -math.inf
 
     def update(self, pose: "Pose | Lost[Pose]", now: float) -> ControlOutput | None:
-        """Decide what to do about a pose.
+        """Compute the command for a pose.
 
         Parameters
         ----------
         pose : Pose or Lost
             The neighbor's ball in the camera frame when the picture was taken.
         now : float
-            When the command will be sent, s; it acts `own.delay` later, and that is the time that counts.
+            When the command will be sent, s; it acts `EgoMotionParameters.delay` later, and that is the time that
+            counts.
 
         Returns
         -------
         ControlOutput or None
-            None while there is nothing to go by: no ball for long, or its marker never seen.
+            None without a pose for `FollowerParameters.pose_timeout`, or before the first with a marker.
         """
-        if isinstance(pose, Pose) and pose.time > self._fed:
-            self._fed = pose.time
-            self.neighbor.update(pose, self.own.at(pose.time))
-        step, self._time = min(max(now - self._time, 1e-3), 0.1), now
-        acts = now + self.parameters.own.delay
-        if not acts - self.neighbor.time <= self.parameters.memory or self.neighbor.turn_time == -math.inf:
+        parameters = self.parameters
+        if isinstance(pose, Pose) and pose.time > self._pose_time:
+            self._pose_time = pose.time
+            self.neighbor.update(pose, self.ego_motion.at(pose.time))
+        step, self._time = min(max(now - self._time, parameters.min_step), parameters.max_step), now
+        acts = now + parameters.ego_motion.delay
+        if not acts - self.neighbor.time <= parameters.pose_timeout or self.neighbor.yaw_time == -math.inf:
             return None
-        return self._steer(acts, step)
+        return self._control(acts, step)
 
     def sent(self, command: Command, now: float) -> None:
-        """Note what really went out, after limits and quantization; without throttle nothing is learned."""
+        """Note the command that was sent, after limits and quantization; with throttle 0 the controllers are reset.
+
+        Parameters
+        ----------
+        command : Command
+        now : float
+            When, s.
+        """
         if not command.throttle > 0.0:
-            for pid in (self._right, self._ahead, self._rise, self._yaw):
+            for pid in (self._right, self._forward, self._up, self._yaw):
                 pid.reset()
-        limits, hover = self.parameters.own, self.parameters.hover
-        pull = GRAVITY / limits.heft
-        trims = [pid.terms.integral for pid in (self._right, self._ahead, self._rise)]
-        sticks = AttitudeCommand(
-            limits.full_tilt * command.roll - math.atan(trims[0] / pull),
-            limits.full_tilt * command.pitch - math.atan(trims[1] / pull),
-            limits.full_yaw_rate * command.yaw,
-            pull * (command.throttle / hover - 1.0) - trims[2],
+        model = self.parameters.ego_motion
+        gravity = GRAVITY / model.effective_mass_ratio
+        right, forward, up = (pid.terms.integral for pid in (self._right, self._forward, self._up))
+        attitude = AttitudeCommand(
+            model.full_tilt * command.roll - math.atan(right / gravity),
+            model.full_tilt * command.pitch - math.atan(forward / gravity),
+            model.full_yaw_rate * command.yaw,
+            gravity * (command.throttle / self.parameters.hover_throttle - 1.0) - up,
         )
-        self.own.sent(sticks if command.throttle > 0.0 else AttitudeCommand(), now)
+        self.ego_motion.update(attitude if command.throttle > 0.0 else AttitudeCommand(), now)
 
     def expected(self, time: float) -> Floats | None:
-        """Tell where the ball should be in the camera frame at a time, (3,), m; None if it was not seen for long."""
-        if not time - self.neighbor.time <= self.parameters.memory:
+        """Predict the ball in the camera frame at a time.
+
+        Parameters
+        ----------
+        time : float
+            s.
+
+        Returns
+        -------
+        ndarray of shape (3,) or None
+            m; None without a pose for `FollowerParameters.pose_timeout`.
+        """
+        if not time - self.neighbor.time <= self.parameters.pose_timeout:
             return None
-        own = self.own.at(time)
-        there: Floats = own.turn.T @ (self.neighbor.at(time, self.parameters.reach)[:3, 0] - own.place)
-        return there
+        own = self.ego_motion.at(time)
+        ball = self.neighbor.at(time, self.parameters.max_extrapolation)
+        position: Floats = own.rotation.T @ (np.array((ball.x.value, ball.y.value, ball.z.value)) - own.position)
+        return position
 
-    def _steer(self, acts: float, step: float) -> ControlOutput:
+    def _control(self, acts: float, step: float) -> ControlOutput:
         """Run the controllers for a command that begins to act at a time."""
-        parameters, reach = self.parameters, self.parameters.reach
-        times = acts, acts + parameters.lead, acts + parameters.rise_lead
-        (own, later, there), (ball, level, risen) = self.own.at_times(times), self.neighbor.at_times(times, reach)
-        for pace, speed in zip(self._paces, ball[:3, 1].tolist(), strict=True):
-            pace.update(speed, step)
-        roll, pitch = self._level(later, level, own.yaw, step)
-        height = risen[1].tolist()
-        low = there.place.item(1) - height[0] + self.place.height
-        rise = self._rise.update(0.0, -low, step, self._paces[1].of(height[1]) - there.velocity.item(1))
-        sight, out = (ball[:3, 0] - own.place).tolist(), (math.sin(ball[3, 0]), math.cos(ball[3, 0]))
-        bearing = math.atan2(sight[0], sight[2]) - own.yaw
+        parameters, model = self.parameters, self.parameters.ego_motion
+        times = acts, acts + parameters.horizontal_lead, acts + parameters.vertical_lead
+        own, own_level, own_vertical = self.ego_motion.at_times(times)
+        ball, ball_level, ball_vertical = self.neighbor.at_times(times, parameters.max_extrapolation)
+        for feedforward, axis in ((self._speed_x, ball.x), (self._speed_y, ball.y), (self._speed_z, ball.z)):
+            feedforward.update(axis.speed, step)
+        yaw = own.yaw
+        right, forward = self._accelerate_level(own_level, ball_level, yaw, step)
+        up = self._accelerate_up(own_vertical, ball_vertical, step)
+        x, y, z = own.position.tolist()
+        x, y, z = ball.x.value - x, ball.y.value - y, ball.z.value - z  # from the vehicle to the ball
+        bearing = math.atan2(x, z) - yaw
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
-        turning = self._yaw.update(0.0, -bearing, step)
-        model, pull = parameters.own, GRAVITY / parameters.own.heft
-        tilt = 1.0 / max(math.cos(own.roll) * math.cos(own.pitch), 0.5)
-        wish = DesiredCommand(
-            math.atan(roll / pull) / model.full_tilt,
-            math.atan(pitch / pull) / model.full_tilt,
-            turning / model.full_yaw_rate,
-            parameters.hover * (1.0 + rise / pull) * tilt,
+        yaw_rate = self._yaw.update(0.0, -bearing, step)
+        gravity = GRAVITY / model.effective_mass_ratio
+        tilt = 1.0 / max(math.cos(own.roll) * math.cos(own.pitch), parameters.min_tilt_cosine)
+        desired = DesiredCommand(
+            math.atan(right / gravity) / model.full_tilt,
+            math.atan(forward / gravity) / model.full_tilt,
+            yaw_rate / model.full_yaw_rate,
+            parameters.hover_throttle * (1.0 + up / gravity) * tilt,
         )
-        side = sight[2] * out[0] - sight[0] * out[1]
-        heading = -sight[0] * out[0] - sight[2] * out[1]
-        terms = (self._right.terms, self._ahead.terms, self._rise.terms, self._yaw.terms)
-        return ControlOutput(wish, side, sight[1], heading, bearing, *terms)
+        sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
+        terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
+        return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms)
 
-    def _level(self, own: EgoState, ball: Floats, yaw: float, step: float) -> tuple[float, float]:
-        """Accelerations to the right and ahead, m/s^2, that lead to the set place."""
-        goal, speed, push = self._goal(ball)
+    def _accelerate_up(self, own: EgoState, ball: Forecast, step: float) -> float:
+        """Acceleration upward that leads to the setpoint, m/s^2."""
+        error = own.position.item(1) - ball.y.value + self.setpoint.height
+        return self._up.update(0.0, -error, step, self._speed_y.output(ball.y.speed) - own.velocity.item(1))
+
+    def _accelerate_level(self, own: EgoState, ball: Forecast, yaw: float, step: float) -> tuple[float, float]:
+        """Accelerations to the right and forward that lead to the setpoint, m/s^2."""
+        goal = self._level_target(ball)
         cos, sin = math.cos(yaw), math.sin(yaw)
-        place, velocity = own.place.tolist(), own.velocity.tolist()
-        x, z = goal[0] - place[0], goal[1] - place[2]
-        vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
-        right, ahead = x * cos - z * sin, x * sin + z * cos
-        speed_right, speed_ahead = vx * cos - vz * sin, vx * sin + vz * cos
+        position, velocity = own.position.tolist(), own.velocity.tolist()
+        x, z = goal.position[0] - position[0], goal.position[1] - position[2]
+        vx, vz = goal.velocity[0] - velocity[0], goal.velocity[1] - velocity[2]
+        right, forward = x * cos - z * sin, x * sin + z * cos
+        right_speed, forward_speed = vx * cos - vz * sin, vx * sin + vz * cos
+        ax, az = goal.acceleration
         return (
-            self._right.update(0.0, -right, step, -speed_right) + push[0] * cos - push[1] * sin,
-            self._ahead.update(0.0, -ahead, step, -speed_ahead) + push[0] * sin + push[1] * cos,
+            self._right.update(0.0, -right, step, -right_speed) + ax * cos - az * sin,
+            self._forward.update(0.0, -forward, step, -forward_speed) + ax * sin + az * cos,
         )
 
-    def _goal(self, ball: Floats) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
-        """Find the set place in the frame at rest, x and z, its speed, and what of its acceleration is flown.
+    def _level_target(self, ball: Forecast) -> LevelTarget:
+        """Find the setpoint in the frame at rest.
 
         The level ball frame is z = out, y down, x = y cross z; it turns with the neighbor.
         """
-        x, _, z, way = ball.tolist()  # of each the place, its speed, and the accelerations of sway and drift
-        sin, cos, turning = math.sin(way[0]), math.cos(way[0]), way[1]
-        side, heading = self.place.side, self.place.heading
-        away = (side * cos + heading * sin, heading * cos - side * sin)
-        sway, drift = self.parameters.ahead, self.parameters.drift
-        right, forward, turned = (sway * each[2] + drift * each[3] for each in (x, z, way))
-        return (
-            (x[0] + away[0], z[0] + away[1]),
-            (self._paces[0].of(x[1]) + turning * away[1], self._paces[2].of(z[1]) - turning * away[0]),
-            (right + turned * away[1], forward - turned * away[0]),
+        sin, cos, yaw_rate = math.sin(ball.yaw.value), math.cos(ball.yaw.value), ball.yaw.speed
+        side, heading = self.setpoint.side, self.setpoint.heading
+        x, z = side * cos + heading * sin, heading * cos - side * sin  # from the ball to the setpoint
+        swing, drift = self.parameters.oscillation_feedforward, self.parameters.drift_feedforward
+        ax, az, yaw_acceleration = (
+            swing * axis.oscillation_acceleration + drift * axis.drift_acceleration
+            for axis in (ball.x, ball.z, ball.yaw)
+        )
+        return LevelTarget(
+            (ball.x.value + x, ball.z.value + z),
+            (
+                self._speed_x.output(ball.x.speed) + yaw_rate * z,
+                self._speed_z.output(ball.z.speed) - yaw_rate * x,
+            ),
+            (ax + yaw_acceleration * z, az - yaw_acceleration * x),
         )

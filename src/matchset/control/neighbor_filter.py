@@ -1,196 +1,314 @@
-"""Kernels of the filter of a neighbor: five numbers for each coordinate, see `neighbor_motion.py`.
+"""Kalman filter of the neighbor's motion: `NeighborFilter`.
 
-`limits` holds the fields of `NeighborFilterParameters` in their order.
+It estimates the model of `neighbor_model.py` from poses. What the unmeasured tilt and yaw of the vehicle do to a pose
+is added to its covariance: a degree of tilt at 1.5 m looks like 26 mm. The four axes are filtered by themselves; those
+of the position are accepted or rejected together.
 """
 
 import math
+from collections.abc import Sequence
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import kernel
+from matchset.control.ego_motion import STATE, STATE_SIZE, EgoState, write_rotation
+from matchset.control.neighbor_model import (
+    AXES,
+    ORDER,
+    YAW,
+    AxisForecast,
+    AxisGroup,
+    Forecast,
+    NeighborFilterParameters,
+    forecast_axis,
+    write_drift_transition,
+    write_noise,
+    write_oscillation_transition,
+)
+from matchset.localization.pose import Pose
+from matchset.numeric.jit import helper, kernel
+from matchset.numeric.record import Block, fields, new_block, record_dtype, store
 
 Floats = npt.NDArray[np.float64]
 
-BELIEVED, REFUSED, ANEW = 0, 1, 2
-LASTING, PERIOD, DAMPING, SWAY, TILT, YAW, SHARED, GATE, JUMP, PATIENCE = 2, 4, 5, 6, 8, 9, 10, 11, 12, 13
-FORGET = 3.0  # s without a pose after which all begins anew: until then a vehicle that lost its neighbor has landed
-STANDS = 0.4  # s, how far the drift is extrapolated to tell a jump
-UPRIGHT = 0.1  # share of the sway that is upright: what hangs on a rope sways level
-LATEST = 10.0  # s past the last pose; later is the same
-FIRST_SPEED = 0.5  # m/s or rad/s, of a speed that is not known yet
-JERK = np.array(((20.0, 8.0, 6.0), (8.0, 3.0, 2.0), (6.0, 2.0, 1.0)))  # of the white-jerk model
-STATES = 5  # numbers of a coordinate: drift, its speed and acceleration, sway, its speed
+POSITION_ACCEPTED, YAW_ACCEPTED = 1, 2  # format: bits of an answer
+VALUES = len(AxisForecast.__struct_fields__)
 
 
-@kernel
-def to_rest(
-    position: Floats, covariance: Floats, turn: Floats, place: Floats, limits: Floats, seen: Floats, spread: Floats
+class _Work:
+    parameters: NeighborFilterParameters
+    position_axes: AxisGroup
+    yaw_axis: AxisGroup
+    estimate: Annotated[Floats, (AXES, ORDER), "f8"]
+    covariance: Annotated[Floats, (AXES, ORDER, ORDER), "f8"]
+    # the pose, and the vehicle's state at its time
+    ball: Annotated[Floats, (3,), "f8"]
+    pose_covariance: Annotated[Floats, (6, 6), "f8"]
+    ball_rotation: Annotated[Floats, (3, 3), "f8"]
+    ego: Annotated[Floats, (STATE_SIZE,), "f8"]
+    # scratch
+    rotation: Annotated[Floats, (3, 3), "f8"]
+    away: Annotated[Floats, (3,), "f8"]  # from the vehicle to the ball, in the frame at rest
+    measured: Annotated[Floats, (AXES,), "f8"]
+    variance: Annotated[Floats, (AXES,), "f8"]
+    innovation: Annotated[Floats, (AXES,), "f8"]
+    innovation_variance: Annotated[Floats, (AXES,), "f8"]
+    transition: Annotated[Floats, (ORDER, ORDER), "f8"]
+    predicted: Annotated[Floats, (AXES, ORDER), "f8"]
+    predicted_covariance: Annotated[Floats, (AXES, ORDER, ORDER), "f8"]
+    forecast: Annotated[Floats, (AXES, VALUES), "f8"]
+
+
+WORK = record_dtype(_Work)
+
+
+class NeighborFilter:
+    """Filters one neighbor in the frame at rest. The constructor compiles all kernels.
+
+    Parameters
+    ----------
+    parameters : NeighborFilterParameters, optional
+
+    Attributes
+    ----------
+    time : float
+        Of the last pose whose position was accepted, s; -inf before the first.
+    yaw_time : float
+        The same for the direction of its marker.
+    """
+
+    def __init__(self, parameters: NeighborFilterParameters | None = None) -> None:
+        self.parameters = parameters or NeighborFilterParameters()
+        self.time = self.yaw_time = -math.inf
+        self._block = _initial_block(self.parameters)
+        self._work = fields(self._block, WORK)
+        self._ball, self._pose_covariance = self._work.ball, self._work.pose_covariance
+        self._ball_rotation, self._ego = self._work.ball_rotation, self._work.ego
+        precompile()
+
+    def update(self, pose: Pose, ego: EgoState) -> bool:
+        """Correct the estimate by a pose in the camera frame, seen from a state of the vehicle at the same time.
+
+        Parameters
+        ----------
+        pose : Pose
+        ego : EgoState
+
+        Returns
+        -------
+        bool
+            Whether its position was accepted.
+        """
+        self._ball[:], self._pose_covariance[:], self._ego[:] = pose.position, pose.covariance, ego.block
+        if pose.turn is not None:
+            self._ball_rotation[:] = pose.turn
+        accepted = update(self._block, pose.time - self.time, pose.time - self.yaw_time, pose.turn is not None)
+        if accepted & POSITION_ACCEPTED:
+            self.time = pose.time
+        if accepted & YAW_ACCEPTED:
+            self.yaw_time = pose.time
+        return bool(accepted & POSITION_ACCEPTED)
+
+    def at(self, time: float, max_extrapolation: float) -> Forecast:
+        """Predict for one time, see `at_times`."""
+        return self.at_times((time,), max_extrapolation)[0]
+
+    def at_times(self, times: Sequence[float], max_extrapolation: float) -> list[Forecast]:
+        """Predict for several times.
+
+        Parameters
+        ----------
+        times : sequence of float
+            s.
+        max_extrapolation : float
+            How far past the last pose the drift is extrapolated, s; after that it stands still.
+        """
+        forecasts = np.empty((len(times), AXES, VALUES))
+        forecast_all(self._block, np.array(times), self.time, self.yaw_time, max_extrapolation, forecasts)
+        return [Forecast(*[AxisForecast(*axis) for axis in axes]) for axes in forecasts.tolist()]
+
+
+def _initial_block(parameters: NeighborFilterParameters) -> Block:
+    """Return the block of a filter that has seen nothing."""
+    block = new_block(WORK)
+    work = fields(block, WORK)
+    store(work.parameters, parameters)
+    position, yaw = work.position_axes, work.yaw_axis
+    position.end, yaw.first, yaw.end = YAW, YAW, AXES
+    position.acceleration_sigma, yaw.acceleration_sigma = (
+        parameters.acceleration_sigma,
+        parameters.yaw_acceleration_sigma,
+    )
+    position.acceleration_time, yaw.acceleration_time = parameters.acceleration_time, parameters.yaw_acceleration_time
+    position.oscillation_sigma, yaw.oscillation_sigma = parameters.oscillation_sigma, parameters.yaw_oscillation_sigma
+    return block
+
+
+@kernel(refcount=False)
+def update(block: Block, since: float, yaw_since: float, marker_visible: bool) -> int:
+    """Correct by the pose in the block, so many s after the last position and yaw; what of it was accepted."""
+    work = block.view(WORK)[0]
+    write_rotation(work.ego, work.rotation)
+    position_to_world(work)
+    accepted = 0
+    visible = marker_visible and marker_yaw(work)
+    if not is_jump(work, since):
+        if correct_axes(work, work.position_axes, since):
+            accepted += POSITION_ACCEPTED
+    else:
+        work.position_axes.rejected += 1
+    if visible and correct_axes(work, work.yaw_axis, yaw_since):
+        accepted += YAW_ACCEPTED
+    return accepted
+
+
+@kernel(refcount=False)
+def forecast_all(
+    block: Block, times: Floats, seen: float, yaw_seen: float, max_extrapolation: float, forecasts: Floats
 ) -> None:
-    """Write where a ball is in the frame at rest, and its variance, with what unmeasured tilt and turn add."""
-    away = np.zeros(3)
+    """Write the forecasts (n, 4, 4) for times; position and yaw were seen last at two others, s."""
+    work = block.view(WORK)[0]
+    for k in range(times.shape[0]):
+        forecast(work, times[k] - seen, times[k] - yaw_seen, max_extrapolation)
+        for axis in range(AXES):
+            for value in range(VALUES):
+                forecasts[k, axis, value] = work.forecast[axis, value]
+
+
+@helper
+def position_to_world(work: Any) -> None:
+    """Write the ball's position in the frame at rest, and its variance with that of the vehicle's tilt and yaw."""
+    parameters, turn, ball, away = work.parameters, work.rotation, work.ball, work.away
+    position = work.ego.view(STATE)[0].position
     for j in range(3):
+        away[j] = 0.0
         for k in range(3):
-            away[j] += turn[j, k] * position[k]
-        seen[j] = place[j] + away[j]
+            away[j] += turn[j, k] * ball[k]
+        work.measured[j] = position[j] + away[j]
     for j in range(3):
-        total = limits[SHARED] ** 2
+        total = parameters.systematic_sigma**2
         for k in range(3):
             for m in range(3):
-                total += turn[j, k] * covariance[k, m] * turn[j, m]
-        spread[j] = total
-    tilt, yaw = limits[TILT] ** 2, limits[YAW] ** 2
-    spread[0] += yaw * away[2] ** 2 + tilt * away[1] ** 2
-    spread[1] += tilt * (away[0] ** 2 + away[2] ** 2)
-    spread[2] += yaw * away[0] ** 2 + tilt * away[1] ** 2
+                total += turn[j, k] * work.pose_covariance[k, m] * turn[j, m]
+        work.variance[j] = total
+    tilt, yaw = parameters.tilt_sigma**2, parameters.yaw_sigma**2
+    work.variance[0] += yaw * away[2] ** 2 + tilt * away[1] ** 2
+    work.variance[1] += tilt * (away[0] ** 2 + away[2] ** 2)
+    work.variance[2] += yaw * away[0] ** 2 + tilt * away[1] ** 2
 
 
-@kernel
-def marker_way(
-    attitude: Floats, covariance: Floats, turn: Floats, limits: Floats, seen: Floats, spread: Floats
-) -> bool:
-    """Write the angle of the marker's way to the right of z in the frame at rest, and its variance; False if steep."""
-    x = turn[0, 0] * attitude[0, 2] + turn[0, 1] * attitude[1, 2] + turn[0, 2] * attitude[2, 2]
-    z = turn[2, 0] * attitude[0, 2] + turn[2, 1] * attitude[1, 2] + turn[2, 2] * attitude[2, 2]
-    if x * x + z * z < 0.04:
+@helper
+def marker_yaw(work: Any) -> bool:
+    """Write the angle of the marker's direction to the right of z, and its variance; False if it is too steep."""
+    parameters, turn, ball = work.parameters, work.rotation, work.ball_rotation
+    x = turn[0, 0] * ball[0, 2] + turn[0, 1] * ball[1, 2] + turn[0, 2] * ball[2, 2]
+    z = turn[2, 0] * ball[0, 2] + turn[2, 1] * ball[1, 2] + turn[2, 2] * ball[2, 2]
+    if x * x + z * z < parameters.min_level_part**2:
         return False
-    seen[3] = math.atan2(x, z)
-    spread[3] = limits[YAW] ** 2 + 1e-4
+    work.measured[YAW] = math.atan2(x, z)
+    variance = parameters.yaw_sigma**2 + parameters.marker_sigma**2
     for k in range(3):  # rotation about the vertical
         for m in range(3):
-            spread[3] += turn[1, k] * covariance[3 + k, 3 + m] * turn[1, m]
+            variance += turn[1, k] * work.pose_covariance[3 + k, 3 + m] * turn[1, m]
+    work.variance[YAW] = variance
     return True
 
 
-@kernel
-def transition(ahead: float, lasting: float, limits: Floats, f: Floats) -> None:
-    """Write the matrix that takes the five numbers of a coordinate so far ahead."""
-    w = 2.0 * math.pi / limits[PERIOD]
-    fade = math.exp(-ahead / lasting)
-    f[:] = 0.0
-    f[0, 0] = f[1, 1] = 1.0
-    f[0, 1], f[0, 2] = ahead, lasting * (ahead - lasting * (1.0 - fade))
-    f[1, 2], f[2, 2] = lasting * (1.0 - fade), fade
-    decay = limits[DAMPING] * w
-    turn = w * math.sqrt(max(1.0 - limits[DAMPING] ** 2, 1e-6))
-    envelope = math.exp(-decay * ahead)
-    c, s = envelope * math.cos(turn * ahead), envelope * math.sin(turn * ahead) / turn
-    f[3, 3], f[3, 4] = c + decay * s, s
-    f[4, 3], f[4, 4] = -w * w * s, c - decay * s
+@helper
+def is_jump(work: Any, since: float) -> bool:
+    """Whether the ball is so far from its forecast that it must be another vehicle's."""
+    if not since <= work.parameters.reset_time:
+        return False
+    forecast(work, since, since, work.parameters.jump_extrapolation)
+    square = 0.0
+    for axis in range(YAW):
+        square += (work.measured[axis] - work.forecast[axis, 0]) ** 2
+    return not square <= work.parameters.max_jump**2
 
 
-@kernel
-def predict(state: Floats, since: float, turn_since: float, reach: float, limits: Floats, ahead: Floats) -> None:
-    """Write x, y, z and the angle with their speeds and the accelerations of sway and drift, so long after the last."""
-    f = np.empty((STATES, STATES))
-    w = 2.0 * math.pi / limits[PERIOD]
-    for axis in range(4):
-        gone = min(max(since if axis < 3 else turn_since, 0.0), LATEST)
-        lasting = limits[LASTING if axis < 3 else LASTING + 1]
-        transition(min(gone, reach), lasting, limits, f)
-        for k in range(3):
-            ahead[axis, 0] += f[0, k] * state[axis, k]
-            if gone <= reach:
-                ahead[axis, 1] += f[1, k] * state[axis, k]
-        if gone <= reach:
-            ahead[axis, 3] = f[2, 2] * state[axis, 2]
-        transition(gone, lasting, limits, f)
-        sway = f[3, 3] * state[axis, 3] + f[3, 4] * state[axis, 4]
-        speed = f[4, 3] * state[axis, 3] + f[4, 4] * state[axis, 4]
-        ahead[axis, 0] += sway
-        ahead[axis, 1] += speed
-        ahead[axis, 2] = -w * w * sway - 2.0 * limits[DAMPING] * w * speed
+@helper
+def correct_axes(work: Any, axes: Any, since: float) -> bool:
+    """Predict and correct the axes of a group; all are accepted, or none."""
+    parameters = work.parameters
+    if not since <= parameters.reset_time or axes.rejected >= parameters.max_rejected:
+        for axis in range(axes.first, axes.end):
+            initialize(work, axes, axis)
+        axes.rejected = 0
+        return True
+    write_drift_transition(axes.acceleration_time, since, work.transition)
+    write_oscillation_transition(parameters, since, work.transition)
+    rejected = False
+    for axis in range(axes.first, axes.end):
+        predict(work, axes, axis, since)
+        innovation = work.measured[axis] - work.predicted[axis, 0] - work.predicted[axis, 3]
+        if axis == YAW:
+            innovation -= 2.0 * math.pi * math.floor(innovation / (2.0 * math.pi) + 0.5)
+        spread = work.predicted_covariance[axis]
+        variance = spread[0, 0] + 2.0 * spread[0, 3] + spread[3, 3] + work.variance[axis]
+        work.innovation[axis], work.innovation_variance[axis] = innovation, variance
+        rejected = rejected or not innovation * innovation <= parameters.gate**2 * variance
+    if rejected:
+        axes.rejected += 1
+        return False
+    for axis in range(axes.first, axes.end):
+        correct(work, axis)
+    axes.rejected = 0
+    return True
 
 
-@kernel
-def spread_of(ahead: float, sigma: float, lasting: float, sway: float, limits: Floats, q: Floats) -> None:
-    """Write the covariance that the noise adds in so long: of jerk in the drift, of acceleration in the sway."""
-    density = 2.0 * sigma**2 / lasting
-    q[:] = 0.0
-    for j in range(3):
-        for k in range(3):
-            q[j, k] = density * ahead ** (5 - j - k) / JERK[j, k]
-    density = 4.0 * limits[DAMPING] * (2.0 * math.pi / limits[PERIOD]) ** 3 * sway**2
-    q[3, 3], q[4, 4] = density * ahead**3 / 3.0, density * ahead
-    q[3, 4] = q[4, 3] = density * ahead**2 / 2.0
+@helper
+def initialize(work: Any, axes: Any, axis: int) -> None:
+    """Begin an axis anew with the measurement."""
+    sigma, frequency = axes.oscillation_sigma, 2.0 * math.pi / work.parameters.oscillation_period
+    work.estimate[axis, :] = 0.0
+    work.covariance[axis, :, :] = 0.0
+    work.estimate[axis, 0] = work.measured[axis]
+    work.covariance[axis, 0, 0] = work.variance[axis]
+    work.covariance[axis, 1, 1] = work.parameters.initial_speed_sigma**2
+    work.covariance[axis, 2, 2] = axes.acceleration_sigma**2
+    work.covariance[axis, 3, 3] = sigma**2
+    work.covariance[axis, 4, 4] = (frequency * sigma) ** 2
 
 
-@kernel
-def begin(state: Floats, covariance: Floats, seen: float, spread: float, sigma: float, sway: float, w: float) -> None:
-    """Begin a coordinate anew with what was seen."""
-    state[:] = 0.0
-    covariance[:] = 0.0
-    state[0] = seen
-    covariance[0, 0], covariance[1, 1], covariance[2, 2] = spread, FIRST_SPEED**2, sigma**2
-    covariance[3, 3], covariance[4, 4] = sway**2, (w * sway) ** 2
+@helper
+def predict(work: Any, axes: Any, axis: int, since: float) -> None:
+    """Write ``x' = F x`` and ``P' = F P F^T + Q`` of an axis; F is the transition in the block."""
+    f, state, p = work.transition, work.estimate[axis], work.covariance[axis]
+    after, spread = work.predicted[axis], work.predicted_covariance[axis]
+    write_noise(work.parameters, axes, axis, since, spread)
+    for j in range(ORDER):
+        after[j] = 0.0
+        for k in range(ORDER):
+            after[j] += f[j, k] * state[k]
+            product = 0.0  # (F P)[j, k]
+            for m in range(ORDER):
+                product += f[j, m] * p[m, k]
+            for m in range(ORDER):
+                spread[j, m] += product * f[m, k]
 
 
-@kernel
-def take(
-    state: Floats,
-    covariance: Floats,
-    seen: Floats,
-    spread: Floats,
-    first: int,
-    last: int,
-    since: float,
-    limits: Floats,
-    refused: npt.NDArray[np.int64],
-) -> int:
-    """Correct coordinates first ... last - 1 by what was seen; all are believed, or none.
+@helper
+def correct(work: Any, axis: int) -> None:
+    """Write ``x = x' + K y`` and ``P = (1 - K h) P'`` of an axis: h adds drift and oscillation."""
+    spread = work.predicted_covariance[axis]
+    for j in range(ORDER):
+        gain = (spread[j, 0] + spread[j, 3]) / work.innovation_variance[axis]
+        work.estimate[axis, j] = work.predicted[axis, j] + gain * work.innovation[axis]
+        for k in range(ORDER):
+            work.covariance[axis, j, k] = spread[j, k] - gain * (spread[0, k] + spread[3, k])
 
-    What is farther than a jump from where the neighbor should be is another one, however often it is seen.
-    """
-    which = 0 if first == 0 else 1
-    sigma, lasting, sway = limits[which], limits[LASTING + which], limits[SWAY + which]
-    apart = 0.0
-    if which == 0 and since <= FORGET:
-        ahead = np.zeros((4, 4))
-        predict(state, since, since, STANDS, limits, ahead)
-        for axis in range(3):
-            apart += (seen[axis] - ahead[axis, 0]) ** 2
-    if not apart <= limits[JUMP] ** 2:
-        refused[which] += 1
-        return REFUSED
-    if not since <= FORGET or refused[which] >= limits[PATIENCE]:
-        for axis in range(first, last):
-            begin(state[axis], covariance[axis], seen[axis], spread[axis], sigma, sway, 2.0 * math.pi / limits[PERIOD])
-        refused[which] = 0
-        return ANEW
-    f, q = np.empty((STATES, STATES)), np.empty((STATES, STATES))
-    transition(since, lasting, limits, f)
-    spread_of(since, sigma, lasting, sway, limits, q)
-    after, wide = np.zeros((last - first, STATES)), np.empty((last - first, STATES, STATES))
-    far = False
-    for i in range(last - first):
-        axis = first + i
-        if axis == 1:
-            spread_of(since, sigma, lasting, UPRIGHT * sway, limits, q)
-        elif axis == 2:
-            spread_of(since, sigma, lasting, sway, limits, q)
-        for j in range(STATES):
-            for k in range(STATES):
-                after[i, j] += f[j, k] * state[axis, k]
-                total = q[j, k]
-                for m in range(STATES):
-                    for n in range(STATES):
-                        total += f[j, m] * covariance[axis, m, n] * f[k, n]
-                wide[i, j, k] = total
-        off = seen[axis] - after[i, 0] - after[i, 3]
-        if which == 1:
-            off -= 2.0 * math.pi * math.floor(off / (2.0 * math.pi) + 0.5)
-        variance = wide[i, 0, 0] + 2.0 * wide[i, 0, 3] + wide[i, 3, 3] + spread[axis]
-        seen[axis], spread[axis] = off, variance  # from here on the innovation and its variance
-        far = far or not off * off <= limits[GATE] ** 2 * variance
-    if far:
-        refused[which] += 1
-        return REFUSED
-    for i in range(last - first):
-        axis = first + i
-        for j in range(STATES):
-            gain = (wide[i, j, 0] + wide[i, j, 3]) / spread[axis]
-            state[axis, j] = after[i, j] + gain * seen[axis]
-            for k in range(STATES):
-                covariance[axis, j, k] = wide[i, j, k] - gain * (wide[i, 0, k] + wide[i, 3, k])
-    refused[which] = 0
-    return BELIEVED
+
+@helper
+def forecast(work: Any, since: float, yaw_since: float, max_extrapolation: float) -> None:
+    """Write the forecast of all axes, (4, 4), so many s after the last position and yaw."""
+    for axis in range(YAW):
+        forecast_axis(work, work.position_axes, axis, since, max_extrapolation)
+    forecast_axis(work, work.yaw_axis, YAW, yaw_since, max_extrapolation)
+
+
+def precompile() -> None:
+    """Compile the kernels that Python calls, with the types that `NeighborFilter` hands over."""
+    block = _initial_block(NeighborFilterParameters())
+    update(block, math.inf, math.inf, True)
+    forecast_all(block, np.zeros(1), 0.0, 0.0, 0.0, np.zeros((1, AXES, VALUES)))

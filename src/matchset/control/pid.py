@@ -1,67 +1,86 @@
-"""A controller whose terms can be looked at: `Pid`."""
+"""A PID controller with named terms: `Pid`."""
 
 import math
 from typing import NamedTuple
 
 import msgspec
 
+from matchset.control.parameter_checks import require, require_not_negative, require_share
 
-class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Gains of a `Pid`; units are those of its output per unit of its input.
+
+class PidParameters(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    rename={
+        "derivative_filter_time": "smoothing",
+        "max_error": "stride",
+        "output_limit": "most",
+        "integral_limit": "most_integral",
+        "integral_zone": "within",
+        "integral_lead": "foresight",
+        "integral_decay_time": "learning",
+        "integral_floor": "settled",
+    },
+):
+    """Gains and limits of a `Pid`; units are those of its output per unit of its input.
+
+    Defaults switch a part off. The values that are flown, and what chose them, are in `FollowerParameters`. The key in
+    a file is in parentheses where it is another one.
 
     Parameters
     ----------
     proportional : float
-        Per unit of error. More holds tighter, until delay makes it swing.
+        Gain P, per unit of error. More holds tighter, until the delay makes the loop oscillate.
     integral : float
-        Per unit of error and s. More forgets constant disturbances sooner, and overshoots.
+        Gain I, per unit of error and s. More removes a constant disturbance sooner, and overshoots.
     derivative : float
-        Per unit of error per s. More damps, and passes on noise.
-    smoothing : float
-        Time constant of the low-pass on the derivative, s; 0 for none.
-    stride : float
-        Largest error that counts. What is farther off is approached at a speed of ``P stride / D`` and no faster.
-    most : float
-        Largest output.
-    most_integral : float
-        Largest integral term.
-    within : float
-        Error up to which the integral grows; a long way to go teaches nothing about a bias, and makes it overshoot.
-    foresight : float
-        How far ahead the error is that the integral takes up, s: with D/P an approach as P and D want it adds nothing,
-        so a way to go is not mistaken for a bias, and a bias shows before the way is done.
-    learning : float
-        Time near the goal after which the integral is nearly learned, s: its gain falls to 37 % in so long.
-    settled : float
-        Share of the integral's gain that remains for good, 0 ... 1. Less leaves slow motion to the other terms, more
-        keeps up with a bias that changes.
+        Gain D, per unit of error per s. More damps, and amplifies noise.
+    derivative_filter_time : float
+        Time constant of the low-pass filter of the derivative, s; 0 for none (``smoothing``).
+    max_error : float
+        Limit of the error. From farther away the goal is approached at the speed ``P max_error / D`` (``stride``).
+    output_limit : float
+        Limit of the output (``most``).
+    integral_limit : float
+        Limit of the integral term (``most_integral``).
+    integral_zone : float
+        Largest error for which the integral changes: the error of a long approach says nothing about a bias
+        (``within``).
+    integral_lead : float
+        The integral adds up the error predicted so far ahead, s. With D/P an approach as P and D want it adds nothing,
+        so that it is not mistaken for a bias (``foresight``).
+    integral_decay_time : float
+        The integral's gain decays with this time constant while the error is in the zone, s (``learning``).
+    integral_floor : float
+        Share of the integral's gain that remains at the end, 0 ... 1. Less leaves slow motion to the other terms, more
+        follows a bias that changes (``settled``).
     """
 
     proportional: float
     integral: float = 0.0
     derivative: float = 0.0
-    smoothing: float = 0.0
-    stride: float = math.inf
-    most: float = math.inf
-    most_integral: float = math.inf
-    within: float = math.inf
-    foresight: float = 0.0
-    learning: float = math.inf
-    settled: float = 0.0
+    derivative_filter_time: float = 0.0
+    max_error: float = math.inf
+    output_limit: float = math.inf
+    integral_limit: float = math.inf
+    integral_zone: float = math.inf
+    integral_lead: float = 0.0
+    integral_decay_time: float = math.inf
+    integral_floor: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("proportional", "integral", "derivative", "smoothing", "foresight"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-        for name in ("stride", "most", "most_integral", "within", "learning"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        if not 0.0 <= self.settled <= 1.0:
-            raise ValueError(f"settled must be within 0 ... 1, got {self.settled}")
+        require_not_negative(
+            self, ("proportional", "integral", "derivative", "derivative_filter_time", "integral_lead")
+        )
+        limits = ("max_error", "output_limit", "integral_limit", "integral_zone", "integral_decay_time")
+        require(self, limits, lambda value: value > 0.0, "positive")
+        require_share(self, ("integral_floor",))
 
 
 class PidTerms(NamedTuple):
-    """What the last output was made of; `output` is their sum within the limit."""
+    """Terms of the last output; `output` is their sum within the limit."""
 
     proportional: float = 0.0
     integral: float = 0.0
@@ -70,10 +89,11 @@ class PidTerms(NamedTuple):
 
 
 class Pid:
-    """u = P e + I integral((e - F dy/dt) dt) - D dy/dt, with e = goal - y and the foresight F.
+    """u = P e + I integral((e - L dy/dt) dt) - D dy/dt, with the error e = goal - y and the integral's lead L.
 
-    The derivative is that of the measurement y, so a new goal does not kick; it is low-passed. While the output is at
-    its limit the integral does not grow further that way. The integral learns fast at first, and slower later.
+    The derivative is that of the measurement y, so that a new goal causes no jump; it is low-passed. While the output
+    is at its limit the integral does not grow further in that direction (anti-windup). The integral's gain is large at
+    first and decays.
 
     Parameters
     ----------
@@ -89,16 +109,16 @@ class Pid:
         self.parameters = parameters
         self.terms = PidTerms()
         self._last: float | None = None
-        self._rate = self._age = 0.0
+        self._rate = self._time_in_zone = 0.0
 
     def reset(self, keep_integral: bool = False) -> None:
-        """Forget the past, on request all but the integral term: what it learned of a bias still holds."""
+        """Forget the past; with `keep_integral` all but the integral term, whose bias still holds."""
         self.terms = PidTerms(integral=self.terms.integral if keep_integral else 0.0)
-        self._age = self._age if keep_integral else 0.0
+        self._time_in_zone = self._time_in_zone if keep_integral else 0.0
         self._last, self._rate = None, 0.0
 
     def update(self, goal: float, measured: float, step: float, rate: float | None = None) -> float:
-        """ControlOutput to a measurement.
+        """Compute the output for a measurement.
 
         Parameters
         ----------
@@ -111,7 +131,7 @@ class Pid:
         Returns
         -------
         float
-            The output, within -most ... most.
+            The output, within -output_limit ... output_limit.
 
         Raises
         ------
@@ -121,26 +141,35 @@ class Pid:
         if not (math.isfinite(goal) and math.isfinite(measured) and 0.0 < step < math.inf):
             raise ValueError(f"a controller needs numbers, got goal {goal}, measured {measured}, step {step}")
         gains = self.parameters
+        self._update_rate(measured, step, rate)
+        error = goal - measured
+        limited = min(max(error, -gains.max_error), gains.max_error)
+        proportional, derivative = gains.proportional * limited, -gains.derivative * self._rate
+        integral = self._next_integral(error, limited, step)
+        total = proportional + integral + derivative
+        if abs(total) > gains.output_limit and total * error > 0.0:
+            integral = self.terms.integral
+            total = proportional + integral + derivative
+        output = min(max(total, -gains.output_limit), gains.output_limit)
+        self.terms = PidTerms(proportional, integral, derivative, output)
+        return output
+
+    def _update_rate(self, measured: float, step: float, rate: float | None) -> None:
+        """Low-pass the derivative of the measurement."""
         if rate is None:
             rate = 0.0 if self._last is None else (measured - self._last) / step
         elif not math.isfinite(rate):
             raise ValueError(f"a controller needs numbers, got rate {rate}")
-        fresh = self._last is None
+        first = self._last is None
         self._last = measured
-        self._rate = rate if fresh else self._rate + (rate - self._rate) * step / (gains.smoothing + step)
-        error = goal - measured
-        near = min(max(error, -gains.stride), gains.stride)
-        proportional, derivative = gains.proportional * near, -gains.derivative * self._rate
-        integral = self.terms.integral
-        if abs(error) <= gains.within:
-            self._age += step
-            learning = max(math.exp(-self._age / gains.learning), gains.settled)
-            integral += learning * gains.integral * (near - gains.foresight * self._rate) * step
-        integral = min(max(integral, -gains.most_integral), gains.most_integral)
-        total = proportional + integral + derivative
-        if abs(total) > gains.most and total * error > 0.0:
-            integral = self.terms.integral
-            total = proportional + integral + derivative
-        output = min(max(total, -gains.most), gains.most)
-        self.terms = PidTerms(proportional, integral, derivative, output)
-        return output
+        lag = self.parameters.derivative_filter_time
+        self._rate = rate if first else self._rate + (rate - self._rate) * step / (lag + step)
+
+    def _next_integral(self, error: float, limited: float, step: float) -> float:
+        """Return the integral term one step later, within its limit."""
+        gains, integral = self.parameters, self.terms.integral
+        if abs(error) <= gains.integral_zone:
+            self._time_in_zone += step
+            decay = max(math.exp(-self._time_in_zone / gains.integral_decay_time), gains.integral_floor)
+            integral += decay * gains.integral * (limited - gains.integral_lead * self._rate) * step
+        return min(max(integral, -gains.integral_limit), gains.integral_limit)

@@ -1,7 +1,8 @@
-"""What may be sent: `safety_filter`, a pure function from a wish and the facts to a `Command` and what to remember.
+"""What may be sent: `safety_filter`, a pure function of the desired command, the situation and its last state.
 
-``locked -> flying <-> descending -> cut``. While flying, a lost ball is tolerated for `hold` seconds, in which the wish
-rests on the prediction; then, or as soon as frames stop coming, the throttle goes down, and then the motors are cut.
+Phases: ``locked -> flying <-> descending -> cut``. A ball that is not seen is tolerated for `hold_time`, while the
+controller flies on its prediction; then, or as soon as no frames come, the throttle is lowered, and then the motors are
+stopped.
 """
 
 import math
@@ -10,61 +11,94 @@ from typing import Literal, NamedTuple
 import msgspec
 
 from matchset.control.command import Command
-
-FIRST = 0.98  # share of the throttle with which a descent begins: it goes down from the first command on
+from matchset.control.parameter_checks import require, require_positive
 
 Phase = Literal["locked", "flying", "holding", "descending", "cut"]
-"""``holding``: flying on the prediction, the ball is not seen. ``cut``: motors off until armed anew."""
+"""``holding``: flying on the prediction, the ball is not seen. ``cut``: motors off until armed again."""
 
 
-class SafetyParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Limits of what is sent.
+class SafetyParameters(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    rename={
+        "max_tilt": "tilt",
+        "max_yaw": "yaw",
+        "min_throttle": "least_throttle",
+        "max_throttle": "most_throttle",
+        "max_stick_rate": "slew",
+        "max_throttle_rate": "throttle_slew",
+        "max_frame_age": "fresh",
+        "hold_time": "hold",
+        "reacquisition_time": "seen_again",
+        "descent_duration": "descent",
+        "final_throttle_ratio": "descent_throttle",
+    },
+):
+    """Limits of what is sent; the key in a file is in parentheses where it is another one.
 
     Parameters
     ----------
-    tilt : float
-        Largest roll and pitch stick, 0 ... 1. More follows faster, and falls farther when it goes wrong.
-    yaw : float
-        Largest yaw stick, 0 ... 1.
-    least_throttle, most_throttle : float
-        Range of the throttle while flying, 0 ... 1: neither fall like a stone nor shoot to the ceiling.
-    slew : float
-        Largest change of roll, pitch and yaw, full sticks/s.
-    throttle_slew : float
-        Largest change of the throttle, 1/s, up or down; the cut is not slewed.
-    fresh : float
-        Largest age of the newest frame, s: older means that no frames come.
-    hold : float
-        How long the ball may be unseen while frames come, s.
-    seen_again : float
-        How long the ball must have been seen again without a break before a descent is called off, s.
-    descent : float
-        Length of the descent, s, from its first command to the cut.
-    descent_throttle : float
-        Throttle at the end of the descent, as a share of that before it; it goes there along a straight line.
+    max_tilt : float
+        Largest roll and pitch stick, 0 ... 1. More follows faster, and falls farther when it goes wrong. Chosen by
+        hand: leaves the flight controller a margin (``tilt``).
+    max_yaw : float
+        Largest yaw stick, 0 ... 1. Chosen by hand: all (``yaw``).
+    min_throttle, max_throttle : float
+        Range of the throttle in flight, 0 ... 1. Chosen by hand: it neither falls like a stone nor hits the ceiling
+        (``least_throttle``, ``most_throttle``).
+    max_stick_rate : float
+        Largest change of roll, pitch and yaw, full sticks/s. Chosen by hand: full stick within 1/8 s (``slew``).
+    max_throttle_rate : float
+        Largest change of the throttle, 1/s, up or down; stopping the motors is not limited. Chosen by hand: all of it
+        within 1/3 s (``throttle_slew``).
+    max_frame_age : float
+        Largest age of the newest frame, s; an older one means that no frames come. Chosen by: the project's safety
+        rules (``fresh``).
+    hold_time : float
+        How long the ball may be unseen while frames come, s. Chosen by: the project's safety rules (``hold``).
+    reacquisition_time : float
+        How long the ball must be seen again without a gap until a descent is called off, s. Chosen by hand: three
+        frames (``seen_again``).
+    descent_duration : float
+        Time from the first command of a descent to the cut, s. Chosen by hand: down from 1 to 2 m (``descent``).
+    initial_throttle_ratio, final_throttle_ratio : float
+        Throttle at the beginning and the end of a descent as a share of that before it; in between a straight line. The
+        first is below 1, so that the first command lowers it. Chosen by hand: sinks at about 1 m/s
+        (``descent_throttle`` is the final one).
+    min_step, max_step : float
+        Limits of the time between commands that the rates are computed with, s. Chosen by hand: a clock that jumps must
+        not allow a jump of the sticks.
     """
 
-    tilt: float = 0.8
-    yaw: float = 1.0
-    least_throttle: float = 0.2
-    most_throttle: float = 0.9
-    slew: float = 8.0
-    throttle_slew: float = 3.0
-    fresh: float = 0.3
-    hold: float = 1.0
-    seen_again: float = 0.1
-    descent: float = 2.0
-    descent_throttle: float = 0.75
+    max_tilt: float = 0.8
+    max_yaw: float = 1.0
+    min_throttle: float = 0.2
+    max_throttle: float = 0.9
+    max_stick_rate: float = 8.0
+    max_throttle_rate: float = 3.0
+    max_frame_age: float = 0.3
+    hold_time: float = 1.0
+    reacquisition_time: float = 0.1
+    descent_duration: float = 2.0
+    initial_throttle_ratio: float = 0.98
+    final_throttle_ratio: float = 0.75
+    min_step: float = 1e-3
+    max_step: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in self.__struct_fields__:
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        for name in ("tilt", "yaw", "least_throttle", "most_throttle", "descent_throttle"):
-            if getattr(self, name) > 1.0:
-                raise ValueError(f"{name} must be within 0 ... 1, got {getattr(self, name)}")
-        if self.least_throttle >= self.most_throttle:
-            raise ValueError(f"least_throttle must be below most_throttle, got {self.least_throttle}")
+        require_positive(self, self.__struct_fields__)
+        shares = (
+            "max_tilt",
+            "max_yaw",
+            "min_throttle",
+            "max_throttle",
+            "initial_throttle_ratio",
+            "final_throttle_ratio",
+        )
+        require(self, shares, lambda value: value <= 1.0, "within 0 ... 1")
+        require(self, ("min_throttle",), lambda value: value < self.max_throttle, "below most_throttle (max_throttle)")
 
 
 class DesiredCommand(NamedTuple):
@@ -77,42 +111,42 @@ class DesiredCommand(NamedTuple):
 
 
 class SafetyInputs(NamedTuple):
-    """What is known at the time of a command; times in s on one clock, -inf for never.
+    """The situation at the time of a command; times in s on one clock, -inf for never.
 
     Attributes
     ----------
     now : float
         When the command is made.
-    frame : float
+    frame_time : float
         When the newest frame was taken.
-    seen : float
+    seen_time : float
         When the newest frame in which the ball was confirmed was taken.
     armed : bool
         Whether the pilot wants to fly.
     """
 
     now: float
-    frame: float
-    seen: float
+    frame_time: float
+    seen_time: float
     armed: bool
 
 
 class SafetyState(NamedTuple):
-    """What the next call needs; start with `SafetyState()`, or with the command that flies already.
+    """What the next call needs; the first one gets `SafetyState()`.
 
     Attributes
     ----------
     phase : Phase
     reason : str
-        Why it is not plain flying, in words.
+        Why the phase is not "flying", in words.
     time : float
         When the last command was made, s.
-    since : float
+    descent_start : float
         When the descent began, s.
-    again : float
-        Since when the ball is seen without a break, s.
-    start : float
-        Throttle at the beginning of the descent.
+    seen_since : float
+        Since when the ball is seen without a gap, s.
+    initial_throttle : float
+        Throttle before the descent.
     command : Command
         The last command.
     """
@@ -120,24 +154,24 @@ class SafetyState(NamedTuple):
     phase: Phase = "locked"
     reason: str = "not armed"
     time: float = -math.inf
-    since: float = math.inf
-    again: float = math.inf
-    start: float = 0.0
+    descent_start: float = math.inf
+    seen_since: float = math.inf
+    initial_throttle: float = 0.0
     command: Command = Command()
 
 
 def safety_filter(
-    wish: DesiredCommand | None, facts: SafetyInputs, memory: SafetyState, limits: SafetyParameters | None = None
+    desired: DesiredCommand | None, inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters | None = None
 ) -> tuple[Command, SafetyState]:
     """Decide what is sent.
 
     Parameters
     ----------
-    wish : DesiredCommand or None
-        What the controller wants; None, or anything not finite, is no answer: sticks neutral, throttle as it was.
-    facts : SafetyInputs
-        The situation. A time that is not finite or lies ahead counts as bad news.
-    memory : SafetyState
+    desired : DesiredCommand or None
+        What the controller wants; None, or anything not finite, counts as no output: neutral sticks, same throttle.
+    inputs : SafetyInputs
+        The situation. A time that is not finite or in the future counts as too old.
+    state : SafetyState
         From the last call.
     limits : SafetyParameters, optional
 
@@ -145,81 +179,80 @@ def safety_filter(
     -------
     command : Command
         Always finite and in range. Zero when not armed and after the cut.
-    memory : SafetyState
+    state : SafetyState
         For the next call.
     """
     limits = limits or SafetyParameters()
-    if not facts.armed:
-        return Command(), SafetyState(reason="not armed", time=facts.now)
-    blind = not 0.0 <= facts.now - facts.frame <= limits.fresh
-    unseen = not 0.0 <= facts.now - facts.seen <= limits.hold
-    usable = wish is not None and all(map(math.isfinite, wish))
-    again = _seen_since(facts, memory, usable, limits)
-    reason = _doubt(limits, blind, unseen)
-    if memory.phase == "cut":
-        return Command(), memory._replace(time=facts.now)
-    if memory.phase == "locked" and (reason or not usable):
-        return Command(), memory._replace(reason=reason or "the controller has no answer", time=facts.now)
-    if memory.phase == "descending" and not facts.now - again >= limits.seen_again:
-        reason = reason or memory.reason
+    if not inputs.armed:
+        return Command(), SafetyState(reason="not armed", time=inputs.now)
+    usable = desired is not None and all(map(math.isfinite, desired))
+    seen_since = _seen_since(inputs, state, usable, limits)
+    reason = _reason_to_descend(inputs, limits)
+    if state.phase == "cut":
+        return Command(), state._replace(time=inputs.now)
+    if state.phase == "locked" and (reason or not usable):
+        return Command(), state._replace(reason=reason or "the controller has no answer", time=inputs.now)
+    if state.phase == "descending" and not inputs.now - seen_since >= limits.reacquisition_time:
+        reason = reason or state.reason
     if reason:
-        return _descend(facts, memory, reason, again, limits)
-    step = min(max(facts.now - memory.time, 0.0), 0.1)
-    goal = wish if usable and wish is not None else DesiredCommand(0.0, 0.0, 0.0, memory.command.throttle)
-    command = _limited(goal, memory.command, step, limits)
-    direct = usable and facts.seen == facts.frame
-    phase: Phase = "flying" if direct else "holding"
-    words = "" if direct else "the ball is not seen" if usable else "the controller has no answer"
-    return command, SafetyState(phase, words, facts.now, again=again, command=command)
+        return _descend(inputs, state._replace(reason=reason, seen_since=seen_since), limits)
+    step = min(max(inputs.now - state.time, 0.0), limits.max_step)
+    goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, state.command.throttle)
+    command = _limited(goal, state.command, step, limits)
+    seen = usable and inputs.seen_time == inputs.frame_time
+    phase: Phase = "flying" if seen else "holding"
+    reason = "" if seen else "the ball is not seen" if usable else "the controller has no answer"
+    return command, SafetyState(phase, reason, inputs.now, seen_since=seen_since, command=command)
 
 
-def _seen_since(facts: SafetyInputs, memory: SafetyState, usable: bool, limits: SafetyParameters) -> float:
-    """Since when the ball is seen without a break, s; inf while it is not."""
-    seen = usable and facts.seen == facts.frame and 0.0 <= facts.now - facts.frame <= limits.fresh
-    return min(memory.again, facts.now) if seen else math.inf
+def _seen_since(inputs: SafetyInputs, state: SafetyState, usable: bool, limits: SafetyParameters) -> float:
+    """Since when the ball is seen without a gap, s; inf while it is not."""
+    fresh = 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age
+    seen = usable and fresh and inputs.seen_time == inputs.frame_time
+    return min(state.seen_since, inputs.now) if seen else math.inf
 
 
-def _doubt(limits: SafetyParameters, blind: bool, unseen: bool) -> str:
-    """Why not to fly on; empty if there is no reason."""
-    if blind:
-        return f"no new frame for {limits.fresh:g} s"
-    return f"the ball has not been seen for {limits.hold:g} s" if unseen else ""
+def _reason_to_descend(inputs: SafetyInputs, limits: SafetyParameters) -> str:
+    """Say why the flight must end; empty if there is no reason."""
+    if not 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age:
+        return f"no new frame for {limits.max_frame_age:g} s"
+    if not 0.0 <= inputs.now - inputs.seen_time <= limits.hold_time:
+        return f"the ball has not been seen for {limits.hold_time:g} s"
+    return ""
 
 
-def _descend(
-    facts: SafetyInputs, memory: SafetyState, reason: str, again: float, limits: SafetyParameters
-) -> tuple[Command, SafetyState]:
-    """Neutral sticks and less throttle, then the cut."""
-    begun = memory.phase == "descending"
-    since = memory.since if begun else facts.now
-    start = memory.start if begun else memory.command.throttle
-    share = (facts.now - since) / limits.descent
+def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> tuple[Command, SafetyState]:
+    """Neutral sticks and less throttle, then the cut; the state has the reason already."""
+    if state.phase != "descending":
+        state = state._replace(descent_start=inputs.now, initial_throttle=state.command.throttle)
+    share = (inputs.now - state.descent_start) / limits.descent_duration
     if not 0.0 <= share < 1.0:
-        return Command(), SafetyState("cut", reason, facts.now)
-    step = min(max(facts.now - memory.time, 1e-3), 0.1)
-    throttle = start * (FIRST + (limits.descent_throttle - FIRST) * share)
-    last = memory.command
+        return Command(), SafetyState("cut", state.reason, inputs.now)
+    step = min(max(inputs.now - state.time, limits.min_step), limits.max_step)
+    first = limits.initial_throttle_ratio
+    throttle = state.initial_throttle * (first + (limits.final_throttle_ratio - first) * share)
+    last, change = state.command, limits.max_stick_rate * step
     command = Command(
-        _toward(last.roll, 0.0, limits.slew * step),
-        _toward(last.pitch, 0.0, limits.slew * step),
-        _toward(last.yaw, 0.0, limits.slew * step),
+        _toward(last.roll, 0.0, change),
+        _toward(last.pitch, 0.0, change),
+        _toward(last.yaw, 0.0, change),
         min(max(throttle, 0.0), last.throttle),
     )
-    return command, SafetyState("descending", reason, facts.now, since, again, start, command)
+    return command, state._replace(phase="descending", time=inputs.now, command=command)
 
 
-def _limited(wish: DesiredCommand, last: Command, step: float, limits: SafetyParameters) -> Command:
-    """Clip to the limits, then to what may change in one step."""
-    tilt, yaw, most, rise = limits.tilt, limits.yaw, limits.slew * step, limits.throttle_slew * step
-    throttle = min(max(wish.throttle, limits.least_throttle), limits.most_throttle)
+def _limited(desired: DesiredCommand, last: Command, step: float, limits: SafetyParameters) -> Command:
+    """Clip to the limits, then to the largest change of one step."""
+    tilt, yaw, change = limits.max_tilt, limits.max_yaw, limits.max_stick_rate * step
+    throttle = min(max(desired.throttle, limits.min_throttle), limits.max_throttle)
     return Command(
-        _toward(last.roll, min(max(wish.roll, -tilt), tilt), most),
-        _toward(last.pitch, min(max(wish.pitch, -tilt), tilt), most),
-        _toward(last.yaw, min(max(wish.yaw, -yaw), yaw), most),
-        _toward(last.throttle, throttle, rise),
+        _toward(last.roll, min(max(desired.roll, -tilt), tilt), change),
+        _toward(last.pitch, min(max(desired.pitch, -tilt), tilt), change),
+        _toward(last.yaw, min(max(desired.yaw, -yaw), yaw), change),
+        _toward(last.throttle, throttle, limits.max_throttle_rate * step),
     )
 
 
-def _toward(value: float, goal: float, most: float) -> float:
-    """Go from a value toward a goal, at most so far."""
-    return min(max(goal, value - most), value + most)
+def _toward(value: float, goal: float, change: float) -> float:
+    """Change a value toward a goal, by at most so much."""
+    return min(max(goal, value - change), value + change)

@@ -83,7 +83,9 @@ class LiveView:
         Stderr by default.
     """
 
-    def __init__(self, place: RelativeSetpoint, duration: float, quiet: bool = False, console: Console | None = None) -> None:
+    def __init__(
+        self, place: RelativeSetpoint, duration: float, quiet: bool = False, console: Console | None = None
+    ) -> None:
         self._console = console or Console(stderr=True, highlight=False)
         self._place, self._duration, self._quiet = place, duration, quiet
         self._live = Live(console=self._console, refresh_per_second=10, transient=True)

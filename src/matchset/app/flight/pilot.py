@@ -16,7 +16,7 @@ import numpy.typing as npt
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
-from matchset.control.safety import SafetyInputs, SafetyState, SafetyParameters, safety_filter
+from matchset.control.safety import SafetyInputs, SafetyParameters, SafetyState, safety_filter
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.links.link import Link

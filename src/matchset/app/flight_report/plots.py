@@ -55,7 +55,7 @@ def coordinates_png(log: FlightLog, number: int) -> bytes:
     figure = Figure(figsize=(14.8, 5.6), dpi=100)
     rows = figure.subplots(3, 1, sharex=True)
     follower, place = log.followers[number], log.setup.parameters.pilot.place
-    ahead = log.setup.parameters.pilot.follower.own.delay
+    ahead = log.setup.parameters.pilot.follower.ego_motion.delay
     for way, axes in enumerate(rows):
         wanted = (place.side, place.height, place.heading)[way]
         axes.axhline(wanted, color=INK, linewidth=0.8, linestyle=(0, (4, 4)), label="set place")

@@ -165,7 +165,7 @@ class ColorModel:
         """
         return cls(log_odds_of("edges", 127.5, 1), "edges")
 
-    def seen_in(self, image: npt.NDArray[np.uint8], level: float | None = None) -> "ColorModel":
+    def for_image(self, image: npt.NDArray[np.uint8], level: float | None = None) -> "ColorModel":
         """Model for a picture: itself for a color; for brightness with the picture's own level between dark and light.
 
         Parameters
@@ -187,7 +187,7 @@ class ColorModel:
             return self
         return ColorModel(log_odds_of(self.gray, level_in(image) if level is None else level, channels), self.gray)
 
-    def sought_in(self, image: npt.NDArray[np.uint8]) -> "list[ColorModel]":
+    def search_models(self, image: npt.NDArray[np.uint8]) -> "list[ColorModel]":
         """Models by which a search finds candidates: itself, or dark and light where edges are asked for."""
         if self.gray != "edges":
             return [self]
@@ -237,7 +237,7 @@ class ColorModel:
             If the picture is gray and the model is not, or the other way around.
         """
         check_image(image)
-        return np.where(self.seen_in(image).scores(image) > 0, 255, 0).astype(np.uint8)
+        return np.where(self.for_image(image).scores(image) > 0, 255, 0).astype(np.uint8)
 
     def check(self, image: npt.NDArray[np.uint8]) -> None:
         """Refuse a picture of another kind than the one that was learned (ValueError)."""

@@ -76,7 +76,7 @@ class Finder(Generic[S]):
     def _starts(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Iterator[list[Start]]:
         """Where fits may begin: for each candidate one or several of x, y, half-width and state."""
         family = self.matcher.family
-        for sought in color.sought_in(image):
+        for sought in color.search_models(image):
             if finds_itself(family):
                 for hull in self.searcher.hulls(image, sought):
                     states = [shape.state for shape in from_hull(family, hull)]
@@ -145,7 +145,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     """
     if limit < 1:
         raise ValueError(f"detect needs a limit of at least 1, got {limit}")
-    image, color = channels_last(frame.image), color.seen_in(frame.image)
+    image, color = channels_last(frame.image), color.for_image(frame.image)
     finder = _finder(family, image.shape[1], image.shape[0], max(SearchParameters().candidates, limit + limit // 5))
     found = [(merit, finder.matcher.track(frame.time)) for _, merit in finder.sightings(image, color)]
     found.sort(key=lambda pair: -pair[0])

@@ -31,10 +31,10 @@ def suited(color: ColorModel, image: Image, shape: Shape | None) -> ColorModel:
         Where the target is, roughly, if that is known.
     """
     if not color.gray or shape is None:
-        return color.seen_in(image)
+        return color.for_image(image)
     x, y = shape.state[:2].tolist()
     level = level_across(image, outline(shape), x, y)
-    return color.seen_in(image, None if math.isnan(level) else level)
+    return color.for_image(image, None if math.isnan(level) else level)
 
 
 @inlined

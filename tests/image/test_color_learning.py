@@ -2,7 +2,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.image.color_learning import calm, grow, surroundings
+from matchset.image.color_learning import background_mask, features, grow_region, uniform_seed
 
 Mask = npt.NDArray[np.bool_]
 ROWS, COLUMNS = np.indices((120, 160))
@@ -32,21 +32,21 @@ def overlap(a: Mask, b: Mask) -> float:
 @pytest.mark.parametrize(("shaded", "gray"), [(False, False), (True, False), (False, True)])
 def test_a_region_grows_to_its_own_edge(noise: float, shaded: bool, gray: bool) -> None:
     image = picture(noise, shaded)
-    region = grow(image[:, :, 2] if gray else image, disc(66, 58, 4))
+    region = grow_region(features(image[:, :, 2] if gray else image), disc(66, 58, 4))
     assert overlap(region, disc(70, 60, 28)) > 0.75  # the smoothed rim is left out
     assert not (region & disc(135, 20, 10)).any()
 
 
 def test_the_seed_always_belongs() -> None:
     seed = disc(70, 60, 4) | disc(20, 20, 2)
-    assert (grow(picture(), seed) & seed).sum() == seed.sum()
+    assert (grow_region(features(picture()), seed) & seed).sum() == seed.sum()
     flat = np.full((30, 40), 9, np.uint8)
-    np.testing.assert_array_equal(grow(flat, seed[:30, :40]), seed[:30, :40])
+    np.testing.assert_array_equal(grow_region(features(flat), seed[:30, :40]), seed[:30, :40])
 
 
 @pytest.mark.parametrize(("x", "y"), [(70, 60), (50, 60), (96, 60), (70, 34)])
-def test_the_calm_place_is_beside_the_click_and_not_on_the_rim(x: int, y: int) -> None:
-    place = calm(picture(), x, y)
+def test_the_uniform_seed_is_beside_the_click_and_not_on_the_rim(x: int, y: int) -> None:
+    place = uniform_seed(features(picture()), x, y)
     rows, columns = np.nonzero(place)
     assert np.hypot(columns - x, rows - y).max() <= 10.0
     assert 20 <= place.sum() <= 29
@@ -54,13 +54,13 @@ def test_the_calm_place_is_beside_the_click_and_not_on_the_rim(x: int, y: int) -
 
 
 @pytest.mark.parametrize(("x", "y"), [(0, 0), (159, 119), (-0.5, 60)])
-def test_a_calm_place_at_the_border_is_in_the_picture(x: float, y: float) -> None:
-    assert calm(picture(), x, y).sum() >= 8
+def test_a_uniform_seed_at_the_border_is_in_the_picture(x: float, y: float) -> None:
+    assert uniform_seed(features(picture()), x, y).sum() >= 8
 
 
-def test_the_surroundings_keep_their_distance() -> None:
-    outside = surroundings(disc(70, 60, 20))
+def test_the_background_keeps_their_distance() -> None:
+    outside = background_mask(disc(70, 60, 20))
     assert outside[60, 70 + 33]
     assert not outside[60, 70 + 30]
     assert not (outside & disc(70, 60, 29)).any()
-    assert not surroundings(np.ones((30, 30), bool)).any()
+    assert not background_mask(np.ones((30, 30), bool)).any()

@@ -1,4 +1,4 @@
-"""What all kinds of video share; see also test_recording.py, test_pictures.py and test_live.py."""
+"""What all kinds of video share; see also test_video_file.py, test_image_folder.py and test_camera_stream.py."""
 
 from collections.abc import Iterator
 from operator import length_hint

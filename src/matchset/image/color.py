@@ -1,6 +1,6 @@
 """What the target's color is: `ColorModel`, a table from pixel value to how much it looks like the target.
 
-A model knows log-odds L = ``ln p(pixel | target) / p(pixel | background)``; its table holds the whiteness tanh(L / 2),
+A model holds log-odds L = ``ln p(pixel | target) / p(pixel | background)``; its table holds the whiteness tanh(L / 2),
 from -127 (surely background) to 127 (surely target), so Eq. 1 of Epstein & Feldman reads the same with graded
 whiteness: white inside minus white outside. BGR pixels are told apart by their 5 upper bits (32 x 32 x 32),
 gray ones by their value; a pixel costs one read whatever taught the table.
@@ -14,12 +14,22 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.brightness import Gray, level_in, log_odds_of
-from matchset.image.color_learning import bin_centers, calm, grow, learned_color, learned_gray, surroundings
+from matchset.image.color_learning import (
+    DEFAULT,
+    ColorParameters,
+    background_mask,
+    bin_centers,
+    color_log_odds,
+    features,
+    gray_log_odds,
+    grow_region,
+    uniform_seed,
+)
 from matchset.image.frame import check_image
 
-LIMIT = 4.0  # largest log-odds: one pixel can be wrong
-WHITE = 127  # table value of a pixel that is surely target
-VERSION = 1
+LIMIT = 4.0  # format: largest log-odds that a table holds, since any one pixel can be wrong
+WHITE = 127  # format: table value of a pixel that is surely target, the largest signed byte
+VERSION = 1  # format: of a color file
 
 
 class ColorModel:
@@ -30,7 +40,6 @@ class ColorModel:
     log_odds : ndarray of shape (32768,) or (256,), float32
         Log-odds of target against background of each BGR cell ``(b >> 3) << 10 | (g >> 3) << 5 | r >> 3``, or of each
         gray value; clipped to +-4.
-
     gray : str
         "dark", "light" or "edges" for a model that asks for brightness and suits any picture; empty for a color.
 
@@ -54,7 +63,12 @@ class ColorModel:
         return 3 if self.table.size == 32768 else 1
 
     @classmethod
-    def learn(cls, image: npt.NDArray[np.uint8], region: tuple[int, int, int, int]) -> "ColorModel":
+    def learn(
+        cls,
+        image: npt.NDArray[np.uint8],
+        region: tuple[int, int, int, int],
+        parameters: ColorParameters = DEFAULT,
+    ) -> "ColorModel":
         """Learn the color from a box inside the target; the rest of the picture teaches the background.
 
         Parameters
@@ -62,6 +76,7 @@ class ColorModel:
         image : ndarray of shape (h, w, 3) or (h, w), uint8
         region : tuple of int
             x, y, width, height, px, inside the target.
+        parameters : ColorParameters
 
         Raises
         ------
@@ -75,10 +90,13 @@ class ColorModel:
             raise ValueError(f"region {region} does not lie in the {columns} x {rows} picture")
         seed = np.zeros((rows, columns), bool)
         seed[y : y + height, x : x + width] = True
-        return cls._taught(image, grow(image, seed), f"region {region}")
+        target = grow_region(features(image, parameters), seed, parameters)
+        return cls._learned(image, target, f"region {region}", parameters)
 
     @classmethod
-    def pick(cls, image: npt.NDArray[np.uint8], x: float, y: float) -> "ColorModel":
+    def pick(
+        cls, image: npt.NDArray[np.uint8], x: float, y: float, parameters: ColorParameters = DEFAULT
+    ) -> "ColorModel":
         """Learn the color from one click on the target.
 
         Parameters
@@ -86,6 +104,7 @@ class ColorModel:
         image : ndarray of shape (h, w, 3) or (h, w), uint8
         x, y : float
             A point on the target, px.
+        parameters : ColorParameters
 
         Raises
         ------
@@ -96,21 +115,26 @@ class ColorModel:
         rows, columns = image.shape[:2]
         if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {columns} x {rows} picture")
-        return cls._taught(image, grow(image, calm(image, x, y)), f"pick ({x:g}, {y:g})")
+        values = features(image, parameters)
+        target = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
+        return cls._learned(image, target, f"pick ({x:g}, {y:g})", parameters)
 
     @classmethod
-    def _taught(cls, image: npt.NDArray[np.uint8], target: npt.NDArray[np.bool_], origin: str) -> "ColorModel":
-        outside = surroundings(target)
+    def _learned(
+        cls, image: npt.NDArray[np.uint8], target: npt.NDArray[np.bool_], origin: str, parameters: ColorParameters
+    ) -> "ColorModel":
+        """Learn from the pixels of the target; a ValueError with the origin if the rest looks like them."""
+        outside = background_mask(target, parameters)
         if not outside.any():
             raise ValueError(f"{origin}: no background is left to learn from")
-        learn = learned_color if image.ndim == 3 else learned_gray
-        model = cls(learn(image[target], image[outside]))
+        log_odds = color_log_odds if image.ndim == 3 else gray_log_odds
+        model = cls(log_odds(image[target], image[outside], parameters))
         alike = model.scores(image) > 0
-        hits = np.mean(alike[target])
-        if hits < 0.5 or np.mean(alike[outside]) > 0.5 * hits:
+        hits, false = np.mean(alike[target]), np.mean(alike[outside])
+        if hits < parameters.least_hits or false > parameters.most_false * hits:
             raise ValueError(
                 f"{origin}: its color cannot be told from the background "
-                f"({100 * hits:.0f} % of it stands out, and so does {100 * np.mean(alike[outside]):.0f} % of the rest)"
+                f"({100 * hits:.0f} % of it stands out, and so does {100 * false:.0f} % of the rest)"
             )
         return model
 
@@ -216,8 +240,8 @@ class ColorModel:
         """
         if self.channels == 1:
             return np.asarray(self.table[pixels])
-        cells = pixels.astype(np.int32) >> 3
-        return np.asarray(self.table[cells[..., 0] << 10 | cells[..., 1] << 5 | cells[..., 2]])
+        blue, green, red = ((pixels[..., k] >> 3).astype(np.uint16) for k in range(3))
+        return np.asarray(self.table[blue << 10 | green << 5 | red])
 
     def mask(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
         """Picture of what looks like the target; to look at, the tracking loop never makes one.

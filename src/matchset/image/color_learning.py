@@ -10,46 +10,150 @@ Brighter or dimmer light moves l and hardly u and v; the 48 keeps dark, noisy pi
 are histograms, smoothed.
 """
 
+import functools
 import itertools
-from itertools import pairwise
 from typing import cast
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float32]
+Bytes = npt.NDArray[np.uint8]
 
-TOLERANCES = 0.012 * 1.2 ** np.arange(19)  # chroma distances that are tried, in rising order
-LIGHTNESS = 0.06  # chroma distance that an octave of lightness counts as: light may vary over the target
-LARGEST = 0.4  # share of the picture beyond which a region has leaked into the background
-STEADY = 1.12  # growth of the area from one tolerance to the next that still counts as standing still
-LOW = np.array([-0.45, -0.45, -3.2], np.float32)
-STEP = np.array([0.02, 0.02, 0.15], np.float32)
-SIZE = (62, 62, 37)
-UNKNOWN = 0.06, 0.12  # shares of target and background that may have any color at all
+LOW = np.array([-0.45, -0.45, -3.2], np.float32)  # geometry: middle of a histogram's first cell: u, v, l
+STEP = np.array([0.02, 0.02, 0.15], np.float32)  # geometry: size of a histogram's cell: u, v, l
+CELLS = (62, 62, 37)  # geometry: cells of a histogram along u, v, l
+TINY = 1e-9
 
 
-def features(image: npt.NDArray[np.uint8]) -> Floats:
+class ColorParameters(msgspec.Struct, frozen=True):
+    """How a color is learned from a click or a box.
+
+    Chosen by hand on real footage; `tests/image/test_color_learning.py` and ``python -m benchmarks --only real`` would
+    show a change.
+
+    Parameters
+    ----------
+    smoothing_px : float
+        Standard deviation of the Gaussian by which the picture is smoothed before regions are grown, px. Larger
+        averages noise and compression away, and joins what lies close together.
+    seed_radius_px, seed_search_px : float
+        Radius of the disc from which a click's region grows, and how far from the click its center may lie, px: people
+        click near rims, stripes and highlights too.
+    seed_distance_cost : float
+        Standard deviation of the color, in units of chroma, that one px of distance from the click is worth.
+    lightness_weight : float
+        Chroma distance that an octave of lightness counts as: light may vary over the target.
+    gray_levels_per_unit : float
+        Gray levels of a gray picture that count as one unit of chroma.
+    first_tolerance, tolerance_ratio, tolerances
+        Chroma distances that are tried: the first, the ratio from each to the next, and how many.
+    largest_share : float
+        Share of the picture beyond which a region has leaked into the background.
+    stable_growth : float
+        Growth of the area from one tolerance to the next that still counts as standing still.
+    background_ratio, background_margin_px : float
+        The background begins outside the circle around the region, its radius times this ratio and this many px more.
+    unknown_target, unknown_background : float
+        Share of target and background that may have any color at all: no color is impossible.
+    narrowest, widest : float
+        Limits of the smoothing of the target's density along u and v; between them it follows Silverman's rule.
+    target_octaves, background_octaves : float
+        Smoothing along lightness, octaves: wide for the target, since light changes lightness first.
+    background_width : float
+        Smoothing of the background's density along u and v.
+    gray_width : float
+        Smoothing of the densities of gray pictures, gray levels.
+    least_hits, most_false : float
+        A color is refused if less than this share of the region looks like the target, or if the background has more
+        than this many times that share.
+    """
+
+    smoothing_px: float = 2.0
+    seed_radius_px: float = 3.0
+    seed_search_px: float = 7.0
+    seed_distance_cost: float = 0.002
+    lightness_weight: float = 0.06
+    gray_levels_per_unit: float = 400.0
+    first_tolerance: float = 0.012
+    tolerance_ratio: float = 1.2
+    tolerances: int = 19
+    largest_share: float = 0.4
+    stable_growth: float = 1.12
+    background_ratio: float = 1.4
+    background_margin_px: int = 4
+    unknown_target: float = 0.06
+    unknown_background: float = 0.12
+    narrowest: float = 0.018
+    widest: float = 0.06
+    target_octaves: float = 0.9
+    background_octaves: float = 0.3
+    background_width: float = 0.02
+    gray_width: float = 6.0
+    least_hits: float = 0.5
+    most_false: float = 0.5
+
+
+DEFAULT = ColorParameters()
+
+
+def features(image: Bytes, parameters: ColorParameters = DEFAULT) -> Floats:
     """Smoothed features of every pixel, (h, w, 3): chroma of a color picture, the gray value repeated otherwise.
 
     Parameters
     ----------
     image : ndarray of shape (h, w, 3) or (h, w), uint8
+    parameters : ColorParameters
 
     Returns
     -------
     ndarray of shape (h, w, 3), float32
     """
-    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), 2.0), np.uint8)
+    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), parameters.smoothing_px), np.uint8)
     if smooth.ndim == 3:
         return chroma(smooth)
-    level = smooth.astype(np.float32) / 400.0
+    level = smooth.astype(np.float32) / parameters.gray_levels_per_unit
     return np.stack((level, level, np.zeros_like(level)), axis=-1)
 
 
-def grow(image: npt.NDArray[np.uint8], seed: Mask) -> Mask:
+def uniform_seed(values: Floats, x: float, y: float, parameters: ColorParameters = DEFAULT) -> Mask:
+    """Small disc near a click where the color hardly varies.
+
+    Parameters
+    ----------
+    values : ndarray of shape (h, w, 3), float32
+        See `features`.
+    x, y : float
+        The click, px.
+    parameters : ColorParameters
+
+    Returns
+    -------
+    ndarray of shape (h, w), bool
+        A disc of `seed_radius_px` at most `seed_search_px` from the click.
+    """
+    height, width = values.shape[:2]
+    size = 2 * int(parameters.seed_radius_px) + 1
+    far = int(parameters.seed_search_px) + size  # what the search sees, and a border that its means need
+    left, top = max(round(x) - far, 0), max(round(y) - far, 0)
+    near = values[top : round(y) + far + 1, left : round(x) + far + 1].copy()
+    near[..., 2] *= parameters.lightness_weight
+    mean, square = cv2.blur(near, (size, size)), cv2.blur(near**2, (size, size))
+    deviation = np.sqrt(np.maximum(square - mean**2, 0.0).sum(axis=-1))
+    rows, columns = np.indices(deviation.shape)
+    away = np.hypot(columns + left - x, rows + top - y)
+    allowed = away <= parameters.seed_search_px
+    best = np.argmin(np.where(allowed, deviation + parameters.seed_distance_cost * away, np.inf))
+    row, column = np.unravel_index(best, deviation.shape)
+    rows, columns = np.ogrid[:height, :width]
+    squared = (columns - (column + left)) ** 2 + (rows - (row + top)) ** 2
+    return np.asarray(squared <= parameters.seed_radius_px**2)
+
+
+def grow_region(values: Floats, seed: Mask, parameters: ColorParameters = DEFAULT) -> Mask:
     """Grow the connected region around the seed that is set off from what surrounds it.
 
     The tolerance is not chosen by hand: the region is grown with rising tolerances, and the one is taken around which
@@ -58,79 +162,77 @@ def grow(image: npt.NDArray[np.uint8], seed: Mask) -> Mask:
 
     Parameters
     ----------
-    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    values : ndarray of shape (h, w, 3), float32
+        See `features`.
     seed : ndarray of shape (h, w), bool
         Pixels known to be target.
+    parameters : ColorParameters
 
     Returns
     -------
     ndarray of shape (h, w), bool
         The seed and what grew from it.
     """
-    values = features(image)
-    change = values - np.median(values[seed], axis=0)
-    change[..., 2] *= LIGHTNESS
-    distance = np.sqrt(np.sum(change**2, axis=-1))
-    regions = []
-    for tolerance in TOLERANCES:
-        region = _touching(distance < tolerance, seed)
-        if region.sum() > LARGEST * region.size:
+    levels = _tolerance_needed(values, seed, parameters)
+    starts = [(int(x), int(y), int(levels[y, x])) for y, x in np.argwhere(seed).tolist()]
+    areas = []
+    for level in range(parameters.tolerances):
+        area, _ = _flood(levels, starts, level)
+        if area > parameters.largest_share * seed.size:
             break
-        regions.append(region)
-    return seed | regions[_steadiest([int(region.sum()) for region in regions])] if regions else seed
+        areas.append(area)
+    return seed | _flood(levels, starts, most_stable(areas, parameters.stable_growth))[1] if areas else seed
 
 
-def calm(image: npt.NDArray[np.uint8], x: float, y: float) -> Mask:
-    """Small disc near a click where the color hardly varies: people click near rims, stripes and highlights too.
-
-    Parameters
-    ----------
-    image : ndarray of shape (h, w, 3) or (h, w), uint8
-    x, y : float
-        The click, px.
-
-    Returns
-    -------
-    ndarray of shape (h, w), bool
-        A disc of radius 3 px, at most 7 px from the click.
-    """
-    values = features(image)
-    values[..., 2] *= LIGHTNESS
-    mean, square = cv2.blur(values, (7, 7)), cv2.blur(values**2, (7, 7))
-    unrest = np.sqrt(np.maximum(square - mean**2, 0.0).sum(axis=-1))
-    rows, columns = np.indices(unrest.shape)
-    away = np.hypot(columns - x, rows - y)
-    best = np.argmin(np.where(away <= 7.0, unrest + 0.002 * away, np.inf))
-    row, column = np.unravel_index(best, unrest.shape)
-    return np.asarray(np.hypot(columns - column, rows - row) <= 3.0)
+def _tolerance_needed(values: Floats, seed: Mask, parameters: ColorParameters) -> Bytes:
+    """Index of the first tolerance within which a pixel is like the seed, (h, w); their number where none is."""
+    typical = _median(values[seed])
+    u, v, lightness = (values[..., k] - typical[k] for k in range(3))
+    lightness *= parameters.lightness_weight
+    distance = np.sqrt(u**2 + v**2 + lightness**2)
+    levels = np.zeros(distance.shape, np.uint8)
+    for tolerance in parameters.first_tolerance * parameters.tolerance_ratio ** np.arange(parameters.tolerances):
+        single = np.float32(tolerance)  # the smallest number of single precision that is not below it
+        levels += distance >= (single if single >= tolerance else np.nextafter(single, np.float32(np.inf)))
+    return levels
 
 
-def _touching(alike: Mask, seed: Mask) -> Mask:
-    """Find the connected components of `alike` that hold a pixel of the seed."""
-    _, labels = cv2.connectedComponents(alike.astype(np.uint8), connectivity=4)
-    wanted = np.unique(labels[seed])
-    return np.asarray(np.isin(labels, wanted[wanted > 0]))
+def _median(values: Floats) -> Floats:
+    """Median of each column; `np.median` would load `numpy.ma`, which takes longer than all else here."""
+    ordered, middle = np.sort(values, axis=0), len(values) // 2
+    return ordered[middle] if len(values) % 2 else np.asarray(ordered[middle - 1 : middle + 1].mean(axis=0))
 
 
-def _steadiest(areas: list[int]) -> int:
+def _flood(levels: Bytes, starts: list[tuple[int, int, int]], most: int) -> tuple[int, Mask]:
+    """Area and mask of the pixels up to a level that are connected (4 neighbors) with starts up to that level."""
+    mask, area = np.zeros((levels.shape[0] + 2, levels.shape[1] + 2), np.uint8), 0
+    how = 4 | cv2.FLOODFILL_FIXED_RANGE | cv2.FLOODFILL_MASK_ONLY | 1 << 8
+    for x, y, level in starts:
+        if level <= most and not mask[y + 1, x + 1]:
+            area += cv2.floodFill(levels, mask, (x, y), 0, level, most - level, how)[0]
+    return area, np.asarray(mask[1:-1, 1:-1] == 1)
+
+
+def most_stable(areas: list[int], stable_growth: float) -> int:
     """Index in the middle of the longest run over which the area hardly grows; of equal runs, the larger area's."""
     best, run = (0, 0), 0
-    growth = [later / max(sooner, 1) for sooner, later in pairwise(areas)]
+    growth = [later / max(sooner, 1) for sooner, later in itertools.pairwise(areas)]
     for k, factor in enumerate(growth):
-        run = run + 1 if factor < STEADY and areas[k] > 0 else 0
+        run = run + 1 if factor < stable_growth and areas[k] > 0 else 0
         if run and run >= best[0]:
             best = (run, k + 1 - (run + 1) // 2)
     if best[0]:
         return best[1]
-    return int(np.argmin(growth)) if growth else 0
+    return growth.index(min(growth)) if growth else 0
 
 
-def surroundings(region: Mask) -> Mask:
-    """Pixels that are surely not target: outside a circle 1.4 times the one that encloses the region.
+def background_mask(region: Mask, parameters: ColorParameters = DEFAULT) -> Mask:
+    """Pixels that are surely not target: outside a circle larger than the one that encloses the region.
 
     Parameters
     ----------
     region : ndarray of shape (h, w), bool
+    parameters : ColorParameters
 
     Returns
     -------
@@ -140,41 +242,55 @@ def surroundings(region: Mask) -> Mask:
     points = np.column_stack((columns, rows)).astype(np.int32)
     (x, y), radius = cv2.minEnclosingCircle(points)
     outside = np.ones(region.shape, np.uint8)
-    cv2.circle(outside, (round(x), round(y)), int(1.4 * radius) + 4, 0, -1)
+    reach = int(parameters.background_ratio * radius) + parameters.background_margin_px
+    cv2.circle(outside, (round(x), round(y)), reach, 0, -1)
     return outside.astype(bool)
 
 
-def bin_centers() -> npt.NDArray[np.float32]:
+def bin_centers() -> Floats:
     """BGR value in the middle of each of the 32 x 32 x 32 cells, (32768, 3)."""
     level = np.arange(32, dtype=np.float32) * 8.0 + 3.5
     return np.stack(np.meshgrid(level, level, level, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def learned_color(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
-    """Log-odds of the BGR cells: chroma counts, lightness only where the background says so."""
+def color_log_odds(target: Bytes, background: Bytes, parameters: ColorParameters = DEFAULT) -> Floats:
+    """Log-odds of the BGR cells: chroma counts, lightness only where the background says so.
+
+    Parameters
+    ----------
+    target, background : ndarray of shape (n, 3), uint8
+        Pixels of each.
+    parameters : ColorParameters
+
+    Returns
+    -------
+    ndarray of shape (32768,), float32
+    """
     inside = chroma(target)
-    width = np.clip(inside[:, :2].std(axis=0) * len(inside) ** (-1 / 6), 0.018, 0.06)
-    wanted = density(inside, (float(width[0]), float(width[1]), 0.9))
-    other = density(chroma(background), (0.02, 0.02, 0.3))
-    cells = chroma(bin_centers())
-    uniform = 1.0 / (0.25 * wanted.size)
-    odds = (look_up(wanted, cells) * (1 - UNKNOWN[0]) + UNKNOWN[0] * uniform) / (
-        look_up(other, cells) * (1 - UNKNOWN[1]) + UNKNOWN[1] * uniform
+    spread = inside[:, :2].std(axis=0) * len(inside) ** (-1 / 6)  # theorem: Silverman's rule in two dimensions
+    width = np.clip(spread, parameters.narrowest, parameters.widest)
+    wanted = density(inside, (float(width[0]), float(width[1]), parameters.target_octaves))
+    blur = parameters.background_width, parameters.background_width, parameters.background_octaves
+    other = density(chroma(background), blur)
+    uniform = 1.0 / (0.25 * wanted.size)  # a quarter of the cells holds all colors that there are
+    shares = parameters.unknown_target, parameters.unknown_background
+    likely, unlikely = (
+        look_up(grid) * (1 - unknown) + unknown * uniform for grid, unknown in zip((wanted, other), shares, strict=True)
     )
-    return np.asarray(np.log(odds), np.float32)
+    return np.asarray(np.log(likely / unlikely), np.float32)
 
 
-def learned_gray(target: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
-    """Log-odds of the 256 gray values."""
-    shares = []
-    for pixels, unknown in zip((target, background), UNKNOWN, strict=True):
-        counts = np.bincount(pixels.ravel(), minlength=256).astype(np.float32)
-        smooth = cv2.GaussianBlur(counts.reshape(1, -1), (0, 0), 6.0, borderType=cv2.BORDER_REPLICATE).ravel()
-        shares.append(smooth / smooth.sum() * (1 - unknown) + unknown / 256.0)
-    return np.asarray(np.log(shares[0] / shares[1]), np.float32)
+def gray_log_odds(target: Bytes, background: Bytes, parameters: ColorParameters = DEFAULT) -> Floats:
+    """Log-odds of the 256 gray values, see `color_log_odds`."""
+    densities, unknowns = [], (parameters.unknown_target, parameters.unknown_background)
+    for pixels, unknown in zip((target, background), unknowns, strict=True):
+        counts = np.bincount(pixels.ravel(), minlength=256).astype(np.float32).reshape(1, -1)
+        smooth = cv2.GaussianBlur(counts, (0, 0), parameters.gray_width, borderType=cv2.BORDER_REPLICATE).ravel()
+        densities.append(smooth / smooth.sum() * (1 - unknown) + unknown / 256.0)
+    return np.asarray(np.log(densities[0] / densities[1]), np.float32)
 
 
-def chroma(pixels: npt.NDArray[np.uint8] | Floats) -> Floats:
+def chroma(pixels: Bytes | Floats) -> Floats:
     """Chroma and lightness of pixels.
 
     Parameters
@@ -191,7 +307,11 @@ def chroma(pixels: npt.NDArray[np.uint8] | Floats) -> Floats:
     b, g, r = values[..., 0], values[..., 1], values[..., 2]
     y = 0.114 * b + 0.587 * g + 0.299 * r
     whole = b + g + r + 48.0
-    return cast(Floats, np.stack(((b - y) / whole, (r - y) / whole, np.log2((y + 8.0) / 64.0)), axis=-1))
+    found = np.empty(values.shape, np.float32)
+    np.divide(b - y, whole, out=found[..., 0])
+    np.divide(r - y, whole, out=found[..., 1])
+    np.log2((y + 8.0) / 64.0, out=found[..., 2])
+    return found
 
 
 def density(points: Floats, blur: tuple[float, float, float]) -> Floats:
@@ -206,35 +326,48 @@ def density(points: Floats, blur: tuple[float, float, float]) -> Floats:
 
     Returns
     -------
-    ndarray of shape `SIZE`, float32
+    ndarray of shape `CELLS`, float32
     """
-    cells = np.clip(np.round((points - LOW) / STEP).astype(np.int64), 0, np.array(SIZE) - 1)
-    flat = np.ravel_multi_index((cells[:, 0], cells[:, 1], cells[:, 2]), SIZE)
-    grid = np.bincount(flat, minlength=int(np.prod(SIZE))).reshape(SIZE).astype(np.float32)
+    flat = np.zeros(len(points), np.int32)
+    for axis, cells in enumerate(CELLS):
+        flat *= cells
+        flat += np.clip(np.round((points[:, axis] - LOW[axis]) / STEP[axis]), 0, cells - 1).astype(np.int32)
+    counts = np.bincount(flat, minlength=CELLS[0] * CELLS[1] * CELLS[2])
+    grid = counts.reshape(CELLS).astype(np.float32)
     for axis, sigma in enumerate(blur):
         grid = _blur(grid, sigma / float(STEP[axis]), axis)
-    return cast(Floats, grid / max(float(grid.sum()), 1e-9))
+    return cast(Floats, grid / max(float(grid.sum()), TINY))
 
 
-def look_up(grid: Floats, points: Floats) -> Floats:
-    """Value of a density at chroma points, linear between its cells.
+def look_up(grid: Floats) -> Floats:
+    """Value of a density at the middle of each BGR cell, linear between the cells of the density.
 
     Parameters
     ----------
-    grid : ndarray of shape `SIZE`, float32
-    points : ndarray of shape (n, 3), float32
+    grid : ndarray of shape `CELLS`, float32
 
     Returns
     -------
-    ndarray of shape (n,), float32
+    ndarray of shape (32768,), float32
     """
-    places = np.clip((points - LOW) / STEP, 0.0, np.array(SIZE, np.float32) - 1.0)
-    lower = np.minimum(places.astype(np.int64), np.array(SIZE) - 2)
+    found, flat = np.zeros(len(bin_centers()), np.float32), grid.ravel()
+    for places, weights in _corners():
+        found += weights * flat[places]
+    return found
+
+
+@functools.cache
+def _corners() -> list[tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]]:
+    """Eight cells of a density around each BGR cell: places in the flat density, and weights."""
+    places = np.clip((chroma(bin_centers()) - LOW) / STEP, 0.0, np.array(CELLS, np.float32) - 1.0)
+    lower = np.minimum(places.astype(np.int64), np.array(CELLS) - 2)
     share = places - lower
-    found = np.zeros(len(points), np.float32)
+    found = []
     for corner in itertools.product((0, 1), repeat=3):
-        weight = np.prod(np.where(corner, share, 1.0 - share), axis=1)
-        found += weight * grid[tuple((lower + corner).T)]
+        u, v, lightness = (share[:, k] if corner[k] else 1.0 - share[:, k] for k in range(3))
+        cells = (lower + corner).T
+        flat = (cells[0] * CELLS[1] + cells[1]) * CELLS[2] + cells[2]
+        found.append((flat.astype(np.int32), u * v * lightness))
     return found
 
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from matchset.control.ego_motion import GRAVITY, STATE, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.numeric.record import fields, new_block
-from matchset.sim.quadrotor import SPEED, constants, resting, rotation, step_vehicle
+from matchset.sim.quadrotor import STATE, rotation_matrix, state_at_rest, step_vehicle, vehicle_constants
 from matchset.sim.vehicle import toy
 
 MODEL = EgoMotionParameters(
@@ -62,18 +62,18 @@ def test_what_is_moved_and_not_carried_slows_the_answer() -> None:
 def test_the_defaults_answer_as_the_simulated_toy_does() -> None:
     rng = np.random.default_rng(3)
     tilts = np.repeat(rng.normal(0.0, 0.08, 40), 3)
-    own, state, turn = EgoMotion(), resting((0.0, 0.0, 0.0), 0.0, TOY.mass * GRAVITY), np.empty((3, 3))
+    own, state, turn = EgoMotion(), state_at_rest((0.0, 0.0, 0.0), 0.0, TOY.mass * GRAVITY), np.empty((3, 3))
     goal, off, lag = np.array((0.0, 0.0, 0.0, TOY.mass * GRAVITY)), [], []
     for k, tilt in enumerate(tilts):
         own.update(AttitudeCommand(roll=float(tilt)), k / 30)
         for step in range(16 * k, 16 * k + 16):
             arrived = math.floor((step / 480 - TOY.radio_delay) * 30 + 1e-9)
             goal[0] = tilts[arrived] if arrived >= 0 else 0.0
-            step_vehicle(state, goal, np.zeros(3), constants(TOY), 1 / 480)
+            step_vehicle(state, goal, np.zeros(3), vehicle_constants(TOY), 1 / 480)
         there = own.at((k + 1) / 30)
-        rotation(state, turn)
+        rotation_matrix(state, turn)
         off.append(there.roll - math.asin(turn[1, 0]))
-        lag.append(there.velocity[0] - state[SPEED])
+        lag.append(there.velocity[0] - fields(state, STATE).velocity[0])
     assert np.std(off) < math.radians(0.7)  # of 3.5 degrees
     assert np.std(lag) < 0.01  # m/s, of 0.12
 

@@ -18,7 +18,8 @@ from matchset.control.command import Command
 from matchset.image.frame import Frame
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.simulated import FPS, FRAME, SimulatedCamera, SimulatedChain, SimulationParameters
-from matchset.sim.quadrotor import SPEED, THRUST
+from matchset.numeric.record import fields
+from matchset.sim.quadrotor import STATE
 from matchset.sim.vehicle import toy
 from matchset.sim.world import RATE
 
@@ -81,12 +82,12 @@ class Hover:
     @property
     def thrust(self) -> float:
         """Of the toy's motors, N."""
-        return float(self.chain.world.states[0, THRUST])
+        return float(fields(self.chain.world.states[0], STATE).thrust)
 
     @property
     def falling(self) -> float:
         """Speed of the toy toward the floor, m/s."""
-        return float(self.chain.world.states[0, SPEED + 1])
+        return float(fields(self.chain.world.states[0], STATE).velocity[1])
 
     def __enter__(self) -> Self:
         return self

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from matchset.sim.rope import Rope, RopeParameters
 
@@ -13,7 +14,7 @@ def swung(parameters: RopeParameters, seconds: float, seed: int = 0) -> tuple[Ro
     places = []
     for _ in range(round(seconds / STEP)):
         rope.step(STEP)
-        places.append(rope.place)
+        places.append(rope.position)
     return rope, np.array(places) - (1.0, -1.0, 2.0)
 
 
@@ -39,7 +40,7 @@ def test_its_period_is_that_of_a_pendulum(swing: float) -> None:
 def test_without_damping_its_energy_stays() -> None:
     rope, places = swung(RopeParameters(swing=0.5, damping=0.0), 30.0)
     start = Rope(RopeParameters(swing=0.5, damping=0.0), (1.0, -1.0, 2.0), np.random.default_rng(0))
-    energy = [0.5 * each.velocity @ each.velocity - 9.81 * each.place[1] for each in (start, rope)]
+    energy = [0.5 * each.state.velocity @ each.state.velocity - 9.81 * each.position[1] for each in (start, rope)]
     assert energy[1] == pytest.approx(energy[0], abs=1e-5)
     np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.2, atol=1e-12)
 
@@ -60,11 +61,19 @@ def test_its_yaw_stays_within_twenty_degrees_and_uses_them() -> None:
 
 def test_it_hangs_along_its_rope_and_looks_where_its_yaw_says() -> None:
     rope, _ = swung(RopeParameters(swing=0.4), 1.3)
-    turn = rope.turn(1.3)
+    turn = rope.rotation(1.3)
     np.testing.assert_allclose(turn.T @ turn, np.eye(3), atol=1e-12)
     assert np.linalg.det(turn) == pytest.approx(1.0)
-    np.testing.assert_allclose(turn[:, 1], (rope.place - rope.anchor) / 1.2, atol=1e-12)
+    np.testing.assert_allclose(turn[:, 1], (rope.position - rope.state.anchor) / 1.2, atol=1e-12)
     assert math.atan2(turn[0, 2], turn[2, 2]) == pytest.approx(rope.yaw(1.3), abs=0.05)
+
+
+@pytest.mark.parametrize("time", [0.3, 1.3, 2.9])
+def test_its_rotation_is_that_of_scipy(time: float) -> None:
+    rope, _ = swung(RopeParameters(swing=0.6), time)
+    down, ahead = rope.position - rope.state.anchor, (math.sin(rope.yaw(time)), 0.0, math.cos(rope.yaw(time)))
+    expected, _ = Rotation.align_vectors([down, ahead], [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0)], weights=[np.inf, 1.0])
+    np.testing.assert_allclose(rope.rotation(time), expected.as_matrix(), atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ def test_a_command_acts_after_the_radio_and_the_battery_sags() -> None:
     assert float(world.states[0, 13]) < before + 0.05
     fresh = flown(World(chain, 0), 0.4)
     worn = World(chain, 0)
-    worn._age[:] = toy().flight_time
+    worn.motion.battery_age[:] = toy().flight_time
     assert float(flown(worn, 0.4).states[0, 13]) == pytest.approx(0.6 * toy().thrust_to_weight * 0.981 * 0.8, rel=1e-2)
     assert float(fresh.states[0, 13]) > float(worn.states[0, 13])
 

@@ -1,182 +1,226 @@
-"""Kernels that let time pass in a `matchset.sim.world.World`: many steps in one call, without Python's lock."""
+"""Kernels that let time pass in a `matchset.sim.world.World`: many steps in one call, without Python's lock.
+
+What moves besides the vehicles' states, and what they hear, is one block of floats whose fields `ChainState` names.
+"""
 
 import math
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
-from matchset.sim.quadrotor import PLACE, SPEED, TURN, downwash, rotation, step_vehicle
-from matchset.sim.rope import hanging, swing, yaw_of
+from matchset.numeric.record import Block, record_dtype
+from matchset.sim.quadrotor import STATE, Setpoint, VehicleConstants, Wake, advance, rotation_matrix, write_downwash
+from matchset.sim.rope import RopeState, hanging_rotation, rope_yaw, swing
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
 
-# places of what the kernels need of a chain beside `matchset.sim.quadrotor.constants`
-STEP, TILT, YAW_RATE, MOST, SAG, ENDURANCE, FAILSAFE, FADE, KICK, DISC, DENSITY, WEIGHT = range(12)
-LENGTH, DAMPING, BALL_HEIGHT, BALL_RADIUS, WIDE, NEAR, FAR, FLOOR, FRAME = range(12, 21)
+MOST_VEHICLES = 20  # format: capacity of a block
+# format: what happened to a vehicle; HIT_VEHICLE + k: it hit vehicle k
 NOTHING, HIT_FLOOR, HIT_CEILING, HIT_WALL, HIT_VEHICLE = range(5)
-"""What happened; HIT_VEHICLE + k: hit vehicle k."""
+
+
+class ElectronicsConstants:
+    """Layout of what a vehicle's electronics, battery and level sensor are like."""
+
+    full_tilt: float  # rad, at full stick
+    full_yaw_rate: float  # rad/s
+    full_thrust: float  # N, with a full battery
+    battery_sag: float  # share of the thrust lost over a flight
+    flight_time: float  # s
+    failsafe: float  # s without a command after which the motors stop
+    wander_decay: float  # share of the level's wander that is forgotten in a step
+    wander_noise: float  # rad, standard deviation of what is added to it in a step
+    release_thrust: float  # N at which the hand that holds a vehicle lets go
+
+
+class RoomConstants:
+    """Layout of what a vehicle can hit."""
+
+    half_width: float  # m from the middle to the walls at the sides
+    near: float  # m, z of the wall behind the chain
+    far: float  # m, z of the wall before it
+    floor: float  # m below the origin; the ceiling is as far above
+    clearance: float  # m above the floor at which a center of mass counts as on it
+    frame_radius: float  # m
+    ball_radius: float  # m
+    ball_height: float  # m above the center of mass
+
+
+class ChainState:
+    """Layout of a chain: time, what is constant, what is heard and what moves besides the vehicles' states."""
+
+    step: int  # steps since the beginning
+    time_step: float  # s
+    check_period: int  # steps from one test for crashes to the next
+    vehicle: VehicleConstants
+    electronics: ElectronicsConstants
+    wake: Wake
+    room: RoomConstants
+    rope: RopeState
+    setpoint: Setpoint  # of the vehicle that is advanced
+    wind: Annotated[Floats, (3,), "f8"]  # at the vehicle that is advanced, m/s
+    sticks: Annotated[Floats, (MOST_VEHICLES, 4), "f8"]  # roll, pitch, yaw, throttle as last heard
+    heard: Annotated[Ints, (MOST_VEHICLES,), "i8"]  # step at which that was
+    held: Annotated[Ints, (MOST_VEHICLES,), "i8"]  # 1 while a vehicle is in a hand
+    crashed: Annotated[Ints, (MOST_VEHICLES,), "i8"]  # 1 after a crash
+    hits: Annotated[Ints, (MOST_VEHICLES,), "i8"]  # what was hit in the last test
+    level_bias: Annotated[Floats, (MOST_VEHICLES, 2), "f8"]  # of roll and pitch, rad
+    level_wander: Annotated[Floats, (MOST_VEHICLES, 2), "f8"]  # rad
+    battery_age: Annotated[Floats, (MOST_VEHICLES,), "f8"]  # in use at the beginning, s
+
+
+CHAIN = record_dtype(ChainState)
 
 
 @kernel
-def fly(
-    states: Floats,
-    arm: Floats,
-    velocity: Floats,
-    anchor: Floats,
-    wander: Floats,
-    kicks: Floats,
-    sticks: Floats,
-    heard: Ints,
-    held: Flags,
-    ended: Flags,
-    bias: Floats,
-    age: Floats,
-    c: Floats,
-    e: Floats,
-    waves: Floats,
-    past: Floats,
-    past_arms: Floats,
-    step: int,
-    until: int,
-    look: int,
-    hits: Ints,
-) -> int:
-    """Let steps pass until one, or until someone crashes; returns how many have passed in all.
+def fly(chain: Block, states: Floats, kicks: Floats, past: Floats, past_offsets: Floats, until: int) -> int:
+    """Let steps pass until one, or until someone crashes.
 
     Parameters
     ----------
+    chain : block, written
+        `ChainState`.
     states : (n, 17), written
-        The last one hangs.
-    arm, velocity, anchor : (3,)
-        Of the rope; the first two are written.
-    wander : (n, 2), written
-        How far the levels are off, beside their bias, rad.
+        `matchset.sim.quadrotor.VehicleState` of each; the last one hangs.
     kicks : (until - step, n, 2)
-        Normal deviates.
-    sticks : (n, 4)
-        Roll, pitch, yaw and throttle as last heard, at steps `heard`, (n,).
-    held, ended : (n,)
-        Who is in a hand, written, and who crashed.
-    bias, age : (n, 2), (n,)
-        Of the levels, rad, and of the batteries, s.
-    c : (12,)
-        `matchset.sim.quadrotor.constants`.
-    e : (21,)
-        Of the chain, see above.
-    waves : (5,)
-        See `matchset.sim.rope.yaw_of`.
-    past, past_arms : (kept, n, 17), (kept, 3), written
-        States and the rope's arm at each of the last steps, step k at k mod kept.
-    step, until : int
-    look : int
-        Steps from one look for crashes to the next.
-    hits : (n,), written
-        What happened to whom in the last step.
+        Normal deviates that drive the wander of the levels.
+    past, past_offsets : (kept, n, 17), (kept, 3), written
+        States, and the offset of the rope, at each of the last steps: step k at k mod kept.
+    until : int
+
+    Returns
+    -------
+    int
+        Steps that have passed since the beginning.
     """
-    last, kept, begin = states.shape[0] - 1, past.shape[0], step
-    goal, wind = np.zeros(4), np.zeros(3)
-    places, turns, balls = np.empty((last + 1, 3)), np.empty((last + 1, 3, 3)), np.empty((last + 1, 3))
-    while step < until:
-        swing(arm, velocity, e[LENGTH], e[DAMPING], e[STEP])
-        kick = kicks[step - begin]
-        step += 1
-        time = step * e[STEP]
-        for who in range(last + 1):
-            for k in range(2):
-                wander[who, k] += -e[FADE] * wander[who, k] + e[KICK] * kick[who, k]
+    now = chain.view(CHAIN)[0]
+    last, kept, begin = states.shape[0] - 1, past.shape[0], now.step
+    positions, rotations, balls = np.empty((last + 1, 3)), np.empty((last + 1, 3, 3)), np.empty((last + 1, 3))
+    while now.step < until:
+        swing(now.rope, now.time_step)
+        _wander(now, kicks[now.step - begin])
+        now.step += 1
+        time = now.step * now.time_step
         for who in range(last):
-            wanted(sticks[who], (step - heard[who]) * e[STEP], age[who] + time, bias[who], wander[who], e, goal)
-            held[who] = held[who] and goal[3] < 0.5 * e[WEIGHT]
-            if not (ended[who] or held[who]):
-                downwash(states, who, e[DISC], e[DENSITY], wind)
-                step_vehicle(states[who], goal, wind, c, e[STEP])
-        yaw = yaw_of(waves, time)
-        hung = states[last]
-        for k in range(3):
-            hung[PLACE + k], hung[SPEED + k] = anchor[k] + arm[k], velocity[k]
-        hung[TURN], hung[TURN + 2] = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
-        past[step % kept] = states
-        past_arms[step % kept] = arm
-        if step % look == 0:
-            seen(states, arm, yaw, e[LENGTH], e[BALL_HEIGHT], places, turns, balls)
-            if find_hits(places, balls, ended, e, hits):
+            _aim(now, who, time)
+            if now.held[who] != 0 and not now.setpoint.thrust < now.electronics.release_thrust:
+                now.held[who] = 0
+            if now.crashed[who] == 0 and now.held[who] == 0:
+                write_downwash(states, who, now.wake, now.wind)
+                advance(states[who], now.setpoint, now.wind, now.vehicle, now.time_step)
+        _hang(now, states[last], time)
+        past[now.step % kept] = states
+        past_offsets[now.step % kept] = now.rope.offset
+        if now.step % now.check_period == 0:
+            _write_poses(now, states, now.rope.offset, time, (positions, rotations, balls))
+            if _find_hits(now, positions, balls):
                 break
-    return step
+    return int(now.step)
 
 
 @kernel
-def wanted(sticks: Floats, silent: float, used: float, bias: Floats, wander: Floats, e: Floats, goal: Floats) -> None:
-    """Write what a vehicle's electronics make of sticks heard `silent` s ago, the battery in use for `used` s.
-
-    `goal` is roll and pitch (rad), yaw rate (rad/s) and thrust (N).
-    """
-    heard = 0.0 if silent > e[FAILSAFE] else 1.0
-    most = e[MOST] * (1.0 - e[SAG] * min(used / e[ENDURANCE], 1.0))
-    goal[0] = e[TILT] * (heard * sticks[0]) + bias[0] + wander[0]
-    goal[1] = e[TILT] * (heard * sticks[1]) + bias[1] + wander[1]
-    goal[2] = e[YAW_RATE] * (heard * sticks[2])
-    goal[3] = most * (heard * sticks[3])
-
-
-@kernel
-def seen(
-    states: Floats,
-    arm: Floats,
-    yaw: float,
-    length: float,
-    ball_height: float,
-    places: Floats,
-    turns: Floats,
-    balls: Floats,
+def write_poses(
+    chain: Block, states: Floats, offset: Floats, time: float, poses: tuple[Floats, Floats, Floats]
 ) -> None:
-    """Write where everyone is, how they are turned and where their balls are: (n, 3), (n, 3, 3), (n, 3)."""
+    """Write where everyone is at a time, s, and how turned, from states and the rope's offset then.
+
+    `poses` are positions, rotations and centers of the balls, (n, 3), (n, 3, 3), (n, 3).
+    """
+    _write_poses(chain.view(CHAIN)[0], states, offset, time, poses)
+
+
+@kernel
+def _write_poses(now: Any, states: Floats, offset: Floats, time: float, poses: tuple[Floats, Floats, Floats]) -> None:
+    positions, rotations, balls = poses
     last = states.shape[0] - 1
     for who in range(last + 1):
         if who < last:
-            rotation(states[who], turns[who])
+            rotation_matrix(states[who], rotations[who])
         else:
-            hanging(arm, yaw, length, turns[who])
+            hanging_rotation(offset, rope_yaw(now.rope, time), now.rope.length, rotations[who])
+        position = states[who].view(STATE)[0].position
         for k in range(3):
-            places[who, k] = states[who, PLACE + k]
-            balls[who, k] = places[who, k] - turns[who, k, 1] * ball_height
+            positions[who, k] = position[k]
+            balls[who, k] = positions[who, k] - rotations[who, k, 1] * now.room.ball_height
 
 
-@kernel
-def find_hits(places: Floats, balls: Floats, ended: Flags, e: Floats, hits: Ints) -> bool:
+@kernel(refcount=False)
+def _wander(now: Any, kick: Floats) -> None:
+    """Let the levels of all vehicles wander by a step: a first-order Gauss-Markov process."""
+    decay, noise = now.electronics.wander_decay, now.electronics.wander_noise
+    for who in range(kick.shape[0]):
+        for k in range(2):
+            now.level_wander[who, k] += -decay * now.level_wander[who, k] + noise * kick[who, k]
+
+
+@kernel(refcount=False)
+def _aim(now: Any, who: int, time: float) -> None:
+    """Write the setpoint that a vehicle's electronics make of the sticks last heard, at a time, s."""
+    like, sticks, setpoint = now.electronics, now.sticks[who], now.setpoint
+    silent, used = (now.step - now.heard[who]) * now.time_step, now.battery_age[who] + time
+    heard = 0.0 if silent > like.failsafe else 1.0
+    most = like.full_thrust * (1.0 - like.battery_sag * min(used / like.flight_time, 1.0))
+    bias, wander = now.level_bias[who], now.level_wander[who]
+    setpoint.roll = like.full_tilt * (heard * sticks[0]) + bias[0] + wander[0]
+    setpoint.pitch = like.full_tilt * (heard * sticks[1]) + bias[1] + wander[1]
+    setpoint.yaw_rate = like.full_yaw_rate * (heard * sticks[2])
+    setpoint.thrust = most * (heard * sticks[3])
+
+
+@kernel(refcount=False)
+def _hang(now: Any, state: Block, time: float) -> None:
+    """Write the state of the vehicle on the rope."""
+    hung, yaw = state.view(STATE)[0], rope_yaw(now.rope, time)
+    for k in range(3):
+        hung.position[k], hung.velocity[k] = now.rope.anchor[k] + now.rope.offset[k], now.rope.velocity[k]
+    hung.quaternion[0], hung.quaternion[2] = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
+
+
+@kernel(refcount=False)
+def _find_hits(now: Any, positions: Floats, balls: Floats) -> bool:
     """Write what each vehicle but the last hits; whether any does that has not crashed."""
-    ball, found = e[BALL_RADIUS], False
-    for who in range(places.shape[0] - 1):
-        x, y, z = places[who, 0], places[who, 1], places[who, 2]
-        hits[who] = NOTHING
-        if ended[who]:
+    found = False
+    for who in range(positions.shape[0] - 1):
+        now.hits[who] = NOTHING
+        if now.crashed[who] != 0:
             continue
-        if y > e[FLOOR] - 0.03:
-            hits[who] = HIT_FLOOR
-        elif balls[who, 1] < -e[FLOOR] + ball:
-            hits[who] = HIT_CEILING
-        elif abs(x) > e[WIDE] - ball or not e[NEAR] + ball < z < e[FAR] - ball:
-            hits[who] = HIT_WALL
-        for other in range(places.shape[0]):
-            if other != who and _touch(places, balls, who, other, ball, e[FRAME]):
-                hits[who] = HIT_VEHICLE + other
-        found = found or hits[who] != NOTHING
+        now.hits[who] = _hit_room(now.room, positions[who], balls[who])
+        for other in range(positions.shape[0]):
+            if other != who and _touch(now.room, positions, balls, who, other):
+                now.hits[who] = HIT_VEHICLE + other
+        found = found or bool(now.hits[who] != NOTHING)
     return found
 
 
-@kernel
-def _touch(places: Floats, balls: Floats, one: int, two: int, ball: float, frame: float) -> bool:
-    """Whether two vehicles touch: their balls, or a frame, which fills a sphere around its place, anything."""
-    return (
-        _apart(balls[one], balls[two]) < ball + ball
-        or _apart(balls[one], places[two]) < ball + frame
-        or _apart(places[one], balls[two]) < frame + ball
-        or _apart(places[one], places[two]) < frame + frame
+@kernel(refcount=False)
+def _hit_room(room: Any, position: Floats, ball: Floats) -> int:
+    """Floor, ceiling, wall or nothing."""
+    radius = room.ball_radius
+    if position[1] > room.floor - room.clearance:
+        return HIT_FLOOR
+    if ball[1] < -room.floor + radius:
+        return HIT_CEILING
+    if abs(position[0]) > room.half_width - radius or not room.near + radius < position[2] < room.far - radius:
+        return HIT_WALL
+    return NOTHING
+
+
+@kernel(refcount=False)
+def _touch(room: Any, positions: Floats, balls: Floats, one: int, two: int) -> bool:
+    """Whether two vehicles touch: their balls, or a frame, which fills a sphere around its position, anything."""
+    ball, frame = room.ball_radius, room.frame_radius
+    touch: bool = (
+        _distance(balls[one], balls[two]) < ball + ball
+        or _distance(balls[one], positions[two]) < ball + frame
+        or _distance(positions[one], balls[two]) < frame + ball
+        or _distance(positions[one], positions[two]) < frame + frame
     )
+    return touch
 
 
-@kernel
-def _apart(a: Floats, b: Floats) -> float:
+@kernel(refcount=False)
+def _distance(a: Floats, b: Floats) -> float:
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)

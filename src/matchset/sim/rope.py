@@ -1,16 +1,17 @@
-"""The last of the chain hangs on a rope: a spherical pendulum whose yaw wanders; `Rope`."""
+"""The last vehicle of the chain hangs on a rope: `Rope`, a spherical pendulum that turns slowly about its rope."""
 
 import math
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
+from matchset.numeric.record import Block, fields, new_block, record_dtype
+from matchset.sim.quadrotor import GRAVITY
 
 Floats = npt.NDArray[np.float64]
-
-SHARES = 0.8, 0.2  # of the two waves of the yaw: together they never exceed the amplitude
 
 
 class RopeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -27,7 +28,10 @@ class RopeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     yaw_deg : float
         Amplitude of the yaw, degree; never more than that to either side.
     yaw_periods : tuple of 2 floats
-        Periods of its two waves, s.
+        Periods of its two sine waves, s.
+    yaw_shares : tuple of 2 floats
+        Share of each wave in the amplitude; they add up to 1, so that the yaw never exceeds it. Chosen by hand: a slow
+        wave with a faster one on it, so that the yaw does not repeat itself; `test_rope` shows a change.
     """
 
     length: float = 1.2
@@ -35,6 +39,7 @@ class RopeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     damping: float = 0.002
     yaw_deg: float = 20.0
     yaw_periods: tuple[float, float] = (16.0, 7.0)
+    yaw_shares: tuple[float, float] = (0.8, 0.2)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.length < math.inf:
@@ -47,8 +52,25 @@ class RopeParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
             raise ValueError(f"yaw_periods must be positive, got {self.yaw_periods}")
 
 
+class RopeState:
+    """Layout of a rope and what hangs on it."""
+
+    offset: Annotated[Floats, (3,), "f8"]  # from the anchor to the vehicle, m
+    velocity: Annotated[Floats, (3,), "f8"]  # of the vehicle, m/s
+    anchor: Annotated[Floats, (3,), "f8"]  # where the rope is fastened, m
+    length: float  # m
+    damping: float  # 1/s
+    yaw_amplitude: float  # rad
+    yaw_periods: Annotated[Floats, (2,), "f8"]  # s
+    yaw_phases: Annotated[Floats, (2,), "f8"]  # rad
+    yaw_shares: Annotated[Floats, (2,), "f8"]
+
+
+ROPE = record_dtype(RopeState)
+
+
 class Rope:
-    """A pendulum, ``r'' = g - ((g r + v^2) / L^2) r - c v`` with |r| = L, and a yaw of two sine waves.
+    """A pendulum, ``r'' = g - ((g r + v^2) / L^2) r - 2 c v`` with |r| = L, and a yaw of two sine waves.
 
     Parameters
     ----------
@@ -57,102 +79,116 @@ class Rope:
         Where it hangs from the ceiling, m.
     rng : numpy.random.Generator
         Decides the plane of the swing, its phase, and the phases of the yaw.
+    block : (18,), optional
+        Memory for its `RopeState`, for a world that lets many things move in one call; its own by default.
 
     Attributes
     ----------
-    place, velocity : (3,)
-        Of the vehicle, m and m/s.
-    waves : (5,)
-        See `yaw_of`.
+    state : record
+        `RopeState`, always that of now.
     """
 
-    def __init__(self, parameters: RopeParameters, anchor: npt.ArrayLike, rng: np.random.Generator) -> None:
+    def __init__(
+        self, parameters: RopeParameters, anchor: npt.ArrayLike, rng: np.random.Generator, block: Block | None = None
+    ) -> None:
         self.parameters = parameters
-        self.anchor = np.array(anchor, np.float64)
+        self._block = new_block(ROPE) if block is None else block
+        state = self.state = fields(self._block, ROPE)
         plane, phase, *phases = rng.uniform(0.0, 2.0 * math.pi, 4)
-        self.waves = np.array((math.radians(parameters.yaw_deg), *parameters.yaw_periods, *phases))
-        way = np.array((math.cos(plane), 0.0, math.sin(plane)))
+        state.anchor[:], state.length, state.damping = anchor, parameters.length, parameters.damping
+        state.yaw_amplitude = math.radians(parameters.yaw_deg)
+        state.yaw_periods[:], state.yaw_phases[:] = parameters.yaw_periods, phases
+        state.yaw_shares[:] = parameters.yaw_shares
+        along = np.array((math.cos(plane), 0.0, math.sin(plane)))
         out = parameters.swing * math.cos(phase)
-        self._arm = out * way + np.array((0.0, math.sqrt(parameters.length**2 - out**2), 0.0))
-        pull = math.sqrt(9.81 / parameters.length)
-        self.velocity = -parameters.swing * pull * math.sin(phase) * way
-        self.velocity -= self._arm * (self._arm @ self.velocity) / parameters.length**2
+        state.offset[:] = out * along + np.array((0.0, math.sqrt(parameters.length**2 - out**2), 0.0))
+        frequency = math.sqrt(GRAVITY / parameters.length)
+        state.velocity[:] = -parameters.swing * frequency * math.sin(phase) * along
+        state.velocity -= state.offset * (state.offset @ state.velocity) / parameters.length**2
 
     @property
-    def arm(self) -> Floats:
-        """From the anchor to the vehicle, (3,), m."""
-        arm: Floats = self._arm
-        return arm
-
-    @property
-    def place(self) -> Floats:
+    def position(self) -> Floats:
         """Where the vehicle is, (3,), m."""
-        where: Floats = self.anchor + self._arm
-        return where
+        position: Floats = self.state.anchor + self.state.offset
+        return position
 
     def yaw(self, time: float) -> float:
         """Yaw of the vehicle at a time, rad."""
-        return yaw_of(self.waves, time)
+        return yaw_at(self._block, time)
 
-    def turn(self, time: float, arm: Floats | None = None) -> Floats:
-        """Rotation matrix of the vehicle: its down axis along the rope (or an earlier `arm`), turned by the yaw."""
-        turn = np.empty((3, 3))
-        hanging(self._arm if arm is None else arm, self.yaw(time), self.parameters.length, turn)
-        return turn
+    def rotation(self, time: float) -> Floats:
+        """Rotation matrix of the vehicle: its down axis along the rope, turned by the yaw of a time."""
+        matrix = np.empty((3, 3))
+        hanging_rotation(self.state.offset, self.yaw(time), self.parameters.length, matrix)
+        return matrix
 
     def step(self, step: float) -> None:
         """Let time pass, s: one step of the classical Runge-Kutta method."""
-        swing(self._arm, self.velocity, self.parameters.length, self.parameters.damping, step)
+        step_rope(self._block, step)
 
 
-@kernel
-def yaw_of(waves: Floats, time: float) -> float:
-    """Yaw at a time, rad; `waves` holds its amplitude (rad), the periods (s) of its two waves, and their phases."""
-    slow = SHARES[0] * math.sin(2.0 * math.pi * time / waves[1] + waves[3])
-    fast = SHARES[1] * math.sin(2.0 * math.pi * time / waves[2] + waves[4])
-    yaw: float = waves[0] * (slow + fast)
+@kernel(refcount=False)
+def yaw_at(rope: Block, time: float) -> float:
+    """Yaw at a time, s, of what hangs on a rope, rad: two sine waves."""
+    return rope_yaw(rope.view(ROPE)[0], time)
+
+
+@kernel(refcount=False)
+def rope_yaw(rope: Any, time: float) -> float:
+    """Yaw as `yaw_at` gives it, for kernels that hold `RopeState` as a record."""
+    slow = rope.yaw_shares[0] * math.sin(2.0 * math.pi * time / rope.yaw_periods[0] + rope.yaw_phases[0])
+    fast = rope.yaw_shares[1] * math.sin(2.0 * math.pi * time / rope.yaw_periods[1] + rope.yaw_phases[1])
+    yaw: float = rope.yaw_amplitude * (slow + fast)
     return yaw
 
 
-@kernel
-def hanging(arm: Floats, yaw: float, length: float, turn: Floats) -> None:
-    """Write the rotation of what hangs on a rope's arm, turned by a yaw: (3, 3)."""
+@kernel(refcount=False)
+def hanging_rotation(offset: Floats, yaw: float, length: float, matrix: Floats) -> None:
+    """Write the rotation of what hangs on a rope: y along the rope, z as near to the yaw's direction as that allows."""
     ahead = (math.sin(yaw), 0.0, math.cos(yaw))
     for k in range(3):
-        turn[k, 1] = arm[k] / length
+        matrix[k, 1] = offset[k] / length
     for k in range(3):
         a, b = (k + 1) % 3, (k + 2) % 3
-        turn[k, 0] = turn[a, 1] * ahead[b] - turn[b, 1] * ahead[a]
-    far = math.sqrt(turn[0, 0] * turn[0, 0] + turn[1, 0] * turn[1, 0] + turn[2, 0] * turn[2, 0])
+        matrix[k, 0] = matrix[a, 1] * ahead[b] - matrix[b, 1] * ahead[a]
+    far = math.sqrt(matrix[0, 0] * matrix[0, 0] + matrix[1, 0] * matrix[1, 0] + matrix[2, 0] * matrix[2, 0])
     for k in range(3):
-        turn[k, 0] /= far
+        matrix[k, 0] /= far
     for k in range(3):
         a, b = (k + 1) % 3, (k + 2) % 3
-        turn[k, 2] = turn[a, 0] * turn[b, 1] - turn[b, 0] * turn[a, 1]
+        matrix[k, 2] = matrix[a, 0] * matrix[b, 1] - matrix[b, 0] * matrix[a, 1]
+
+
+@kernel(refcount=False)
+def _acceleration(r: Floats, v: Floats, length: float, damping: float, rate: Floats) -> None:
+    """Write the acceleration of a pendulum: gravity and centripetal force less what the rope takes, and damping."""
+    tension = (GRAVITY * r[1] + v[0] ** 2 + v[1] ** 2 + v[2] ** 2) / length**2
+    for k in range(3):
+        rate[k] = -tension * r[k] - 2.0 * damping * v[k]
+    rate[1] += GRAVITY
 
 
 @kernel
-def _pull(r: Floats, v: Floats, length: float, damping: float, slope: Floats) -> None:
-    """Acceleration of a pendulum: gravity but for its part along the rope, the centripetal part, and damping."""
-    pull = (9.81 * r[1] + v[0] ** 2 + v[1] ** 2 + v[2] ** 2) / length**2
-    for k in range(3):
-        slope[k] = -pull * r[k] - 2.0 * damping * v[k]
-    slope[1] += 9.81
+def step_rope(rope: Block, step: float) -> None:
+    """Advance offset and velocity of what hangs on a rope by a step, s, in place; the rope keeps its length."""
+    swing(rope.view(ROPE)[0], step)
 
 
 @kernel
-def swing(r: Floats, v: Floats, length: float, damping: float, step: float) -> None:
-    """Advance a pendulum's arm and velocity, (3,) each, m and m/s, in place; the arm keeps its length."""
+def swing(rope: Any, step: float) -> None:
+    """Advance as `step_rope` does, for kernels that hold `RopeState` as a record."""
+    r, v, length = rope.offset, rope.velocity, rope.length
     rates = np.empty((4, 2, 3))
-    at, speed = r.copy(), v.copy()
+    at, speed = np.empty(3), np.empty(3)
     for stage in range(4):
-        if stage > 0:
-            part = step if stage == 3 else 0.5 * step
-            for k in range(3):
+        part = 0.0 if stage == 0 else step if stage == 3 else 0.5 * step
+        for k in range(3):
+            at[k], speed[k] = r[k], v[k]
+            if stage > 0:
                 at[k] = r[k] + part * rates[stage - 1, 0, k]
                 speed[k] = v[k] + part * rates[stage - 1, 1, k]
         rates[stage, 0] = speed
-        _pull(at, speed, length, damping, rates[stage, 1])
+        _acceleration(at, speed, length, rope.damping, rates[stage, 1])
     square = 0.0
     for k in range(3):
         r[k] += step / 6.0 * (rates[0, 0, k] + 2.0 * rates[1, 0, k] + 2.0 * rates[2, 0, k] + rates[3, 0, k])

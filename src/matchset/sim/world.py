@@ -8,24 +8,63 @@ import numpy.typing as npt
 
 from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
+from matchset.numeric.record import fields, new_block
 from matchset.sim import chain_motion
-from matchset.sim.chain_motion import HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, NOTHING
-from matchset.sim.quadrotor import GRAVITY, PLACE, SIZE, SPEED, constants, resting, rotation
-from matchset.sim.rope import Rope, RopeParameters
+from matchset.sim.chain_motion import CHAIN, HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, MOST_VEHICLES, NOTHING
+from matchset.sim.quadrotor import (
+    GRAVITY,
+    STATE,
+    STATE_SIZE,
+    VEHICLE,
+    WAKE,
+    WakeParameters,
+    rotation_matrix,
+    state_at_rest,
+    vehicle_constants,
+    wake_constants,
+)
+from matchset.sim.rope import ROPE, Rope, RopeParameters
 from matchset.sim.scene.furniture import FLOOR
 from matchset.sim.scene.room import BACK, BEHIND, HALF_WIDTH
 from matchset.sim.vehicle import BACKWARD, VehicleParameters, VehiclePose, toy
 
 Floats = npt.NDArray[np.float64]
 
-RATE = 480  # steps per s: 16 a frame, and fields 4 steps before and after its middle
-STEP = 1.0 / RATE
-KEPT = 1 * RATE  # steps that are remembered
-UP = np.array((0.0, -1.0, 0.0))
-LOOK = 4  # steps from one look for crashes to the next
-ROOM_LENGTH = 3.0  # m of chain that fits into the room as it is; for a longer one the room grows
-FRAME_RADIUS = 0.11  # m, of the sphere that a frame with its rotors fills
-CAMERA_AHEAD = 0.05  # m, the camera before the center of mass
+RATE = 480  # format: steps a second: 16 a frame, and fields 4 steps before and after its middle
+STEP = 1.0 / RATE  # format: s
+KEPT = 1 * RATE  # format: capacity, steps that are remembered
+UP = np.array((0.0, -1.0, 0.0))  # geometry: world frame
+CAMERA_AHEAD = 0.05  # geometry: m, from the center of mass forward to the camera
+
+
+class WorldParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What counts as a crash, when a flight begins, and how large the room is.
+
+    Parameters
+    ----------
+    check_period : int
+        Steps from one test for crashes to the next. Fewer: crashes are noticed earlier, flights take longer to compute.
+        Chosen by hand: at 4 steps, 8 ms, a vehicle moves less than 2 cm between tests; `test_world` shows a change.
+    frame_radius : float
+        Radius of the sphere that a frame with its rotors fills, m: an arm and a rotor of ``vehicle.toml`` reach 0.12 m.
+    clearance : float
+        Height of the center of mass above the floor at which a vehicle has hit it, m. Chosen by hand: half the height
+        of the frame; `test_world` shows a change.
+    release : float
+        Share of a vehicle's weight that its thrust must reach before the hand that holds it lets go. Chosen by hand;
+        `test_world` shows a change.
+    room_length : float
+        Length of a chain, first to last camera, that fits into the room as it is, m; for a longer one the room grows.
+    ceiling_anchor : float
+        Height, below the origin, of a rope's vehicle at rest, m: the chain flies at about the camera's height.
+    """
+
+    check_period: int = 4
+    frame_radius: float = 0.11
+    clearance: float = 0.03
+    release: float = 0.5
+    room_length: float = 3.0
+    ceiling_anchor: float = 0.2
 
 
 class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -34,14 +73,16 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     Parameters
     ----------
     vehicles : int
-        How many, 2 or more.
+        How many, 2 to 20.
     place : RelativeSetpoint
-        Where the camera of each is to be, beside the next one's ball.
+        Where the camera of each is to be, relative to the next one's ball.
     start_off : tuple of 3 floats
-        How far off that each begins: to the right, up, and ahead, m.
+        Distance from there at which each begins: to the right, up, and ahead, m; the signs follow from the seed.
     rope : RopeParameters
     vehicle : VehicleParameters, optional
         The toy by default.
+    world : WorldParameters
+    wake : WakeParameters
     """
 
     vehicles: int = 3
@@ -49,10 +90,12 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     start_off: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rope: RopeParameters = RopeParameters()
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)
+    world: WorldParameters = WorldParameters()
+    wake: WakeParameters = WakeParameters()
 
     def __post_init__(self) -> None:
-        if not 2 <= self.vehicles <= 20:
-            raise ValueError(f"vehicles must be 2 ... 20, got {self.vehicles}")
+        if not 2 <= self.vehicles <= MOST_VEHICLES:
+            raise ValueError(f"vehicles must be 2 ... {MOST_VEHICLES}, got {self.vehicles}")
         if not all(abs(value) <= 2.0 for value in self.start_off):
             raise ValueError(f"start_off must be within 2 m, got {self.start_off}")
 
@@ -70,6 +113,13 @@ class World:
     ----------
     step : int
         Steps of 1/480 s since the beginning.
+    states : ndarray of shape (n, 17)
+        `matchset.sim.quadrotor.VehicleState` of each, now.
+    motion : record
+        `matchset.sim.chain_motion.ChainState`, now; the first n of its arrays' rows are used.
+    rope : Rope
+    room_scale : float
+        Factor on length and width of the room.
     crashes : list of (float, int, str)
         Time, vehicle, and what happened. A vehicle that crashed stays where it is.
     """
@@ -77,26 +127,27 @@ class World:
     def __init__(self, parameters: ChainParameters, seed: int = 0) -> None:
         self.parameters, self.seed, self.step = parameters, seed, 0
         self.crashes: list[tuple[float, int, str]] = []
-        toy, count = parameters.vehicle, parameters.vehicles
+        vehicle, count = parameters.vehicle, parameters.vehicles
+        self._block = new_block(CHAIN)
+        motion = self.motion = fields(self._block, CHAIN)
+        self.room_scale = max(parameters.place.heading * (count - 1) / parameters.world.room_length, 1.0)
+        self._store_constants()
         rng = np.random.default_rng((seed, 0xC4A1))
-        ways = rng.uniform(0.0, 2.0 * math.pi, count)
-        self._bias = math.radians(toy.level_bias_deg) * np.column_stack((np.cos(ways), np.sin(ways)))
-        self._age = rng.uniform(0.0, 0.3, count) * toy.flight_time  # of the battery at the beginning
-        self._wander = math.radians(toy.level_wander_deg) * rng.standard_normal((count, 2))
-        self.rope = Rope(parameters.rope, (0.0, 0.2 - parameters.rope.length, _far_end(parameters)), rng)
+        directions = rng.uniform(0.0, 2.0 * math.pi, count)
+        bias = math.radians(vehicle.level_bias_deg) * np.column_stack((np.cos(directions), np.sin(directions)))
+        motion.level_bias[:count] = bias
+        motion.battery_age[:count] = rng.uniform(0.0, 0.3, count) * vehicle.flight_time
+        motion.level_wander[:count] = math.radians(vehicle.level_wander_deg) * rng.standard_normal((count, 2))
+        motion.held[:] = 1  # each begins in a hand, which lets go when the motors pull
+        anchor = (0.0, parameters.world.ceiling_anchor - parameters.rope.length, _far_end(parameters))
+        self.rope = Rope(parameters.rope, anchor, rng, self._part("rope", ROPE))
         self._rng = np.random.default_rng((seed, 0xF117))
-        self._constants = constants(toy)
         self._sent: list[list[tuple[int, Command]]] = [[] for _ in range(count)]
         self._active = [Command()] * count
-        self._sticks, self._heard = np.zeros((count, 4)), np.zeros(count, np.int64)
-        self._held = np.ones(count, np.bool_)  # each begins in a hand, which lets go when the motors pull
-        self._ended, self._hits = np.zeros(count, np.bool_), np.zeros(count, np.int64)
-        length = parameters.place.heading * (count - 1)
-        self.room_scale = max(length / ROOM_LENGTH, 1.0)
         self.states = self._begin(rng)
-        self._chain = _chain_constants(parameters, self.room_scale)
-        self._past, self._past_arms = np.empty((KEPT, count, SIZE)), np.empty((KEPT, 3))
-        self._past[0], self._past_arms[0] = self.states, self.rope.arm
+        self._past, self._past_offsets = np.empty((KEPT, count, STATE_SIZE)), np.empty((KEPT, 3))
+        self._past[0], self._past_offsets[0] = self.states, self.rope.state.offset
+        self._compile()
 
     @property
     def time(self) -> float:
@@ -113,97 +164,108 @@ class World:
     def advance(self, step: int) -> None:
         """Let time pass until a step."""
         while self.step < step:
-            due = self._hear(self.step + 1)
+            due = self._receive(self.step + 1)
             self._fly(min([step, *(when - 1 for when in due)]))
 
     def poses(self, step: int) -> list[VehiclePose]:
-        """Where everyone was at a step of the last second."""
+        """Tell where everyone was at a step of the last second.
+
+        Raises
+        ------
+        ValueError
+            If the step is not remembered.
+        """
         step = max(step, 0)
         if not self.step - KEPT < step <= self.step:
             raise ValueError(f"step {step} is not among the last {KEPT} before step {self.step}")
         count = self.parameters.vehicles
-        places, turns, balls = np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3))
-        states, arm, yaw = self._past[step % KEPT], self._past_arms[step % KEPT], self.rope.yaw(step * STEP)
-        height, length = self.parameters.vehicle.ball_height, self.rope.parameters.length
-        chain_motion.seen(states, arm, yaw, length, height, places, turns, balls)
-        return [VehiclePose(*each) for each in zip(places, turns, balls, strict=True)]
+        poses = np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3))
+        states, offset = self._past[step % KEPT], self._past_offsets[step % KEPT]
+        chain_motion.write_poses(self._block, states, offset, step * STEP, poses)
+        return [VehiclePose(*each) for each in zip(*poses, strict=True)]
 
     def place(self, who: int, step: int | None = None) -> Floats:
         """Side, height and heading of a follower's camera in the level frame of its neighbor's ball: the truth, m."""
         poses = self.poses(self.step if step is None else step)
         return relative_position(poses[who], poses[who + 1])
 
+    def _store_constants(self) -> None:
+        """Write what stays the same into the block."""
+        parameters, motion = self.parameters, self.motion
+        vehicle, world, weight = parameters.vehicle, parameters.world, parameters.vehicle.mass * GRAVITY
+        decay = STEP / vehicle.level_wander_time
+        motion.time_step, motion.check_period = STEP, world.check_period
+        self._part("vehicle", VEHICLE)[:] = vehicle_constants(vehicle)
+        self._part("wake", WAKE)[:] = wake_constants(vehicle, parameters.wake)
+        electronics, room = motion.electronics, motion.room
+        electronics.full_tilt = math.radians(vehicle.full_tilt_deg)
+        electronics.full_yaw_rate = math.radians(vehicle.full_yaw_rate_deg)
+        electronics.full_thrust = vehicle.thrust_to_weight * vehicle.mass * GRAVITY
+        electronics.battery_sag, electronics.flight_time = vehicle.battery_sag, vehicle.flight_time
+        electronics.failsafe, electronics.wander_decay = vehicle.failsafe, decay
+        electronics.wander_noise = math.radians(vehicle.level_wander_deg) * math.sqrt(2.0 * decay)
+        electronics.release_thrust = world.release * weight
+        room.half_width, room.near, room.far = (self.room_scale * edge for edge in (HALF_WIDTH, BEHIND, BACK))
+        room.floor, room.clearance, room.frame_radius = FLOOR, world.clearance, world.frame_radius
+        room.ball_radius, room.ball_height = vehicle.ball_radius, vehicle.ball_height
+
+    def _part(self, name: str, layout: "np.dtype[np.void]") -> Floats:
+        """Floats of a record in the block."""
+        start = CHAIN.fields[name][1] // self._block.itemsize  # type: ignore[index]
+        return self._block[start : start + layout.itemsize // self._block.itemsize]
+
     def _begin(self, rng: np.random.Generator) -> Floats:
         """Put everyone at the set place, but for `start_off` with signs from the seed."""
-        parameters, toy = self.parameters, self.parameters.vehicle
-        states = np.zeros((parameters.vehicles, 17))
-        states[-1] = resting(self.rope.place, self.rope.yaw(0.0), 0.0)
+        parameters, vehicle = self.parameters, self.parameters.vehicle
+        states, yaw = np.zeros((parameters.vehicles, STATE_SIZE)), self.rope.yaw(0.0)
+        states[-1] = state_at_rest(self.rope.position, yaw, 0.0)
+        level = np.empty((3, 3))
+        rotation_matrix(state_at_rest((0.0, 0.0, 0.0), yaw, 0.0), level)
         for who in range(parameters.vehicles - 2, -1, -1):
-            yaw = self.rope.yaw(0.0)
-            turn = resting((0.0, 0.0, 0.0), yaw, 0.0)
-            matrix = np.empty((3, 3))
-            rotation(turn, matrix)
-            ball = states[who + 1, PLACE : PLACE + 3] + toy.ball_height * UP
-            set_place = parameters.place
-            there = ball + matrix @ ((set_place.heading + CAMERA_AHEAD) * BACKWARD - set_place.side * np.eye(3)[0])
-            there = there + set_place.height * UP
+            ball = fields(states[who + 1], STATE).position + vehicle.ball_height * UP
+            goal = parameters.place
+            there = ball + level @ ((goal.heading + CAMERA_AHEAD) * BACKWARD - goal.side * np.eye(3)[0])
+            there = there + goal.height * UP
             off = np.array(parameters.start_off) * rng.choice((-1.0, 1.0), 3) * (1.0, -1.0, 1.0)
-            thrust = toy.mass * GRAVITY
-            states[who] = resting(there + matrix @ off, yaw, thrust)
+            states[who] = state_at_rest(there + level @ off, yaw, vehicle.mass * GRAVITY)
         return states
 
-    def _hear(self, step: int) -> list[int]:
+    def _compile(self) -> None:
+        """Compile what `advance` and `poses` call, by letting no time pass."""
+        no_kicks = np.empty((0, self.parameters.vehicles, 2))
+        chain_motion.fly(self._block, self.states, no_kicks, self._past, self._past_offsets, self.step)
+        self.poses(self.step)
+
+    def _receive(self, step: int) -> list[int]:
         """Let commands act that have arrived by a step; tells when the next of each arrives."""
         due = []
         for who, queue in enumerate(self._sent):
             while queue and queue[0][0] <= step:
-                self._heard[who], self._active[who] = queue.pop(0)
+                self.motion.heard[who], self._active[who] = queue.pop(0)
                 heard = self._active[who]
-                self._sticks[who] = heard.roll, heard.pitch, heard.yaw, heard.throttle
+                self.motion.sticks[who] = heard.roll, heard.pitch, heard.yaw, heard.throttle
             if queue:
                 due.append(queue[0][0])
         return due
 
     def _fly(self, until: int) -> None:
         """Let steps pass under the same sticks."""
-        kicks = self._rng.standard_normal((until - self.step, *self._wander.shape))
+        kicks = self._rng.standard_normal((until - self.step, self.parameters.vehicles, 2))
         while self.step < until:
             before = self.step
-            self.step = chain_motion.fly(
-                self.states,
-                self.rope.arm,
-                self.rope.velocity,
-                self.rope.anchor,
-                self._wander,
-                kicks,
-                self._sticks,
-                self._heard,
-                self._held,
-                self._ended,
-                self._bias,
-                self._age,
-                self._constants,
-                self._chain,
-                self.rope.waves,
-                self._past,
-                self._past_arms,
-                before,
-                until,
-                LOOK,
-                self._hits,
-            )
+            self.step = chain_motion.fly(self._block, self.states, kicks, self._past, self._past_offsets, until)
             kicks = kicks[self.step - before :]
-            if self.step % LOOK == 0:
+            if self.step % self.parameters.world.check_period == 0:
                 self._note_crashes()
 
     def _note_crashes(self) -> None:
         """End the flight of whoever hit something."""
-        for who, hit in enumerate(self._hits.tolist()):
+        for who, hit in enumerate(self.motion.hits[: self.parameters.vehicles].tolist()):
             if hit != NOTHING:
-                self._ended[who] = True
-                self.states[who, SPEED : SPEED + 3] = 0.0
+                self.motion.crashed[who] = 1
+                fields(self.states[who], STATE).velocity[:] = 0.0
                 self.crashes.append((self.time, who, _what(hit)))
-        self._hits[:] = NOTHING
+        self.motion.hits[:] = NOTHING
 
 
 def _what(hit: int) -> str:
@@ -212,42 +274,10 @@ def _what(hit: int) -> str:
     return fixed.get(hit, f"hit vehicle {hit - HIT_VEHICLE + 1}")
 
 
-def _chain_constants(parameters: ChainParameters, room_scale: float) -> Floats:
-    """Pack what the kernels of `chain_motion` need, in their order."""
-    toy, rope = parameters.vehicle, parameters.rope
-    fade = STEP / toy.level_wander_time
-    wide, near, far = (room_scale * edge for edge in (HALF_WIDTH, BEHIND, BACK))
-    return np.array(
-        [
-            STEP,
-            math.radians(toy.full_tilt_deg),
-            math.radians(toy.full_yaw_rate_deg),
-            toy.thrust_to_weight * toy.mass * GRAVITY,
-            toy.battery_sag,
-            toy.flight_time,
-            toy.failsafe,
-            fade,
-            math.radians(toy.level_wander_deg) * math.sqrt(2.0 * fade),
-            4.0 * math.pi * toy.rotor_radius**2,
-            toy.air_density,
-            toy.mass * GRAVITY,
-            rope.length,
-            rope.damping,
-            toy.ball_height,
-            toy.ball_radius,
-            wide,
-            near,
-            far,
-            FLOOR,
-            FRAME_RADIUS,
-        ]
-    )
-
-
-def camera_position(me: VehiclePose) -> Floats:
-    """Tell where a vehicle's camera is, (3,), m."""
-    where: Floats = me.position + CAMERA_AHEAD * me.rotation[:, 2]
-    return where
+def camera_position(vehicle: VehiclePose) -> Floats:
+    """Tell where a vehicle's camera is, (3,), room frame, m."""
+    position: Floats = vehicle.position + CAMERA_AHEAD * vehicle.rotation[:, 2]
+    return position
 
 
 def relative_position(me: VehiclePose, neighbor: VehiclePose) -> Floats:

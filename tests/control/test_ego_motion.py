@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from matchset.control.ego_motion import GRAVITY, STATE, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.numeric.record import fields, new_block
-from matchset.sim.quadrotor import STATE, rotation_matrix, state_at_rest, step_vehicle, vehicle_constants
+from matchset.sim import quadrotor
+from matchset.sim.quadrotor import rotation_matrix, state_at_rest, step_vehicle, vehicle_constants
 from matchset.sim.vehicle import toy
 
 MODEL = EgoMotionParameters(
@@ -73,7 +74,7 @@ def test_the_defaults_answer_as_the_simulated_toy_does() -> None:
         there = own.at((k + 1) / 30)
         rotation_matrix(state, turn)
         off.append(there.roll - math.asin(turn[1, 0]))
-        lag.append(there.velocity[0] - fields(state, STATE).velocity[0])
+        lag.append(there.velocity[0] - fields(state, quadrotor.STATE).velocity[0])
     assert np.std(off) < math.radians(0.7)  # of 3.5 degrees
     assert np.std(lag) < 0.01  # m/s, of 0.12
 

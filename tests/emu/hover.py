@@ -17,7 +17,7 @@ from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
 from matchset.control.command import Command
 from matchset.image.frame import Frame
 from matchset.links.arduino.arduino_link import ArduinoLink
-from matchset.links.simulated import FPS, FRAME, SimulatedCamera, SimulatedChain, SimulationParameters
+from matchset.links.simulated import FPS, STEPS_PER_FRAME, SimulatedCamera, SimulatedChain, SimulationParameters
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import STATE
 from matchset.sim.vehicle import toy
@@ -119,7 +119,7 @@ class AirCamera:
         """Return the next picture."""
         self._index += 1
         latency = round(1e-3 * self._hover.chain.parameters.latency_ms * RATE)
-        self._hover.pass_until(FRAME * self._index + latency)
+        self._hover.pass_until(STEPS_PER_FRAME * self._index + latency)
         return self._camera.read()
 
     def now(self) -> float:

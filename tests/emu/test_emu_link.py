@@ -12,8 +12,9 @@ from fakes import FakePort
 from flight import BOUND
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino.arduino_link import ArduinoLink, ArduinoParameters
+from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import Config, Report
+from matchset.links.arduino.protocol import ArduinoParameters
 
 LOCK_STEP_SECONDS = float(os.environ.get("MATCHSET_CABLE_SECONDS", "5"))  # 60: make bench-radio
 REAL_SECONDS = float(os.environ.get("MATCHSET_REAL_SECONDS", "1"))  # 60: make bench-radio

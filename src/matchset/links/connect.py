@@ -1,4 +1,4 @@
-"""From a URI to a link."""
+"""Open the link that a URI names: `connect`."""
 
 from matchset.links.link import Link
 

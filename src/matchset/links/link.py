@@ -1,4 +1,4 @@
-"""What every link to a vehicle offers: a URI, five methods, and a `with` block that lands when it is left."""
+"""The contract of every link to a vehicle: a URI, five methods, and a `with` block that lands when it ends."""
 
 from types import TracebackType
 from typing import Literal, Protocol, Self
@@ -8,29 +8,28 @@ import msgspec
 from matchset.control.command import Command
 
 State = Literal["binding", "locked", "armed", "holding", "failsafe"]
-"""How things stand at the far end.
+"""State of the transmitter.
 
-``binding``: it makes itself known to the vehicle. ``locked``: motors off, may be armed. ``armed``: commands fly.
-``holding``: armed, but commands have stopped coming; sticks neutral, throttle as it was. ``failsafe``: commands
-have been missing too long, or the far end restarted; motors off until `Link.arm`.
+``binding``: it sends its address to the vehicle. ``locked``: motors off, may be armed. ``armed``: commands are flown.
+``holding``: armed, but no commands arrive; sticks neutral, throttle unchanged. ``failsafe``: no commands for too long,
+or the transmitter restarted; motors off until `Link.arm`.
 """
 
 
 class LinkStatus(msgspec.Struct, frozen=True):
-    """What the far end last said of itself.
+    """The last status of the transmitter.
 
     Attributes
     ----------
     state : State
-        How things stand.
     version : str
-        Of its program.
+        Of its firmware.
     errors : int
-        Messages that it could not read, since it started (it may count modulo some power of two).
+        Messages that it could not read since it started; the counter may wrap.
     age : float
-        Age of the last good command when it said so, s.
+        Age of the last good command at the time of the status, s.
     warnings : tuple of str
-        What is wrong with it, in words.
+        Its faults, in words.
     """
 
     state: State
@@ -41,15 +40,15 @@ class LinkStatus(msgspec.Struct, frozen=True):
 
 
 class Link(Protocol):
-    """A vehicle that takes commands.
+    """The connection to a vehicle that accepts commands.
 
-    Used in a `with` block: however the block is left, the vehicle lands and its motors stop. Where the link
-    itself is broken nothing can be sent any more, and the far end has to act on its own.
+    Used in a `with` block: at its end, also after an error, the vehicle lands and its motors stop. If the link itself
+    is broken nothing can be sent any more, and the failsafe of the transmitter has to act.
 
     Attributes
     ----------
     uri : str
-        Where it leads, e.g. ``serial:///dev/ttyUSB0``.
+        Its address, e.g. ``serial:///dev/ttyUSB0``.
 
     Raises
     ------
@@ -60,19 +59,19 @@ class Link(Protocol):
     uri: str
 
     def arm(self) -> None:
-        """Make the vehicle take throttle; the motors stay off until a command asks for more."""
+        """Enable the throttle; the motors stay off until a command raises it."""
 
     def send(self, command: Command) -> Command:
-        """Send the sticks of this moment; returns what the vehicle gets: quantized, and all zero unless armed."""
+        """Send a command; returns what the vehicle receives: quantized, and all zero unless armed."""
 
     def status(self) -> LinkStatus:
-        """Return what the far end last said of itself; never waits."""
+        """Return the last status of the transmitter; never waits."""
 
     def land(self, duration: float = 1.5) -> None:
-        """Bring the throttle to zero over so many seconds, sticks neutral, then disarm; 0 cuts at once."""
+        """Lower the throttle to zero over so many seconds, sticks neutral, then disarm; 0 stops the motors at once."""
 
     def close(self) -> None:
-        """Let go of the device; lands first."""
+        """Land, then close the device."""
 
     def __enter__(self) -> Self:
         """Return the link."""
@@ -80,4 +79,4 @@ class Link(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Land and let go of the device."""
+        """Land and close the device."""

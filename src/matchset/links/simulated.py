@@ -1,8 +1,8 @@
 """``sim://chain``: the simulated chain of vehicles, each with a link and a camera.
 
-``sim://chain?vehicles=3&seed=7&pal=typical&latency_ms=67``: what stands after the question mark are the fields of
-`SimulationParameters`. Time passes when a camera is read: to the moment at which its next picture has been worked on,
-`latency_ms` after it was taken. Whoever sends then sends at that moment.
+In ``sim://chain?vehicles=3&seed=7&pal=typical&latency_ms=67`` the query holds fields of `SimulationParameters`. Reading
+a camera advances the simulated time to the moment at which its next picture has been processed, `latency_ms` after it
+was taken. A command that is sent then is sent at that moment.
 """
 
 import math
@@ -27,41 +27,44 @@ from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehicleParameters, VehiclePose, toy
 from matchset.sim.world import RATE, ChainParameters, World
 
-FPS, FRAME = 30, RATE // 30  # pictures a second, steps a picture
+FPS = 30  # format: pictures a second, PAL without interlace
+STEPS_PER_FRAME = RATE // FPS
 SCHEME = "sim://"
-PLACE = RelativeSetpoint(height=-0.19)  # at the next one's height: its ball is above its frame, and its camera on it
+START = RelativeSetpoint(height=-0.19)  # geometry: at the height of the next vehicle, whose ball is above its frame
 
 
 class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is simulated.
+    """Parameters of the simulation. Their names are the keys of a URI and of a settings file.
+
+    The defaults are those of the project's experiment; `app/flight/flight.toml` has the source of each.
 
     Parameters
     ----------
     vehicles : int
-        Length of the chain; the last one hangs on a rope.
+        Length of the chain; the last vehicle hangs on a rope.
     seed : int
-        Decides everything that is left to chance.
+        Of all random numbers.
     pal : str
-        The analog link: "clean", "typical" or "bad".
+        Quality of the analog video link: "clean", "typical" or "bad".
     latency_ms : float
         From the middle of a picture's exposure to the moment its command leaves the laptop, ms, rounded to 1/480 s; the
-        radio's delay comes on top. Never less than the 8.3 ms after which the second field is exposed.
+        delay of the radio is added. At least 8.3 ms, when the second field is exposed.
     swing : float
-        Amplitude of the last one's swing, m.
+        Amplitude of the last vehicle's swing, m.
     yaw_deg : float
         Amplitude of its yaw, degree.
     bias_deg : float
-        How far off the level of each vehicle is, degree.
+        Error of the level of each vehicle, degree.
     start_off : float
-        How far off in every axis each begins, m.
+        Offset of each vehicle's start in every axis, m.
     hidden : float
-        How long the ball is hidden at a time, s.
+        How long the ball is hidden at a time, s; 0 for never.
     hidden_every : float
-        How often, s.
+        Time from one hiding to the next, s.
     cable : float
-        When the camera's cable is pulled, s.
+        When the cables of the cameras are pulled, s; inf for never.
     distortion : float
-        k1 of the lenses.
+        Radial distortion k1 of the lenses (OpenCV), no unit.
     width, height : int
         Of the pictures, px.
     fov_deg : float
@@ -69,7 +72,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     model : CameraModel, optional
         The cameras, in place of `distortion` and `fov_deg`; its size must be that of the pictures.
     vehicle : VehicleParameters, optional
-        The vehicles; but for their bias, which is `bias_deg`.
+        The vehicles; their level bias is replaced by `bias_deg`.
     """
 
     vehicles: int = 3
@@ -116,7 +119,13 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             raise ValueError(f"width and height are {size}, but the camera is for {model.width} x {model.height} px")
 
     def chain(self, place: RelativeSetpoint) -> ChainParameters:
-        """Tell the world what is simulated."""
+        """Return the parameters of the world.
+
+        Parameters
+        ----------
+        place : RelativeSetpoint
+            Where each vehicle begins beside the next.
+        """
         return ChainParameters(
             vehicles=self.vehicles,
             place=place,
@@ -127,7 +136,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
 
     @property
     def camera(self) -> CameraModel:
-        """The cameras."""
+        """The camera model of all followers."""
         if self.model is not None:
             return self.model
         pinhole = CameraModel.from_fov(self.width, self.height, math.radians(self.fov_deg))
@@ -135,13 +144,13 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
 
 
 class SimulatedChain:
-    """A world, and for each follower a camera and a link.
+    """A simulated world, and for each follower a camera and a link.
 
     Parameters
     ----------
     parameters : SimulationParameters, optional
-    place : RelativeSetpoint, optional
-        Where each begins beside the next, but for `SimulationParameters.start_off`.
+    start : RelativeSetpoint, optional
+        Where each vehicle begins beside the next, up to `SimulationParameters.start_off`.
 
     Attributes
     ----------
@@ -150,9 +159,9 @@ class SimulatedChain:
     links : list of SimulatedLink
     """
 
-    def __init__(self, parameters: SimulationParameters | None = None, place: RelativeSetpoint | None = None) -> None:
+    def __init__(self, parameters: SimulationParameters | None = None, start: RelativeSetpoint | None = None) -> None:
         self.parameters = parameters or SimulationParameters()
-        self.world = World(self.parameters.chain(place or PLACE), self.parameters.seed)
+        self.world = World(self.parameters.chain(start or START), self.parameters.seed)
         self._images = WorldCameras(self.world, self.parameters.camera, self.parameters.pal)
         self._images.hide_balls(self.parameters.hidden, self.parameters.hidden_every)
         self._pool = ThreadPoolExecutor(2)
@@ -166,21 +175,34 @@ class SimulatedChain:
         return self.world.time
 
     def close(self) -> None:
-        """Let go of the threads."""
+        """Stop the threads."""
         self._pool.shutdown(cancel_futures=True)
 
     def expose(self, who: int, index: int) -> Frame | None:
-        """Let time pass until a picture has been worked on; the picture, None after the cable was pulled."""
+        """Advance the time until a picture has been processed, and return it.
+
+        Parameters
+        ----------
+        who : int
+            Which follower, from 0.
+        index : int
+            Of the picture, from 1.
+
+        Returns
+        -------
+        Frame or None
+            None after the cable was pulled.
+        """
         latency = max(round(1e-3 * self.parameters.latency_ms * RATE), FIELD)
-        taken = FRAME * index
+        taken = STEPS_PER_FRAME * index
         self.world.advance(taken + latency)
-        newest = (self.world.step - FIELD) // FRAME  # drawn ahead while this one is worked on
+        newest = (self.world.step - FIELD) // STEPS_PER_FRAME  # rendered ahead by the threads
         for wanted in range(index, max(newest, index) + 1):
-            if wanted * FRAME / RATE >= self.parameters.cable:
+            if wanted * STEPS_PER_FRAME / RATE >= self.parameters.cable:
                 break
             for other in range(len(self.cameras)):
                 if (other, wanted) not in self._jobs:
-                    self._jobs[other, wanted] = self._pool.submit(self._images.image, other, FRAME * wanted)
+                    self._jobs[other, wanted] = self._pool.submit(self._images.image, other, STEPS_PER_FRAME * wanted)
         if taken / RATE >= self.parameters.cable:
             return None
         image = self._jobs[who, index].result()
@@ -188,20 +210,20 @@ class SimulatedChain:
         return Frame(image, taken / RATE, index)
 
     def truth(self, index: int | None = None) -> tuple[VehiclePose, ...]:
-        """Where everyone is now, or was when the pictures of an index were taken."""
-        return tuple(self.world.poses(self.world.step if index is None else FRAME * index))
+        """Return the poses of all vehicles now, or when the pictures of an index were taken."""
+        return tuple(self.world.poses(self.world.step if index is None else STEPS_PER_FRAME * index))
 
     def inside(self, who: int, index: int) -> bool:
-        """Whether the middle of the neighbor's ball was in a camera's picture, and nothing was held before it."""
-        return self._images.shows_ball(who, FRAME * index)
+        """Whether the center of the neighbor's ball was in a camera's picture and not hidden on purpose."""
+        return self._images.shows_ball(who, STEPS_PER_FRAME * index)
 
     def sample(self, who: int) -> Frame:
-        """Take a picture of a ball that someone holds 1 m before a camera, to teach the colors."""
+        """Return a picture of a ball held 1 m before a camera, to learn the colors from."""
         return Frame(self._images.held_ball(who), 0.0, 0)
 
 
 class SimulatedCamera:
-    """The camera of one follower; reading it lets time pass.
+    """The camera of one follower; reading it advances the time.
 
     Attributes
     ----------
@@ -213,12 +235,12 @@ class SimulatedCamera:
         self._chain, self._who, self._index = chain, who, 0
 
     def read(self) -> Frame | None:
-        """Return the next picture; None if none came for the time of one."""
+        """Return the next picture; None after the cable was pulled."""
         self._index += 1
         return self._chain.expose(self._who, self._index)
 
     def sample(self) -> Frame:
-        """Take a picture of a ball held 1 m before the camera, its marker in the middle."""
+        """Return a picture of a ball held 1 m before the camera, its marker in the middle."""
         return self._chain.sample(self._who)
 
     def now(self) -> float:
@@ -235,24 +257,24 @@ class SimulatedLink:
         self._armed, self._open, self._sent = False, True, Command()
 
     def arm(self) -> None:
-        """Make the vehicle take throttle."""
+        """Enable the throttle."""
         self._check()
         self._armed = True
 
     def send(self, command: Command) -> Command:
-        """Send the sticks of this moment; returns what the vehicle gets."""
+        """Send a command; returns what the vehicle receives."""
         self._check()
         self._sent = self.chain.world.send(self._who, command if self._armed else Command())
         return self._sent
 
     def status(self) -> LinkStatus:
-        """Return how things stand."""
+        """Return the state, with crashes as warnings."""
         self._check()
         fallen = [what for _, who, what in self.chain.world.crashes if who == self._who]
         return LinkStatus("armed" if self._armed else "locked", "simulated", 0, 0.0, tuple(fallen))
 
     def land(self, duration: float = 1.5) -> None:
-        """Bring the throttle to zero over so many seconds of the world's time, then disarm."""
+        """Lower the throttle to zero over so many seconds of simulated time, then disarm."""
         self._check()
         steps = max(round(duration * FPS), 1) if self._armed else 0
         for k in range(1, steps + 1):
@@ -261,7 +283,7 @@ class SimulatedLink:
         self._armed, self._sent = False, Command()
 
     def close(self) -> None:
-        """Land and let go."""
+        """Land and close the link."""
         if self._open:
             self.land()
             self._open = False
@@ -273,7 +295,7 @@ class SimulatedLink:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Land and let go."""
+        """Land and close the link."""
         self.close()
 
     def _check(self) -> None:

@@ -1,25 +1,23 @@
-"""A command as sixteen channels, and as what is left of it on the air.
+"""A command as sixteen channels, and as it is after the quantization of the radio packets.
 
 Channels 1 ... 4 are roll, pitch, throttle, yaw (AETR), 5 arm, 6 high rate, 7 flip (never), 16 a number that the
-firmware sends back; the others rest in the middle.
+firmware sends back; the others stay at the center.
 """
 
 from matchset.control.command import Command
 from matchset.links.arduino.crsf import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
 
-NUMBERS = 1024
-"""Frames are numbered modulo this."""
+FRAME_NUMBERS = 1024  # format: frames are numbered modulo this
 
 
 def channels(command: Command, armed: bool = False, high_rate: bool = False) -> list[int]:
-    """Return the sixteen channels of a command, 172 ... 1811 each; the number is left at its lowest.
+    """Return the sixteen channels of a command, 172 ... 1811 each; the frame number is its lowest.
 
     Parameters
     ----------
     command : Command
-        The sticks.
     armed, high_rate : bool
-        The switches: without `armed` the motors stay off; high rate allows more tilt.
+        The switches: without `armed` the motors stay off; the high rate allows more tilt.
     """
     half, whole = CHANNEL_HIGH - CHANNEL_CENTER, CHANNEL_HIGH - CHANNEL_LOW
     values = [CHANNEL_CENTER] * CHANNEL_COUNT
@@ -34,18 +32,18 @@ def channels(command: Command, armed: bool = False, high_rate: bool = False) -> 
 
 
 def throttle_byte(channel: int) -> int:
-    """Return the throttle that the firmware makes of a channel, 0 ... 255."""
+    """Return the throttle that the firmware computes from a channel, 0 ... 255."""
     return (channel - CHANNEL_LOW) * 10197 + 32768 >> 16
 
 
 def stick_byte(channel: int) -> int:
-    """Return the stick that the firmware makes of a channel, -127 ... 127."""
+    """Return the stick that the firmware computes from a channel, -127 ... 127."""
     size = abs(channel - CHANNEL_CENTER) * 10163 + 32768 >> 16
     return size if channel >= CHANNEL_CENTER else -size
 
 
 def on_air(command: Command) -> Command:
-    """Return the command as the packets carry it: 255 steps of throttle, 127 on each side of a stick."""
+    """Return the command as the radio packets carry it: 255 steps of throttle, 127 on each side of a stick."""
     roll, pitch, throttle, yaw = channels(command)[:4]
     return Command(
         roll=stick_byte(roll) / 127,

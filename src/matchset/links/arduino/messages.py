@@ -1,6 +1,7 @@
-"""The words that the transmitter's firmware knows, beyond the channels of CRSF.
+"""Messages of the transmitter's firmware beside the channels of CRSF: status, configuration, binding.
 
-Types 0xE0 ... 0xE4 are ours; numbers of several bytes are big-endian, as everywhere in CRSF but the channels.
+Types 0xE0 ... 0xE4 are defined by this project; numbers of several bytes are big-endian, as everywhere in CRSF but the
+channels.
 
 ==== =========== ================================================================================
 type direction   payload
@@ -10,7 +11,7 @@ E0   to the host protocol, version (2), state, flags, good frames (2), bad frame
                  then throttle, pitch, yaw, roll of the last good frame
 E1   to the host result (stored, default, refused: flying, refused: values), configuration (14)
 E2   to it       none: asks for E1
-E3   to it       ``SET``, configuration (14): stores it, answers E1
+E3   to it       ``SET``, configuration (14): stores it, sends E1 back
 E4   to it       ``BIND``: 345 bind packets, refused while flying
 ==== =========== ================================================================================
 
@@ -26,19 +27,23 @@ from matchset.image.errors import LinkError
 from matchset.links.arduino import crsf
 from matchset.links.link import State
 
-PROTOCOL = 1
-STATUS, CONFIG, READ_CONFIG, WRITE_CONFIG, BIND = 0xE0, 0xE1, 0xE2, 0xE3, 0xE4
-BIND_DURATION = 1.38  # s, 345 packets
-BAND_END_MHZ = 83  # above 2400
+PROTOCOL = 1  # format: version of these messages
+STATUS, CONFIG, READ_CONFIG, WRITE_CONFIG, BIND = 0xE0, 0xE1, 0xE2, 0xE3, 0xE4  # format: types of frames
+BIND_DURATION = 1.38  # format: s, 345 packets of 4 ms
+BAND_END_MHZ = 83  # format: above 2400, the end of the license-free band
+CONFIG_LAYOUT, CONFIG_BYTES = 1, 14  # format: version and size of a configuration
+ID_BYTES, MAX_TRIM = 5, 31  # format: bytes of an address; five bits of a trim
+TRIM_SIGN = 0x20  # format: sign bit of a trim
 
 _STATUS = struct.Struct(">BBBBBHHBHHBBbbb")
 _STATES: tuple[State, ...] = get_args(State)
+# format: bits of the flags
 _WARNINGS = {
     1: "the radio chip does not answer: look at its wires and its supply",
     2: "it was restarted by its watchdog",
     4: "it was reset without loss of power",
 }
-_DEFAULT_CONFIG, _STORING, _MAY_ARM = 8, 16, 32
+_DEFAULT_CONFIG, _STORING, _MAY_ARM = 8, 16, 32  # format: further bits of the flags
 
 Result = Literal["stored", "default", "refused: it is flying", "refused: a value is out of range"]
 _RESULTS: tuple[Result, ...] = get_args(Result)
@@ -47,24 +52,24 @@ AXES: tuple[Axis, ...] = get_args(Axis)
 
 
 class Report(msgspec.Struct, frozen=True):
-    """A status frame, taken apart.
+    """A decoded status frame.
 
     Attributes
     ----------
     version, state, warnings
         As in `LinkStatus`.
     default_config, storing, may_arm : bool
-        Nothing valid is stored; a configuration is being stored; arm high would arm now.
+        No valid configuration is stored; one is being stored; the arm switch would arm now.
     good, bad : int
-        Channel frames taken, and frames refused (wrong CRC, value out of range), modulo 65536.
+        Channel frames accepted, and frames rejected (wrong CRC, value out of range), modulo 65536.
     lost_bytes : int
-        Bytes that the serial port lost, modulo 256.
+        Bytes that the board's serial port lost, modulo 256.
     age_ms : int
-        Age of the last good frame, 65535 at most.
+        Age of the last good frame, ms; 65535 at most.
     echo : int
         Channel 16 of the last good frame.
     throttle_on_air : int
-        0 ... 255.
+        Throttle of the radio packets, 0 ... 255.
     heard : tuple of four ints
         Throttle 0 ... 255, pitch, yaw, roll -127 ... 127 of the last good frame.
     """
@@ -85,7 +90,7 @@ class Report(msgspec.Struct, frozen=True):
 
     @classmethod
     def decode(cls, payload: bytes) -> "Report":
-        """Read a payload of type E0.
+        """Decode a payload of type E0.
 
         Raises
         ------
@@ -115,21 +120,21 @@ class Report(msgspec.Struct, frozen=True):
 
 
 class Config(msgspec.Struct, frozen=True):
-    """What differs between batches of the toy; the firmware keeps it in its EEPROM.
+    """What differs between series of the toy; the firmware keeps it in its EEPROM.
 
     Attributes
     ----------
     id : bytes
-        Five bytes, the radio address in flight. The first one chooses the channels; the last is A2 for the X5C,
-        A1 for the X5SC and X5SW. Every transmitter in a room needs its own.
+        Five bytes, the radio address in flight. The first one selects the radio channels; the last is A2 for the X5C,
+        A1 for the X5SC and X5SW. Transmitters in one room need different ones.
     bind_channels : tuple of two ints
-        The fourth bind channel, MHz above 2400, on which handsets disagree; the two take turns.
+        The fourth bind channel, MHz above 2400. Handsets use different ones; these two alternate.
     reversed : tuple of str
-        Axes whose sign bit means positive instead of negative: what goes the wrong way belongs here.
+        Axes whose direction is reversed: their sign bit means positive instead of negative.
     bind_at_power_on : bool
-        Bind whenever power comes, as a handset does.
+        Bind at every power-on, as a handset does.
     trim_follows_stick : bool
-        A quarter of each stick is added to its trim, which gives more range; replaces the trims below.
+        A quarter of each stick is sent as its trim, which gives more range; replaces `trims`.
     trims : tuple of three ints
         Pitch, yaw, roll, -31 ... 31, for a vehicle that drifts.
     tail : int
@@ -150,13 +155,13 @@ class Config(msgspec.Struct, frozen=True):
     tail: int = 0
 
     def __post_init__(self) -> None:
-        if len(self.id) != 5:
+        if len(self.id) != ID_BYTES:
             raise ValueError(f"an id has five bytes, got {self.id.hex(' ')!r}")
         if any(not 0 <= channel <= BAND_END_MHZ for channel in self.bind_channels) or len(self.bind_channels) != 2:
             raise ValueError(f"two bind channels of 0 ... {BAND_END_MHZ} are needed, got {self.bind_channels}")
         if unknown := set(self.reversed) - set(AXES):
             raise ValueError(f"axes are {', '.join(AXES)}, got {', '.join(sorted(unknown))}")
-        if any(not -31 <= trim <= 31 for trim in self.trims) or len(self.trims) != 3:
+        if any(not -MAX_TRIM <= trim <= MAX_TRIM for trim in self.trims) or len(self.trims) != 3:
             raise ValueError(f"three trims of -31 ... 31 are needed, got {self.trims}")
         if not 0 <= self.tail <= 255:
             raise ValueError(f"the tail is a byte, got {self.tail}")
@@ -165,21 +170,23 @@ class Config(msgspec.Struct, frozen=True):
         """Return the 14 bytes that the firmware stores."""
         axes = sum(1 << AXES.index(axis) for axis in set(self.reversed))
         options = self.bind_at_power_on | self.trim_follows_stick << 1
-        trims = bytes(abs(trim) | (0x20 if trim < 0 else 0) for trim in self.trims)
-        return bytes([1]) + self.id + bytes([*self.bind_channels, axes, options]) + trims + bytes([self.tail])
+        trims = bytes(abs(trim) | (TRIM_SIGN if trim < 0 else 0) for trim in self.trims)
+        return (
+            bytes([CONFIG_LAYOUT]) + self.id + bytes([*self.bind_channels, axes, options]) + trims + bytes([self.tail])
+        )
 
     @classmethod
     def decode(cls, data: bytes) -> "Config":
-        """Read the 14 bytes back.
+        """Decode the 14 bytes.
 
         Raises
         ------
         LinkError
-            If their layout is another one, or a value is out of range.
+            If their layout is unknown, or a value is out of range.
         """
-        if len(data) != 14 or data[0] != 1:
+        if len(data) != CONFIG_BYTES or data[0] != CONFIG_LAYOUT:
             raise LinkError(f"the firmware's configuration has an unknown layout: {data.hex(' ')}")
-        pitch, yaw, roll = ((byte & 0x1F) * (-1 if byte & 0x20 else 1) for byte in data[10:13])
+        pitch, yaw, roll = ((byte & MAX_TRIM) * (-1 if byte & TRIM_SIGN else 1) for byte in data[10:13])
         try:
             return cls(
                 id=data[1:6],
@@ -195,14 +202,14 @@ class Config(msgspec.Struct, frozen=True):
 
 
 def decode_config(payload: bytes) -> tuple[Result, Config]:
-    """Read a payload of type E1: what became of the request, and the configuration in force."""
+    """Decode a payload of type E1: the result of the request, and the configuration that is used."""
     if not payload or payload[0] >= len(_RESULTS):
         raise LinkError(f"the firmware answers with an unknown result: {payload.hex(' ')}")
     return _RESULTS[payload[0]], Config.decode(payload[1:])
 
 
 def read_config_frame() -> bytes:
-    """Return the frame that asks for the configuration."""
+    """Return the frame that requests the configuration."""
     return crsf.frame(READ_CONFIG)
 
 

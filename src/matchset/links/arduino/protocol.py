@@ -1,82 +1,120 @@
-"""The conversation with the transmitter's firmware over a port: frames out, answers in, silence noticed."""
+"""The dialog with the transmitter's firmware over a port: `FirmwareClient`."""
 
 import contextlib
 from collections.abc import Callable
 
+import msgspec
+
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino import channels, crsf
-from matchset.links.arduino import messages as transmitter
+from matchset.links.arduino import channels, crsf, messages
 from matchset.links.arduino.messages import Config, Report, Result
 from matchset.links.arduino.serial_port import Port
 
 
+class ArduinoParameters(msgspec.Struct, frozen=True):
+    """Times of the link; all chosen by hand, `tests/links/arduino` and `tests/emu` show a change.
+
+    Parameters
+    ----------
+    timeout : float
+        Longest time without a message from the board, s; then the link is broken. It sends one every 33 ms while
+        commands arrive and every 100 ms otherwise; shorter detects a fault sooner but fails on a busy computer.
+    startup_timeout : float
+        How long a board may take to send its first message, s. A boot loader waits 1 to 2 s.
+    frame_period : float
+        Time between frames while arming and landing, s. Much shorter than the firmware's failsafe.
+    arm_timeout : float
+        How long arming may take, s.
+    answer_timeout : float
+        How long the answer to a question about the configuration may take, s.
+    store_timeout : float
+        How long storing a configuration may take, s: 30 bytes of an EEPROM take 0.1 s.
+    poll_period : float
+        Time between looks for messages while waiting, s.
+    high_rate : bool
+        Fly with the toy's high rate: more tilt, less resolution.
+    """
+
+    timeout: float = 0.5
+    startup_timeout: float = 4.0
+    frame_period: float = 0.03
+    arm_timeout: float = 2.0
+    answer_timeout: float = 1.0
+    store_timeout: float = 2.0
+    poll_period: float = 0.01
+    high_rate: bool = False
+
+
 class FirmwareClient:
-    """Talks with the firmware; knows nothing of flying.
+    """Sends frames to the firmware and receives its messages; it knows nothing of flying.
 
     Parameters
     ----------
     name : str
-        What to call the device in messages.
+        Name of the device in error messages.
     port : Port
-        What to talk through.
-    timeout : float
-        Longest time without a word from the board, s.
+    parameters : ArduinoParameters
     clock, sleep : callables
-        Time, s, and how to let it pass.
+        The time, s, and a function that waits.
 
     Attributes
     ----------
     sent, answered : int
-        Channel frames so far, and those whose number came back.
+        Channel frames so far, and those whose number a status has returned.
     round_trip : float or None
-        Time from the last answered frame to its answer's arrival, s.
+        From sending the last answered frame to the arrival of its answer, s.
     refused : bool
-        The firmware has answered a frame with the arm switch high without being armed.
+        The firmware received a frame with the arm switch high and is not armed.
     broken : bool
-        The device has gone or fallen silent.
+        The device is gone or no longer answers.
     """
 
     def __init__(
-        self, name: str, port: Port, timeout: float, clock: Callable[[], float], sleep: Callable[[float], None]
+        self,
+        name: str,
+        port: Port,
+        parameters: ArduinoParameters,
+        clock: Callable[[], float],
+        sleep: Callable[[float], None],
     ) -> None:
-        self.name, self.timeout = name, timeout
+        self.name, self.parameters = name, parameters
         self.sent = self.answered = 0
         self.round_trip: float | None = None
         self.refused = self.broken = False
         self._port, self._clock, self._sleep = port, clock, sleep
         self._parser = crsf.Parser()
-        self._on_way: dict[int, tuple[float, bool]] = {}  # frame number: when it was sent, arm switch
+        self._pending: dict[int, tuple[float, bool]] = {}  # frame number: when it was sent, arm switch
         self._config: tuple[Result, Config] | None = None
         self._report: Report | None = None
-        self._heard_at = clock()
+        self._received_at = clock()
 
     @property
     def report(self) -> Report:
-        """The last word of the firmware; never waits."""
-        self.listen()
-        silence = self._clock() - self._heard_at
-        if silence > self.timeout:
+        """The last status of the firmware; never waits."""
+        self.receive()
+        silence = self._clock() - self._received_at
+        if silence > self.parameters.timeout:
             self.broken = True
             raise LinkError(f"{self.name} has been silent for {silence:.1f} s")
         assert self._report is not None  # `wait_ready` waited for it
         return self._report
 
-    def wait_ready(self, startup_timeout: float) -> None:
-        """Wait for the first word.
+    def wait_ready(self) -> None:
+        """Wait for the first status.
 
         Raises
         ------
         LinkError
-            If there is none within `startup_timeout`, s.
+            If there is none within `ArduinoParameters.startup_timeout`.
         """
-        self.wait(lambda: self._report is not None, startup_timeout, "nobody answers")
+        self.wait(lambda: self._report is not None, self.parameters.startup_timeout, "nobody answers")
 
     def send_channels(self, values: list[int], armed: bool) -> None:
-        """Send a channel frame; its number is put in."""
-        number = self.sent % channels.NUMBERS
+        """Send a channel frame; its number is written into the last channel."""
+        number = self.sent % channels.FRAME_NUMBERS
         values[-1] = crsf.CHANNEL_LOW + number
-        self._on_way[number] = self._clock(), armed
+        self._pending[number] = self._clock(), armed
         self.sent += 1
         self.write(crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(values)))
 
@@ -86,60 +124,61 @@ class FirmwareClient:
         Raises
         ------
         LinkError
-            If the device has gone.
+            If the device is gone.
         """
         try:
             self._port.write(data)
         except OSError as error:
-            raise self._gone(error) from error
+            raise self._lost(error) from error
 
-    def listen(self) -> None:
-        """Take in what has arrived; never waits."""
+    def receive(self) -> None:
+        """Read and decode what has arrived; never waits."""
         try:
             data = self._port.read()
         except OSError as error:
-            raise self._gone(error) from error
+            raise self._lost(error) from error
         for kind, payload in self._parser.feed(data):
-            if kind == transmitter.STATUS:
-                self._note(Report.decode(payload))
-            elif kind == transmitter.CONFIG:
-                self._config = transmitter.decode_config(payload)
+            if kind == messages.STATUS:
+                self._update(Report.decode(payload))
+            elif kind == messages.CONFIG:
+                self._config = messages.decode_config(payload)
 
-    def ask(self, question: bytes) -> tuple[Result, Config]:
-        """Send a question about the configuration and wait for the answer."""
+    def request(self, frame: bytes) -> tuple[Result, Config]:
+        """Send a request about the configuration and wait for the answer."""
         self._config = None
-        self.write(question)
-        self.wait(lambda: self._config is not None, 1.0, "no answer to a question about the configuration")
+        self.write(frame)
+        message = "no answer to a question about the configuration"
+        self.wait(lambda: self._config is not None, self.parameters.answer_timeout, message)
         assert self._config is not None
         return self._config
 
-    def wait(self, done: Callable[[], bool], limit: float, complaint: str) -> None:
-        """Listen until something is so; LinkError after `limit`, s."""
+    def wait(self, done: Callable[[], bool], limit: float, message: str) -> None:
+        """Receive until a condition holds; LinkError with the message after `limit`, s."""
         start = self._clock()
-        self.listen()
+        self.receive()
         while not done():
             if self._clock() - start > limit:
-                raise LinkError(f"{self.name}: {complaint} (waited {limit:g} s)")
-            self._sleep(0.01)
-            self.listen()
+                raise LinkError(f"{self.name}: {message} (waited {limit:g} s)")
+            self._sleep(self.parameters.poll_period)
+            self.receive()
 
     def close(self) -> None:
-        """Let go of the device."""
-        if self.broken:  # perhaps it still hears us: a last word that disarms
+        """Close the device; one that stopped answering is sent a last frame that disarms."""
+        if self.broken:  # it may still receive
             last = channels.channels(Command())
             with contextlib.suppress(OSError):
                 self._port.write(crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(last)))
         self._port.close()
 
-    def _note(self, report: Report) -> None:
+    def _update(self, report: Report) -> None:
         self._report = report
-        self._heard_at = self._clock()
-        sent_at, armed = self._on_way.pop(report.echo - crsf.CHANNEL_LOW, (None, False))
+        self._received_at = self._clock()
+        sent_at, armed = self._pending.pop(report.echo - crsf.CHANNEL_LOW, (None, False))
         if sent_at is not None and report.good:
             self.answered += 1
-            self.round_trip = self._heard_at - sent_at
+            self.round_trip = self._received_at - sent_at
         self.refused = report.state in ("failsafe", "binding") or (armed and report.state == "locked")
 
-    def _gone(self, error: OSError) -> LinkError:
+    def _lost(self, error: OSError) -> LinkError:
         self.broken = True
         return LinkError(f"{self.name} has gone (unplugged?): {error}")

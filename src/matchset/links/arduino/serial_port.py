@@ -1,4 +1,4 @@
-"""A serial port, opened without resetting the board behind it; the only file that needs pyserial."""
+"""A serial port that does not reset the board when it is opened; the only file that needs pyserial."""
 
 import contextlib
 import os
@@ -6,29 +6,30 @@ from typing import Any, Protocol
 
 from matchset.image.errors import LinkError
 
-BAUD = 115_200
-WRITE_TIMEOUT = 0.1  # s; a frame takes 2.3 ms, so a port that is stuck for longer is no port
+BAUD = 115_200  # format: baud rate of the firmware
+READ_BYTES = 4096  # format: largest number of bytes that one call reads
+WRITE_TIMEOUT = 0.1  # format: s; a frame takes 2.3 ms, so a port that blocks for longer is broken
 
 
 class Port(Protocol):
-    """What the link needs of a port. Both sides raise `OSError` when the device has gone."""
+    """The contract of a port. `write` and `read` raise `OSError` when the device is gone."""
 
     def write(self, data: bytes) -> None:
-        """Send all these bytes."""
+        """Write all these bytes."""
 
     def read(self) -> bytes:
         """Return the bytes that have arrived; never waits."""
 
     def close(self) -> None:
-        """Let go of the device."""
+        """Close the device."""
 
 
 class SerialPort:
-    """A port of this computer.
+    """A serial port of this computer.
 
-    An Arduino resets when its DTR line falls from idle to active, and Linux activates it on every opening.
-    So DTR is told to stay active when the port is closed: only the first opening after the board was plugged in
-    resets it, and that one finds nothing in the air. Elsewhere DTR is kept idle altogether.
+    An Arduino resets when its DTR line becomes active, and Linux activates it whenever a port is opened. So the port is
+    configured to keep DTR active after it is closed: only the first opening after the board was plugged in resets it,
+    when nothing is flying yet. On other systems DTR is kept inactive.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ class SerialPort:
         except (OSError, ValueError) as error:
             self.close()
             raise LinkError(f"cannot open {path}: {error}") from error
-        # FTDI bridges hold bytes back for 16 ms otherwise. Not every driver, or system, knows how.
+        # FTDI converters delay bytes by up to 16 ms otherwise. Not every driver or system supports it.
         with contextlib.suppress(OSError, ValueError, NotImplementedError, AttributeError):
             self._serial.set_low_latency_mode(True)
 
@@ -73,17 +74,17 @@ class SerialPort:
             flags = termios.tcgetattr(descriptor)
             flags[2] &= ~termios.HUPCL
             termios.tcsetattr(descriptor, termios.TCSANOW, flags)
-        except termios.error as error:  # is no OSError
+        except termios.error as error:  # not an OSError
             raise OSError(str(error)) from error
 
     def write(self, data: bytes) -> None:
-        """Send all these bytes."""
+        """Write all these bytes."""
         self._serial.write(data)
 
     def read(self) -> bytes:
         """Return the bytes that have arrived; never waits."""
-        return bytes(self._serial.read(4096))
+        return bytes(self._serial.read(READ_BYTES))
 
     def close(self) -> None:
-        """Let go of the device."""
+        """Close the device."""
         self._serial.close()

@@ -1,4 +1,4 @@
-"""Which gray mode suits a round thing? python examples/begin_roughly.py [PICTURE X Y RADIUS] (a rough circle)."""
+"""Compare the gray modes on a round thing: python examples/begin_roughly.py [PICTURE X Y RADIUS] (a rough circle)."""
 
 import sys
 

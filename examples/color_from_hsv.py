@@ -1,4 +1,4 @@
-"""Give the color as OpenCV's HSV ranges; for red the low hue lies above the high one. Save it, load it."""
+"""Define a color by OpenCV's HSV ranges, save it, load it. For red the low hue is larger than the high one."""
 
 import tempfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Say where a rendered balloon is, in meters, and compare with the truth: no camera and no file needed."""
+"""Locate a rendered balloon in meters, and compare with the truth: no camera and no file needed."""
 
 import math
 
@@ -12,7 +12,7 @@ localizer = ms.Localizer(camera, ms.BallTarget(diameter=0.28))
 
 
 def place(time: float) -> np.ndarray:
-    """Let the balloon drift to the right, far off the camera's axis, m."""
+    """Return the true position: it moves to the right, far off the camera's axis, m."""
     return np.array((0.6 + 0.9 * time, 0.1, 1.3))
 
 

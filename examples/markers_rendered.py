@@ -1,4 +1,4 @@
-"""See how a rendered balloon with three markers is turned, and where the camera is as the balloon sees it."""
+"""Estimate the rotation of a rendered balloon with three markers, and the camera's position in its frame."""
 
 import math
 
@@ -17,7 +17,7 @@ target = ms.BallTarget(0.28, tuple((x, y, z) for x, y, z in directions.tolist())
 
 
 def turn(time: float) -> Rotation:
-    """Face the camera (half a turn about y), then nod and turn slowly."""
+    """Return the true rotation: facing the camera (180 degrees about y), then a slow pitch and yaw."""
     return Rotation.from_euler("yx", (180.0 + 40.0 * time, 20.0 * time), degrees=True)
 
 

@@ -1,4 +1,4 @@
-"""Steer toward a ball before a camera, in a loop of your own: python examples/own_loop_camera.py [CAMERA]."""
+"""Compute a steering signal toward a ball, in a loop of your own: python examples/own_loop_camera.py [CAMERA]."""
 
 import sys
 import time

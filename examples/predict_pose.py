@@ -1,4 +1,4 @@
-"""A pose is old when a command acts: filter poses and predict them 67 ms ahead, with exact truth to compare."""
+"""Filter poses and predict them over the latency of a command, 67 ms, with exact truth to compare."""
 
 import math
 
@@ -12,7 +12,7 @@ covariance = np.diag((0.003, 0.003, 0.010, 1.8, 1.8, 1.8)) ** 2  # m; the rotati
 
 
 def place(time: float) -> np.ndarray:
-    """Sway by half a meter, as a drone in a gust, m."""
+    """Return the true position: it oscillates by half a meter, m."""
     return np.array((0.5 * math.sin(time), 0.1, 1.5 + 0.3 * math.cos(0.7 * time)))
 
 
@@ -20,8 +20,8 @@ poses = ms.PoseFilter()
 plain, ahead, time = [], [], 0.0
 while time < 20.0:
     time += 1 / 30 + rng.uniform(-0.004, 0.004)  # time stamps jitter
-    if rng.random() < 0.1:  # and some frames bring nothing
-        poses.update(ms.Lost("something was in the way", time))
+    if rng.random() < 0.1:  # and in some frames the ball is hidden
+        poses.update(ms.Lost("hidden", time))
         continue
     seen = place(time) + 0.003 * rng.standard_normal(3) * (1.0, 1.0, 3.0)
     pose = ms.Pose(position=seen, turn=None, covariance=covariance, observed="position", time=time)

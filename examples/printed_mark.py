@@ -1,4 +1,4 @@
-"""Find a dark mark's corners from a rough box: python examples/printed_mark.py [PICTURE LEFT TOP RIGHT BOTTOM]."""
+"""Locate the corners of a dark mark, given a box: python examples/printed_mark.py [PICTURE LEFT TOP RIGHT BOTTOM]."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Render a balloon with a marker that flies before a known camera: flight.avi, camera.toml, and the truth in m."""
+"""Render a flying balloon with a marker, and its camera: flight.avi, camera.toml, and the truth in m, flight.csv."""
 
 import csv
 import math
@@ -17,12 +17,12 @@ camera = ms.CameraModel(
 
 
 def place(time: float) -> np.ndarray:
-    """Circle before the camera, m."""
+    """Return the true position: a loop before the camera, m."""
     return np.array((0.45 * math.sin(2.0 * time), 0.12 * math.sin(3.0 * time), 1.4 + 0.4 * math.cos(2.0 * time)))
 
 
 def turn(time: float) -> Rotation:
-    """Face the camera (half a turn about y) and swing 30 degrees to both sides."""
+    """Return the true rotation: facing the camera (180 degrees about y), then 30 degrees to both sides."""
     return Rotation.from_euler("y", 180.0 + 30.0 * math.sin(2.5 * time), degrees=True)
 
 

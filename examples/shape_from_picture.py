@@ -1,4 +1,4 @@
-"""Look for a shape that is given by a picture of its outline: here an egg, drawn in place of a photo."""
+"""Detect a shape that is given by a picture of its outline: here an egg, drawn in place of a photo."""
 
 import cv2
 import numpy as np

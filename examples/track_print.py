@@ -1,4 +1,4 @@
-"""Follow a flat printed thing without color: python examples/track_print.py [VIDEO X,Y X,Y X,Y X,Y] (rough corners)."""
+"""Track a flat printed thing without color: python examples/track_print.py [VIDEO X,Y X,Y X,Y X,Y] (rough corners)."""
 
 import sys
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""Follow a rectangle that moves and turns, from one click, and compare its corners with the truth."""
+"""Track a rectangle that moves and turns, from one click, and compare its corners with the truth."""
 
 import numpy as np
 

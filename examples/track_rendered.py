@@ -1,4 +1,4 @@
-"""Follow a rendered balloon from one click: no camera and no file needed."""
+"""Track a rendered balloon from one click: no camera and no file needed."""
 
 import matchset as ms
 from matchset.sim.clips.clip import Clip

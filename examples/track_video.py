@@ -1,4 +1,4 @@
-"""Follow a ball through a video: python examples/track_video.py VIDEO X Y (a pixel on it in frame 0)."""
+"""Track a ball through a video: python examples/track_video.py VIDEO X Y (a pixel on it in frame 0)."""
 
 import sys
 

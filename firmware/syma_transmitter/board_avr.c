@@ -17,12 +17,12 @@
 #define MOSI PB3
 #define SCK PB5
 
-/* Survive a reset: what the processor, or else a boot loader, says about it, and whether we ran before. */
+/* Kept over a reset (.noinit): the reset flags, of the processor or of a boot loader, and a mark that we ran before. */
 #define RAN_BEFORE 0xB1D5
 static uint8_t reset_flags __attribute__((section(".noinit")));
 static uint16_t ran_before __attribute__((section(".noinit")));
 
-/* Before the C start-up code: later, r2, in which Optiboot hands on the flags it cleared, is gone. */
+/* Runs before the C start-up code, which overwrites r2, where the boot loader Optiboot leaves the flags it cleared. */
 void keep_reset_flags(void) __attribute__((naked, used, section(".init3")));
 void keep_reset_flags(void)
 {
@@ -33,7 +33,7 @@ void keep_reset_flags(void)
     if (flags == 0 && from_loader < 16)
         flags = from_loader;
     reset_flags = flags;
-    /* After its own reset the watchdog goes on, with its shortest time. */
+    /* After a reset by the watchdog it keeps running, with its shortest timeout. */
     wdt_enable(WDTO_60MS);
 }
 
@@ -43,7 +43,7 @@ enum start board_start(void)
     ran_before = RAN_BEFORE;
     if (reset_flags & _BV(WDRF))
         return START_WATCHDOG;
-    /* Where the mark is still there the supply was hardly away, whatever a flag, or a boot loader, says. */
+    /* If the mark is still there, the supply was off for a moment at most, whatever the flags say. */
     if (warm || (reset_flags && !(reset_flags & _BV(PORF))))
         return START_OTHER_RESET;
     return START_POWER_ON;
@@ -91,7 +91,7 @@ bool board_has_time(void)
 
 /* ---- serial ---- */
 
-#define RX_SIZE 64 /* powers of two */
+#define RX_SIZE 64 /* bytes; both sizes must be powers of two */
 #define TX_SIZE 64
 static volatile uint8_t rx[RX_SIZE], rx_in, rx_out, lost;
 static volatile uint8_t tx[TX_SIZE], tx_in, tx_out;
@@ -117,7 +117,7 @@ ISR(USART_UDRE_vect)
 {
     UDR0 = tx[tx_out];
     tx_out = (tx_out + 1) & (TX_SIZE - 1);
-    /* With the last byte, not one interrupt later. */
+    /* Disable the interrupt with the last byte, not one interrupt later. */
     if (tx_out == tx_in)
         UCSR0B &= (uint8_t)~_BV(UDRIE0);
 }
@@ -195,16 +195,16 @@ void memory_write(uint8_t place, uint8_t byte)
     eeprom_write_byte((uint8_t *)(uintptr_t)place, byte);
 }
 
-/* ---- all of it ---- */
+/* ---- start and sleep ---- */
 
 void board_begin(void)
 {
     PORTB |= _BV(CSN);
     DDRB |= _BV(CE) | _BV(CSN) | _BV(MOSI) | _BV(SCK);
-    SPCR = _BV(SPE) | _BV(MSTR); /* F_CPU / 4: 4 MHz; the radio takes 10, jumper wires take less */
+    SPCR = _BV(SPE) | _BV(MSTR); /* F_CPU / 4 = 4 MHz; the radio allows 10 MHz, jumper wires less */
     SPSR = 0;
 
-    UBRR0 = 16; /* with double speed 117647 baud, 2.1 % fast, as Arduino sets it */
+    UBRR0 = 16; /* with U2X 117647 baud, 2.1 % too fast, as the Arduino library sets it */
     UCSR0A = _BV(U2X0);
     UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
     UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
@@ -216,13 +216,13 @@ void board_begin(void)
     TIMSK1 = _BV(OCIE1A) | _BV(OCIE1B);
     TCCR1B = _BV(WGM12) | _BV(CS10);
 
-    SMCR = 0; /* sleep is idle: timer and serial go on */
+    SMCR = 0; /* idle mode: timer and serial port keep running */
     sei();
 }
 
 void board_rest(void)
 {
-    /* Interrupts stay off until the processor sleeps: none can slip in between the look and the sleep. */
+    /* Interrupts are disabled between the test and the sleep, so that none is missed. */
     cli();
     if (tick || half_tick || (rx_in != rx_out && board_has_time())) {
         sei();

@@ -5,11 +5,11 @@
 #include "board.h"
 #include "crc8.h"
 
-/* Two copies, so that losing power in the middle of a write loses nothing. Place 0 is left alone: it is the
- * one that a failing supply damages first. */
+/* Addresses of two copies: if power fails during a write, one of them stays valid. Address 0 is not used: it is the
+ * first one to be damaged by a failing supply. */
 static const uint8_t places[2] = {16, 48};
 #define STORED_SIZE (CONFIG_SIZE + 1)
-#define HIGHEST_CHANNEL 83 /* 2483 MHz, the end of the band that anyone may use */
+#define HIGHEST_CHANNEL 83 /* 2483 MHz, the end of the license-free band */
 
 const struct config config_default = {
     .layout = 1,
@@ -18,7 +18,7 @@ const struct config config_default = {
     .options = CONFIG_BIND_AT_POWER_ON,
 };
 
-/* The frames and the stored form rely on it. */
+/* The frames and the stored form rely on a struct without gaps. */
 typedef char config_has_no_gaps[sizeof(struct config) == CONFIG_SIZE ? 1 : -1];
 
 static uint8_t pending[STORED_SIZE];

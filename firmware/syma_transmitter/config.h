@@ -1,4 +1,4 @@
-/* What differs between batches of the toy: kept in memory that outlives power, set from the host. */
+/* Configuration: what differs between series of the toy. Stored in EEPROM, set by the host. */
 #ifndef CONFIG_H
 #define CONFIG_H
 
@@ -7,13 +7,13 @@
 
 #define CONFIG_SIZE 14
 
-/* The bytes in this order are the payload of the frames and, with a CRC-8 behind them, the stored form. */
+/* These bytes, in this order, are the payload of the frames and, followed by a CRC-8, the stored form. */
 struct config {
     uint8_t layout;          /* 1 */
-    uint8_t id[5];           /* address in flight; id[0] chooses the channels, id[4] is A2 (X5SC, X5SW: A1) */
-    uint8_t bind_channel[2]; /* the fourth bind channel, which handsets disagree on: these two in turn */
-    uint8_t reversed;        /* bit 0 roll, 1 pitch, 2 yaw: the sign bit means positive, not negative */
-    uint8_t options;         /* CONFIG_... below */
+    uint8_t id[5];           /* radio address in flight; id[0] selects the channels, id[4] is A2 (X5SC, X5SW: A1) */
+    uint8_t bind_channel[2]; /* fourth bind channel, MHz above 2400; handsets differ, so these two alternate */
+    uint8_t reversed;        /* bit 0 roll, 1 pitch, 2 yaw: the sign bit of this axis means positive */
+    uint8_t options;         /* bits: CONFIG_... below */
     uint8_t trim[3];         /* pitch, yaw, roll: bit 5 negative, bits 4 ... 0 magnitude */
     uint8_t tail;            /* byte 8 of a packet: 0, X5SW 1 */
 };
@@ -24,9 +24,9 @@ enum config_result { CONFIG_IS_STORED, CONFIG_IS_DEFAULT, CONFIG_REFUSED_FLYING,
 extern const struct config config_default;
 
 bool config_valid(const struct config *config);
-/* Read the stored configuration, either copy; the default and false if neither is whole. */
+/* Load the stored configuration, from either copy; if neither is valid, the default and false. */
 bool config_load(struct config *config);
-/* Begin to store: config_store_step(), called while it returns true, writes a byte at a time. */
+/* Start to store. config_store_step() then writes one byte at a time; call it until it returns false. */
 void config_store(const struct config *config);
 bool config_store_step(void);
 

@@ -1,6 +1,6 @@
 #include "crc8.h"
 
-/* A byte is worked off in two halves: sixteen entries do, and a frame costs 40 us. */
+/* Four bits at a time: a table of sixteen entries is enough, and a frame takes 40 us. */
 static const uint8_t table[16] = {
     0x00, 0xD5, 0x7F, 0xAA, 0xFE, 0x2B, 0x81, 0x54,
     0x29, 0xFC, 0x56, 0x83, 0xD7, 0x02, 0xA8, 0x7D,

@@ -7,7 +7,7 @@
 
 enum verdict { NO_FRAME, NOT_YET, BAD_SUM, GOOD };
 
-/* Length that the byte after the sync must show for this type; 0 for types that are none of ours. */
+/* Required value of the length byte for this type; 0 for unknown types. */
 static uint8_t length_of(uint8_t type)
 {
     switch (type) {
@@ -41,7 +41,7 @@ static void drop(struct crsf *crsf, uint8_t count)
 
 void crsf_take(struct crsf *crsf, uint8_t byte)
 {
-    /* There is always room: crsf_next() leaves less than a longest frame behind. */
+    /* There is always room: crsf_next() leaves fewer bytes than the longest frame. */
     crsf->bytes[crsf->count++] = byte;
 }
 

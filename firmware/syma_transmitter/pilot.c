@@ -4,13 +4,13 @@ enum channel { ROLL, PITCH, THROTTLE, YAW, ARM, RATE, FLIP };
 #define SWITCH_HIGH 1500
 #define SWITCH_LOW 500
 
-/* 0 ... 1639 to 0 ... 255, rounded. */
+/* Map 0 ... 1639 above CHANNEL_LOW to 0 ... 255, rounded. */
 static uint8_t throttle_of(uint16_t channel)
 {
     return (uint8_t)(((uint32_t)(channel - CHANNEL_LOW) * 10197u + 32768u) >> 16);
 }
 
-/* -820 ... 819 to -127 ... 127, rounded away from half alike on both sides. */
+/* Map -820 ... 819 around CHANNEL_CENTER to -127 ... 127, rounded symmetrically. */
 static int8_t stick_of(uint16_t channel)
 {
     uint16_t size = channel < CHANNEL_CENTER ? CHANNEL_CENTER - channel : channel - CHANNEL_CENTER;

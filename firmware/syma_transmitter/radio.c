@@ -10,11 +10,11 @@ enum {
 #define RATE_250K 0x27  /* RF_SETUP: 250 kbit/s, full power */
 #define WIDTH_5 0x03    /* SETUP_AW: five bytes of address */
 
-/* In the order in which a real handset writes them. */
+/* Registers and values, in the order in which a real handset writes them. */
 static const uint8_t set_up[][2] = {
     {CONFIG, 0x0C},     /* 16-bit CRC, still powered down */
     {0x01, 0x00},       /* no acknowledgements */
-    {0x02, 0x3F},       /* all receive pipes on, as the handset has them */
+    {0x02, 0x3F},       /* all receive pipes enabled, as in the handset */
     {SETUP_AW, WIDTH_5},
     {0x04, 0xFF},
     {RF_CH, 0x08},
@@ -49,7 +49,7 @@ bool radio_begin(void)
     bool awake = transfer(READ | CONFIG, 0) == AWAKE;
     radio_enable(false);
     for (uint8_t i = 0; i < sizeof set_up / sizeof *set_up; i++)
-        /* Powering down costs milliseconds: skipped where a reset found the radio at work. */
+        /* Powering up again takes milliseconds: keep the chip powered if a reset found it so. */
         if (!awake || set_up[i][0] != CONFIG)
             transfer(WRITE | set_up[i][0], set_up[i][1]);
     transfer(FLUSH_TX, 0);

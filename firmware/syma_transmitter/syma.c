@@ -47,14 +47,14 @@ void syma_bind_packet(uint8_t packet[SYMA_SIZE], const struct config *config)
     seal(packet);
 }
 
-/* Sign and magnitude; the sign bit means negative, or positive where the axis is reversed. */
+/* Encode as sign and magnitude; the sign bit means negative, or positive on a reversed axis. */
 static uint8_t axis(int8_t stick, uint8_t reversed)
 {
     uint8_t size = (uint8_t)(stick < 0 ? -stick : stick);
     return (uint8_t)(size && (stick < 0) != (reversed != 0) ? 0x80 | size : size);
 }
 
-/* The trim of the configuration, or a quarter of the stick, which adds to its range. */
+/* The configured trim, or a quarter of the stick, which adds to its range. */
 static uint8_t trim(const struct config *config, uint8_t which, uint8_t stick)
 {
     if (config->options & CONFIG_TRIM_FOLLOWS_STICK)

@@ -10,8 +10,8 @@
 #include "syma.h"
 
 #define STATUS_SIZE 19
-#define STATUS_TICKS 25  /* a status at least every 100 ms */
-#define WAKE_TICKS 3     /* the radio needs up to 5 ms once it is powered up */
+#define STATUS_TICKS 25  /* longest time between two status frames: 100 ms */
+#define WAKE_TICKS 3     /* the radio needs up to 5 ms after power-up */
 #define HEALTH_PACKETS 64
 
 static struct {
@@ -20,12 +20,12 @@ static struct {
     struct config config;
     uint8_t flags;
     uint8_t wake;           /* ticks until the radio can send */
-    bool tuned;             /* for the next packet */
+    bool tuned;             /* the channel of the next packet is set */
     bool on_bind_address, address_set;
-    uint8_t channels[4];    /* of the id */
-    uint16_t number;        /* of the next packet, since this address was set */
-    uint8_t throttle;       /* on the air */
-    uint16_t good, refused; /* channel frames; refused: good CRC, values out of range */
+    uint8_t channels[4];    /* of the configured id */
+    uint16_t number;        /* of the next packet, counted since this address was set */
+    uint8_t throttle;       /* of the last packet */
+    uint16_t good, refused; /* counts of channel frames; refused: good CRC, but values out of range */
     uint16_t echo;          /* channel 16 of the last good frame */
     uint8_t status_age;     /* ticks since the last status */
     bool status_due, config_due;
@@ -154,7 +154,7 @@ static enum config_result write_config(const uint8_t *bytes)
         return CONFIG_REFUSED_VALUES;
     t.config = wish;
     t.flags = (uint8_t)((t.flags & ~FLAG_DEFAULT_CONFIG) | FLAG_STORING);
-    t.status_due = true; /* before the answer: who hears that knows that storing has begun */
+    t.status_due = true; /* sent before the answer, so that the host knows that storing has begun */
     config_store(&wish);
     use_config();
     return CONFIG_IS_STORED;

@@ -81,7 +81,7 @@ class NeighborFilter:
     def __init__(self, parameters: NeighborFilterParameters | None = None) -> None:
         self.parameters = parameters or NeighborFilterParameters()
         self.time = self.yaw_time = -math.inf
-        self._block = _initial_block(self.parameters)
+        self._block = initial_block(self.parameters)
         self._work = fields(self._block, WORK)
         self._ball, self._pose_covariance = self._work.ball, self._work.pose_covariance
         self._ball_rotation, self._ego = self._work.ball_rotation, self._work.ego
@@ -129,7 +129,7 @@ class NeighborFilter:
         return [Forecast(*[AxisForecast(*axis) for axis in axes]) for axes in forecasts.tolist()]
 
 
-def _initial_block(parameters: NeighborFilterParameters) -> Block:
+def initial_block(parameters: NeighborFilterParameters) -> Block:
     """Return the block of a filter that has seen nothing."""
     block = new_block(WORK)
     work = fields(block, WORK)
@@ -309,6 +309,6 @@ def forecast(work: Any, since: float, yaw_since: float, max_extrapolation: float
 
 def precompile() -> None:
     """Compile the kernels that Python calls, with the types that `NeighborFilter` hands over."""
-    block = _initial_block(NeighborFilterParameters())
+    block = initial_block(NeighborFilterParameters())
     update(block, math.inf, math.inf, True)
     forecast_all(block, np.zeros(1), 0.0, 0.0, 0.0, np.zeros((1, AXES, VALUES)))

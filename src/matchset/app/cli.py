@@ -22,9 +22,11 @@ from matchset.app.cli_options import (
     ShapeName,
     Source,
     ToStdout,
+    command_of,
 )
 from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line, say_error
-from matchset.app.flight.command import FLY_EPILOG, SIMULATE_EPILOG, fly, simulate
+from matchset.app.flight.command import FLY_EPILOG, fly
+from matchset.app.flight.simulate import SIMULATE_EPILOG, simulate
 from matchset.app.locate.command import LOCATE_EPILOG, locate
 from matchset.app.radio.command import radio
 from matchset.app.recording.command import REPLAY_EPILOG, replay
@@ -206,9 +208,9 @@ def calibrate(
 
 
 app.command(epilog=LOCATE_EPILOG)(locate)
-app.command(epilog=FLY_EPILOG)(fly)
-app.command(epilog=SIMULATE_EPILOG)(simulate)
-app.command(epilog=REPLAY_EPILOG)(replay)
+app.command(epilog=FLY_EPILOG)(command_of(fly))
+app.command(epilog=SIMULATE_EPILOG)(command_of(simulate))
+app.command(epilog=REPLAY_EPILOG)(command_of(replay))
 
 SCORE_EPILOG = """
 [bold]Definitions[/bold]

@@ -38,12 +38,12 @@ def color() -> ms.ColorModel:
 @pytest.mark.parametrize("after", [AFTER, (0.0, -0.19, 2.1)], ids=["too far", "nearer to the place"])
 def test_of_those_that_may_be_it_the_nearest_is_taken(color: ms.ColorModel, after: tuple[float, float, float]) -> None:
     localizer = ms.Localizer(CAMERA, ms.BallTarget(2.0 * RADIUS))
-    ball = find_neighbor_ball(room(after, NEXT), color, localizer, THERE, 1.0)
+    ball = find_neighbor_ball(room(after, NEXT), color, localizer, THERE, 1.0, 6)
     assert ball is not None
     np.testing.assert_allclose((ball.x, ball.y), CAMERA.project(np.array([NEXT]))[0], atol=1.0)
 
 
 def test_a_ball_too_far_off_is_none(color: ms.ColorModel) -> None:
     localizer = ms.Localizer(CAMERA, ms.BallTarget(2.0 * RADIUS))
-    assert find_neighbor_ball(room(AFTER), color, localizer, THERE, 1.0) is None
-    assert find_neighbor_ball(room(), color, localizer, THERE, 1.0) is None
+    assert find_neighbor_ball(room(AFTER), color, localizer, THERE, 1.0, 6) is None
+    assert find_neighbor_ball(room(), color, localizer, THERE, 1.0, 6) is None

@@ -8,7 +8,7 @@ import pytest
 
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScorer
-from matchset.app.flight.series import fly_once
+from matchset.app.flight.simulate import fly_once
 from matchset.control.command import Command
 from matchset.links.simulated import SimulationParameters
 from matchset.localization.pose import Pose

@@ -12,7 +12,7 @@ from chain_flight import Flown, with_crash
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore, FlightScorer, settling_time
 from matchset.app.flight.simulate import parse_sweep
-from matchset.app.flight.simulation_table import Limits, markdown_table, rows_by_value, verdict
+from matchset.app.flight.simulation_table import Limits, markdown_table, rows_by_value, sweep_verdict
 from matchset.links.simulated import SimulationParameters
 
 GOOD = FlightScore(
@@ -93,7 +93,7 @@ def test_a_flight_is_judged_by_its_ticks(flown: Flown) -> None:
 def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: str) -> None:
     bad = msgspec.structs.replace(GOOD, **change)
     rows = rows_by_value([67.0, 133.0], [(67.0, GOOD), (67.0, GOOD), (133.0, GOOD), (133.0, bad)])
-    holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
+    holds, sentence = sweep_verdict("latency_ms", rows, FlightParameters(), Limits())
     assert not holds
     assert "at latency 133 ms" in sentence
     assert words in sentence
@@ -101,13 +101,13 @@ def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: st
 
 def test_the_verdict_is_good_when_all_limits_hold() -> None:
     rows = rows_by_value([67.0, 133.0], [(67.0, GOOD), (133.0, GOOD)])
-    holds, sentence = verdict("latency_ms", "ms", rows, FlightParameters(), Limits())
+    holds, sentence = sweep_verdict("latency_ms", rows, FlightParameters(), Limits())
     assert holds
     assert "\n" not in sentence
     assert "2 flights of 60 s" in sentence
-    table = markdown_table("latency_ms", "ms", rows)
+    table = markdown_table("latency_ms", rows)
     assert "| 133 | 1 of 1 | 100.0 % |" in table
-    assert not verdict("latency_ms", "ms", [], FlightParameters(), Limits())[0]
+    assert not sweep_verdict("latency_ms", [], FlightParameters(), Limits())[0]
 
 
 def test_a_sweep_is_a_name_and_numbers() -> None:

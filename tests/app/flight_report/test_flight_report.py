@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from chain_flight import Flown, descending, lost, with_crash, with_step
 
-from matchset.app.flight.log import HEADINGS, PHASES, FlightLog, follower_row, verdict
+from matchset.app.flight.log import HEADINGS, PHASES, FlightLog, flight_summary, follower_row
 from matchset.app.flight_report.report import check_report, write_report
 
 
@@ -25,15 +25,17 @@ def test_the_log_holds_what_the_ticks_said(flown: Flown) -> None:
     first = log.followers[0]
     steps = [chain_step.steps[0] for chain_step in flown.chain_steps]
     np.testing.assert_array_equal(first.time, [step.now for step in steps])
-    np.testing.assert_array_equal(first.true, [chain_step.true_positions[0] for chain_step in flown.chain_steps])
+    np.testing.assert_array_equal(
+        first.true_position, [chain_step.true_positions[0] for chain_step in flown.chain_steps]
+    )
     control = steps[4].control
     assert control is not None
-    assert first.estimated[4].tolist() == [control.side, control.height, control.heading]
+    assert first.estimated_position[4].tolist() == [control.side, control.height, control.heading]
     assert [PHASES[k] for k in first.phase] == [step.safety.phase for step in steps]
     np.testing.assert_array_equal(np.isnan(first.processing), [step.frame is None for step in steps])
-    assert log.room.shape == (len(steps), 3, 3)
-    assert np.abs(first.seen_from_last - first.true_from_last)[:10].max() < 0.3
-    assert np.isnan(first.seen_from_last[-1]).all()
+    assert log.balls_in_room.shape == (len(steps), 3, 3)
+    assert np.abs(first.estimated_in_chain - first.true_in_chain)[:10].max() < 0.3
+    assert np.isnan(first.estimated_in_chain[-1]).all()
     assert float(np.nanmedian(first.circle_error_px)) < 1.5
 
 
@@ -47,15 +49,15 @@ def test_the_figures_are_in_the_order_of_their_headings(flown: Flown) -> None:
     assert figures["at the end"] == flown.chain_steps[-1].steps[0].safety.phase
     off = "off the set place, cm rms, from 5 s after its start on (side, height, heading)"
     assert figures[off] == "-"  # it is too short
-    assert "nobody crashed" in verdict(log)
+    assert "nobody crashed" in flight_summary(log)
 
 
 def test_the_verdict_names_who_crashed_or_came_down(flown: Flown) -> None:
     log = log_of(flown)
     log.add(with_crash(flown.chain_steps[-1]))
-    assert "vehicle 1 hit the floor at 0.8 s" in verdict(log)
+    assert "vehicle 1 hit the floor at 0.8 s" in flight_summary(log)
     assert follower_row(log, 0)[-1] == "hit the floor at 0.8 s"
-    assert verdict(FlightLog(flown.setup)) == "nothing was flown"
+    assert flight_summary(FlightLog(flown.setup)) == "nothing was flown"
 
 
 def test_a_report_is_one_file_with_its_pictures_in_it(flown: Flown, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from matchset.app.flight.outputs import FlightFiles
+from matchset.app.flight.output_files import FlightFiles
 from matchset.app.recording.mcap_file import McapWriter, Message, Topic
 from matchset.app.recording.messages import CONFIGURATION
 from matchset.app.recording.reader import RecordingReader

@@ -14,7 +14,8 @@ from blue_ball import Matchset
 from chain_flight import Flown
 
 from matchset.app.flight.flight import ChainStep
-from matchset.app.flight.outputs import FlightFiles, FlightOutputs
+from matchset.app.flight.output_files import FlightFiles
+from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.encoding import encode, outcome_of, step_message
 from matchset.app.recording.mcap_file import McapReader, McapWriter, Message, Topic
@@ -77,8 +78,8 @@ def test_a_pixel_that_changed_is_noticed(flown: Flown, tmp_path: Path) -> None:
     list(replayed)
     first = replayed.differences[0]
     assert (first.tick, first.follower) == (6, 2)
-    assert first.words.startswith("ball.")
-    assert " was " in first.words
+    assert first.text.startswith("ball.")
+    assert " was " in first.text
     assert all(each.follower == 2 for each in replayed.differences)
 
 
@@ -207,14 +208,14 @@ def test_the_command_fails_where_steps_differ(
 def test_a_signal_ends_the_replay_with_whole_files(
     matchset: Matchset, recording: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    show = FlightOutputs.show
+    show = FlightOutputs.add
 
     def interrupted(outputs: FlightOutputs, chain_step: ChainStep) -> None:
         show(outputs, chain_step)
         if chain_step.index == 3:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(FlightOutputs, "show", interrupted)
+    monkeypatch.setattr(FlightOutputs, "add", interrupted)
     assert matchset("replay", recording, "--video", "a.avi", "--quiet") == 130
     out, err = capfd.readouterr()
     assert "replayed 6 steps: every one" in out
@@ -246,7 +247,7 @@ def test_whatever_happens_the_files_are_whole(flown: Flown, tmp_path: Path) -> N
     def fly() -> None:
         with FlightOutputs(flown.setup, files, quiet=True) as outputs:
             for chain_step in flown.chain_steps[:6]:
-                outputs.show(chain_step)
+                outputs.add(chain_step)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

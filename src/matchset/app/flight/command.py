@@ -1,19 +1,23 @@
-"""The command line of `matchset fly` and `matchset simulate`."""
+"""`matchset fly`: one flight of a simulated chain, shown, filmed, recorded and reported.
 
+Imports that take long stand inside the functions, so that `matchset --help` answers at once.
+"""
+
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
+import msgspec
 import typer
 
-from matchset.app.cli_options import Folder, Force
-from matchset.app.exit_codes import errors_in_one_line
-from matchset.app.recording.command import FlightRecord, FlightReport, FlightVideo, Quiet
+from matchset.app.cli_options import Force
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight.output_files import FlightFiles, Quiet
 
-FLIGHT_CODES = (
-    "Exit codes: 0 everyone flew to the end, 1 not, 2 bad input or options, 3 a device broke, "
-    "130 stopped by Ctrl-C (everyone lands, files are whole)."
-)
-FLY_EPILOG = f"""
+if TYPE_CHECKING:
+    from matchset.app.flight.flight import FlightParameters
+
+FLY_EPILOG = """
 [bold]Examples[/bold]
 
   matchset fly sim://chain
@@ -24,113 +28,93 @@ FLY_EPILOG = f"""
 
   matchset fly --print-config > flight.toml
 
-{FLIGHT_CODES}
-"""
-SIMULATE_EPILOG = """
-[bold]Examples[/bold]
-
-  matchset simulate
-
-  matchset simulate --sweep hidden=0.5,1.0 --seeds 20 --pal bad
-
-  matchset simulate --sweep vehicles=3,5,10 --seeds 2 --duration 20
-
-The last line is the verdict. Latency is from the middle of a picture's exposure to the command leaving the laptop; the
-radio's delay comes on top.
-
-Exit codes: 0 the limits hold in every row, 1 they do not, 2 bad input or options, 130 stopped by Ctrl-C.
+Exit codes: 0 everyone flew to the end, 1 not, 2 bad input or options, 3 a device broke, 130 stopped by Ctrl-C \
+(everyone lands, files are whole).
 """
 
+Uri = Annotated[str, typer.Argument(metavar="URI", help="Whom to fly: sim://chain?vehicles=3&seed=7")]
 Config = Annotated[
     Path | None, typer.Option("--config", metavar="FILE.toml", help="Settings; see 'fly --print-config'.")
 ]
 Vehicles = Annotated[int | None, typer.Option("--vehicles", help="Length of the chain, 2 to 20.")]
+Seed = Annotated[int | None, typer.Option(help="Decides everything that is left to chance.")]
 Duration = Annotated[float | None, typer.Option("--duration", metavar="S", help="How long each flight is, s.")]
 Pal = Annotated[str | None, typer.Option("--pal", help="The analog link: clean, typical or bad.")]
 Latency = Annotated[float | None, typer.Option("--latency-ms", metavar="MS", help="From capture to command, ms.")]
+RealTime = Annotated[bool, typer.Option("--real-time", help="No faster than a clock.")]
+PrintConfig = Annotated[bool, typer.Option("--print-config", help="Print all settings, and do not fly.")]
 
 
-def fly(
-    uri: Annotated[
-        str, typer.Argument(metavar="URI", help="Whom to fly: sim://chain?vehicles=3&seed=7")
-    ] = "sim://chain",
-    config: Config = None,
-    vehicles: Vehicles = None,
-    seed: Annotated[int | None, typer.Option(help="Decides everything that is left to chance.")] = None,
-    duration: Duration = None,
-    pal: Pal = None,
-    latency_ms: Latency = None,
-    video: FlightVideo = None,
-    report: FlightReport = None,
-    record: FlightRecord = None,
-    real_time: Annotated[bool, typer.Option("--real-time", help="No faster than a clock.")] = False,
-    print_config: Annotated[bool, typer.Option("--print-config", help="Print all settings, and do not fly.")] = False,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
+class FlyOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset fly`; each is explained where its type is defined."""
+
+    uri: Uri = "sim://chain"
+    config: Config = None
+    vehicles: Vehicles = None
+    seed: Seed = None
+    duration: Duration = None
+    pal: Pal = None
+    latency_ms: Latency = None
+    files: FlightFiles = FlightFiles()
+    real_time: RealTime = False
+    print_config: PrintConfig = False
+    quiet: Quiet = False
+    force: Force = False
+
+    def flight(self) -> "FlightParameters":
+        """Read the settings and change what the URI and the options name; an option wins over the URI."""
+        from matchset.app.flight.config import flight_parameters, with_uri, with_world
+
+        flight = with_uri(self.uri, flight_parameters(self.config, self.duration))
+        named = {name: getattr(self, name) for name in ("vehicles", "seed", "pal", "latency_ms")}
+        return with_world(flight, **{name: value for name, value in named.items() if value is not None})
+
+
+def fly(options: FlyOptions) -> int:
     """Fly a chain of quadcopters that hold their places by looking at each other."""
-    with errors_in_one_line():
-        from matchset.app.flight import config as flight_settings
-        from matchset.app.flight import fly_command
-        from matchset.app.flight.outputs import FlightFiles
+    if options.print_config:
+        from matchset.app.flight.config import default_toml
 
-        if print_config:
-            print(flight_settings.default_toml(), end="")
-            raise typer.Exit
-        flight = flight_settings.with_uri(uri, flight_settings.flight_parameters(config, duration))
-        said = {"vehicles": vehicles, "seed": seed, "pal": pal, "latency_ms": latency_ms}
-        flight = flight_settings.with_world(
-            flight, **{name: value for name, value in said.items() if value is not None}
-        )
-        files = FlightFiles(video=video, report=report, record=record, force=force)
-        code = fly_command.fly(fly_command.FlyOptions(flight=flight, files=files, quiet=quiet, real_time=real_time))
-    raise typer.Exit(code)
+        print(default_toml(), end="")
+        return FOUND
+    return _fly(options.flight(), options)
 
 
-def simulate(
-    world: Annotated[str, typer.Option("--world", help="What is simulated: chain.")] = "chain",
-    config: Config = None,
-    vehicles: Vehicles = None,
-    duration: Duration = None,
-    pal: Pal = None,
-    latency_ms: Latency = None,
-    sweep: Annotated[
-        str, typer.Option(metavar="NAME=VALUES", help="What to change, and to which values.")
-    ] = "latency_ms=0,33,67,100,133",
-    seeds: Annotated[int, typer.Option(min=1, max=10_000, help="Flights at each value.")] = 20,
-    first_seed: Annotated[int, typer.Option(min=0, help="The first of their seeds.")] = 100,
-    survival: Annotated[float, typer.Option(help="Limit: least share of flights that survive.")] = 1.0,
-    in_view: Annotated[float, typer.Option(help="Limit: least share of pictures with the ball in view.")] = 0.99,
-    spread: Annotated[float, typer.Option(metavar="M", help="Limit: largest rms off the set place, m.")] = 0.10,
-    jobs: Annotated[int, typer.Option(min=0, max=256, help="Flights at once; 0: one for every core.")] = 0,
-    out: Folder = None,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
-    """Fly many simulated flights under changed conditions and judge them by limits."""
-    with errors_in_one_line():
-        from matchset.app.flight import config as flight_settings
-        from matchset.app.flight import simulate as simulate_command
-        from matchset.app.flight.simulation_table import Limits
+def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
+    """Fly, and return the exit code: 0 if everyone flew to the end, 1 if not, or that of the signal that stopped it.
 
-        if world != "chain":
-            raise ValueError(f"--world must be chain, got {world!r}")
-        said = {"vehicles": vehicles, "pal": pal, "latency_ms": latency_ms}
-        flight = flight_settings.with_world(
-            flight_settings.flight_parameters(config, duration),
-            **{name: each for name, each in said.items() if each is not None},
-        )
-        limits = Limits(survival=survival, in_view=in_view, spread=spread)
-        options = simulate_command.SimulateOptions(
-            flight=flight,
-            sweep=sweep,
-            seeds=seeds,
-            first_seed=first_seed,
-            limits=limits,
-            jobs=jobs,
-            out=out,
-            force=force,
-            quiet=quiet,
-        )
-        code = simulate_command.simulate(options)
-    raise typer.Exit(code)
+    However it ends, everyone lands and the files are whole.
+    """
+    from matchset.app.flight.flight import Flight, flight_setup
+    from matchset.app.flight.log import flight_summary
+    from matchset.app.flight.outputs import FlightOutputs
+    from matchset.app.flight.pacer import Pacer
+    from matchset.app.flight.score import FlightScorer
+    from matchset.app.patience import if_slow
+    from matchset.links.simulated import FPS
+
+    options.files.check(options.force)
+    scorer = FlightScorer(parameters)
+    with if_slow("getting ready ..."):
+        flight = Flight(parameters)
+    pacer = Pacer(1.0 / FPS) if options.real_time else None
+    with (
+        StopRequest() as stop,
+        flight,
+        FlightOutputs(flight_setup(flight), options.files, options.quiet) as outputs,
+        flight,  # once more: everyone lands before the files are finished, which takes longer
+    ):
+        for chain_step in flight:
+            scorer.add(chain_step)
+            outputs.add(chain_step, [pilot.armed for pilot in flight.pilots])
+            if stop or scorer.crashed:
+                break
+            if pacer is not None:
+                pacer.wait()
+    print(f"flight: {flight_summary(outputs.log)}")
+    for path in options.files.paths:
+        print(f"  {path}")
+    if stop:
+        print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
+        return stop.code
+    return FOUND if scorer.score().survived else NOT_FOUND

@@ -1,4 +1,4 @@
-"""The settings of a flight, from TOML, from a URI and from options: `read_flight`."""
+"""The parameters of a flight from a TOML file, from a URI and from options; `flight.toml` has the defaults."""
 
 from importlib import resources
 from pathlib import Path
@@ -15,13 +15,13 @@ TEMPLATE = "flight.toml"
 
 
 class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A file of settings: what `FlightParameters` says, and perhaps the camera's file.
+    """What a TOML file of a flight holds.
 
     Parameters
     ----------
     flight : FlightParameters
     camera : str
-        A camera file, as `matchset calibrate` writes it; empty for none. Relative to the settings.
+        A camera file, as `matchset calibrate` writes it; empty for none. Its path is relative to the TOML file.
     """
 
     flight: FlightParameters = FlightParameters()
@@ -29,12 +29,12 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 def default_toml() -> str:
-    """Return the settings that come with the package: every key with its default, its unit and its source."""
+    """Return `flight.toml`, which comes with the package: every key with its default, its unit and its source."""
     return resources.files("matchset.app.flight").joinpath(TEMPLATE).read_text(encoding="utf-8")
 
 
 def read_flight(path: Path) -> FlightParameters:
-    """Read the settings of a flight.
+    """Read the parameters of a flight.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def read_flight(path: Path) -> FlightParameters:
 
 
 def with_world(flight: FlightParameters, **world: Any) -> FlightParameters:
-    """Change what is simulated, checking it again.
+    """Return a flight with other parameters of its world, checked again.
 
     Raises
     ------
@@ -78,21 +78,21 @@ def with_world(flight: FlightParameters, **world: Any) -> FlightParameters:
 
 
 def with_uri(uri: str, flight: FlightParameters) -> FlightParameters:
-    """Take what a URI says over what the settings say.
+    """Return a flight with the parameters that a URI names.
 
     Raises
     ------
     ValueError
         If it does not begin with ``sim://chain``, or a parameter is unknown or out of range.
     """
-    said = parse_uri(uri)
+    parsed = parse_uri(uri)
     names = uri.partition("?")[2]
     keys = [pair.partition("=")[0] for pair in names.split("&") if pair]
-    return with_world(flight, **{key: getattr(said, key) for key in keys})
+    return with_world(flight, **{key: getattr(parsed, key) for key in keys})
 
 
 def flight_parameters(path: Path | None, duration: float | None) -> FlightParameters:
-    """Read settings where there are any, and set the duration where one is given."""
+    """Read the parameters from a file if there is one, with another duration if one is given."""
     flight = FlightParameters() if path is None else read_flight(path)
     if duration is None:
         return flight

@@ -18,25 +18,25 @@ from matchset.sim.world import relative_position
 
 Floats = npt.NDArray[np.float64]
 
-SETTLING = 5.0  # s after its start in which a follower's place counts for the start-up, not for the spread
-
 
 class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is flown.
+    """Parameters of a flight, as `flight.toml` has them.
 
     Parameters
     ----------
     duration : float
-        How long, s; more bores, less hides what builds up slowly.
+        Length, s. More takes longer to simulate; less hides errors that grow slowly.
     world : SimulationParameters
         The world, its cameras and its links.
     pilot : PilotParameters
         Every follower's loop.
     together : int
-        How many followers begin at once, those next to the rope. Each learns in its first seconds what throttle hovers,
-        and wobbles; three and more that do so at once enlarge it.
+        Number of followers that are armed at once, those next to the rope. Each learns in its first seconds the
+        throttle that hovers, and oscillates; three and more that do so at once enlarge each other's oscillation.
+        Chosen by: `python -m benchmarks.flight.fly --only ten`, see decision 074.
     stagger : float
-        How much later each of the others begins than the one that it watches, s.
+        How much later each of the others is armed than the one that it watches, s. More lets each come to rest first;
+        less is a shorter start. Chosen by: flights of ten with 0.3 to 2.5 s, see decision 074.
     """
 
     duration: float = 60.0
@@ -53,14 +53,10 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         if not 0.0 <= self.stagger <= 60.0:
             raise ValueError(f"stagger must be within 0 ... 60, got {self.stagger}")
 
-    def arming_time(self, who: int) -> float:
+    def arming_time(self, follower: int) -> float:
         """When a follower, from 0, is armed, s: until then a hand holds it."""
-        behind = self.world.vehicles - 2 - who
+        behind = self.world.vehicles - 2 - follower
         return self.stagger * max(behind - self.together + 1, 0)
-
-    def evaluation_start(self, who: int) -> float:
-        """From when on the place of a follower, from 0, counts, s: `SETTLING` after it was armed."""
-        return self.arming_time(who) + SETTLING
 
 
 class Crash(msgspec.Struct, frozen=True):
@@ -81,15 +77,15 @@ class Crash(msgspec.Struct, frozen=True):
     what: str
 
     @property
-    def words(self) -> str:
-        """Say who, what and when: ``vehicle 1 hit the floor at 3.2 s``."""
+    def description(self) -> str:
+        """Who, what and when: ``vehicle 1 hit the floor at 3.2 s``."""
         return f"vehicle {self.vehicle} {self.what} at {self.time:.1f} s"
 
 
 class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
-    """One turn of all loops: one picture of every camera.
+    """One step of every follower's loop, and the simulator's truth: one picture of every camera.
 
-    Vehicles are counted as in the paper, the first follower first; `steps` has one entry per follower, the sights one
+    Vehicles are counted as in the paper, the first follower first; `steps` has one entry per follower, the truth one
     per vehicle, so ``truth[-1]`` hangs on the rope and ``steps[i]`` watches ``truth[i + 1]``.
 
     Parameters
@@ -99,9 +95,9 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
     time : float
         When the commands were sent, s on the clock of the pictures.
     steps : tuple of PilotStep
-        What each follower saw, decided and sent.
+        What each follower measured, decided and sent.
     truth : tuple of VehiclePose
-        Where every vehicle and its ball was at `time`, in the room: x right, y down, z forward, m.
+        True pose of every vehicle, and position of its ball, at `time`, in the room: x right, y down, z forward, m.
     truth_at_exposure : tuple of VehiclePose
         The same at the middle of the pictures' exposure: what `steps` should have measured.
     true_positions : ndarray of shape (followers, 3)
@@ -124,9 +120,10 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Flight:
-    """A simulated chain with a pilot for every follower, in lock step: `for tick in flight`.
+    """A simulated chain with a pilot for every follower, in lock step: `for chain_step in flight`.
 
-    Leaving its `with` block lands everyone. The same parameters give the same flight, bit for bit.
+    The constructor compiles everything, so that nobody is armed before the loops can answer a picture at once. Leaving
+    its `with` block lands everyone. The same parameters give the same flight, bit for bit.
 
     Parameters
     ----------
@@ -162,7 +159,7 @@ class Flight:
 
     @property
     def length(self) -> int:
-        """How many ticks the flight has."""
+        """Number of steps of the flight."""
         return max(round(self.parameters.duration * FPS), 1)
 
     def close(self) -> None:
@@ -182,8 +179,8 @@ class Flight:
         self.close()
 
     def _chain_step(self, index: int) -> ChainStep:
-        for who, pilot in enumerate(self.pilots):
-            if not pilot.armed and (index - 1) / FPS >= self.parameters.arming_time(who):
+        for follower, pilot in enumerate(self.pilots):
+            if not pilot.armed and (index - 1) / FPS >= self.parameters.arming_time(follower):
                 pilot.arm()
         steps = tuple(pilot.step() for pilot in self.pilots)
         truth, truth_at_exposure = self.chain.truth(), self.chain.truth(index)
@@ -194,13 +191,13 @@ class Flight:
             truth=truth,
             truth_at_exposure=truth_at_exposure,
             true_positions=np.array([relative_position(me, other) for me, other in itertools.pairwise(truth)]),
-            in_view=tuple(self.chain.inside(who, index) for who in range(len(steps))),
-            crashes=tuple(Crash(time, who + 1, what) for time, who, what in self.chain.world.crashes),
+            in_view=tuple(self.chain.inside(follower, index) for follower in range(len(steps))),
+            crashes=tuple(Crash(time, vehicle + 1, what) for time, vehicle, what in self.chain.world.crashes),
         )
 
 
 class FlightSetup(NamedTuple):
-    """What is true for a whole flight, one that is flown or one that is replayed.
+    """What does not change during a flight, one that is flown or one that is replayed.
 
     Attributes
     ----------
@@ -217,15 +214,15 @@ class FlightSetup(NamedTuple):
 
     @property
     def followers(self) -> int:
-        """How many watch another."""
+        """Number of followers: all vehicles but the last."""
         return len(self.cameras)
 
     @property
     def radius(self) -> float:
-        """Of the balls, m."""
+        """Radius of the balls, m."""
         return self.parameters.pilot.target.radius
 
 
 def flight_setup(flight: Flight) -> FlightSetup:
-    """Tell the setting of a flight that is about to be flown."""
+    """Return the setup of a flight."""
     return FlightSetup(flight.parameters, tuple(pilot.camera.model for pilot in flight.pilots), flight.samples)

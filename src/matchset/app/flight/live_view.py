@@ -1,4 +1,4 @@
-"""What a person sees of a flight while it is flown: a live table on a terminal, plain lines elsewhere; on stderr."""
+"""A flight on the screen while it is flown: a live table on a terminal, lines of text elsewhere; both on stderr."""
 
 import math
 import time
@@ -13,7 +13,7 @@ from rich.text import Text
 from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.flight.score import FlightCounters, FollowerCounters
-from matchset.app.flight_report.colors import PHASES, as_hex
+from matchset.app.flight_report.colors import PHASE_COLORS, as_hex
 from matchset.app.flight_report.step_text import (
     age_text,
     distance_text,
@@ -24,31 +24,33 @@ from matchset.app.flight_report.step_text import (
 from matchset.control.follower import RelativeSetpoint
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")
-EVERY = 5.0  # s of the flight between plain lines
+REFRESHES = 10  # format: of the live table, a second
+SPEED_AFTER = 0.5  # format: s after which the speed of the simulation is shown
+LINE_PERIOD = 5.0  # format: s of the flight between two lines of text
 
 
 def render_view(
     chain_step: ChainStep, counters: FlightCounters, place: RelativeSetpoint, duration: float, speed: float | None
 ) -> Group:
-    """Make the live view of a moment: a line on the whole flight, and a row per follower.
+    """Make the live view of a step: a line about the whole flight, and a row per follower.
 
     Parameters
     ----------
     chain_step : ChainStep
     counters : FlightCounters
-        Of all ticks up to this one.
+        Of all steps up to this one.
     place : RelativeSetpoint
-        Where the followers are to be.
+        The set place of every follower.
     duration : float
-        Of the whole flight, s.
+        Length of the whole flight, s.
     speed : float or None
-        Seconds of flight per second; None if not known yet.
+        Seconds of the flight per second of computing; None if not known yet.
     """
     table = Table(box=None, pad_edge=False, header_style="dim")
     for number, name in enumerate(COLUMNS):
         table.add_column(name, justify="left" if number < 2 else "right", no_wrap=True)
-    for number, (step, figures) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
-        table.add_row(*_cells(number, step, figures, place))
+    for number, (step, each) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
+        table.add_row(*_cells(number, step, each, place))
     reasons = [
         Text(f"{number} {state_text(step)}", style=_style(step), no_wrap=True, overflow="ellipsis")
         for number, step in enumerate(chain_step.steps, 1)
@@ -58,25 +60,25 @@ def render_view(
 
 
 def text_line(chain_step: ChainStep, counters: FlightCounters) -> str:
-    """Say a moment in one line: ``  5.0 s   1: flying, 1.51 m, side +0.01 ... m, 67 ms old, lost 0   2: ...``."""
+    """Write a step in one line: ``  5.0 s   1: flying, 1.51 m, side +0.01 ... m, 67 ms old, lost 0   2: ...``."""
     parts = []
-    for number, (step, figures) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
-        words = " ".join(position_text(step.control).split())
+    for number, (step, each) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
+        position = " ".join(position_text(step.control).split())
         parts.append(
-            f"{number}: {state_text(step)}, {distance_text(step)}, {words}, {age_text(step.age)} old, "
-            f"lost {figures.lost}"
+            f"{number}: {state_text(step)}, {distance_text(step)}, {position}, {age_text(step.age)} old, "
+            f"lost {each.lost}"
         )
     return f"{chain_step.time:6.1f} s   " + "   ".join(parts)
 
 
 class LiveView:
-    """Shows a flight on a terminal, redrawn 10 times a second; elsewhere it prints a plain line now and then.
+    """Shows a flight: on a terminal a live table, elsewhere a line of text every 5 s of the flight.
 
     Parameters
     ----------
     place : RelativeSetpoint
     duration : float
-        Of the whole flight, s.
+        Length of the whole flight, s.
     quiet : bool
         Show nothing.
     console : Console, optional
@@ -88,44 +90,44 @@ class LiveView:
     ) -> None:
         self._console = console or Console(stderr=True, highlight=False)
         self._place, self._duration, self._quiet = place, duration, quiet
-        self._live = Live(console=self._console, refresh_per_second=10, transient=True)
-        self._shown = self._console.is_terminal and not quiet
-        self._begun: tuple[float, float] | None = None
-        self._told, self._crashes = -math.inf, 0
+        self._live = Live(console=self._console, refresh_per_second=REFRESHES, transient=True)
+        self._is_live = self._console.is_terminal and not quiet
+        self._start: tuple[float, float] | None = None
+        self._line_time, self._crashes = -math.inf, 0
 
     def show(self, chain_step: ChainStep, counters: FlightCounters) -> None:
-        """Show a tick that the tally has counted."""
+        """Show a step that the counters have counted."""
         for crash in chain_step.crashes[self._crashes :]:
-            self._say(f"{crash.time:6.1f} s   vehicle {crash.vehicle} {crash.what}")
+            self._print(f"{crash.time:6.1f} s   vehicle {crash.vehicle} {crash.what}")
         self._crashes = len(chain_step.crashes)
-        if self._shown:
+        if self._is_live:
             speed = self._speed(chain_step)
             self._live.update(render_view(chain_step, counters, self._place, self._duration, speed))
-        elif chain_step.time - self._told >= EVERY:
-            self._told = chain_step.time
-            self._say(text_line(chain_step, counters))
+        elif chain_step.time - self._line_time >= LINE_PERIOD:
+            self._line_time = chain_step.time
+            self._print(text_line(chain_step, counters))
 
-    def _say(self, words: str) -> None:
+    def _print(self, text: str) -> None:
         if not self._quiet:
-            self._console.print(words, soft_wrap=True, markup=False)
+            self._console.print(text, soft_wrap=True, markup=False)
 
     def _speed(self, chain_step: ChainStep) -> float | None:
-        """Seconds of flight per second since the first tick."""
+        """Seconds of the flight per second of computing, since the first step; None at first."""
         now = time.monotonic()
-        if self._begun is None:
-            self._begun = now, chain_step.time
-        passed = now - self._begun[0]
-        return (chain_step.time - self._begun[1]) / passed if passed > 0.5 else None
+        if self._start is None:
+            self._start = now, chain_step.time
+        passed = now - self._start[0]
+        return (chain_step.time - self._start[1]) / passed if passed > SPEED_AFTER else None
 
     def __enter__(self) -> Self:
-        if self._shown:
+        if self._is_live:
             self._live.__enter__()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._shown:
+        if self._is_live:
             self._live.__exit__(kind, error, trace)
 
 
@@ -138,21 +140,23 @@ def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:
     return line
 
 
-def _cells(number: int, step: PilotStep, figures: FollowerCounters, place: RelativeSetpoint) -> tuple[Text | str, ...]:
+def _cells(number: int, step: PilotStep, counters: FollowerCounters, place: RelativeSetpoint) -> tuple[Text | str, ...]:
     """One follower's row."""
-    control, off = step.control, distance_to_set_place(step.control, place)
-    there = ("-",) * 3 if control is None else (f"{v:+z.2f}" for v in (control.side, control.height, control.heading))
+    control, error = step.control, distance_to_set_place(step.control, place)
+    position = (
+        ("-",) * 3 if control is None else (f"{v:+z.2f}" for v in (control.side, control.height, control.heading))
+    )
     return (
         f"{number} \u2192 {number + 1}",
         Text(step.safety.phase, style=_style(step)),
         distance_text(step),
-        *there,
-        "-" if off is None else f"{100.0 * off:.0f} cm",
+        *position,
+        "-" if error is None else f"{100.0 * error:.0f} cm",
         age_text(step.age),
-        "-" if figures.rate is None else f"{figures.rate:.1f}/s",
-        str(figures.lost + figures.missing),
+        "-" if counters.rate is None else f"{counters.rate:.1f}/s",
+        str(counters.lost + counters.missing),
     )
 
 
 def _style(step: PilotStep) -> str:
-    return as_hex(PHASES[step.safety.phase])
+    return as_hex(PHASE_COLORS[step.safety.phase])

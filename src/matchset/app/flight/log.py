@@ -1,4 +1,4 @@
-"""The numbers of a flight, kept for its report: `FlightLog`."""
+"""The numbers of a flight, kept for its report: `FlightLog`; as text: `follower_row`, `flight_summary`."""
 
 import math
 from array import array
@@ -6,9 +6,9 @@ from array import array
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.flight import SETTLING, ChainStep, Crash, FlightSetup
+from matchset.app.flight.flight import ChainStep, Crash, FlightSetup
 from matchset.app.flight.pilot import PilotStep
-from matchset.app.flight.score import FlightCounters
+from matchset.app.flight.score import SCORING, FlightCounters, scored_from
 from matchset.app.flight_report.chain_frame import camera_positions, room_to_chain_frame
 from matchset.app.flight_report.true_circle import true_circle
 from matchset.control.safety import Phase
@@ -18,82 +18,99 @@ from matchset.tracking.track import Track
 Floats = npt.NDArray[np.float64]
 
 PHASES: tuple[Phase, ...] = ("locked", "flying", "holding", "descending", "cut")
-_COLUMNS = 19
-_NONE = (math.nan,) * 3
+
+# format: a row of `FollowerLog`, all float64; what is not known is NaN
+ROW = np.dtype(
+    [
+        ("time", np.float64),
+        ("estimated_position", np.float64, 3),
+        ("true_position", np.float64, 3),
+        ("circle_error_px", np.float64),
+        ("age", np.float64),
+        ("processing", np.float64),
+        ("found", np.float64),
+        ("phase", np.float64),
+        ("in_view", np.float64),
+        ("estimated_in_chain", np.float64, 3),
+        ("true_in_chain", np.float64, 3),
+    ]
+)
+UNKNOWN = (math.nan, math.nan, math.nan)
+"""A position that is not known."""
 
 
 class FollowerLog:
-    """One follower's numbers, a row a tick; NaN where there is none."""
+    """One follower's numbers, a row for each step of the flight; NaN where there is none."""
 
     def __init__(self) -> None:
         self._numbers = array("d")
 
     def add(self, row: tuple[float, ...]) -> None:
-        """Append a row."""
+        """Append a row, in the order of `ROW`."""
         self._numbers.extend(row)
 
-    @property
-    def _table(self) -> Floats:
-        return np.array(self._numbers, np.float64).reshape(-1, _COLUMNS)
+    def _column(self, name: str) -> Floats:
+        column: Floats = np.array(self._numbers, np.float64).view(ROW)[name]
+        return column
 
     @property
     def time(self) -> Floats:
         """When the commands were sent, (n,), s."""
-        return self._table[:, 0]
+        return self._column("time")
 
     @property
-    def estimated(self) -> Floats:
-        """Side, height and heading that the follower acted on, for the time of action, (n, 3), m."""
-        return self._table[:, 1:4]
+    def estimated_position(self) -> Floats:
+        """Side, height and heading that the follower acted on, for the time at which the command acts, (n, 3), m."""
+        return self._column("estimated_position")
 
     @property
-    def true(self) -> Floats:
-        """The true ones at `time`, (n, 3), m."""
-        return self._table[:, 4:7]
+    def true_position(self) -> Floats:
+        """True side, height and heading at `time`, (n, 3), m."""
+        return self._column("true_position")
 
     @property
     def circle_error_px(self) -> Floats:
         """Error of the ball's circle, |dx| + |dy| + |dr| (Eq. 10), (n,), px; NaN where it was not found."""
-        return self._table[:, 7]
+        return self._column("circle_error_px")
 
     @property
     def age(self) -> Floats:
         """From capture to command, (n,), s."""
-        return self._table[:, 8]
+        return self._column("age")
 
     @property
     def processing(self) -> Floats:
         """Computing time, (n,), s; NaN where no picture came."""
-        return self._table[:, 9]
+        return self._column("processing")
 
     @property
     def found(self) -> npt.NDArray[np.bool_]:
         """Whether the ball was confirmed, (n,)."""
-        return self._table[:, 10] > 0.0
+        return self._column("found") > 0.0
 
     @property
     def phase(self) -> npt.NDArray[np.intp]:
-        """Number of the safety's phase in `PHASES`, (n,)."""
-        return self._table[:, 11].astype(np.intp)
+        """Phase of the safety filter as an index into `PHASES`, (n,)."""
+        return self._column("phase").astype(np.intp)
 
     @property
     def in_view(self) -> npt.NDArray[np.bool_]:
-        """Whether the ball was to be seen, (n,)."""
-        return self._table[:, 12] > 0.0
+        """Whether the ball was inside the picture, by the truth, (n,)."""
+        return self._column("in_view") > 0.0
 
     @property
-    def seen_from_last(self) -> Floats:
-        """The camera in the level frame of the last ball, composed along the chain, (n, 3), m."""
-        return self._table[:, 13:16]
+    def estimated_in_chain(self) -> Floats:
+        """The camera in the level frame of the last ball, by the poses measured along the chain, (n, 3), m."""
+        return self._column("estimated_in_chain")
 
     @property
-    def true_from_last(self) -> Floats:
-        """The true one, (n, 3), m."""
-        return self._table[:, 16:19]
+    def true_in_chain(self) -> Floats:
+        """The camera in the level frame of the last ball, by the truth, (n, 3), m."""
+        return self._column("true_in_chain")
 
 
 class FlightLog:
-    """Takes note of every tick; 150 bytes a follower, so a flight may last for hours.
+    """Keeps the numbers of every step; 150 bytes a follower, so a flight may last for hours.
 
     Parameters
     ----------
@@ -112,52 +129,52 @@ class FlightLog:
         self.followers = [FollowerLog() for _ in range(setup.followers)]
         self.counters = FlightCounters(setup.followers)
         self.crashes: tuple[Crash, ...] = ()
-        self._room = array("d")
+        self._balls_in_room = array("d")
 
     def add(self, chain_step: ChainStep) -> None:
-        """Take note of a tick."""
+        """Append a step of the flight."""
         self.counters.add(chain_step)
         self.crashes = chain_step.crashes
         for sight in chain_step.truth_at_exposure:
-            self._room.extend(sight.ball.tolist())
-        for number, place in enumerate(camera_positions(chain_step.steps)):
-            self.followers[number].add(self._row(chain_step, number, place))
+            self._balls_in_room.extend(sight.ball.tolist())
+        for number, position in enumerate(camera_positions(chain_step.steps)):
+            self.followers[number].add(self._row(chain_step, number, position))
 
     @property
-    def room(self) -> Floats:
-        """Every vehicle's ball in the room, (n, vehicles, 3), m."""
-        return np.array(self._room, np.float64).reshape(-1, self.setup.followers + 1, 3)
+    def balls_in_room(self) -> Floats:
+        """True position of every vehicle's ball in the room, (n, vehicles, 3), m."""
+        return np.array(self._balls_in_room, np.float64).reshape(-1, self.setup.followers + 1, 3)
 
     def position_error(self, number: int) -> Floats:
-        """Subtract the set place of a follower, from 0, from its true one, once it should be held: (n, 3), m."""
+        """Subtract the set place of a follower, from 0, from its true position, from `scored_from` on: (n, 3), m."""
         log, place = self.followers[number], self.setup.parameters.pilot.place
-        off: Floats = log.true - (place.side, place.height, place.heading)
-        return off[log.time >= self.setup.parameters.evaluation_start(number)]
+        error: Floats = log.true_position - (place.side, place.height, place.heading)
+        return error[log.time >= scored_from(self.setup.parameters, number)]
 
     def spread(self, number: int) -> Floats:
         """Root mean square of `position_error` in each axis, (3,), m; empty if the flight was not that long."""
-        off = self.position_error(number)
-        return np.sqrt((off**2).mean(axis=0)) if len(off) else np.empty(0)
+        error = self.position_error(number)
+        return np.sqrt((error**2).mean(axis=0)) if len(error) else np.empty(0)
 
-    def _row(self, chain_step: ChainStep, number: int, place: Floats | None) -> tuple[float, ...]:
+    def _row(self, chain_step: ChainStep, number: int, position: Floats | None) -> tuple[float, ...]:
+        """Make a row of a step, in the order of `ROW`."""
         step, control = chain_step.steps[number], chain_step.steps[number].control
-        estimated = _NONE if control is None else (control.side, control.height, control.heading)
-        lens = camera_position(chain_step.truth_at_exposure[number])
+        camera = camera_position(chain_step.truth_at_exposure[number])
         return (
             step.now,
-            *estimated,
+            *(UNKNOWN if control is None else (control.side, control.height, control.heading)),
             *chain_step.true_positions[number].tolist(),
-            self._error_px(chain_step, number, step),
+            self._circle_error_px(chain_step, number, step),
             step.age,
             math.nan if step.frame is None else step.processing,
             float(isinstance(step.ball, Track)),
             float(PHASES.index(step.safety.phase)),
             float(chain_step.in_view[number]),
-            *(_NONE if place is None else place.tolist()),
-            *room_to_chain_frame(lens, chain_step.truth_at_exposure[-1]).tolist(),
+            *(UNKNOWN if position is None else position.tolist()),
+            *room_to_chain_frame(camera, chain_step.truth_at_exposure[-1]).tolist(),
         )
 
-    def _error_px(self, chain_step: ChainStep, number: int, step: PilotStep) -> float:
+    def _circle_error_px(self, chain_step: ChainStep, number: int, step: PilotStep) -> float:
         if not isinstance(step.ball, Track):
             return math.nan
         me, other = chain_step.truth_at_exposure[number], chain_step.truth_at_exposure[number + 1]
@@ -174,7 +191,7 @@ HEADINGS = (
     "losses",
     "longest, s",
     "error of the circle, px (mean, 95 %)",
-    f"off the set place, cm rms, from {SETTLING:g} s after its start on (side, height, heading)",
+    f"off the set place, cm rms, from {SCORING.transient:g} s after its start on (side, height, heading)",
     "age, ms (median, 95 %)",
     "computing, µs (median)",
     "at the end",
@@ -182,7 +199,7 @@ HEADINGS = (
 
 
 def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
-    """Say one follower's figures, in the order of `HEADINGS`.
+    """Write one follower's figures, in the order of `HEADINGS`.
 
     Parameters
     ----------
@@ -190,30 +207,30 @@ def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
     number : int
         From 0.
     """
-    follower, figures = log.followers[number], log.counters.followers[number]
-    to_see, error = follower.in_view, follower.circle_error_px[np.isfinite(follower.circle_error_px)]
+    follower, counters = log.followers[number], log.counters.followers[number]
+    in_view, error = follower.in_view, follower.circle_error_px[np.isfinite(follower.circle_error_px)]
     age = 1000.0 * follower.age[np.isfinite(follower.age)]
-    spent = 1e6 * follower.processing[np.isfinite(follower.processing)]
-    off = 100.0 * log.spread(number)
+    processing = 1e6 * follower.processing[np.isfinite(follower.processing)]
+    spread = 100.0 * log.spread(number)
     return (
         f"{number + 1} watches {number + 2}",
-        str(figures.frames),
-        f"{100.0 * float(follower.found[to_see].mean()):.1f} %" if to_see.any() else "-",
-        str(figures.losses),
-        f"{figures.longest:.2f}",
+        str(counters.frames),
+        f"{100.0 * float(follower.found[in_view].mean()):.1f} %" if in_view.any() else "-",
+        str(counters.losses),
+        f"{counters.longest:.2f}",
         f"{error.mean():.2f}, {np.percentile(error, 95):.2f}" if len(error) else "-",
-        ", ".join(f"{value:.1f}" for value in off.tolist()) or "-",
+        ", ".join(f"{value:.1f}" for value in spread.tolist()) or "-",
         f"{np.median(age):.0f}, {np.percentile(age, 95):.0f}" if len(age) else "-",
-        f"{np.median(spent):.0f}" if len(spent) else "-",
+        f"{np.median(processing):.0f}" if len(processing) else "-",
         _end(log, number),
     )
 
 
-def verdict(log: FlightLog) -> str:
+def flight_summary(log: FlightLog) -> str:
     """Say in one sentence how the flight ended."""
     time = f"{log.counters.time:.1f} s"
     if log.crashes:
-        return f"{time}; " + "; ".join(each.words for each in log.crashes)
+        return f"{time}; " + "; ".join(each.description for each in log.crashes)
     if not log.counters.chain_steps:
         return "nothing was flown"
     down = [str(k + 1) for k, follower in enumerate(log.followers) if PHASES[follower.phase[-1]] == "cut"]

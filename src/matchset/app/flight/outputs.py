@@ -1,70 +1,25 @@
-"""Everything that is made of a flight while it is flown, or replayed: `FlightOutputs`."""
+"""What shows and writes a flight while it is flown or replayed: view, video, recording, report: `FlightOutputs`."""
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import msgspec
-
-from matchset.app.drawing.video_writer import Recorder, codecs_for
+from matchset.app.drawing.video_writer import Recorder
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.log import FlightLog
+from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight_report.picture import FlightPicture
-from matchset.app.flight_report.report import check_report, write_report
-from matchset.app.recording.mcap_file import check_mcap
+from matchset.app.flight_report.report import write_report
 from matchset.app.recording.writer import RecordingWriter
-from matchset.app.run_folder import output_file
 from matchset.links.simulated import FPS
 
 
-class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
-    """What is wanted of a flight.
-
-    Parameters
-    ----------
-    video : Path or None
-        Every camera side by side and the chain from above: .mp4, .webm or .avi.
-    report : Path or None
-        Pictures and figures: .html.
-    record : Path or None
-        A recording to replay: .mcap.
-    force : bool
-        Whether existing files are overwritten.
-    """
-
-    video: Path | None = None
-    report: Path | None = None
-    record: Path | None = None
-    force: bool = False
-
-    def check(self) -> None:
-        """Refuse what cannot be made, before anything moves.
-
-        Raises
-        ------
-        ValueError
-            If a name has a wrong ending, a file exists or cannot be written, or a package is missing.
-        """
-        if self.video is not None:
-            codecs_for(self.video)
-        if self.report is not None:
-            check_report(self.report)
-        if self.record is not None:
-            check_mcap()
-        for path in self.paths:
-            output_file(path, self.force)
-
-    @property
-    def paths(self) -> list[Path]:
-        """The files, the quickest to finish first."""
-        return [path for path in (self.record, self.video, self.report) if path is not None]
-
-
 class FlightOutputs:
-    """Shows, films, records and reports ticks; leaving the `with` block finishes every file, however it is left.
+    """Gives each step of a flight to the view, the video, the recording and the report.
+
+    Leaving the `with` block finishes every file, also after an error.
 
     Parameters
     ----------
@@ -85,21 +40,21 @@ class FlightOutputs:
         self._files = files or FlightFiles()
         self._closed = False
         parameters = setup.parameters
-        self._screen = LiveView(parameters.pilot.place, parameters.duration, quiet)
+        self._view = LiveView(parameters.pilot.place, parameters.duration, quiet)
         self._picture: FlightPicture | None = None
-        self._recorder: Recorder | None = None
+        self._video: Recorder | None = None
         self._recording: RecordingWriter | None = None
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:
                 self._picture = FlightPicture(setup)
-                self._recorder = stack.enter_context(Recorder(self._files.video, FPS, self._picture.size))
+                self._video = stack.enter_context(Recorder(self._files.video, FPS, self._picture.size))
             if self._files.record is not None:
                 self._recording = stack.enter_context(RecordingWriter(self._files.record, setup))
-            stack.enter_context(self._screen)
+            stack.enter_context(self._view)
             self._stack = stack.pop_all()
 
-    def show(self, chain_step: ChainStep, armed: Sequence[bool] | None = None) -> None:
-        """Give a tick to everything.
+    def add(self, chain_step: ChainStep, armed: Sequence[bool] | None = None) -> None:
+        """Add a step of the flight to all outputs.
 
         Parameters
         ----------
@@ -108,9 +63,9 @@ class FlightOutputs:
             Which pilots have been told to fly; all of them by default.
         """
         self.log.add(chain_step)
-        self._screen.show(chain_step, self.log.counters)
-        if self._recorder is not None and self._picture is not None:
-            self._recorder.write(self._picture.draw(chain_step))
+        self._view.show(chain_step, self.log.counters)
+        if self._video is not None and self._picture is not None:
+            self._video.write(self._picture.draw(chain_step))
         if self._recording is not None:
             self._recording.write(chain_step, [True] * len(chain_step.steps) if armed is None else armed)
 

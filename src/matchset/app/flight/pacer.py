@@ -1,4 +1,4 @@
-"""Absolute deadlines: `Pacer` keeps a rate without drifting, and skips what it missed."""
+"""Absolute deadlines: `Pacer` keeps a rate without drift, and skips the deadlines that it missed."""
 
 import time
 from collections.abc import Callable
@@ -7,8 +7,8 @@ from collections.abc import Callable
 class Pacer:
     """Deadlines at start + k period.
 
-    A late turn does not move those after it; deadlines that passed meanwhile are skipped, so no turn hurries to catch
-    up.
+    A late step does not move the deadlines after it; those that passed meanwhile are skipped, so that no step is
+    hurried to make up for a late one.
 
     Parameters
     ----------

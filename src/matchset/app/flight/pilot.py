@@ -1,6 +1,6 @@
-"""The loop of one follower: capture, track, localize, control, guard, send. `Pilot.step` is all of it.
+"""The loop of one follower: capture, track, localize, control, filter for safety, send. `Pilot.step` is all of it.
 
-It knows nothing of where pictures come from and where commands go, so it flies a simulated vehicle and a real one alike
+It does not know where pictures come from and where commands go, so it flies a simulated vehicle and a real one alike
 (Epstein & Feldman, section 4, steps 1-8).
 """
 
@@ -29,8 +29,10 @@ from matchset.tracking.detect import detect
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
-DOUBTED = 3  # poses in a row that cannot be those of the neighbor, before it is looked for where it should be
+# geometry: in the sample picture, from the marker's middle to a pixel of the ball beside it, as a share of the width
+BALL_BESIDE_MARKER = 0.0625
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
+"""Of a step, in their order; `PilotStep.stage_times` has their computing times."""
 
 
 class Camera(Protocol):
@@ -51,14 +53,14 @@ class Camera(Protocol):
 
 
 class Colors(NamedTuple):
-    """What the ball and its marker look like: the paper's filters a and b."""
+    """Color models of the ball, with its marker, and of the marker: the paper's filters a and b."""
 
     ball: ColorModel
     marker: ColorModel
 
 
 class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
-    """All that happened in one turn of the loop; drawing, recording and reports read nothing else.
+    """All that happened in one step of the loop; drawing, recording and reports read nothing else.
 
     Parameters
     ----------
@@ -69,13 +71,13 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     ball : Track or Lost
     markers : tuple of Track
     pose : Pose or Lost
-        In the camera frame, at the time of the frame.
+        Of the ball in the camera frame, at the time of the frame.
     control : ControlOutput or None
-        What the follower wants, and why.
+        The follower's desired command, and the controllers' terms; None while the neighbor is not known.
     command : Command
         What was sent, as the link confirmed it.
     safety : SafetyState
-        Of the safety: its phase and its words.
+        State of the safety filter: its phase, and why.
     age : float
         From capture to command, s; inf before the first picture.
     stage_times : tuple of float
@@ -99,16 +101,42 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
         return sum(self.stage_times[1:])
 
 
+class AssociationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which of the balls in the picture is the neighbor's.
+
+    Parameters
+    ----------
+    candidates : int
+        Largest number of detected balls that are located before one is followed. More costs time, about a pose each;
+        fewer may miss the neighbor's where much of the room has the ball's color. Chosen by hand;
+        `python -m benchmarks.flight.fly --only start` would show a change.
+    rejected_poses : int
+        Number of poses in a row outside the follower's gate after which the tracker is restarted where the neighbor is
+        expected. More flies longer by the prediction when another ball is followed; fewer restarts after one bad
+        picture. Chosen by hand; `python -m benchmarks.flight.fly --only hidden` would show a change.
+    """
+
+    candidates: int = 6
+    rejected_poses: int = 3
+
+    def __post_init__(self) -> None:
+        for name in ("candidates", "rejected_poses"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be 1 or more, got {getattr(self, name)}")
+
+
 class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Everything that a follower's loop can be told.
+    """Parameters of a follower's loop, as `flight.toml` has them.
 
     Parameters
     ----------
     target : BallTarget
     place : RelativeSetpoint
     near : float
-        How far off its place a follower may begin, m: of the balls that near to where the neighbor's would be the
-        nearest is taken for it. Less than the way to the next but one, which looks the same.
+        Largest distance from the expected position at which a ball is taken for the neighbor's at first, m. Less than
+        the distance to the next ball but one, which looks the same; more lets a follower begin farther off its place.
+        Chosen by: `python -m benchmarks.flight.fly --only start`, see docs/log.md, 2026-11-21.
+    association : AssociationParameters
     follower : FollowerParameters
     safety : SafetyParameters
     """
@@ -116,6 +144,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     target: BallTarget = BallTarget()
     place: RelativeSetpoint = RelativeSetpoint(height=-0.19)
     near: float = 1.0
+    association: AssociationParameters = AssociationParameters()
     follower: FollowerParameters = FollowerParameters()
     safety: SafetyParameters = SafetyParameters()
 
@@ -125,7 +154,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
 
 class Pilot:
-    """Flies one follower by its own camera.
+    """Flies one follower by its own camera. Its constructor compiles everything that `step` calls.
 
     Parameters
     ----------
@@ -145,8 +174,8 @@ class Pilot:
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
-        self._memory = SafetyState()
-        self._frame_time = self._seen = -math.inf
+        self._safety = SafetyState()
+        self._frame_time = self._seen_time = -math.inf
 
     def arm(self) -> None:
         """Fly from the next step on, as soon as the ball is seen."""
@@ -165,11 +194,11 @@ class Pilot:
         frame = self.camera.read()
         stamps.append(time.perf_counter())
         now = self.camera.now()
-        ball, markers, pose = self._perceive(frame, now, stamps)
+        ball, markers, pose = self._locate(frame, now, stamps)
         control = self._follower.update(pose, now)
-        self._update_gate(pose)
-        facts = SafetyInputs(now, self._frame_time, self._seen, self.armed)
-        wanted, self._memory = safety_filter(control and control.desired, facts, self._memory, self.parameters.safety)
+        self._check_association(pose)
+        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed)
+        wanted, self._safety = safety_filter(control and control.desired, inputs, self._safety, self.parameters.safety)
         stamps.append(time.perf_counter())
         command = self.link.send(wanted)
         self._follower.sent(command, now)
@@ -182,19 +211,19 @@ class Pilot:
             pose=pose,
             control=control,
             command=command,
-            safety=self._memory,
+            safety=self._safety,
             age=now - self._frame_time,
             stage_times=tuple(b - a for a, b in itertools.pairwise(stamps)),
         )
 
-    def _perceive(
+    def _locate(
         self, frame: Frame | None, now: float, stamps: list[float]
     ) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...], Pose | Lost[Pose]]:
         """Track and localize, with a time stamp after each stage."""
         if frame is None:
             stamps.extend([stamps[-1]] * 3)
             return Lost("no picture came", now), (), Lost("no picture came", now)
-        if self._initialized(frame):
+        if self._is_initialized(frame):
             ball: Track[Circle] | Lost[Circle] = self._tracker.update(frame)
         else:
             ball = Lost("no ball is near the place where the neighbor should be", frame.time)
@@ -206,32 +235,30 @@ class Pilot:
         self._frame_time = frame.time
         return ball, markers, pose
 
-    def _initialized(self, frame: Frame) -> bool:
-        """Whether there is a ball to follow: before one was believed the nearest that may be it."""
+    def _is_initialized(self, frame: Frame) -> bool:
+        """Whether there is a ball to track; before the follower has accepted one, start with the nearest candidate."""
         if self._follower.neighbor.time > -math.inf:
             return True
-        place, near = self.parameters.place, self.parameters.near
-        there = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
-        ball = find_neighbor_ball(frame, self._colors.ball, self._localizer, there, near)
+        place, near, candidates = self.parameters.place, self.parameters.near, self.parameters.association.candidates
+        expected = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
+        ball = find_neighbor_ball(frame, self._colors.ball, self._localizer, expected, near, candidates)
         if ball is not None:
             self._tracker.start(ball)
         return ball is not None
 
-    def _update_gate(self, pose: Pose | Lost[Pose]) -> None:
-        """Note when the ball was seen where it can be; look for it anew when another one is followed."""
+    def _check_association(self, pose: Pose | Lost[Pose]) -> None:
+        """Note when the follower accepted a pose; restart the tracker when its gate rejects one after the other."""
         if not isinstance(pose, Pose):
             return
         if self._follower.neighbor.time == pose.time:
-            self._seen, self._rejected_poses = pose.time, 0
+            self._seen_time, self._rejected_poses = pose.time, 0
             return
         self._rejected_poses += 1
-        there = self._follower.expected(pose.time)
-        if (
-            self._rejected_poses % DOUBTED == 0
-            and there is not None
-            and self.camera.model.visible(there[np.newaxis])[0]
-        ):
-            x, y = self.camera.model.project(there[np.newaxis])[0]
+        expected = self._follower.expected(pose.time)
+        if self._rejected_poses % self.parameters.association.rejected_poses or expected is None:
+            return
+        if self.camera.model.visible(expected[np.newaxis])[0]:
+            x, y = self.camera.model.project(expected[np.newaxis])[0]
             self._tracker = Tracker(Circle, self._colors.ball, start=(float(x), float(y)))
 
 
@@ -246,17 +273,19 @@ def learn_colors(sample: Frame) -> Colors:
     height, width = sample.image.shape[:2]
     x, y = (width - 1) / 2.0, (height - 1) / 2.0
     marker = ColorModel.pick(sample.image, x, y)
-    ball = ColorModel.pick(sample.image, x - 0.0625 * width, y)
+    ball = ColorModel.pick(sample.image, x - BALL_BESIDE_MARKER * width, y)
     return Colors(ball | marker, marker)
 
 
-MOST = 6  # balls that are looked at
-
-
 def find_neighbor_ball(
-    frame: Frame, color: ColorModel, localizer: Localizer, there: npt.NDArray[np.float64], reach: float
+    frame: Frame,
+    color: ColorModel,
+    localizer: Localizer,
+    expected: npt.NDArray[np.float64],
+    max_distance: float,
+    candidates: int,
 ) -> Circle | None:
-    """Of the balls that may be the neighbor's the nearest to the camera: the next but one looks the same, farther off.
+    """Find the nearest ball to the camera of those that may be the neighbor's: the next but one looks the same.
 
     Parameters
     ----------
@@ -264,21 +293,27 @@ def find_neighbor_ball(
     color : ColorModel
         Of the ball with its marker.
     localizer : Localizer
-        Tells where a ball is; without markers it remembers nothing of it.
-    there : ndarray of shape (3,)
-        Where the neighbor should be, in the camera frame, m.
-    reach : float
-        How far from there a ball may be to be the neighbor's, m.
+        Locates the balls; a ball without markers leaves no state in it.
+    expected : ndarray of shape (3,)
+        Expected position of the neighbor's ball in the camera frame, m.
+    max_distance : float
+        From there, m.
+    candidates : int
+        Largest number of balls that are located.
 
     Returns
     -------
     Circle or None
-        None if no ball may be it.
+        None if no ball may be the neighbor's.
     """
     best: Circle | None = None
     nearest = math.inf
-    for track in detect(frame, Circle, color, limit=MOST):
+    for track in detect(frame, Circle, color, limit=candidates):
         pose = localizer.update(track)
-        if isinstance(pose, Pose) and np.linalg.norm(pose.position - there) < reach and pose.distance < nearest:
+        if (
+            isinstance(pose, Pose)
+            and np.linalg.norm(pose.position - expected) < max_distance
+            and pose.distance < nearest
+        ):
             best, nearest = track.shape, pose.distance
     return best

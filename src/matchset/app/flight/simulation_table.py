@@ -1,4 +1,4 @@
-"""Flights at several values of one parameter: grouped (`rows_by_value`), as a table (`markdown_table`), judged."""
+"""Scores of many flights in rows, one row for each value of the swept parameter; the rows as a table; the verdict."""
 
 import math
 from collections.abc import Sequence
@@ -10,6 +10,9 @@ from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
 
 HEADER = "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us"
+"""Columns of ``flights.csv`` after the swept value; `csv_line` writes them."""
+UNITS = {"latency_ms": "ms", "swing": "m", "yaw_deg": "degrees", "bias_deg": "degrees", "hidden": "s", "start_off": "m"}
+"""Units of the parameters that can be swept, where they have one."""
 
 
 class Limits(msgspec.Struct, frozen=True, kw_only=True):
@@ -18,11 +21,11 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     survival : float
-        Least share of flights that fly to the end.
+        Smallest share of flights that fly to the end.
     in_view : float
-        Least share of pictures with the ball in view, of any follower of any flight.
+        Smallest share of pictures with the ball in view, of any follower of any flight.
     spread : float
-        Largest root mean square of place minus set place, of any axis of any follower of any flight, m.
+        Largest root mean square of position minus set place, of any axis of any follower of any flight, m.
     """
 
     survival: float = 1.0
@@ -38,7 +41,7 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
-    """All flights at one value of what was swept.
+    """All flights at one value of the swept parameter.
 
     Parameters
     ----------
@@ -51,22 +54,22 @@ class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def survived(self) -> int:
-        """How many flew to the end."""
+        """Number of flights that flew to the end."""
         return sum(score.survived for score in self.scores)
 
     @property
     def in_view(self) -> float:
-        """Least share of pictures with the ball in view."""
+        """Smallest share of pictures with the ball in view, of any follower of any flight."""
         return min((share for score in self.scores for share in score.in_view), default=0.0)
 
     @property
     def spread(self) -> float:
-        """Largest spread of any axis, m."""
+        """Largest spread of any axis, m; inf if there is none."""
         return max((score.worst_spread for score in self.scores), default=math.inf)
 
     @property
     def losses(self) -> int:
-        """How often a ball was lost, in all flights together."""
+        """Number of losses of the ball, in all flights together."""
         return sum(sum(score.losses) for score in self.scores)
 
     def median_spread(self, axis: int) -> float:
@@ -75,7 +78,7 @@ class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
         return float(np.median(values)) if values else math.inf
 
     def violation(self, limits: Limits) -> str:
-        """Say which limit does not hold, empty if all do."""
+        """Name the first limit that does not hold; empty if all hold."""
         count = len(self.scores)
         if not count or self.survived < limits.survival * count:
             return f"only {self.survived} of {count} flights survive"
@@ -87,27 +90,27 @@ class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def rows_by_value(values: Sequence[float], done: Sequence[tuple[float, FlightScore]]) -> list[SweepRow]:
-    """Group scores by value; values without a flight are left out."""
+    """Group scores by the swept value; values without a flight are left out."""
     groups = [(value, tuple(score for at, score in done if at == value)) for value in values]
     return [SweepRow(value=value, scores=scores) for value, scores in groups if scores]
 
 
 def csv_line(score: FlightScore) -> str:
-    """One flight as a line of CSV, in the order of `HEADER`."""
+    """Write one flight as a line of CSV, with the columns of `HEADER`."""
     reason = (score.crash or score.landing_reason).replace(",", ";")
     spread = f"{score.worst_spread:.4f}" if math.isfinite(score.worst_spread) else ""
-    settling_time = f"{score.settling_time:.2f}" if math.isfinite(score.settling_time) else ""
+    settled = f"{score.settling_time:.2f}" if math.isfinite(score.settling_time) else ""
     return (
         f"{score.seed},{score.end:.2f},{int(score.survived)},{reason},{min(score.in_view):.4f},{min(score.found):.4f},"
-        f"{sum(score.losses)},{spread},{settling_time},{1e6 * score.processing:.0f}"
+        f"{sum(score.losses)},{spread},{settled},{1e6 * score.processing:.0f}"
     )
 
 
-def markdown_table(name: str, unit: str, rows: Sequence[SweepRow]) -> str:
-    """Show rows as a Markdown table."""
-    label = name.removesuffix("_ms").removesuffix("_deg") + (f", {unit}" if unit else "")
+def markdown_table(name: str, rows: Sequence[SweepRow]) -> str:
+    """Write rows as a Markdown table; `name` is the swept parameter."""
+    heading = _without_unit(name) + (f", {UNITS[name]}" if name in UNITS else "")
     lines = [
-        f"| {label} | survived | in view, least | losses | side | height | heading | worst axis | settled, worst |",
+        f"| {heading} | survived | in view, least | losses | side | height | heading | worst axis | settled, worst |",
         "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for row in rows:
@@ -122,14 +125,21 @@ def markdown_table(name: str, unit: str, rows: Sequence[SweepRow]) -> str:
 
 
 def centimeters(value: float) -> str:
-    """Say a length, m, in cm."""
+    """Write a length, m, in cm; ``-`` if it is not finite."""
     return f"{100.0 * value:.1f} cm" if math.isfinite(value) else "-"
 
 
-def verdict(
-    name: str, unit: str, rows: Sequence[SweepRow], flight: FlightParameters, limits: Limits
-) -> tuple[bool, str]:
-    """Judge all rows.
+def sweep_verdict(name: str, rows: Sequence[SweepRow], flight: FlightParameters, limits: Limits) -> tuple[bool, str]:
+    """Compare all rows with the limits.
+
+    Parameters
+    ----------
+    name : str
+        The swept parameter.
+    rows : sequence of SweepRow
+    flight : FlightParameters
+        Of all flights, but for seed and swept value.
+    limits : Limits
 
     Returns
     -------
@@ -138,19 +148,23 @@ def verdict(
     str
         One sentence.
     """
-    world = flight.world
+    world, label, unit = flight.world, _without_unit(name), UNITS.get(name, "")
     flown = sum(len(row.scores) for row in rows)
     what = f"{flown} flights of {flight.duration:g} s, a chain of {world.vehicles} with {world.pal} PAL"
-    wrong = [(row, row.violation(limits)) for row in rows if row.violation(limits)]
-    label = name.removesuffix("_ms").removesuffix("_deg")
+    violations = [(row, row.violation(limits)) for row in rows if row.violation(limits)]
     if not rows:
         return False, "No flight was flown, so there is no verdict."
-    if wrong:
-        row, words = wrong[0]
-        more = f" (and the limits break in {len(wrong) - 1} more rows)" if len(wrong) > 1 else ""
-        return False, f"Limits do not hold: in {what}, at {label} {row.value:g} {unit}".rstrip() + f" {words}{more}."
+    if violations:
+        row, text = violations[0]
+        more = f" (and the limits break in {len(violations) - 1} more rows)" if len(violations) > 1 else ""
+        return False, f"Limits do not hold: in {what}, at {label} {row.value:g} {unit}".rstrip() + f" {text}{more}."
     worst, least = max(row.spread for row in rows), min(row.in_view for row in rows)
     return True, (
         f"Limits hold: all {what}, survive at {label} {rows[0].value:g} to {rows[-1].value:g} {unit}".rstrip()
         + f", with the ball in view for at least {100.0 * least:.1f} % and places held to {centimeters(worst)} rms."
     )
+
+
+def _without_unit(name: str) -> str:
+    """Return a parameter's name without its unit."""
+    return name.removesuffix("_ms").removesuffix("_deg")

@@ -1,7 +1,7 @@
-"""One frame for all of a chain, at rest in the room or fixed to the last ball: only for display.
+"""The common frame of a chain: the level frame of the last vehicle's ball (decision 061); for display and reports.
 
-What the cameras see composes to the level frame of the last ball (`localization/chain.py`); where that ball is in the
-room only the simulator's truth knows.
+The poses that the followers measure compose along the chain to this frame (`localization/chain.py`). Where the last
+ball is in the room only the simulator's truth knows.
 """
 
 import math
@@ -17,9 +17,9 @@ from matchset.sim.vehicle import BACKWARD, VehiclePose
 Floats = npt.NDArray[np.float64]
 
 
-def level_ball_frame(sight: VehiclePose) -> Floats:
+def level_ball_frame(vehicle: VehiclePose) -> Floats:
     """Matrix from the level frame of a vehicle's ball to the room, (3, 3): z where the marker points, y down."""
-    out = sight.rotation @ BACKWARD
+    out = vehicle.rotation @ BACKWARD
     yaw = math.atan2(-out[0], -out[2])
     c, s = math.cos(yaw), math.sin(yaw)
     level: Floats = np.array(((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))) @ FACING_AWAY
@@ -28,18 +28,18 @@ def level_ball_frame(sight: VehiclePose) -> Floats:
 
 def room_to_chain_frame(point: Floats, last: VehiclePose) -> Floats:
     """Express a point of the room in the level frame of the last ball, (3,), m."""
-    seen: Floats = (point - last.ball) @ level_ball_frame(last)
-    return seen
+    position: Floats = (point - last.ball) @ level_ball_frame(last)
+    return position
 
 
 def chain_frame_to_room(point: Floats, last: VehiclePose) -> Floats:
     """Express a point of the level frame of the last ball in the room, (3,), m."""
-    there: Floats = last.ball + level_ball_frame(last) @ point
-    return there
+    position: Floats = last.ball + level_ball_frame(last) @ point
+    return position
 
 
 def camera_positions(steps: Sequence[PilotStep]) -> list[Floats | None]:
-    """Where the cameras are by what they see, in the level frame of the last ball, each (3,), m.
+    """Estimate the positions of the cameras from the poses along the chain, in the level frame of the last ball.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def camera_positions(steps: Sequence[PilotStep]) -> list[Floats | None]:
     Returns
     -------
     list of ndarray or None
-        None from the last gap of the chain on forward.
+        Each (3,), m; None for every follower before one that measured no pose.
     """
-    places = seen_from_last([step.pose for step in steps])
-    return [None if place is None else place.position for place in places]
+    poses = seen_from_last([step.pose for step in steps])
+    return [None if pose is None else pose.position for pose in poses]

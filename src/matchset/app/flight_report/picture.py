@@ -1,4 +1,4 @@
-"""A flight as pictures: every camera with what it saw, side by side, and the chain from above: `FlightPicture`."""
+"""A frame of the video of a flight: every camera with what was measured in it, and the map: `FlightPicture`."""
 
 import math
 
@@ -17,18 +17,19 @@ from matchset.camera.camera_model import CameraModel
 
 Picture = npt.NDArray[np.uint8]
 
-WIDEST = 1440  # px of all cells of a row together
-EMPTY = 252
+# geometry: largest width of the whole, px
+MAX_WIDTH = 1440
+EMPTY, DARK = 252, 30  # format: gray of an empty cell, and of a camera without a picture
 
 
 class FlightPicture:
-    """Puts the pictures of a tick together, in a grid: the cameras in the order of the chain, then the map.
+    """Puts the pictures of a step together in a grid: the cameras in the order of the chain, then the map.
 
     Parameters
     ----------
     setup : FlightSetup
     widest : int
-        Width that the whole must not exceed, px; no cell gets larger than a camera's picture.
+        Largest width of the whole, px; no cell is larger than a camera's picture.
 
     Attributes
     ----------
@@ -36,7 +37,7 @@ class FlightPicture:
         Width and height of the whole, px, both even.
     """
 
-    def __init__(self, setup: FlightSetup, widest: int = WIDEST) -> None:
+    def __init__(self, setup: FlightSetup, widest: int = MAX_WIDTH) -> None:
         self._setup = setup
         self._columns = _columns(setup.followers + 1)
         camera = setup.cameras[0]
@@ -47,8 +48,8 @@ class FlightPicture:
         self._map = TopView(setup, self._cell)
 
     def draw(self, chain_step: ChainStep) -> Picture:
-        """Draw a tick, BGR; ticks must come in their order, since the map shows paths."""
-        cells = [self._fitted(annotate) for annotate in self._annotated(chain_step)]
+        """Draw a step, BGR; steps must come in their order, since the map shows paths."""
+        cells = [self._fitted(picture) for picture in self._annotated(chain_step)]
         cells.append(self._map.draw(chain_step))
         whole = np.full((self.size[1], self.size[0], 3), EMPTY, np.uint8)
         wide, high = self._cell
@@ -71,15 +72,12 @@ class FlightPicture:
 
 
 def _columns(cells: int) -> int:
-    """How many cells stand in a row: up to three side by side, then as near to a square as it gets."""
+    """Count the cells of a row: up to three side by side, then as near to a square as possible."""
     return cells if cells <= 3 else math.ceil(math.sqrt(cells))
 
 
-DARK = 30
-
-
 def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: float, words: bool = True) -> Picture:
-    """Draw a turn of a follower's loop into a copy of its picture.
+    """Draw a step of a follower's loop into a copy of its picture.
 
     Parameters
     ----------
@@ -87,16 +85,16 @@ def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: flo
     number : int
         Of the follower, from 1.
     camera : CameraModel
-        What filmed it.
+        Model of the camera that took it.
     radius : float
         Of the ball, m.
     words : bool
-        Whether to write below who watches whom, the phase of the safety, and where the follower is.
+        Whether to write the follower, the phase of the safety filter and the estimated position below.
 
     Returns
     -------
     ndarray of shape (h, w, 3), uint8
-        BGR: the ball's outline with its match-set, or dashed where it should be; its markers, axes and distance. All
+        BGR: the ball's outline with its match-set, dashed where it is predicted; its markers, axes and distance. All
         dark where no picture came.
     """
     image = _picture(step, camera)
@@ -107,9 +105,9 @@ def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: flo
 
 
 def _write(image: Picture, step: PilotStep, number: int) -> None:
-    doubt = step.safety.phase != "flying"
-    caption(image, f"{number} watches {number + 1}   {state_text(step)}", f"{step.now:.2f} s", bad=doubt, line=1)
-    caption(image, position_text(step.control), f"age {age_text(step.age)}", bad=doubt)
+    bad = step.safety.phase != "flying"
+    caption(image, f"{number} watches {number + 1}   {state_text(step)}", f"{step.now:.2f} s", bad=bad, line=1)
+    caption(image, position_text(step.control), f"age {age_text(step.age)}", bad=bad)
 
 
 def _picture(step: PilotStep, camera: CameraModel) -> Picture:

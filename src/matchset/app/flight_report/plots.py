@@ -1,4 +1,4 @@
-"""The pictures of a flight's report, drawn by Matplotlib: only reports import this file."""
+"""The plots of a flight's report, as PNG; only reports import this file, which loads Matplotlib."""
 
 import io
 from collections.abc import Callable
@@ -10,32 +10,35 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from matchset.app.drawing.curves import INK, PALE, PINK, calm
-from matchset.app.flight.flight import SETTLING
 from matchset.app.flight.log import FlightLog, FollowerLog
+from matchset.app.flight.score import SCORING
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
 from matchset.localization.chain import FACING_AWAY, seen_from_last
 from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]
 
+BARS = 40  # format: of a histogram
 NAMES = ("side, m", "height, m", "heading, m")
-FULL_PX = 10.0
-"""Errors of this and more go into the histogram's last bar."""
+# geometry: px; larger errors are counted in the histogram's last bar
+LAST_BAR_PX = 10.0
 
 
 def paths_png(log: FlightLog) -> bytes:
-    """Draw everyone's path from above: in the room, and in the frame of the last ball as seen and as it was."""
+    """Draw the paths from above: in the room, and in the frame of the last ball as estimated and by the truth."""
     figure = Figure(figsize=(14.8, 5.6), dpi=100)
     left, right = figure.subplots(1, 2)
     for number in range(log.setup.followers + 1):
-        path = log.room[:, number]
+        path = log.balls_in_room[:, number]
         left.plot(path[:, 2], path[:, 0], color=_color(number), linewidth=1.2, label=f"vehicle {number + 1}")
     left.set_title("in the room (truth)", loc="left", color=INK, fontsize=11)
     left.legend(frameon=False, fontsize=9, labelcolor=INK)
     for number, follower in enumerate(log.followers):
-        _draw_seen(right, number, follower)
+        _draw_path(right, number, follower)
     right.plot(0.0, 0.0, "o", color=_color(log.setup.followers), markersize=14)
-    goals = np.array([place.position for place in seen_from_last([_ideal(log)] * len(log.followers)) if place])
+    goals = np.array(
+        [place.position for place in seen_from_last([_pose_at_set_place(log)] * len(log.followers)) if place]
+    )
     right.plot(goals[:, 2], goals[:, 0], "+", color=INK, markersize=14, markeredgewidth=1.6)
     words = "in the level frame of the last ball: dots as the chain sees it, line the truth, + set places"
     right.set_title(words, loc="left", color=INK, fontsize=11)
@@ -51,19 +54,19 @@ def paths_png(log: FlightLog) -> bytes:
 
 
 def coordinates_png(log: FlightLog, number: int) -> bytes:
-    """Draw side, height and heading of a follower, from 0, over time: truth, what it acted on, and the set place."""
+    """Draw side, height and heading of a follower, from 0, over time: truth, estimate, and set place."""
     figure = Figure(figsize=(14.8, 5.6), dpi=100)
     rows = figure.subplots(3, 1, sharex=True)
     follower, place = log.followers[number], log.setup.parameters.pilot.place
-    ahead = log.setup.parameters.pilot.follower.ego_motion.delay
-    for way, axes in enumerate(rows):
-        wanted = (place.side, place.height, place.heading)[way]
+    delay = log.setup.parameters.pilot.follower.ego_motion.delay
+    for axis, axes in enumerate(rows):
+        wanted = (place.side, place.height, place.heading)[axis]
         axes.axhline(wanted, color=INK, linewidth=0.8, linestyle=(0, (4, 4)), label="set place")
-        axes.plot(follower.time, follower.true[:, way], color=INK, linewidth=1.0, label="truth")
-        estimated = follower.estimated[:, way]
-        axes.plot(follower.time + ahead, estimated, color=_color(number), linewidth=0.9, label="acted on")
+        axes.plot(follower.time, follower.true_position[:, axis], color=INK, linewidth=1.0, label="truth")
+        estimated = follower.estimated_position[:, axis]
+        axes.plot(follower.time + delay, estimated, color=_color(number), linewidth=0.9, label="acted on")
         _mark_losses(axes, follower)
-        axes.set_ylabel(NAMES[way])
+        axes.set_ylabel(NAMES[axis])
     rows[0].legend(frameon=False, fontsize=9, labelcolor=INK, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98))
     words = f"{number + 1} beside {number + 2}; ticks below: the ball was not found"
     rows[0].set_title(words, loc="left", color=INK, fontsize=11)
@@ -75,14 +78,14 @@ def errors_png(log: FlightLog) -> bytes:
     """Draw the histograms: error of the circles as in the paper's Fig. 6c, and distance from the set place."""
     figure = Figure(figsize=(14.8, 4.2), dpi=100)
     left, right = figure.subplots(1, 2)
-    edges = np.linspace(0.0, FULL_PX, 41)
-    _histogram(left, log, lambda k: np.minimum(log.followers[k].circle_error_px, FULL_PX - 1e-9), edges)
+    edges = np.linspace(0.0, LAST_BAR_PX, BARS + 1)
+    _histogram(left, log, lambda k: np.minimum(log.followers[k].circle_error_px, LAST_BAR_PX - 1e-9), edges)
     left.set_title("error of the ball's circle, |dx| + |dy| + |dr|", loc="left", color=INK, fontsize=11)
-    left.set_xlabel(f"px ({FULL_PX:g} and more in the last bar)")
+    left.set_xlabel(f"px ({LAST_BAR_PX:g} and more in the last bar)")
     distances = [100.0 * np.linalg.norm(log.position_error(k), axis=1) for k in range(len(log.followers))]
     most = max((float(each.max()) for each in distances if each.size), default=1.0)
-    _histogram(right, log, lambda k: distances[k], np.linspace(0.0, most, 41))
-    title = f"true distance from the set place, from {SETTLING:g} s after its start on"
+    _histogram(right, log, lambda k: distances[k], np.linspace(0.0, most, BARS + 1))
+    title = f"true distance from the set place, from {SCORING.transient:g} s after its start on"
     right.set_title(title, loc="left", color=INK, fontsize=11)
     right.set_xlabel("cm")
     for axes in (left, right):
@@ -92,7 +95,7 @@ def errors_png(log: FlightLog) -> bytes:
 
 
 def times_png(log: FlightLog) -> bytes:
-    """Draw how old what was acted on was, over time with the losses, and what the computing took."""
+    """Draw the age of the pictures that were acted on, with the losses, and the histogram of the computing time."""
     figure = Figure(figsize=(14.8, 3.6), dpi=100)
     left, right = figure.subplots(1, 2)
     for number, follower in enumerate(log.followers):
@@ -105,7 +108,7 @@ def times_png(log: FlightLog) -> bytes:
     left.set_ylabel("age, ms")
     spent = [1e6 * follower.processing for follower in log.followers]
     most = max((float(np.nanpercentile(each, 98)) for each in spent if np.isfinite(each).any()), default=1.0)
-    _histogram(right, log, lambda k: np.minimum(spent[k], most), np.linspace(0.0, most, 41))
+    _histogram(right, log, lambda k: np.minimum(spent[k], most), np.linspace(0.0, most, BARS + 1))
     words = "computing from picture to command (longest 2 % in the last bar)"
     right.set_title(words, loc="left", color=INK, fontsize=11)
     right.set_xlabel("µs")
@@ -115,16 +118,18 @@ def times_png(log: FlightLog) -> bytes:
     return _png(figure)
 
 
-def _ideal(log: FlightLog) -> Pose:
-    """Say what a follower at its set place sees that looks straight ahead."""
+def _pose_at_set_place(log: FlightLog) -> Pose:
+    """Pose that a follower measures at its set place, looking straight ahead."""
     place = log.setup.parameters.pilot.place
     position = np.array((place.side, place.height, place.heading))
     return Pose(position=position, turn=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
 
 
-def _draw_seen(axes: Axes, number: int, follower: FollowerLog) -> None:
-    seen, true = follower.seen_from_last, follower.true_from_last
-    axes.plot(seen[:, 2], seen[:, 0], ".", color=_color(number), markersize=3, alpha=0.5, label=_label(number))
+def _draw_path(axes: Axes, number: int, follower: FollowerLog) -> None:
+    estimated, true = follower.estimated_in_chain, follower.true_in_chain
+    axes.plot(
+        estimated[:, 2], estimated[:, 0], ".", color=_color(number), markersize=3, alpha=0.5, label=_label(number)
+    )
     axes.plot(true[:, 2], true[:, 0], color=INK, linewidth=0.7)
 
 
@@ -158,7 +163,7 @@ def _color(number: int) -> str:
 
 
 def _png(figure: Figure, grid: str = "y") -> bytes:
-    """Finish a figure and pack it."""
+    """Finish a figure and return it as PNG."""
     for axes in figure.axes:
         calm(axes)
         if grid == "both":
@@ -168,6 +173,6 @@ def _png(figure: Figure, grid: str = "y") -> bytes:
     wide, high = figure.get_size_inches()
     figure.subplots_adjust(0.75 / wide, 0.6 / high, 1.0 - 0.2 / wide, 1.0 - 0.4 / high, wspace=0.13, hspace=0.13)
     FigureCanvasAgg(figure)
-    packed = io.BytesIO()
-    figure.savefig(packed, format="png")
-    return packed.getvalue()
+    png = io.BytesIO()
+    figure.savefig(png, format="png")
+    return png.getvalue()

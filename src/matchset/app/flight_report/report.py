@@ -1,4 +1,4 @@
-"""The report of a flight: one HTML file with all its pictures in it, to look at and to send."""
+"""The report of a flight: one HTML file with all its plots inside: `write_report` (decision 062)."""
 
 import base64
 import html
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.flight.log import HEADINGS, FlightLog, follower_row, verdict
+from matchset.app.flight.log import HEADINGS, FlightLog, flight_summary, follower_row
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; margin: 2em auto; padding: 0 1em; }
@@ -19,7 +19,7 @@ td:first-child, th:first-child { text-align: left; white-space: nowrap; } img { 
 
 
 def write_report(log: FlightLog, path: Path) -> None:
-    """Write the report, whole or not at all.
+    """Write the report; an error leaves no incomplete file under its name.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def write_report(log: FlightLog, path: Path) -> None:
 
 
 def check_report(path: Path) -> None:
-    """Refuse a name that is none of an HTML file.
+    """Refuse a name that does not end in .html.
 
     Raises
     ------
@@ -46,22 +46,22 @@ def check_report(path: Path) -> None:
 
 def _page(log: FlightLog) -> str:
     world = log.setup.parameters.world
-    facts = f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"
+    conditions = f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"
     parts = [
         "<!doctype html><html lang=en><meta charset=utf-8><title>matchset: a flight</title>",
         f"<style>{STYLE}</style><h1>A flight of the chain</h1>",
-        f"<p>{html.escape(verdict(log))}.<br><span class=quiet>{html.escape(facts)}</span></p>",
+        f"<p>{html.escape(flight_summary(log))}.<br><span class=quiet>{html.escape(conditions)}</span></p>",
         _table(HEADINGS, (follower_row(log, number) for number in range(len(log.followers)))),
     ]
     if log.counters.chain_steps:
-        parts += _pictures(log)
+        parts += _plots(log)
     parts.append("<h2>Parameters</h2>")
     parts.append(_table(("key", "value"), _flat("", msgspec.to_builtins(log.setup.parameters))))
     return "\n".join([*parts, "</html>\n"])
 
 
-def _pictures(log: FlightLog) -> list[str]:
-    """Draw the pictures; Matplotlib is loaded only now."""
+def _plots(log: FlightLog) -> list[str]:
+    """Draw the plots; Matplotlib is loaded only now."""
     from matchset.app.flight_report.plots import coordinates_png, errors_png, paths_png, times_png
 
     parts = ["<h2>Paths from above</h2>", _image(paths_png(log), "paths from above")]
@@ -72,8 +72,8 @@ def _pictures(log: FlightLog) -> list[str]:
     return [*parts, "<h2>Age, losses and computing time</h2>", _image(times_png(log), "age and computing time")]
 
 
-def _image(png: bytes, words: str) -> str:
-    return f'<img alt="{words}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+def _image(png: bytes, description: str) -> str:
+    return f'<img alt="{description}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
 
 
 def _table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -83,7 +83,7 @@ def _table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 
 def _flat(name: str, value: object) -> Iterable[tuple[str, str]]:
-    """Name every number of nested parameters: ``pilot.place.height``."""
+    """Yield the keys and values of nested parameters: ``pilot.place.height``."""
     if not isinstance(value, dict):
         yield name, str(value)
         return

@@ -1,4 +1,4 @@
-"""The chain from above: `TopView` draws where everyone is, where they should be, and where they believe to be."""
+"""The chain from above: true positions, set places and estimated positions of all vehicles: `TopView`."""
 
 import itertools
 import math
@@ -18,16 +18,18 @@ from matchset.sim.world import camera_position
 Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]
 
+# format: BGR of the background, its lines, the text and vehicles, and the lines of sight
 PAPER, GRID, INK, PALE = (252, 252, 252), (236, 236, 236), (70, 70, 70), (160, 160, 160)
-TRAIL = 120  # ticks
-MARGIN = 0.65  # m before the first and behind the last set place
-ASIDE = 0.25  # m beside the farthest that the last one's yaw swings the first
-BALL = 0.14  # m, radius when drawn
-_SHIFT = 4
+TRAIL = 120  # format: steps that a path shows, 4 s
+# geometry: m, free space before the first and behind the last vehicle, and beside the widest swing of the chain
+MARGIN, SIDE_MARGIN = 0.65, 0.25
+# geometry: m, radius of a drawn ball, of the ring around an estimated position, half a side of the cross at a set place
+BALL, RING, CROSS = 0.14, 0.07, 0.07
+SHIFT = 4  # format: fractional bits of the coordinates that OpenCV's drawing functions take
 
 
 class TopView:
-    """A map of the room as a bird sees it, the chain looking to the right; it remembers the last seconds.
+    """A map of the room seen from above, the chain looking to the right, with the paths of the last seconds.
 
     Parameters
     ----------
@@ -43,19 +45,19 @@ class TopView:
         self._scale, self._middle = 1.0, np.zeros(2)
 
     def draw(self, chain_step: ChainStep) -> Picture:
-        """Draw a tick; ticks must come in their order."""
+        """Draw a step; steps must come in their order."""
         if not self._trails[0]:
             self._fit(chain_step)
-        for trail, sight in zip(self._trails, chain_step.truth_at_exposure, strict=True):
-            trail.append(sight.ball[[2, 0]])
+        for trail, vehicle in zip(self._trails, chain_step.truth_at_exposure, strict=True):
+            trail.append(vehicle.ball[[2, 0]])
         image = np.full((self._size[1], self._size[0], 3), PAPER, np.uint8)
         self._draw_grid(image)
         for number in range(len(chain_step.truth_at_exposure)):
             self._draw_trail(image, number)
         for me, other in itertools.pairwise(chain_step.truth_at_exposure):
             self._line(image, camera_position(me)[[2, 0]], other.ball[[2, 0]], PALE)
-        for number, sight in enumerate(chain_step.truth_at_exposure):
-            self._draw_vehicle(image, number, sight)
+        for number, vehicle in enumerate(chain_step.truth_at_exposure):
+            self._draw_vehicle(image, number, vehicle)
         for number, other in enumerate(chain_step.truth_at_exposure[1:]):
             self._draw_set_place(image, number, other)
         self._draw_estimates(image, chain_step)
@@ -63,27 +65,27 @@ class TopView:
         return image
 
     def _fit(self, chain_step: ChainStep) -> None:
-        """Choose the scale so that the whole chain has room to swing with the last one's yaw."""
+        """Choose the scale so that the whole chain fits, also when it swings with the yaw of the last vehicle."""
         world = self._setup.parameters.world
-        along = np.array([sight.ball[2] for sight in chain_step.truth_at_exposure])
+        along = np.array([vehicle.ball[2] for vehicle in chain_step.truth_at_exposure])
         width, height = self._size
         long = float(np.ptp(along)) + 2.0 * MARGIN
-        wide = float(np.ptp(along)) * math.sin(math.radians(min(world.yaw_deg, 90.0))) + world.swing + ASIDE
+        wide = float(np.ptp(along)) * math.sin(math.radians(min(world.yaw_deg, 90.0))) + world.swing + SIDE_MARGIN
         self._scale = min(width / long, height / (2.0 * wide))
         self._middle = np.array(
             (float(along.min() + along.max()) / 2.0, float(chain_step.truth_at_exposure[-1].ball[0]))
         )
 
     def _px(self, point: Floats) -> tuple[int, int]:
-        """Where (z, x), m, is on the picture: z to the right, x down, in sixteenths of a px."""
+        """Pixel of (z, x), m: z to the right, x down; in sixteenths of a px."""
         u, v = (point - self._middle) * self._scale + np.array(self._size) / 2.0
-        return round(float(u) * (1 << _SHIFT)), round(float(v) * (1 << _SHIFT))
+        return round(float(u) * (1 << SHIFT)), round(float(v) * (1 << SHIFT))
 
     def _line(self, image: Picture, a: Floats, b: Floats, color: tuple[int, int, int], wide: int = 1) -> None:
-        cv2.line(image, self._px(a), self._px(b), color, wide, cv2.LINE_AA, _SHIFT)
+        cv2.line(image, self._px(a), self._px(b), color, wide, cv2.LINE_AA, SHIFT)
 
     def _circle(self, image: Picture, at: Floats, radius: float, color: tuple[int, int, int], wide: int) -> None:
-        cv2.circle(image, self._px(at), round(radius * self._scale * (1 << _SHIFT)), color, wide, cv2.LINE_AA, _SHIFT)
+        cv2.circle(image, self._px(at), round(radius * self._scale * (1 << SHIFT)), color, wide, cv2.LINE_AA, SHIFT)
 
     def _draw_grid(self, image: Picture) -> None:
         """Lines every half meter."""
@@ -106,33 +108,33 @@ class TopView:
         """Draw the set place of a follower's camera, a cross."""
         goal = other.ball + level_ball_frame(other) @ (self._place.side, -self._place.height, self._place.heading)
         at, color = goal[[2, 0]], bgr(vehicle_rgb(number))
-        arms = (np.array((0.07, 0.0)), np.array((0.0, 0.07)))
+        arms = (np.array((CROSS, 0.0)), np.array((0.0, CROSS)))
         for shade, wide in ((PAPER, 4), (color, 2)):
             for arm in arms:
                 self._line(image, at - arm, at + arm, shade, wide)
 
-    def _draw_vehicle(self, image: Picture, number: int, sight: VehiclePose) -> None:
+    def _draw_vehicle(self, image: Picture, number: int, vehicle: VehiclePose) -> None:
         """Draw the arms, the ball at its true size, and a nose that points forward."""
-        color, at = bgr(vehicle_rgb(number)), sight.ball[[2, 0]]
-        ahead, right = sight.rotation[[2, 0], 2], sight.rotation[[2, 0], 0]
+        color, at = bgr(vehicle_rgb(number)), vehicle.ball[[2, 0]]
+        ahead, right = vehicle.rotation[[2, 0], 2], vehicle.rotation[[2, 0], 0]
         for way in (ahead + right, ahead - right):
             self._line(image, at - 0.15 * way, at + 0.15 * way, INK, 2)
         self._line(image, at, at + 0.3 * ahead, color, 3)
         self._circle(image, at, BALL, color, cv2.FILLED)
         words, size = str(number + 1), max(self._size[1] // 24, 11)
-        x, y = (part / (1 << _SHIFT) for part in self._px(at - 0.27 * ahead))
+        x, y = (part / (1 << SHIFT) for part in self._px(at - 0.27 * ahead))
         draw_text(image, words, (x - text_width(words, size) / 2.0, y), size, INK)
 
     def _draw_estimates(self, image: Picture, chain_step: ChainStep) -> None:
-        """Draw rings where the cameras are by what all of the chain sees, carried on from the last ball."""
-        for number, place in enumerate(camera_positions(chain_step.steps)):
-            if place is not None:
-                at = chain_frame_to_room(place, chain_step.truth_at_exposure[-1])[[2, 0]]
-                self._circle(image, at, 0.07, PAPER, 4)
-                self._circle(image, at, 0.07, bgr(vehicle_rgb(number)), 2)
+        """Draw rings at the positions of the cameras as estimated along the chain, from the last ball on."""
+        for number, position in enumerate(camera_positions(chain_step.steps)):
+            if position is not None:
+                at = chain_frame_to_room(position, chain_step.truth_at_exposure[-1])[[2, 0]]
+                self._circle(image, at, RING, PAPER, 4)
+                self._circle(image, at, RING, bgr(vehicle_rgb(number)), 2)
 
     def _write(self, image: Picture) -> None:
         size = max(self._size[1] // 34, 10)
-        words = ("from above, squares of 0.5 m", "+ set place of the camera    o where the chain sees that it is")
-        for line, text in enumerate(words):
+        lines = ("from above, squares of 0.5 m", "+ set place of the camera    o where the chain sees that it is")
+        for line, text in enumerate(lines):
             draw_text(image, text, (0.8 * size, (1.2 + 1.5 * line) * size), size, INK)

@@ -1,4 +1,4 @@
-"""What a camera should have seen: the truth circle of a neighbor's ball through a distorting lens."""
+"""The true circle of a neighbor's ball in a picture, through the lens with its distortion: `true_circle`."""
 
 import math
 
@@ -11,17 +11,17 @@ from matchset.sim.clips.truth import sphere_outline
 from matchset.sim.vehicle import VehiclePose
 from matchset.sim.world import camera_position
 
+# geometry: points on the outline, even angles
 POINTS = 90
-ROUNDS = 4
 
 
 def true_circle(me: VehiclePose, other: VehiclePose, camera: CameraModel, radius: float) -> Circle | None:
-    """Find the least-squares circle to the exact outline of a ball in a picture.
+    """Find the least-squares circle of the exact outline of a ball in a picture.
 
     Parameters
     ----------
     me, other : VehiclePose
-        Who watches, and whose ball, at the middle of the exposure.
+        The vehicle with the camera and the one with the ball, at the middle of the exposure.
     camera : CameraModel
     radius : float
         Of the ball, m.
@@ -29,7 +29,7 @@ def true_circle(me: VehiclePose, other: VehiclePose, camera: CameraModel, radius
     Returns
     -------
     Circle or None
-        px; None where the ball is not wholly before the camera, or beyond what its lens images.
+        px; None where the ball is not wholly before the camera, or outside the range of its lens model.
     """
     position = me.rotation.T @ (other.ball - camera_position(me))
     if position[2] <= radius:
@@ -44,10 +44,10 @@ def true_circle(me: VehiclePose, other: VehiclePose, camera: CameraModel, radius
     except ValueError:  # beyond where the lens model has an image
         return None
     x, y = points.mean(axis=0).tolist()
-    for _ in range(ROUNDS):  # Gauss-Newton on sum (|p_i - m| - r)^2
-        away = points - (x, y)
-        distance = np.hypot(away[:, 0], away[:, 1])
-        slope = np.column_stack((away / distance[:, None], np.ones(POINTS)))
-        dx, dy, r = np.linalg.lstsq(slope, distance, rcond=None)[0].tolist()
+    for _ in range(4):  # Gauss-Newton on sum (|p_i - m| - r)^2; a fifth iteration changes less than 1e-9 px
+        offset = points - (x, y)
+        distance = np.hypot(offset[:, 0], offset[:, 1])
+        jacobian = np.column_stack((offset / distance[:, None], np.ones(POINTS)))
+        dx, dy, r = np.linalg.lstsq(jacobian, distance, rcond=None)[0].tolist()
         x, y = x + dx, y + dy
     return Circle(x, y, r) if math.isfinite(x + y + r) else None

@@ -1,15 +1,27 @@
-"""The command line of the transmitter: `matchset radio bind`, `monitor`, `test-sticks` and `config`."""
+"""The commands of the transmitter: `matchset radio bind`, `monitor`, `test-sticks` and `config`.
 
-from typing import Annotated
+Imports that take long stand inside the functions, so that `matchset --help` answers at once.
+"""
 
+from typing import TYPE_CHECKING, Annotated
+
+import msgspec
 import typer
 
-from matchset.app.exit_codes import errors_in_one_line
+from matchset.app import exit_codes
+from matchset.app.cli_options import command_of
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from matchset.links.arduino.messages import Config, Report
 
 RADIO_EXIT_CODES = (
     "Exit codes: 0 done, 1 the firmware refused or heard something else, 2 bad options, "
     "3 no transmitter there or it went away, 130 stopped by Ctrl-C."
 )
+LINE_PERIOD = 0.1  # format: s between lines of the monitor; the firmware reports as often
+NEVER_MS = 0xFFFF  # format: `Report.age_ms` if no frame ever came
 
 radio = typer.Typer(
     name="radio",
@@ -19,78 +31,175 @@ radio = typer.Typer(
 )
 
 Port = Annotated[str, typer.Argument(metavar="PORT", help="Its serial port: /dev/ttyUSB0, /dev/ttyACM0 or COM3.")]
+MonitorDuration = Annotated[float | None, typer.Option(min=0.0, metavar="SECONDS", help="End by itself.")]
+JsonLines = Annotated[bool, typer.Option("--print", help="One line of JSON each time, to stdout.")]
+Arm = Annotated[bool, typer.Option("--arm", help="Let the motors turn, after a countdown.")]
+Throttle = Annotated[float, typer.Option(help="How fast they turn, with --arm; at most 0.3.")]
+Countdown = Annotated[int, typer.Option(metavar="SECONDS", help="Before they do, at least 3.")]
+Identity = Annotated[
+    str | None, typer.Option("--id", metavar="HEX", help="Four or five bytes; the fifth is a2 (X5SC, X5SW: a1).")
+]
+NewIdentity = Annotated[bool, typer.Option("--new-id", help="A random id: each transmitter needs its own.")]
+BindChannels = Annotated[
+    str | None, typer.Option(metavar="A,B", help="Fourth bind channel, two in turn: 32,9; or one: 32.")
+]
+Reverse = Annotated[str | None, typer.Option(metavar="AXES", help="What goes the wrong way: roll,pitch,yaw; or none.")]
+Trims = Annotated[str | None, typer.Option(metavar="P,Y,R", help="Pitch, yaw, roll: -31 ... 31 each.")]
+BindAtPowerOn = Annotated[bool | None, typer.Option(help="Bind whenever power comes.")]
+TrimFollowsStick = Annotated[bool | None, typer.Option(help="More range, less fine.")]
+Tail = Annotated[int | None, typer.Option(help="Byte 8 of a packet: 0; X5SW 1.")]
+Defaults = Annotated[bool, typer.Option("--defaults", help="Begin from the defaults.")]
 
 
-@radio.command(epilog=RADIO_EXIT_CODES)
-def bind(port: Port) -> None:
+class BindOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset radio bind`; each is explained where its type is defined."""
+
+    port: Port
+
+
+class MonitorOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset radio monitor`; each is explained where its type is defined."""
+
+    port: Port
+    duration: MonitorDuration = None
+    to_stdout: JsonLines = False
+
+
+class StickOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset radio test-sticks`; each is explained where its type is defined."""
+
+    port: Port
+    arm: Arm = False
+    throttle: Throttle = 0.1
+    countdown: Countdown = 5
+
+
+class ConfigOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset radio config`; each is explained where its type is defined."""
+
+    port: Port
+    identity: Identity = None
+    new_id: NewIdentity = False
+    bind_channels: BindChannels = None
+    reverse: Reverse = None
+    trims: Trims = None
+    bind_at_power_on: BindAtPowerOn = None
+    trim_follows_stick: TrimFollowsStick = None
+    tail: Tail = None
+    defaults: Defaults = False
+
+
+def bind(options: BindOptions) -> int:
     """Make the quadcopter listen to this transmitter. Switch it on, lay it level, then run this."""
-    with errors_in_one_line():
-        from matchset.app.radio import actions as radio_commands
-        from matchset.app.radio import connection as radio_link
+    from matchset.app.radio import connection
+    from matchset.links.arduino.messages import BIND_DURATION
 
-        code = radio_commands.bind(radio_link.open_radio(port))
-    raise typer.Exit(code)
+    radio = connection.open_radio(options.port)
+    with radio.link as link:
+        if link.read_config()[0] == "default":
+            print("note: this transmitter has the id that all have at first; 'matchset radio config PORT --new-id'")
+        link.bind()
+        if not radio.wait(lambda report: report.state == "binding", 0.5):
+            exit_codes.say_error(f"the firmware did not begin to bind; it is {link.report.state}")
+            return connection.REFUSED
+        radio.wait(lambda report: report.state != "binding", 2 * BIND_DURATION)
+        print("bind packets were sent. If the quadcopter's lights have stopped blinking, it is bound.")
+        print("If not: switch it off and on, lay it level, and bind again within five seconds.")
+        for warning in link.report.warnings:
+            print(f"warning: {warning}")
+    return exit_codes.FOUND
 
 
-@radio.command(epilog=RADIO_EXIT_CODES)
-def monitor(
-    port: Port,
-    duration: Annotated[float | None, typer.Option(min=0.0, metavar="SECONDS", help="End by itself.")] = None,
-    to_stdout: Annotated[bool, typer.Option("--print", help="One line of JSON each time, to stdout.")] = False,
-) -> None:
+def monitor(options: MonitorOptions) -> int:
     """Show what the transmitter says of itself: state, frames, errors, sticks, warnings. Sends no command."""
-    with errors_in_one_line():
-        from matchset.app.radio import actions as radio_commands
-        from matchset.app.radio import connection as radio_link
+    from rich.console import Console
+    from rich.live import Live
 
-        code = radio_commands.monitor(radio_link.open_radio(port), duration, to_stdout)
-    raise typer.Exit(code)
+    from matchset.app.radio import connection
+
+    radio = connection.open_radio(options.port)
+    start, duration = radio.clock(), options.duration
+    console = Console(stderr=True)
+    with radio.link as link, exit_codes.StopRequest() as stop:
+        with Live(console=console, refresh_per_second=15, transient=not options.to_stdout) as live:
+            while not stop and (duration is None or radio.clock() - start < duration):
+                report = link.report
+                if options.to_stdout:
+                    print(msgspec.json.encode(report).decode(), flush=True)
+                else:
+                    live.update(report_line(report))
+                radio.sleep(LINE_PERIOD)
+        if not options.to_stdout:
+            console.print(report_line(link.report))
+    return exit_codes.FOUND
 
 
-@radio.command("test-sticks", epilog=RADIO_EXIT_CODES)
-def sticks(
-    port: Port,
-    arm: Annotated[bool, typer.Option("--arm", help="Let the motors turn, after a countdown.")] = False,
-    throttle: Annotated[float, typer.Option(help="How fast they turn, with --arm; at most 0.3.")] = 0.1,
-    countdown: Annotated[int, typer.Option(metavar="SECONDS", help="Before they do, at least 3.")] = 5,
-) -> None:
+def report_line(report: "Report") -> "Text":
+    """Write a report of the firmware in one line."""
+    from rich.text import Text
+
+    age = "never" if report.age_ms == NEVER_MS else f"{report.age_ms} ms ago"
+    throttle, pitch, yaw, roll = report.heard
+    line = Text(no_wrap=True, overflow="ellipsis")
+    line.append(f"{report.state:9s}", style="bold red" if report.state in ("armed", "holding") else "bold")
+    line.append(f" frames {report.good}, bad {report.bad}, last {age}   ", style="dim")
+    line.append(f"throttle {throttle:3d}  pitch {pitch:+4d}  yaw {yaw:+4d}  roll {roll:+4d}")
+    line.append(f"   on the air {report.throttle_on_air:3d}   firmware {report.version}", style="dim")
+    for warning in report.warnings:
+        line.append(f"   {warning}", style="yellow")
+    return line
+
+
+def sticks(options: StickOptions) -> int:
     """Move one stick after the other and compare with what the firmware hears. Motors stay off without --arm."""
-    with errors_in_one_line():
-        from matchset.app.radio import connection as radio_link
-        from matchset.app.radio import stick_test
+    from matchset.app.radio import connection, stick_test
 
-        options = stick_test.StickOptions(arm, throttle, countdown)
-        code = stick_test.try_sticks(radio_link.open_radio(port), options)
-    raise typer.Exit(code)
+    motor_test = stick_test.MotorTestParameters(throttle=options.throttle, countdown=options.countdown)
+    return stick_test.run_stick_test(connection.open_radio(options.port), motor_test if options.arm else None)
 
 
-@radio.command(epilog=RADIO_EXIT_CODES)
-def config(
-    port: Port,
-    identity: Annotated[
-        str | None, typer.Option("--id", metavar="HEX", help="Four or five bytes; the fifth is a2 (X5SC, X5SW: a1).")
-    ] = None,
-    new_id: Annotated[bool, typer.Option("--new-id", help="A random id: each transmitter needs its own.")] = False,
-    bind_channels: Annotated[
-        str | None, typer.Option(metavar="A,B", help="Fourth bind channel, two in turn: 32,9; or one: 32.")
-    ] = None,
-    reverse: Annotated[
-        str | None, typer.Option(metavar="AXES", help="What goes the wrong way: roll,pitch,yaw; or none.")
-    ] = None,
-    trims: Annotated[str | None, typer.Option(metavar="P,Y,R", help="Pitch, yaw, roll: -31 ... 31 each.")] = None,
-    bind_at_power_on: Annotated[bool | None, typer.Option(help="Bind whenever power comes.")] = None,
-    trim_follows_stick: Annotated[bool | None, typer.Option(help="More range, less fine.")] = None,
-    tail: Annotated[int | None, typer.Option(help="Byte 8 of a packet: 0; X5SW 1.")] = None,
-    defaults: Annotated[bool, typer.Option("--defaults", help="Begin from the defaults.")] = False,
-) -> None:
+def config(options: ConfigOptions) -> int:
     """Show what the transmitter keeps in its memory, or change what is named."""
-    with errors_in_one_line():
-        from matchset.app.radio import actions as radio_commands
-        from matchset.app.radio import connection as radio_link
-        from matchset.app.radio.config_options import config_changes
+    import secrets
 
-        changes = config_changes(identity, bind_channels, reverse, trims)
-        flags = {"bind_at_power_on": bind_at_power_on, "trim_follows_stick": trim_follows_stick, "tail": tail}
-        changes |= {name: value for name, value in flags.items() if value is not None}
-        code = radio_commands.config(radio_link.open_radio(port), changes, new_id, defaults)
-    raise typer.Exit(code)
+    from matchset.app.radio import connection
+    from matchset.app.radio.config_options import config_changes
+    from matchset.links.arduino.messages import Config
+
+    changes = config_changes(options)
+    with connection.open_radio(options.port).link as link:
+        result, old = link.read_config()
+        new = msgspec.structs.replace(Config() if options.defaults else old, **changes)
+        if options.new_id:
+            new = msgspec.structs.replace(new, id=secrets.token_bytes(4) + new.id[4:])
+        if new == old and not options.defaults:
+            print_config(old, "nothing is stored, these are the defaults" if result == "default" else "as stored")
+            return exit_codes.FOUND
+        answer = link.write_config(new)
+        if answer != "stored":
+            exit_codes.say_error(f"the firmware did not take it, {answer}")
+            return connection.REFUSED
+        print_config(new, "stored now")
+        if new.id != old.id:
+            print("The id has changed: bind again.")
+    return exit_codes.FOUND
+
+
+def print_config(config: "Config", title: str) -> None:
+    """Print a configuration of the transmitter, a line for each field."""
+    pitch, yaw, roll = config.trims
+    yes_no = ("no", "yes")
+    print(f"configuration ({title}):")
+    print(f"  id                  {config.id.hex(' ')}")
+    print(f"  bind channels       {config.bind_channels[0]},{config.bind_channels[1]}  (the fourth, in turn)")
+    print(f"  reversed            {','.join(config.reversed) or 'none'}")
+    print(f"  bind at power on    {yes_no[config.bind_at_power_on]}")
+    print(f"  trim follows stick  {yes_no[config.trim_follows_stick]}")
+    print(f"  trims               pitch {pitch:+d}, yaw {yaw:+d}, roll {roll:+d}")
+    print(f"  tail                {config.tail}")
+
+
+radio.command(epilog=RADIO_EXIT_CODES)(command_of(bind))
+radio.command(epilog=RADIO_EXIT_CODES)(command_of(monitor))
+radio.command("test-sticks", epilog=RADIO_EXIT_CODES)(command_of(sticks))
+radio.command(epilog=RADIO_EXIT_CODES)(command_of(config))

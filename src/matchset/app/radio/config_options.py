@@ -1,28 +1,34 @@
-"""The options of `matchset radio config`, from text to values."""
+"""The options of `matchset radio config` from text to the fields of a `Config`: `config_changes`."""
+
+from typing import TYPE_CHECKING
 
 from matchset.links.arduino.messages import AXES, Config
 
+if TYPE_CHECKING:
+    from matchset.app.radio.command import ConfigOptions
 
-def config_changes(
-    identity: str | None, bind_channels: str | None, reverse: str | None, trims: str | None
-) -> dict[str, object]:
+
+def config_changes(options: "ConfigOptions") -> dict[str, object]:
     """Return the fields of a `Config` that the options name.
 
     Raises
     ------
     ValueError
-        If an option is not of its form.
+        If an option is malformed or out of range.
     """
     changes: dict[str, object] = {}
-    if identity is not None:
-        changes["id"] = _identity(identity)
-    if bind_channels is not None:
-        numbers = _integers("--bind-channels", bind_channels, (1, 2))
+    if options.identity is not None:
+        changes["id"] = _identity(options.identity)
+    if options.bind_channels is not None:
+        numbers = _integers("--bind-channels", options.bind_channels, (1, 2))
         changes["bind_channels"] = (numbers[0], numbers[-1])
-    if reverse is not None:
-        changes["reversed"] = _axes(reverse)
-    if trims is not None:
-        changes["trims"] = _integers("--trims", trims, (3,))
+    if options.reverse is not None:
+        changes["reversed"] = _axes(options.reverse)
+    if options.trims is not None:
+        changes["trims"] = _integers("--trims", options.trims, (3,))
+    for name in ("bind_at_power_on", "trim_follows_stick", "tail"):
+        if getattr(options, name) is not None:
+            changes[name] = getattr(options, name)
     Config(**changes)  # type: ignore[arg-type]  # refuses what is out of range, before anything is opened
     return changes
 

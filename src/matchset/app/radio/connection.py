@@ -1,4 +1,4 @@
-"""The radio as the commands see it: a link, and the time that goes with it."""
+"""The transmitter as the commands use it: its link with a clock: `Radio`, `open_radio`."""
 
 import time
 from collections.abc import Callable
@@ -8,22 +8,21 @@ import msgspec
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import Report
 
-REFUSED = 1
-"""Exit code: the firmware refused, or heard something else."""
+REFUSED = 1  # format: exit code if the firmware refused, or heard something else
 
 
 class Radio(msgspec.Struct):
-    """An open link with its clock, s, and a way to let time pass."""
+    """An open link with a clock, s, and a function that waits, s; tests give others."""
 
     link: ArduinoLink
     clock: Callable[[], float] = time.monotonic
     sleep: Callable[[float], None] = time.sleep
 
-    def wait(self, done: Callable[[Report], bool], limit: float) -> bool:
-        """Listen until a report is as wanted; False after `limit`, s."""
+    def wait(self, done: Callable[[Report], bool], timeout: float) -> bool:
+        """Listen until a report fulfills `done`; False after `timeout`, s."""
         start = self.clock()
         while not done(self.link.report):
-            if self.clock() - start > limit:
+            if self.clock() - start > timeout:
                 return False
             self.sleep(0.02)
         return True

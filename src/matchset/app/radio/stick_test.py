@@ -1,4 +1,4 @@
-"""`matchset radio test-sticks`: whether every stick arrives, and moves what it should.
+"""The stick test: whether the firmware hears every stick, and which way each moves the vehicle: `run_stick_test`.
 
 Without `--arm` the arm switch stays low: the firmware reports what it hears, and the motors cannot turn. With it,
 after a countdown, they do.
@@ -6,14 +6,11 @@ after a countdown, they do.
 
 import msgspec
 
-from matchset.app import exit_codes as ending
+from matchset.app import exit_codes
 from matchset.app.radio.connection import REFUSED, Radio
 from matchset.control.command import Command
 
-MOST_THROTTLE = 0.3
-"""A test on the bench needs no more; the toy hovers near 0.5 or 0.6."""
-PERIOD = 0.033  # s between commands
-HOLD = 1.0  # s that a stick is held
+COMMAND_PERIOD = 0.033  # format: s between commands, as often as a camera delivers pictures
 
 MOVES = (
     ("throttle", Command(throttle=0.5)),
@@ -26,56 +23,73 @@ MOVES = (
 )
 
 
-class StickOptions(msgspec.Struct, frozen=True):
-    """The options of `matchset radio test-sticks`.
+class MotorTestParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How the motors are tested.
 
-    Attributes
+    Parameters
     ----------
-    arm : bool
-        Let the motors turn.
     throttle : float
-        How fast, 0 ... 0.3: enough to spin, too little to lift off.
+        0 ... `max_throttle`. More is heard and felt better; less cannot lift the vehicle.
     countdown : int
-        Seconds before they do, at least 3.
+        Time before the motors start, s, at least `min_countdown`.
+    max_throttle : float
+        Largest throttle that is accepted. Chosen by hand: the toy hovers near 0.5 or 0.6.
+    min_countdown : int
+        Shortest countdown that is accepted, s. Chosen by hand: time to take one's hands away.
+    hold : float
+        Time for which a stick is held, s. Chosen by hand.
     """
 
-    arm: bool = False
     throttle: float = 0.1
     countdown: int = 5
+    max_throttle: float = 0.3
+    min_countdown: int = 3
+    hold: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.throttle <= MOST_THROTTLE:
-            raise ValueError(f"--throttle must be above 0 and at most {MOST_THROTTLE}, got {self.throttle:g}")
-        if self.countdown < 3:
-            raise ValueError(f"--countdown must be at least 3 s, got {self.countdown}")
+        if not 0.0 < self.throttle <= self.max_throttle:
+            raise ValueError(f"--throttle must be above 0 and at most {self.max_throttle}, got {self.throttle:g}")
+        if self.countdown < self.min_countdown:
+            raise ValueError(f"--countdown must be at least {self.min_countdown} s, got {self.countdown}")
 
 
-def try_sticks(radio: Radio, options: StickOptions) -> int:
-    """Run the test; returns the exit code."""
+def run_stick_test(radio: Radio, motor_test: MotorTestParameters | None) -> int:
+    """Move every stick with the motors off, then with the motors on if that is asked for.
+
+    Parameters
+    ----------
+    radio : Radio
+    motor_test : MotorTestParameters or None
+        None: the motors stay off.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
     with radio.link:
-        good = rehearse(radio)
-        if not good:
-            ending.say_error("the firmware did not hear what was sent")
+        if not all_heard(radio):
+            exit_codes.say_error("the firmware did not hear what was sent")
             return REFUSED
-        if not options.arm:
+        if motor_test is None:
             print("Every stick arrives. The motors stayed off; with --arm they turn, after a countdown.")
-            return ending.FOUND
+            return exit_codes.FOUND
         try:
-            with_motors(radio, options)
+            run_motors(radio, motor_test)
         except KeyboardInterrupt:
             radio.link.land(0)
             raise
-    return ending.FOUND
+    return exit_codes.FOUND
 
 
-def rehearse(radio: Radio) -> bool:
+def all_heard(radio: Radio) -> bool:
     """Move every stick with the arm switch low, and compare what the firmware heard."""
     print(f"{'stick':20s} {'sent':>6s} {'heard':>6s}   (motors off)")
     good = True
     for name, command in MOVES:
         for _ in range(5):
             sent = radio.link.send_disarmed(command)
-            radio.sleep(PERIOD)
+            radio.sleep(COMMAND_PERIOD)
         wanted = (round(255 * sent.throttle), *(round(127 * stick) for stick in (sent.pitch, sent.yaw, sent.roll)))
         heard = radio.link.report.heard
         moved = next((place for place, value in enumerate(wanted) if value), 0)
@@ -85,30 +99,30 @@ def rehearse(radio: Radio) -> bool:
     return good
 
 
-def with_motors(radio: Radio, options: StickOptions) -> None:
+def run_motors(radio: Radio, motor_test: MotorTestParameters) -> None:
     """Count down, arm, and move every stick while the motors turn slowly."""
     print("\nTAKE THE PROPELLERS OFF, or hold the quadcopter down. Ctrl-C stops the motors at any time.")
-    for left in range(options.countdown, 0, -1):
+    for left in range(motor_test.countdown, 0, -1):
         print(f"  the motors start in {left} s", flush=True)
         hold(radio, Command(), 1.0, armed=False)
     radio.link.arm()
-    base = Command(throttle=options.throttle)
+    base = Command(throttle=motor_test.throttle)
     print("  all four turn alike", flush=True)
-    hold(radio, base, HOLD)
+    hold(radio, base, motor_test.hold)
     for name, command in MOVES[1:]:
         print(f"  {name}", flush=True)
-        hold(radio, msgspec.structs.replace(command, throttle=options.throttle), HOLD)
-        hold(radio, base, HOLD / 2)
+        hold(radio, msgspec.structs.replace(command, throttle=motor_test.throttle), motor_test.hold)
+        hold(radio, base, motor_test.hold / 2)
     radio.link.land(0)
     print("Motors off. Where a side answered the wrong way: matchset radio config PORT --reverse roll,pitch,yaw")
 
 
 def hold(radio: Radio, command: Command, duration: float, armed: bool = True) -> None:
-    """Keep the sticks somewhere for a time, s."""
+    """Send the same command for a time, s."""
     end = radio.clock() + duration
     while radio.clock() < end:
         if armed:
             radio.link.send(command)
         else:
             radio.link.send_disarmed(command)
-        radio.sleep(PERIOD)
+        radio.sleep(COMMAND_PERIOD)

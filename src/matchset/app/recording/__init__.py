@@ -1,1 +1,6 @@
-"""recording."""
+"""Recordings of flights, and their replay through the same code, bit for bit.
+
+Read `messages` (what is in a file: the format), `encoding` (steps and pictures to messages and back) and `mcap_file`
+(messages in a file), then `writer` and `reader`. `replay` runs the pilots on a recording with the `devices` that repeat
+it, and compares every step; `command` is `matchset replay`.
+"""

@@ -1,12 +1,21 @@
-"""The command line of `matchset replay`."""
+"""`matchset replay`: a recorded flight through the same code again; every step must come out the same.
 
+Imports that take long stand inside the functions, so that `matchset --help` answers at once.
+"""
+
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
+import msgspec
 import typer
 
 from matchset.app.cli_options import Force
-from matchset.app.exit_codes import errors_in_one_line
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight.output_files import FlightFiles, Quiet, ReportFile, VideoFile
+
+if TYPE_CHECKING:
+    from matchset.app.recording.replay import Replay
 
 REPLAY_EPILOG = """
 [bold]Examples[/bold]
@@ -21,32 +30,72 @@ but for the computing times. A recording that was cut off in the middle is repla
 Exit codes: 0 every step is the same, 1 some differ or there is none, 2 bad input or options, 130 stopped by Ctrl-C.
 """
 
-FlightVideo = Annotated[
-    Path | None,
-    typer.Option("--video", metavar="OUT.webm", help="Film every camera side by side, and the chain from above."),
-]
-FlightReport = Annotated[
-    Path | None, typer.Option("--report", metavar="OUT.html", help="Write a report with pictures, one HTML file.")
-]
-FlightRecord = Annotated[
-    Path | None,
-    typer.Option("--record", metavar="OUT.mcap", help="Record everything, for 'matchset replay'; 40 MB a second."),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Show nothing while it flies.")]
+LISTED = 5  # format: differences that are printed one by one
+
+RecordingArgument = Annotated[Path, typer.Argument(metavar="FILE.mcap", help="What 'fly --record' wrote.")]
 
 
-def replay(
-    recording: Annotated[Path, typer.Argument(metavar="FILE.mcap", help="What 'fly --record' wrote.")],
-    video: FlightVideo = None,
-    report: FlightReport = None,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
+class ReplayOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset replay`; each is explained where its type is defined."""
+
+    recording: RecordingArgument
+    video: VideoFile = None
+    report: ReportFile = None
+    quiet: Quiet = False
+    force: Force = False
+
+    @property
+    def files(self) -> FlightFiles:
+        """The files that are written."""
+        return FlightFiles(video=self.video, report=self.report)
+
+
+def replay(options: ReplayOptions) -> int:
     """Fly a recorded flight again through the same code, and check that every step comes out the same."""
-    with errors_in_one_line():
-        from matchset.app.flight.outputs import FlightFiles
-        from matchset.app.recording import replay_command
+    from matchset.app.flight.log import flight_summary
+    from matchset.app.flight.outputs import FlightOutputs
+    from matchset.app.recording.reader import RecordingReader
+    from matchset.app.recording.replay import Replay
 
-        files = FlightFiles(video=video, report=report, force=force)
-        code = replay_command.replay(replay_command.ReplayOptions(recording, files, quiet))
-    raise typer.Exit(code)
+    recorded = RecordingReader(options.recording)
+    _check_files(options)
+    replayed = Replay(recorded)
+    with StopRequest() as stop, FlightOutputs(recorded.setup, options.files, options.quiet) as outputs:
+        for chain_step in replayed:
+            outputs.add(chain_step)
+            if stop:
+                break
+    print(f"flight: {flight_summary(outputs.log)}")
+    if recorded.cut_off:
+        print(f"note: {options.recording} ends in the middle; what it holds was replayed", file=sys.stderr)
+    _print_differences(replayed, recorded.matchset)
+    for path in options.files.paths:
+        print(f"  {path}")
+    if stop:
+        print("note: stopped; the files hold what was replayed so far", file=sys.stderr)
+        return stop.code
+    return FOUND if replayed.steps and not replayed.differences else NOT_FOUND
+
+
+def _check_files(options: ReplayOptions) -> None:
+    """Refuse files that cannot be written, and to overwrite the recording that is being read."""
+    for path in options.files.paths:
+        if path.resolve() == options.recording.resolve():
+            raise ValueError(f"{path} is the recording itself")
+    options.files.check(options.force)
+
+
+def _print_differences(replayed: "Replay", version: str) -> None:
+    """Print how many steps differ, and the first differences."""
+    differences = replayed.differences
+    if not replayed.steps:
+        print("not a single step is recorded")
+    elif not differences:
+        print(f"replayed {replayed.steps} steps: every one came out bit for bit as recorded")
+    else:
+        count = len(differences)
+        print(f"replayed {replayed.steps} steps: {count} differ from what was recorded (by matchset {version})")
+        for each in differences[:LISTED]:
+            print(f"  tick {each.tick}, follower {each.follower}: {each.text}")
+        if count > LISTED:
+            print(f"  and {count - LISTED} more")

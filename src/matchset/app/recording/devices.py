@@ -1,4 +1,4 @@
-"""A camera and a link that say again what was recorded: they cannot be told from real ones, and move nothing."""
+"""A camera and a link that repeat what was recorded; a `Pilot` cannot tell them from real ones."""
 
 from types import TracebackType
 from typing import Self
@@ -10,7 +10,7 @@ from matchset.links.link import LinkStatus
 
 
 class RecordedCamera:
-    """Delivers the picture that it was given, at the time that was recorded.
+    """A camera that returns the recorded picture and the recorded time; both are set before each step.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class RecordedCamera:
 
 
 class RecordedLink:
-    """Answers what the real link answered; implements `matchset.links.link.Link`, and moves nothing.
+    """A link that confirms the recorded command; implements `matchset.links.link.Link`. Nothing moves.
 
     Attributes
     ----------
@@ -47,9 +47,9 @@ class RecordedLink:
         self.confirmed = Command()
 
     def arm(self) -> None:
-        """Nothing is there to be armed."""
+        """Do nothing."""
 
-    def send(self, command: Command) -> Command:  # noqa: ARG002 - what was wanted stands in the step's memory
+    def send(self, command: Command) -> Command:  # noqa: ARG002 - the safety state of the step has it
         """Return what was confirmed."""
         return self.confirmed
 
@@ -58,10 +58,10 @@ class RecordedLink:
         return LinkStatus("locked", "recording", 0, 0.0)
 
     def land(self, duration: float = 1.5) -> None:
-        """Nothing is there to land."""
+        """Do nothing."""
 
     def close(self) -> None:
-        """Nothing is there to let go of."""
+        """Do nothing."""
 
     def __enter__(self) -> Self:
         """Return the link."""
@@ -70,4 +70,4 @@ class RecordedLink:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Nothing is there to let go of."""
+        """Do nothing."""

@@ -1,4 +1,4 @@
-"""To messages and back, to the last bit: numbers are written as they are, with infinities and minus zero.
+"""Steps and pictures to messages and back, to the last bit: also infinities and minus zero.
 
 Arrays become lists. Two steps are the same if and only if their bytes are.
 """
@@ -20,7 +20,7 @@ M = TypeVar("M")
 
 
 def _plain(value: Any) -> Any:
-    """Turn what msgpack does not know into what it knows."""
+    """Convert arrays and numbers of NumPy, which msgpack does not know."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"cannot record a {type(value).__name__}")
@@ -30,17 +30,17 @@ _ENCODER = msgspec.msgpack.Encoder(enc_hook=_plain)
 
 
 def encode(message: Any) -> bytes:
-    """Write a message as msgpack."""
+    """Encode a message as msgpack."""
     return _ENCODER.encode(message)
 
 
 def decode(data: bytes, kind: type[M]) -> M:
-    """Read a message.
+    """Decode a message.
 
     Raises
     ------
     ValueError
-        If it is none of this kind.
+        If it is not of this kind.
     """
     try:
         return msgspec.msgpack.decode(data, type=kind)
@@ -49,7 +49,7 @@ def decode(data: bytes, kind: type[M]) -> M:
 
 
 def outcome_of(step: PilotStep) -> bytes:
-    """Write everything of a step that must come out again, without its picture and its computing times."""
+    """Encode everything of a step that a replay must reproduce: all but the picture and the computing times."""
     return encode(
         Outcome(
             ball=step.ball,
@@ -77,21 +77,21 @@ def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
 
 
 def truth_message(chain_step: ChainStep) -> TruthMessage:
-    """Make the message of what is known of a tick."""
+    """Make the message of the simulator's truth at a step."""
     return TruthMessage(
         index=chain_step.index,
         time=chain_step.time,
-        truth=tuple(_sight_message(sight) for sight in chain_step.truth),
-        shown=tuple(_sight_message(sight) for sight in chain_step.truth_at_exposure),
+        truth=tuple(_sight_message(vehicle) for vehicle in chain_step.truth),
+        shown=tuple(_sight_message(vehicle) for vehicle in chain_step.truth_at_exposure),
         places=tuple(_triple(place) for place in chain_step.true_positions),
         inside=chain_step.in_view,
         crashes=chain_step.crashes,
     )
 
 
-def _sight_message(sight: VehiclePose) -> SightMessage:
-    first, second, third = (_triple(row) for row in sight.rotation)
-    return SightMessage(_triple(sight.position), (first, second, third), _triple(sight.ball))
+def _sight_message(vehicle: VehiclePose) -> SightMessage:
+    first, second, third = (_triple(row) for row in vehicle.rotation)
+    return SightMessage(_triple(vehicle.position), (first, second, third), _triple(vehicle.ball))
 
 
 def _triple(values: npt.NDArray[np.float64]) -> Triple:
@@ -99,24 +99,24 @@ def _triple(values: npt.NDArray[np.float64]) -> Triple:
     return x, y, z
 
 
-def sight_of(message: SightMessage) -> VehiclePose:
-    """Turn a message back into a `VehiclePose`."""
+def vehicle_pose(message: SightMessage) -> VehiclePose:
+    """Make a `VehiclePose` of its message."""
     return VehiclePose(np.array(message.place), np.array(message.turn), np.array(message.ball))
 
 
 def to_png(image: npt.NDArray[np.uint8]) -> bytes:
-    """Compress a picture without loss, as fast as PNG allows: noise does not get smaller by more effort."""
-    settings = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY]
-    return cv2.imencode(".png", image, settings)[1].tobytes()
+    """Compress a picture without loss, quickly: more effort does not make noise smaller (decision 060)."""
+    parameters = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_STRATEGY, cv2.IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY]
+    return cv2.imencode(".png", image, parameters)[1].tobytes()
 
 
 def frame_of(message: Picture) -> Frame:
-    """Turn a message back into a frame.
+    """Make a frame of its message.
 
     Raises
     ------
     ValueError
-        If it is no picture.
+        If the PNG does not decode.
     """
     data = np.frombuffer(message.png, np.uint8)
     try:

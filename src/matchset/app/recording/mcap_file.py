@@ -1,4 +1,4 @@
-"""MCAP files, written and read; the only file that needs the package mcap."""
+"""MCAP files, written and read: `McapWriter`, `McapReader`; the only file that imports the package mcap."""
 
 import struct
 from collections.abc import Iterator
@@ -6,8 +6,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
-LARGEST = 2**30
-"""Bytes of the longest record that is read: anything longer is damage."""
+LARGEST_RECORD = 2**30  # format: bytes; a longer record is taken for damage
 
 
 class Message(NamedTuple):
@@ -24,15 +23,15 @@ class Message(NamedTuple):
 
 
 class Topic(NamedTuple):
-    """What the messages of a topic are.
+    """A topic, and the schema of its messages.
 
     Attributes
     ----------
     topic : str
     name : str
-        Of their schema.
+        Name of the schema.
     schema : bytes
-        JSON Schema of what the msgpack holds.
+        JSON Schema of the content, which is encoded as msgpack.
     """
 
     topic: str
@@ -41,13 +40,12 @@ class Topic(NamedTuple):
 
 
 class McapWriter:
-    """Writes messages; what is written so far survives if the program is killed, but for the last megabyte.
+    """Writes messages; if the program is killed, all but the last megabyte is on disk.
 
     Parameters
     ----------
     path : Path
-    kinds : list of Topic
-        The topics.
+    topics : list of Topic
 
     Raises
     ------
@@ -57,7 +55,7 @@ class McapWriter:
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, kinds: list[Topic]) -> None:
+    def __init__(self, path: Path, topics: list[Topic]) -> None:
         check_mcap()
         from mcap.writer import CompressionType, Writer
 
@@ -67,10 +65,10 @@ class McapWriter:
         self._writer.start(profile="matchset", library="matchset")
         self._channels: dict[str, int] = {}
         schemas: dict[str, int] = {}
-        for kind in kinds:
-            if kind.name not in schemas:
-                schemas[kind.name] = self._writer.register_schema(kind.name, "jsonschema", kind.schema)
-            self._channels[kind.topic] = self._writer.register_channel(kind.topic, "msgpack", schemas[kind.name])
+        for topic in topics:
+            if topic.name not in schemas:
+                schemas[topic.name] = self._writer.register_schema(topic.name, "jsonschema", topic.schema)
+            self._channels[topic.topic] = self._writer.register_channel(topic.topic, "msgpack", schemas[topic.name])
 
     def write(self, message: Message, time: float, number: int) -> None:
         """Append a message, of a time in s, with its number in its topic."""
@@ -104,7 +102,7 @@ class McapReader:
     Attributes
     ----------
     cut_off : bool
-        Whether the file ended in the middle: whoever wrote it did not come to close it.
+        Whether the file ends in the middle: the program that wrote it did not close it.
 
     Raises
     ------
@@ -128,7 +126,7 @@ class McapReader:
                 raise ValueError(f"{self.path} is empty")
             file.seek(0)
             try:
-                for record in StreamReader(file, validate_crcs=True, record_size_limit=LARGEST).records:
+                for record in StreamReader(file, validate_crcs=True, record_size_limit=LARGEST_RECORD).records:
                     if isinstance(record, Channel):
                         topics[record.id] = record.topic
                     elif isinstance(record, Record):

@@ -1,4 +1,4 @@
-"""What a recording holds: messages in msgpack, to their last bit; `encoding.py` makes and reads them."""
+"""The messages of a recording, in msgpack; `encoding.py` makes and reads them. Names and fields are the format."""
 
 from typing import Any
 
@@ -8,15 +8,14 @@ from matchset.app.flight.flight import Crash, FlightParameters
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 
-FORMAT = 1
-"""Of a recording; one of another number is refused."""
+FORMAT = 1  # format: version of a recording; another one is refused
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]
 
 
 class Configuration(msgspec.Struct, frozen=True, kw_only=True):
-    """The first message: what is true for the whole flight. Topic ``/configuration``.
+    """The first message: what does not change during the flight. Topic ``/configuration``.
 
     Parameters
     ----------
@@ -51,7 +50,7 @@ class Picture(msgspec.Struct, frozen=True):
 
 
 class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
-    """A turn of a follower's loop. Topic ``/follower/1/step``.
+    """A step of a follower's loop. Topic ``/follower/1/step``.
 
     Parameters
     ----------
@@ -80,7 +79,10 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
-    """What follows from the picture, the clock and all that was before: the fields of `PilotStep`."""
+    """What a step makes of the picture, the clock and the steps before, and a replay must reproduce: of `PilotStep`.
+
+    `answer` is `PilotStep.control`, `memory` is `PilotStep.safety`.
+    """
 
     ball: Any
     markers: Any
@@ -100,7 +102,7 @@ class SightMessage(msgspec.Struct, frozen=True):
 
 
 class TruthMessage(msgspec.Struct, frozen=True, kw_only=True):
-    """What the simulator knows of a tick, the last message of each. Topic ``/truth``.
+    """The simulator's truth at a step of the chain, its last message. Topic ``/truth``.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ CONFIGURATION, TRUTH = "/configuration", "/truth"
 
 
 def sample_topic(number: int) -> str:
-    """Topic of the picture that a follower, from 1, learned its colors from."""
+    """Topic of the picture from which a follower, from 1, learned its colors."""
     return f"/follower/{number}/sample"
 
 

@@ -1,4 +1,4 @@
-"""A recording, read back tick by tick: `RecordingReader`."""
+"""A recording, read step by step: `RecordingReader`."""
 
 import contextlib
 from collections.abc import Iterator
@@ -26,20 +26,20 @@ from matchset.image.frame import Frame
 
 
 class _FormatHeader(msgspec.Struct):
-    """What every format's configuration begins with."""
+    """What the configuration of every format begins with."""
 
     format: int
 
 
 class RecordedChainStep(NamedTuple):
-    """A tick as it was recorded.
+    """A step of the chain as it was recorded.
 
     Attributes
     ----------
     steps : tuple of StepMessage
         One per follower.
     frames : tuple of (Frame or None)
-        What each camera delivered.
+        The picture of each camera; None if none came.
     truth : TruthMessage
     """
 
@@ -49,7 +49,7 @@ class RecordedChainStep(NamedTuple):
 
 
 class RecordingReader:
-    """A recorded flight, an iterable of `RecordedChainStep`s; it is read as it goes, once.
+    """Reads a recorded flight: an iterable of `RecordedChainStep`s, to be iterated over once.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class RecordingReader:
     Raises
     ------
     ValueError
-        If the file is no recording, of another format, or damaged; while reading, too.
+        If the file is no recording, of another format, or damaged; also while iterating.
     """
 
     def __init__(self, path: Path) -> None:
@@ -74,7 +74,7 @@ class RecordingReader:
         first = next(self._messages, None)
         if first is None or first.topic != CONFIGURATION:
             raise ValueError(f"{path} is no recording of a flight: it does not begin with {CONFIGURATION}")
-        with _named(path):
+        with _naming(path):
             self._check_format(first)
             configuration = decode(first.data, Configuration)
         self.matchset = configuration.matchset
@@ -86,7 +86,7 @@ class RecordingReader:
 
     @property
     def cut_off(self) -> bool:
-        """Whether the file ends in the middle; known after the last tick."""
+        """Whether the file ends in the middle; known after the last step."""
         return self._reader.cut_off
 
     def __iter__(self) -> Iterator[RecordedChainStep]:
@@ -97,7 +97,7 @@ class RecordingReader:
         of_frame = {frame_topic(number): number for number in numbers}
         for topic, data in self._messages:
             chain_step = None
-            with _named(self.path):
+            with _naming(self.path):
                 if topic in of_frame:
                     frames[of_frame[topic]] = frame_of(decode(data, Picture))
                 elif topic in of_step:
@@ -105,13 +105,13 @@ class RecordingReader:
                 elif topic == TRUTH:
                     chain_step = self._chain_step(steps, frames, decode(data, TruthMessage))
                     steps, frames = {}, {}
-            if chain_step is not None:  # outside of the block: what the caller raises is not about the file
+            if chain_step is not None:  # outside of the `with` block: an error of the caller is not about the file
                 yield chain_step
 
     def _chain_step(
         self, steps: dict[int, StepMessage], frames: dict[int, Frame], truth: TruthMessage
     ) -> RecordedChainStep:
-        """Put a tick together and check that nothing is missing."""
+        """Put a step together and check that nothing is missing."""
         count = self.setup.followers
         for number in range(1, count + 1):
             step, frame = steps.get(number), frames.get(number)
@@ -133,13 +133,13 @@ class RecordingReader:
         message = next(self._messages, None)
         if message is None or message.topic != sample_topic(number):
             raise ValueError(f"{self.path} is damaged: {sample_topic(number)} is missing")
-        with _named(self.path):
+        with _naming(self.path):
             return frame_of(decode(message.data, Picture))
 
 
 @contextlib.contextmanager
-def _named(path: Path) -> Iterator[None]:
-    """Put the file's name before what is wrong with it."""
+def _naming(path: Path) -> Iterator[None]:
+    """Put the file's name before an error."""
     try:
         yield
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""A recorded flight, flown again by the same `Pilot`s: `Replay` compares every step with the recorded one."""
+"""A recorded flight through the same `Pilot`s again: `Replay` compares every step with the recorded one."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -9,31 +9,31 @@ import numpy as np
 from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
 from matchset.app.recording.devices import RecordedCamera, RecordedLink
-from matchset.app.recording.encoding import outcome_of, sight_of
+from matchset.app.recording.encoding import outcome_of, vehicle_pose
 from matchset.app.recording.messages import StepMessage
 from matchset.app.recording.reader import RecordedChainStep, RecordingReader
 from matchset.image.frame import Frame
 
 
 class StepDifference(NamedTuple):
-    """A step that did not come out as it was recorded.
+    """A step of a follower that did not come out as it was recorded.
 
     Attributes
     ----------
     chain_step : int
     follower : int
         From 1.
-    words : str
+    text : str
         The first value that differs: ``pose.position.0 was 0.1, is 0.2``.
     """
 
     tick: int
     follower: int
-    words: str
+    text: str
 
 
 class Replay:
-    """Flies a recording again: an iterable of `ChainStep`s, with the recorded truth and computing times.
+    """Runs the pilots on a recording: an iterable of `ChainStep`s, with the recorded truth and computing times.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Replay:
     Attributes
     ----------
     steps : int
-        Compared so far.
+        Number of steps compared so far.
     differences : list of StepDifference
         The steps that did not come out bit for bit.
     """
@@ -75,8 +75,8 @@ class Replay:
             index=truth.index,
             time=truth.time,
             steps=steps,
-            truth=tuple(map(sight_of, truth.truth)),
-            truth_at_exposure=tuple(map(sight_of, truth.shown)),
+            truth=tuple(map(vehicle_pose, truth.truth)),
+            truth_at_exposure=tuple(map(vehicle_pose, truth.shown)),
             true_positions=np.array(truth.places),
             in_view=truth.inside,
             crashes=truth.crashes,
@@ -90,8 +90,8 @@ class Replay:
         step = pilot.step()
         self.steps += 1
         if outcome_of(step) != bytes(message.outcome):
-            words = first_difference(bytes(message.outcome), outcome_of(step))
-            self.differences.append(StepDifference(message.tick, number + 1, words))
+            text = first_difference(bytes(message.outcome), outcome_of(step))
+            self.differences.append(StepDifference(message.tick, number + 1, text))
         return msgspec.structs.replace(step, stage_times=message.spent)
 
 
@@ -101,7 +101,7 @@ def first_difference(recorded: bytes, replayed: bytes) -> str:
     Parameters
     ----------
     recorded, replayed : bytes
-        msgpack.
+        Messages `Outcome` in msgpack.
     """
     try:
         before: Any = msgspec.msgpack.decode(recorded)
@@ -120,9 +120,9 @@ def _differing(before: Any, after: Any, path: str) -> str:
     else:
         return f"{path} was {_brief(before)}, is {_brief(after)}"
     found = (_differing(a, b, f"{path}.{name}" if path else name) for name, a, b in pairs)
-    return next((words for words in found if words), "")
+    return next((text for text in found if text), "")
 
 
 def _brief(value: Any) -> str:
-    words = repr(value)
-    return words if len(words) <= 60 else words[:57] + "..."
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,4 +1,4 @@
-"""A flight, recorded so that it can be replayed: `RecordingWriter`."""
+"""The recording of a flight, written step by step, so that it can be replayed: `RecordingWriter`."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -27,13 +27,12 @@ from matchset.app.recording.messages import (
 )
 from matchset.image.frame import Frame
 
-THREADS = 2
-WAITING = 8
-"""Ticks that may wait for their pictures to be compressed; these are lost if the program is killed."""
+COMPRESSORS = 2  # format: threads that compress pictures
+MAX_WAITING = 8  # format: steps that wait for their pictures to be compressed; lost if the program is killed
 
 
 class _Waiting(NamedTuple):
-    """A tick whose pictures are being compressed."""
+    """A step whose pictures are being compressed."""
 
     chain_step: ChainStep
     armed: Sequence[bool]
@@ -41,7 +40,7 @@ class _Waiting(NamedTuple):
 
 
 class RecordingWriter:
-    """Writes everything of a flight that its replay needs, and its truth.
+    """Writes everything of a flight that its replay needs, and the simulator's truth.
 
     Parameters
     ----------
@@ -59,7 +58,7 @@ class RecordingWriter:
     def __init__(self, path: Path, setup: FlightSetup) -> None:
         self._setup = setup
         self._writer = McapWriter(path, _topics(setup.followers))
-        self._pool = ThreadPoolExecutor(THREADS, "matchset recording")
+        self._pool = ThreadPoolExecutor(COMPRESSORS, "matchset recording")
         self._waiting: deque[_Waiting] = deque()
         configuration = Configuration(
             format=FORMAT, matchset=_version(), parameters=setup.parameters, cameras=setup.cameras
@@ -69,12 +68,12 @@ class RecordingWriter:
             self._write_picture(sample_topic(number), sample, to_png(sample.image))
 
     def write(self, chain_step: ChainStep, armed: Sequence[bool]) -> None:
-        """Append a tick, and which pilots had been told to fly."""
+        """Append a step, and which pilots had been told to fly."""
         pictures = [
             None if step.frame is None else self._pool.submit(to_png, step.frame.image) for step in chain_step.steps
         ]
         self._waiting.append(_Waiting(chain_step, armed, pictures))
-        while self._waiting and (len(self._waiting) > WAITING or _compressed(self._waiting[0])):
+        while self._waiting and (len(self._waiting) > MAX_WAITING or _compressed(self._waiting[0])):
             self._write_first()
 
     def close(self) -> None:
@@ -113,13 +112,13 @@ def _compressed(waiting: _Waiting) -> bool:
 
 
 def _topics(followers: int) -> list[Topic]:
-    """Name all topics and what is in them."""
-    kinds = [_topic(CONFIGURATION, Configuration), _topic(TRUTH, TruthMessage)]
+    """Return all topics with their schemas."""
+    topics = [_topic(CONFIGURATION, Configuration), _topic(TRUTH, TruthMessage)]
     for number in range(1, followers + 1):
-        kinds.append(_topic(sample_topic(number), Picture))
-        kinds.append(_topic(frame_topic(number), Picture))
-        kinds.append(_topic(step_topic(number), StepMessage))
-    return kinds
+        topics.append(_topic(sample_topic(number), Picture))
+        topics.append(_topic(frame_topic(number), Picture))
+        topics.append(_topic(step_topic(number), StepMessage))
+    return topics
 
 
 def _topic(topic: str, struct: type[msgspec.Struct]) -> Topic:

@@ -1,0 +1,73 @@
+"""The files that a flight or its replay leaves: `FlightFiles`, and the options of the command line that name them.
+
+Imported by the command line, so imports that take long stand inside the functions.
+"""
+
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+import typer
+
+VideoFile = Annotated[
+    Path | None,
+    typer.Option("--video", metavar="OUT.webm", help="Film every camera side by side, and the chain from above."),
+]
+ReportFile = Annotated[
+    Path | None, typer.Option("--report", metavar="OUT.html", help="Write a report with pictures, one HTML file.")
+]
+RecordingFile = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="OUT.mcap", help="Record everything, for 'matchset replay'; 40 MB a second."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Show nothing while it flies.")]
+
+
+class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
+    """Which files are written.
+
+    Parameters
+    ----------
+    video : Path or None
+        Every camera side by side and the chain from above: .mp4, .webm or .avi.
+    report : Path or None
+        Plots and tables: .html.
+    record : Path or None
+        A recording for `matchset replay`: .mcap.
+    """
+
+    video: VideoFile = None
+    report: ReportFile = None
+    record: RecordingFile = None
+
+    def check(self, force: bool = False) -> None:
+        """Refuse files that cannot be written, before the flight begins.
+
+        Parameters
+        ----------
+        force : bool
+            Whether existing files may be overwritten.
+
+        Raises
+        ------
+        ValueError
+            If a name has a wrong ending, a file exists or cannot be written, or a package is missing.
+        """
+        from matchset.app.drawing.video_writer import codecs_for
+        from matchset.app.flight_report.report import check_report
+        from matchset.app.recording.mcap_file import check_mcap
+        from matchset.app.run_folder import output_file
+
+        if self.video is not None:
+            codecs_for(self.video)
+        if self.report is not None:
+            check_report(self.report)
+        if self.record is not None:
+            check_mcap()
+        for path in self.paths:
+            output_file(path, force)
+
+    @property
+    def paths(self) -> list[Path]:
+        """The files, in the order in which they are finished."""
+        return [path for path in (self.record, self.video, self.report) if path is not None]

@@ -24,6 +24,14 @@ def test_every_public_name_has_its_section() -> None:
         assert any(f"::: {pages['anchor'](name)}\n" in text for text in generated.values()), name
 
 
+def test_every_command_is_listed() -> None:
+    page = runpy.run_path(str(ROOT / "docs" / "site" / "pages.py"))["generated"]()["api/commands.md"]
+    assert {"matchset track", "matchset fly", "matchset radio bind"} <= set(
+        re.findall(r"^## (.*)$", page, re.MULTILINE)
+    )
+    assert "| `--pick X,Y[@FRAME]` |" in page
+
+
 def test_every_parameters_struct_is_listed_once() -> None:
     generated = runpy.run_path(str(ROOT / "docs" / "site" / "pages.py"))["generated"]().values()
     listed = [name for text in generated for name in re.findall(r"^::: (\S+Parameters)$", text, re.MULTILINE)]

@@ -22,7 +22,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     config.nav = [
         {"Start": "README.md"},
         {"Guides": [f"docs/{name}.md" for name in GUIDES]},
-        {"API": ["api/index.md", *(f"api/{name}.md" for name in API), "api/parameters.md"]},
+        {"API": ["api/index.md", *(f"api/{name}.md" for name in API), "api/parameters.md", "api/commands.md"]},
         {"Inside": list(INSIDE)},
         {"Decisions": ["docs/decisions/index.md", *decisions()]},
         {"Results": list(RESULTS)},

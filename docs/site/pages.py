@@ -1,9 +1,14 @@
-"""The generated pages of the site, as Markdown: the API from the docstrings, and the list of decisions."""
+"""The generated pages of the site, as Markdown: API and commands from their docstrings, the list of decisions."""
 
 import ast
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+
+import typer
 
 import matchset
+from matchset.app.cli import app
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "matchset"
@@ -26,7 +31,7 @@ def generated() -> dict[str, str]:
     """All generated pages: path in the site -> Markdown."""
     pages = {f"api/{file}.md": _names_page(title, _public(names)) for file, (title, names) in API.items()}
     index = {"api/index.md": _api_index(), "docs/decisions/index.md": _decisions_index()}
-    return pages | index | {"api/parameters.md": _parameters_page()}
+    return pages | index | {"api/parameters.md": _parameters_page(), "api/commands.md": _commands_page()}
 
 
 def decisions() -> list[str]:
@@ -57,7 +62,8 @@ def _api_index() -> str:
             what = (getattr(matchset, name).__doc__ or "").strip().partition("\n")[0]
             lines.append(f"| [`{name}`]({file}.md#{anchor(name)}) | {what} |")
         lines.append("")
-    return "\n".join([*lines, "## [Parameters](parameters.md)", "", "Every number that decides a result."])
+    lines += ["## [Parameters](parameters.md)", "", "Every number that decides a result.", ""]
+    return "\n".join([*lines, "## [Commands](commands.md)", "", "Every option of the command line."])
 
 
 def _parameters_page() -> str:
@@ -84,3 +90,36 @@ def _decisions_index() -> str:
         title = (ROOT / name).read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
         lines.append(f"- [{title}]({Path(name).name})")
     return "\n".join(lines) + "\n"
+
+
+def _commands_page() -> str:
+    """Every command with its options, as `--help` shows them."""
+    lines = ["# Commands", "", "Every option, as `matchset COMMAND --help` shows it.", ""]
+    for name, command in _commands("matchset", typer.main.get_command(app)):
+        what = str(command.help or "").partition("\f")[0].strip()
+        rows = [_option(each) for each in command.params if not getattr(each, "hidden", False)]
+        lines += [f"## {name}", "", what, "", "| option | |", "| --- | --- |", *rows, ""]
+    return "\n".join(lines)
+
+
+def _commands(name: str, command: Any) -> Iterator[tuple[str, Any]]:
+    """All commands below this one, with their full names."""
+    below = getattr(command, "commands", None)
+    if below is None:
+        yield name, command
+        return
+    for word, each in below.items():
+        yield from _commands(f"{name} {word}", each)
+
+
+def _option(option: Any) -> str:
+    """Write a row of a command's table."""
+    if option.param_type_name == "argument":
+        words = [(option.metavar or option.name).upper()]
+    else:
+        words = [*option.opts, *option.secondary_opts]
+        words[-1] += f" {option.metavar}" if option.metavar else ""
+    default = option.default
+    says = isinstance(default, str | int | float) and not isinstance(default, bool) and default != ""
+    text = f"{option.help or ''}{f' Default: {default}.' if says else ''}"
+    return f"| {', '.join(f'`{word}`' for word in words)} | {' '.join(text.split())} |"

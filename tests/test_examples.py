@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from matchset.app.drawing.clip_export import write_clip
-from matchset.app.locate.pose_table import read_poses
+from matchset.app.locate.rows import read_poses
 from matchset.sim.clips.clip import Clip
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 from benchmarks.tracking.real import CLICKS, first_good, follow_video
 
-from matchset.app.track.score import score
-from matchset.app.track.truth import read_truth
+from matchset.app.track.score import read_truth, score
 
 CLIP = Path(__file__).resolve().parents[2] / "shared" / "data" / "green_ball_hand"
 

@@ -7,8 +7,7 @@ from benchmarks.contest.run import follow_real_clip
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Section, table
 from benchmarks.tracking.accuracy import figures
-from matchset.app.track.score import Score, score
-from matchset.app.track.truth import read_truth
+from matchset.app.track.score import Score, read_truth, score
 
 QUICK_PEERS = ("matchset", "region_bgr", "contour_moments")
 TITLE = "Real footage, beside what people use"

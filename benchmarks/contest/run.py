@@ -12,7 +12,7 @@ from benchmarks.contest.field import LIGHT, PAPER, PEERS, Peer, peer, present
 from benchmarks.options import Options
 from benchmarks.tracking.trial import WHAT, Trial, as_truth, sequence
 from benchmarks.workers import spread
-from matchset.app.track.truth import Truth
+from matchset.app.track.score import TruthRow
 from matchset.sim.clips.clip import Clip
 
 FRAMES, QUICK_FRAMES = 140, 80
@@ -114,14 +114,16 @@ def follow_with_all(
     return done
 
 
-def follow_real_clip(folder: Path, truths: list[Truth], peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:
+def follow_real_clip(
+    folder: Path, truths: list[TruthRow], peers: Iterable[Peer]
+) -> dict[str, dict[int, Circle3 | None]]:
     """Follow a real clip with every peer, from its first row with the ball well known.
 
     Parameters
     ----------
     folder : Path
         With `video.mp4`.
-    truths : list of Truth
+    truths : list of TruthRow
     peers : iterable of Peer
 
     Returns

@@ -7,8 +7,7 @@ from pathlib import Path
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
 from benchmarks.tracking.trial import SEQUENCES, Trial, trials
-from matchset.app.track.score import Score, score
-from matchset.app.track.truth import Truth
+from matchset.app.track.score import Score, TruthRow, score
 
 # sequence: mean error and share of valid frames asked for, then those hoped for
 GOALS = {
@@ -94,7 +93,7 @@ def pooled(runs: Sequence[Trial]) -> Score:
     for trial in runs:
         for truth, answer in zip(trial.truths, trial.answers, strict=True):
             answers[begin + truth.frame] = answer
-            truths.append(Truth(begin + truth.frame, truth.circle, truth.lowconf))
+            truths.append(TruthRow(begin + truth.frame, truth.circle, truth.lowconf))
         begin += len(trial.truths) + 3
     return score(answers, truths)
 

@@ -7,8 +7,7 @@ from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.tracking.accuracy import figures
 from benchmarks.tracking.trial import circle, clicked
-from matchset.app.track.score import Circle3, Score, score
-from matchset.app.track.truth import Truth, read_truth
+from matchset.app.track.score import Circle3, Score, TruthRow, read_truth, score
 
 CLIP = "green_ball_hand"
 BAR = (Goal("mean", high=1.5), Goal("valid", low=95.0), Goal("found on absent rows", high=0.0))
@@ -38,19 +37,19 @@ def run(options: Options) -> Section:
     return Section("Real footage", [finding], _text(results, truths))
 
 
-def first_good(truths: list[Truth]) -> Truth:
+def first_good(truths: list[TruthRow]) -> TruthRow:
     """Return the first row with the ball well known."""
     return next(truth for truth in truths if truth.tight)
 
 
-def follow_video(path: Path, truths: list[Truth], click: tuple[float, float]) -> dict[int, Circle3 | None]:
+def follow_video(path: Path, truths: list[TruthRow], click: tuple[float, float]) -> dict[int, Circle3 | None]:
     """Follow the ball from the first good row to the end.
 
     Parameters
     ----------
     path : Path
         The video.
-    truths : list of Truth
+    truths : list of TruthRow
         Only the first good row is used.
     click : tuple of 2 floats
         Where on the disc the click hits, in radii from the center.
@@ -74,7 +73,7 @@ def follow_video(path: Path, truths: list[Truth], click: tuple[float, float]) ->
     return answers
 
 
-def _text(results: list[Score], truths: list[Truth]) -> str:
+def _text(results: list[Score], truths: list[TruthRow]) -> str:
     head = ["click, radii from the center", *(figure.name for figure in figures(results[0]))]
     rows = [
         [f"({x:+g}, {y:+g})", *(figure.text for figure in figures(result))]

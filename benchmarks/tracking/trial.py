@@ -10,8 +10,7 @@ import numpy as np
 import matchset as ms
 from benchmarks.options import Options
 from benchmarks.workers import spread
-from matchset.app.track.score import Circle3, error_px
-from matchset.app.track.truth import Truth
+from matchset.app.track.score import Circle3, TruthRow, error_px
 from matchset.sim.clips.clip import Clip
 from matchset.sim.clips.truth import ClipTruth
 
@@ -93,7 +92,7 @@ class Trial(msgspec.Struct, frozen=True):
     ----------
     seed : int
         Of the sequence.
-    truths : list of Truth
+    truths : list of TruthRow
         Where the ball is, frame by frame.
     answers : list of (x, y, radius) or None
         Where the tracker saw it, px.
@@ -102,7 +101,7 @@ class Trial(msgspec.Struct, frozen=True):
     """
 
     seed: int
-    truths: list[Truth]
+    truths: list[TruthRow]
     answers: list[Circle3 | None]
     squares: list[float | None]
 
@@ -194,10 +193,10 @@ def clicked(frame: ms.Frame, click: tuple[float, float]) -> ms.Tracker[ms.Circle
     return ms.Tracker(ms.Circle, ms.ColorModel.pick(frame.image, *click), start=click)
 
 
-def as_truth(seen: ClipTruth) -> Truth:
+def as_truth(seen: ClipTruth) -> TruthRow:
     """Turn what a rendered frame shows into the truth that scores take."""
     known = None if seen.circle is None else circle(seen.circle)
-    return Truth(seen.index, known, lowconf=seen.share < LOWCONF_BELOW)
+    return TruthRow(seen.index, known, lowconf=seen.share < LOWCONF_BELOW)
 
 
 def circle(shape: ms.Circle) -> Circle3:
@@ -205,13 +204,13 @@ def circle(shape: ms.Circle) -> Circle3:
     return shape.x, shape.y, shape.radius
 
 
-def normalized_square(answer: ms.Track[ms.Circle] | ms.Lost[ms.Circle], truth: Truth) -> float | None:
+def normalized_square(answer: ms.Track[ms.Circle] | ms.Lost[ms.Circle], truth: TruthRow) -> float | None:
     """Error squared in units of the covariance that the tracker claims, ``e' P^-1 e``.
 
     Parameters
     ----------
     answer : Track or Lost
-    truth : Truth
+    truth : TruthRow
 
     Returns
     -------

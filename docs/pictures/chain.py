@@ -11,7 +11,7 @@ from matchset.app.drawing.text import draw_text
 from matchset.app.flight.flight import ChainStep, Flight, FlightParameters, FlightSetup, flight_setup
 from matchset.app.flight_report.picture import annotate_step
 from matchset.app.flight_report.top_view import TopView
-from matchset.app.progress import counting
+from matchset.app.progress import progress_bar
 from matchset.links.simulated import FPS, SimulationParameters
 
 Picture = npt.NDArray[np.uint8]
@@ -38,7 +38,10 @@ def main() -> None:
     """Fly, and write docs/pictures/chain.webp."""
     pictures = []
     world = SimulationParameters(vehicles=3, seed=SEED)
-    with Flight(FlightParameters(duration=DURATION, world=world)) as flight, counting("flying", flight.length) as bar:
+    with (
+        Flight(FlightParameters(duration=DURATION, world=world)) as flight,
+        progress_bar("flying", flight.length) as bar,
+    ):
         setup = flight_setup(flight)
         top = TopView(setup, MAP)
         for chain_step in flight:

@@ -11,9 +11,8 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.app.locate.marker_wish import MarkerWish
-from matchset.app.locate.run import LocateOptions, run_locate
-from matchset.app.track.target_options import Wish
+from matchset.app.cli_options import TargetOptions
+from matchset.app.locate.command import LocateOptions, MarkerOptions, locate
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 CAMERA = ms.CameraModel(
@@ -32,7 +31,7 @@ def turn(time: float) -> Rotation:
     return Rotation.from_euler("y", 180.0 + 35.0 * math.sin(1.3 * time), degrees=True)
 
 
-def locate(folder: Path) -> None:
+def locate_flight(folder: Path) -> None:
     """Render the flight and run the command on it."""
     video = cv2.VideoWriter(str(folder / "flight.avi"), cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (640, 480))
     for frame in BallFlightClip(camera=CAMERA, place=place, turn=turn, frames=FRAMES, seed=104, preset="typical"):
@@ -41,21 +40,21 @@ def locate(folder: Path) -> None:
     CAMERA.save(folder / "camera.toml")
     options = LocateOptions(
         source=str(folder / "flight.avi"),
-        wish=Wish(pick="319,254"),
-        marker=MarkerWish(pick="319,239"),
+        target=TargetOptions(pick="319,254"),
+        marker=MarkerOptions(marker_pick="319,239"),
         camera=folder / "camera.toml",
         diameter=0.28,
-        folder=folder / "out",
+        out=folder / "out",
         video=folder / "out.avi",
     )
-    run_locate(options)
+    locate(options)
 
 
 def main() -> None:
     """Write docs/pictures/located.jpg."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        locate(folder)
+        locate_flight(folder)
         shown = cv2.VideoCapture(str(folder / "out.avi"))
         shown.set(cv2.CAP_PROP_POS_FRAMES, SHOWN)
         frame = np.asarray(shown.read()[1])

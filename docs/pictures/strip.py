@@ -7,7 +7,7 @@ import numpy.typing as npt
 from PIL import Image
 
 import matchset as ms
-from matchset.app.drawing.contact_sheet import Shot, rim_tile, whole_tile
+from matchset.app.drawing.contact_sheet import SheetFrame, rim_tile, whole_tile
 from matchset.app.track.score import error_px
 from matchset.sim.clips.clip import Clip
 
@@ -19,7 +19,7 @@ CLIPS = (
 )
 
 
-def shots(clip: Clip, wanted: tuple[int, ...]) -> list[Shot]:
+def shots(clip: Clip, wanted: tuple[int, ...]) -> list[SheetFrame]:
     """Follow the ball of a clip from one click; keep some frames, their answers and errors."""
     tracker: ms.Tracker[ms.Circle] | None = None
     kept = []
@@ -33,13 +33,13 @@ def shots(clip: Clip, wanted: tuple[int, ...]) -> list[Shot]:
             error = None
             if seen is not None and true is not None:
                 error = error_px((seen.x, seen.y, seen.radius), (true.x, true.y, true.radius))
-            kept.append(Shot(frame, answer, error))
+            kept.append(SheetFrame(frame, answer, error))
         if frame.index >= max(wanted):
             break
     return kept
 
 
-def column(shot: Shot) -> npt.NDArray[np.uint8]:
+def column(shot: SheetFrame) -> npt.NDArray[np.uint8]:
     """Show the whole frame, and below it the enlarged ball with its match-set."""
     tile = np.vstack([whole_tile(shot, TILE), rim_tile(shot, TILE)])
     return np.pad(tile, ((GAP, 0), (GAP, GAP), (0, 0)), constant_values=255)

@@ -10,9 +10,8 @@ from blue_ball import Matchset
 from typer.testing import CliRunner
 
 from matchset.app.cli import app
-from matchset.app.patience import if_slow
-from matchset.app.progress import Rate, live_line
-from matchset.app.track.rows import Row
+from matchset.app.progress import FrameRate, announce_if_slow, live_line
+from matchset.app.track.rows import TrackRow
 
 TRUTH = "video,frame,x,y,r,visible,method\nv,0,10,10,5,1,eye\nv,1,10,10,5,1,eye\nv,2,,,,0,eye:absent\n"
 TRACKS = "frame,time,found,x,y,radius,support,reason\n0,0,1,10,10,5,1,\n1,0.1,1,11,10,5,1,\n2,0.2,0,,,,,gone\n"
@@ -36,11 +35,24 @@ def test_help_needs_no_heavy_imports() -> None:
         "sys.argv = ['matchset', '--help']\n"
         "try: cli.main()\n"
         "except SystemExit: pass\n"
-        "heavy = 'matplotlib', 'PIL', 'matchset.app.track.command', 'matchset.sim.clips.clip'\n"
+        "heavy = 'numpy', 'numba', 'cv2', 'scipy', 'matplotlib', 'PIL', 'pygments', 'matchset.app.track.loop'\n"
         "print([name for name in heavy if name in sys.modules])\n"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("command", [(), ("track",), ("locate",), ("fly",), ("radio", "config")])
+def test_help_is_the_same_with_the_faster_printer(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    run = "import sys, matchset.app.cli as cli; sys.argv[0] = 'matchset'; cli.main()"
+    plain = "import typer.rich_utils; " + run
+    pages = [
+        subprocess.run([sys.executable, "-c", code, *command, "--help"], capture_output=True, text=True, check=True)
+        for code in (run, plain)
+    ]
+    assert pages[0].stdout == pages[1].stdout
+    assert "Usage: matchset" in pages[0].stdout
 
 
 def test_a_score_is_printed_as_a_table_and_as_json(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
@@ -98,22 +110,22 @@ def test_the_demo_needs_nothing_and_leaves_everything(matchset: Matchset, capsys
 
 
 def test_the_live_line_says_what_matters() -> None:
-    found = Row(3, 1.0, {"x": 12.34, "y": 5.0, "radius": 9.0})
+    found = TrackRow(3, 1.0, {"x": 12.34, "y": 5.0, "radius": 9.0})
     words = " ".join(live_line(found, 29.97, 0.0123, 4).plain.split())
     assert words == "30.0 frames/s age 12 ms dropped 4 x 12.3 y 5.0 r 9.0"
-    assert live_line(Row(3, 1.0, reason="gone"), None, 0.5, 0).plain.endswith("Lost: gone")
+    assert live_line(TrackRow(3, 1.0, reason="gone"), None, 0.5, 0).plain.endswith("Lost: gone")
 
 
 def test_the_rate_is_that_of_the_frames() -> None:
-    rate = Rate()
-    assert rate.tick(0.0) is None
-    assert [rate.tick(0.1 * step) for step in range(1, 5)] == pytest.approx([10.0] * 4)
+    rate = FrameRate()
+    assert rate.update(0.0) is None
+    assert [rate.update(0.1 * step) for step in range(1, 5)] == pytest.approx([10.0] * 4)
 
 
 def test_only_what_is_slow_is_announced(capsys: pytest.CaptureFixture[str]) -> None:
-    with if_slow("quick", after=30.0):
+    with announce_if_slow("quick", after=30.0):
         pass
     said = threading.Event()
-    with if_slow("slow", after=0.0):
+    with announce_if_slow("slow", after=0.0):
         said.wait(0.2)
     assert capsys.readouterr().err == "slow\n"

@@ -12,6 +12,7 @@ from matchset.app.cli_options import command_of
 class Pen(msgspec.Struct, frozen=True, kw_only=True):
     color: Annotated[str, typer.Option(help="Its ink.")] = "black"
     width: Annotated[float | None, typer.Option(metavar="MM", help="Its width.")] = None
+    pen: Annotated[str, typer.Option(help="Its name, as that of its group.")] = "fountain"
     maker: str = "nobody"
 
 
@@ -39,9 +40,11 @@ app.command()(command_of(write))
 
 
 def test_options_arrive_in_one_object() -> None:
-    result = CliRunner().invoke(app, ["Ann", "-n", "3", "--color", "red", "--copy", "Bob", "--copy", "Cy"])
+    result = CliRunner().invoke(
+        app, ["Ann", "-n", "3", "--color", "red", "--pen", "reed", "--copy", "Bob", "--copy", "Cy"]
+    )
     assert result.exit_code == 3
-    assert letters.pop() == LetterOptions(to="Ann", pages=3, pen=Pen(color="red"), copies=["Bob", "Cy"])
+    assert letters.pop() == LetterOptions(to="Ann", pages=3, pen=Pen(color="red", pen="reed"), copies=["Bob", "Cy"])
 
 
 def test_what_is_not_typed_has_the_default_of_its_field() -> None:
@@ -65,6 +68,6 @@ def test_typer_refuses_what_is_wrong(words: list[str]) -> None:
 
 def test_an_error_of_the_user_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
-        command_of(write)(to="nobody", pages=1, color="black", width=None, copies=None)
+        command_of(write)(to="nobody", pages=1, color="black", width=None, pen="reed", copies=None)
     assert end.value.code == 2
     assert capsys.readouterr().err == "error: a letter needs a reader\n"

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.app.locate.pose_table import read_poses
-from matchset.app.track.row_table import read_tracks
+from matchset.app.locate.rows import read_poses
+from matchset.app.track.rows import read_tracks
 
 FRAMES = 1500
 SIZE = 96, 72

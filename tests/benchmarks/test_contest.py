@@ -10,12 +10,11 @@ from benchmarks.tracking.stopwatch import Contender, Times, time_in_pairs
 from benchmarks.tracking.trial import WHAT, Trial, sequence
 
 import matchset as ms
-from matchset.app.track.score import Circle3
-from matchset.app.track.truth import Truth
+from matchset.app.track.score import Circle3, TruthRow
 
 
 def trial(answers: list[Circle3 | None], hidden: tuple[int, ...] = ()) -> Trial:
-    truths = [Truth(k, None if k in hidden else (50.0, 50.0, 20.0)) for k in range(len(answers))]
+    truths = [TruthRow(k, None if k in hidden else (50.0, 50.0, 20.0)) for k in range(len(answers))]
     return Trial(0, truths, answers, [])
 
 

@@ -9,7 +9,7 @@ from benchmarks.tracking.memory import growth
 from benchmarks.tracking.trial import Trial, normalized_square
 
 import matchset as ms
-from matchset.app.track.truth import Truth
+from matchset.app.track.score import TruthRow
 
 
 def track(x: float, y: float, radius: float, covariance: list[list[float]]) -> ms.Track[ms.Circle]:
@@ -17,7 +17,7 @@ def track(x: float, y: float, radius: float, covariance: list[list[float]]) -> m
 
 
 def test_the_normalized_error_counts_in_standard_deviations() -> None:
-    truth = Truth(0, (10.0, 20.0, 5.0))
+    truth = TruthRow(0, (10.0, 20.0, 5.0))
     answer = track(12.0, 20.0, 6.0, [[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.25]])
     assert normalized_square(answer, truth) == pytest.approx(1.0 + 4.0)
 
@@ -27,17 +27,17 @@ def test_the_normalized_error_minds_correlation() -> None:
     error = np.array([0.3, -0.7, 1.1])
     answer = track(10.0 + error[0], 20.0 + error[1], 5.0 + error[2], covariance.tolist())
     expected = error @ np.linalg.inv(covariance) @ error
-    assert normalized_square(answer, Truth(0, (10.0, 20.0, 5.0))) == pytest.approx(expected)
+    assert normalized_square(answer, TruthRow(0, (10.0, 20.0, 5.0))) == pytest.approx(expected)
 
 
 def test_a_covariance_that_is_none_is_never_honest() -> None:
     answer = track(10.0, 20.0, 5.0, [[0.0] * 3] * 3)
-    assert normalized_square(answer, Truth(0, (10.0, 20.0, 5.0))) == math.inf
+    assert normalized_square(answer, TruthRow(0, (10.0, 20.0, 5.0))) == math.inf
 
 
 def test_what_was_not_answered_has_no_normalized_error() -> None:
-    assert normalized_square(ms.Lost("gone", 0.0), Truth(0, (10.0, 20.0, 5.0))) is None
-    assert normalized_square(track(1.0, 1.0, 1.0, np.eye(3).tolist()), Truth(0, None)) is None
+    assert normalized_square(ms.Lost("gone", 0.0), TruthRow(0, (10.0, 20.0, 5.0))) is None
+    assert normalized_square(track(1.0, 1.0, 1.0, np.eye(3).tolist()), TruthRow(0, None)) is None
 
 
 def test_an_honest_tracker_passes() -> None:
@@ -48,7 +48,7 @@ def test_an_honest_tracker_passes() -> None:
 
 
 def test_pooled_trials_count_every_frame_but_no_difference_across_trials() -> None:
-    truths = [Truth(k, (10.0, 10.0, 5.0)) for k in range(3)]
+    truths = [TruthRow(k, (10.0, 10.0, 5.0)) for k in range(3)]
     still = Trial(0, truths, [(10.0, 10.0, 5.0)] * 3, [0.0] * 3)
     shifted = Trial(1, truths, [(12.0, 10.0, 5.0)] * 3, [0.0] * 3)
     result = pooled([still, shifted])
@@ -59,7 +59,7 @@ def test_pooled_trials_count_every_frame_but_no_difference_across_trials() -> No
 
 
 def test_errors_are_of_tight_answered_frames() -> None:
-    truths = [Truth(0, (10.0, 10.0, 5.0)), Truth(1, (10.0, 10.0, 5.0), lowconf=True), Truth(2, None)]
+    truths = [TruthRow(0, (10.0, 10.0, 5.0)), TruthRow(1, (10.0, 10.0, 5.0), lowconf=True), TruthRow(2, None)]
     trial = Trial(0, truths, [(11.0, 10.0, 7.0), (10.0, 10.0, 5.0), None], [1.0, None, None])
     assert trial.errors == pytest.approx([3.0, math.nan, math.nan], nan_ok=True)
 

@@ -1,1 +1,7 @@
-"""The live system: the command line, drawing, recording and reports; the only place that draws or prints."""
+"""The command line, and everything that reads files, prints, draws or waits for a person.
+
+Read `cli` first: it lists the commands; each is a function in the `command` module of its folder, and its options are
+a class (`cli_options`). The folders: `track` (track, learn, score, demo, params), `locate`, `calibrate`, `drawing`
+(pictures and videos), `flight` (fly, simulate), `flight_report`, `recording` (replay) and `radio`. The other modules
+serve all of them: `exit_codes`, `run_folder` (where output is written), `progress` (the screen), `tables` (CSV, JSON).
+"""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
+import msgspec
 import typer
 
 from matchset.app.exit_codes import errors_in_one_line
@@ -52,7 +53,27 @@ Folder = Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder f
 ToStdout = Annotated[
     bool, typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there.")
 ]
+Params = Annotated[
+    Path | None,
+    typer.Option("--params", metavar="FILE.toml", help="Parameters of the tracker, as 'matchset params' prints them."),
+]
 Points = Annotated[int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")]
+
+
+class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say what to track: exactly one of them, or `pick` together with `gray`."""
+
+    pick: Pick = None
+    candidate: Candidate = None
+    color: Color = None
+    hsv: Hsv = None
+    gray: str | None = None  # an option of some commands only: see GrayTargetOptions
+
+
+class GrayTargetOptions(TargetOptions, frozen=True, kw_only=True):
+    """The same with `--gray`."""
+
+    gray: Gray = None
 
 
 Options = TypeVar("Options")
@@ -103,8 +124,9 @@ def _parameters(options: type[Any]) -> list[inspect.Parameter]:
 def _built(options: type[Options], values: Mapping[str, Any]) -> Options:
     """Make an object of a class of options, with its groups, from the values of all options by name."""
     fields = inspect.signature(options).parameters.values()
+    plain = {field.name: values[field.name] for field in fields if field.name in values}
     groups = {field.name: _built(field.annotation, values) for field in fields if _is_group(field.annotation)}
-    return options(**groups, **{field.name: values[field.name] for field in fields if field.name in values})
+    return options(**plain | groups)
 
 
 def _is_group(annotation: Any) -> bool:

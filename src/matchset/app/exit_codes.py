@@ -1,4 +1,4 @@
-"""How a command ends: exit codes for scripts, errors in one line, Ctrl-C that loses nothing."""
+"""How a command ends: exit codes, errors of the user in one line, and a stop by Ctrl-C that leaves complete files."""
 
 import contextlib
 import os
@@ -10,18 +10,12 @@ from typing import Self
 
 from matchset.image.errors import LinkError
 
-FOUND = 0
-"""The command did its work."""
-NOT_FOUND = 1
-"""It ran to the end, but the ball was never found."""
-BAD_INPUT = 2
-"""A wrong option, or a file that cannot be read or written."""
-DEVICE = 3
-"""A camera or stream cannot be opened, or went away."""
-INTERRUPTED = 130
-"""Stopped by Ctrl-C; what was done so far is complete on disk."""
-TERMINATED = 143
-"""The same, by SIGTERM."""
+FOUND = 0  # format: the command did its work
+NOT_FOUND = 1  # format: it ran to the end, but the ball was never found
+BAD_INPUT = 2  # format: a wrong option, or a file that cannot be read or written
+DEVICE = 3  # format: a camera or stream cannot be opened, or was disconnected
+INTERRUPTED = 130  # format: stopped by Ctrl-C (128 + SIGINT); the files are complete
+TERMINATED = 143  # format: stopped by SIGTERM (128 + 15); the files are complete
 
 EXIT_CODES = (
     "Exit codes: 0 done, 1 the ball was never found, 2 bad input or options, 3 camera or stream broke, "
@@ -29,55 +23,55 @@ EXIT_CODES = (
 )
 
 
-def say_error(problem: object) -> None:
+def print_error(problem: object) -> None:
     """Write ``error: ...`` in one line to stderr."""
     print("error: " + " ".join(str(problem).split()), file=sys.stderr)
 
 
 @contextlib.contextmanager
 def errors_in_one_line() -> Iterator[None]:
-    """Turn the errors that a user can cause into one line and an exit code.
+    """Report an error that a user can cause in one line on stderr, and end with its exit code.
 
     Raises
     ------
     SystemExit
-        With the code, after the line is written.
+        With the exit code, after the line is written.
     """
     try:
         yield
-    except BrokenPipeError:  # whoever read stdout has seen enough
-        forget_stdout()
+    except BrokenPipeError:  # the reader of stdout has closed the pipe
+        discard_stdout()
         raise SystemExit(FOUND) from None
     except LinkError as error:
-        say_error(error)
+        print_error(error)
         raise SystemExit(DEVICE) from None
     except ValueError as error:
-        say_error(error)
+        print_error(error)
         raise SystemExit(BAD_INPUT) from None
     except OSError as error:
-        say_error(f"{error.filename}: {error.strerror}" if error.filename else error)
+        print_error(f"{error.filename}: {error.strerror}" if error.filename else error)
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
-        say_error("stopped")
+        print_error("stopped")
         raise SystemExit(INTERRUPTED) from None
 
 
 class StopRequest:
-    """Within its `with` block Ctrl-C and SIGTERM only ask for an end: a loop finishes its frame first.
+    """Within its `with` block Ctrl-C and SIGTERM only set a flag, so that a loop finishes its frame first.
 
-    A second Ctrl-C interrupts at once.
+    It is true once a signal has come. A second Ctrl-C interrupts at once.
 
     Attributes
     ----------
     code : int
-        The exit code that the signal asks for; 0 while nobody asked.
+        The exit code of the signal; 0 before one has come.
     """
 
     def __init__(self) -> None:
         self.code = 0
-        self._before: dict[signal.Signals, object] = {}
+        self._previous_handlers: dict[signal.Signals, object] = {}
 
-    def _note(self, number: int, _frame: FrameType | None) -> None:
+    def _set_code(self, number: int, _frame: FrameType | None) -> None:
         self.code = INTERRUPTED if number == signal.SIGINT else TERMINATED
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -86,20 +80,20 @@ class StopRequest:
 
     def __enter__(self) -> Self:
         for number in (signal.SIGINT, signal.SIGTERM):
-            # Only the main thread may; elsewhere (a notebook's worker) signals stay as they are.
+            # Only the main thread may set handlers; in another one (a notebook) signals keep theirs.
             with contextlib.suppress(ValueError):
-                self._before[number] = signal.signal(number, self._note)
+                self._previous_handlers[number] = signal.signal(number, self._set_code)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for number, handler in self._before.items():
+        for number, handler in self._previous_handlers.items():
             signal.signal(number, handler)  # type: ignore[arg-type]
 
 
-def forget_stdout() -> None:
-    """Send what is left for a closed pipe nowhere, so that Python does not complain when it ends."""
-    nothing = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nothing, sys.stdout.fileno())
-    os.close(nothing)
+def discard_stdout() -> None:
+    """Redirect stdout to the null device, so that Python reports no closed pipe when it flushes stdout at exit."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, sys.stdout.fileno())
+    os.close(null)

@@ -1,9 +1,14 @@
-"""What a person sees while a video is tracked: a bar for files, a live line for cameras; on stderr."""
+"""What a command shows on stderr while it runs: progress bar (file), status line (camera), a note if it is slow."""
 
+import contextlib
+import sys
+import threading
 import time
+from collections.abc import Iterator
 from types import TracebackType
 from typing import Protocol, Self
 
+import msgspec
 from rich.console import Console
 from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
@@ -11,11 +16,29 @@ from rich.text import Text
 
 from matchset.image.video import Video
 
-_SMOOTHING = 0.05
+
+class ProgressParameters(msgspec.Struct, frozen=True):
+    """When and how fast the display reacts.
+
+    Parameters
+    ----------
+    smoothing : float
+        Weight of the newest frame period in the shown frame rate, 0 ... 1: smaller is steadier and slower. Chosen by
+        hand; no result depends on it.
+    slow_after : float
+        Time after which `announce_if_slow` prints, s: a shorter wait needs no explanation. Chosen by hand; no result
+        depends on it.
+    """
+
+    smoothing: float = 0.05
+    slow_after: float = 0.7
 
 
-class Told(Protocol):
-    """What a screen needs to know of a frame: a row of any table."""
+PARAMETERS = ProgressParameters()
+
+
+class DisplayedRow(Protocol):
+    """What the display needs to know of a frame: a row of any table."""
 
     @property
     def time(self) -> float:
@@ -38,11 +61,11 @@ class Told(Protocol):
         ...
 
 
-class Screen(Protocol):
-    """Something that is told of each frame."""
+class Display(Protocol):
+    """What shows the progress of a video, frame by frame."""
 
-    def show(self, row: Told) -> None:
-        """Take note of a frame's row."""
+    def show(self, row: DisplayedRow) -> None:
+        """Show the row of the newest frame."""
         ...
 
     def __enter__(self) -> Self: ...
@@ -52,36 +75,36 @@ class Screen(Protocol):
     ) -> None: ...
 
 
-class Rate:
-    """Frames per second of the last moments."""
+class FrameRate:
+    """Frames per second, smoothed exponentially."""
 
     def __init__(self) -> None:
         self._last: float | None = None
         self._period: float | None = None
 
-    def tick(self, now: float) -> float | None:
-        """Count a frame at the time `now`, s; return the rate, None at first."""
+    def update(self, now: float) -> float | None:
+        """Count a frame at the time `now`, s; return the rate, None after the first frame."""
         if self._last is not None:
-            step = now - self._last
+            period = now - self._last
             old = self._period
-            self._period = step if old is None else old + _SMOOTHING * (step - old)
+            self._period = period if old is None else old + PARAMETERS.smoothing * (period - old)
         self._last = now
         return 1.0 / self._period if self._period else None
 
 
-def live_line(row: Told, rate: float | None, age: float, dropped: int) -> Text:
-    """Say a live frame in one line.
+def live_line(row: DisplayedRow, rate: float | None, age: float, dropped: int) -> Text:
+    """Format the status line of a live frame.
 
     Parameters
     ----------
-    row : Told
+    row : DisplayedRow
         The answer.
     rate : float or None
         Frames per second.
     age : float
         Time since the frame was captured, s.
     dropped : int
-        Frames that were skipped so far because newer ones had come.
+        Frames that were skipped so far because a newer one was there.
     """
     line = Text(no_wrap=True, overflow="ellipsis")
     speed = "    -" if rate is None else f"{rate:5.1f}"
@@ -94,16 +117,16 @@ def live_line(row: Told, rate: float | None, age: float, dropped: int) -> Text:
 
 
 class LiveLine:
-    """The live line of a camera."""
+    """The status line of a camera, rewritten with every frame."""
 
     def __init__(self, video: Video, console: Console) -> None:
-        self._video, self._rate = video, Rate()
+        self._video, self._rate = video, FrameRate()
         self._live = Live(console=console, refresh_per_second=15, transient=True)
 
-    def show(self, row: Told) -> None:
+    def show(self, row: DisplayedRow) -> None:
         """Show a frame's row."""
         now = time.monotonic()
-        self._live.update(live_line(row, self._rate.tick(now), now - row.time, self._video.dropped))
+        self._live.update(live_line(row, self._rate.update(now), now - row.time, self._video.dropped))
 
     def __enter__(self) -> Self:
         self._live.__enter__()
@@ -115,21 +138,21 @@ class LiveLine:
         self._live.__exit__(kind, error, trace)
 
 
-class _Speed(ProgressColumn):
+class _SpeedColumn(ProgressColumn):
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
         return Text("" if speed is None else f"{speed:.0f} frames/s", style="cyan")
 
 
-class Bar:
-    """The progress bar of a file."""
+class FrameBar:
+    """The progress bar of a video file."""
 
     def __init__(self, words: str, length: int | None, console: Console, visible: bool) -> None:
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _Speed())
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _SpeedColumn())
         self._progress = Progress(*columns, console=console, disable=not visible, transient=True)
         self._task = self._progress.add_task(words, total=length)
 
-    def show(self, row: Told) -> None:  # noqa: ARG002 - counted, not looked at
+    def show(self, row: DisplayedRow) -> None:  # noqa: ARG002 - counted, not looked at
         """Count a frame."""
         self.advance()
 
@@ -147,41 +170,61 @@ class Bar:
         self._progress.__exit__(kind, error, trace)
 
 
-class Hint:
-    """One line that tells a person before a camera what to do next; on a terminal only, and not if `quiet`."""
+class InstructionLine:
+    """One line that tells a person in front of a camera what to do next; on a terminal only, and not if `quiet`."""
 
     def __init__(self, quiet: bool = False) -> None:
         console = Console(stderr=True, highlight=False)
-        self._shown = console.is_terminal and not quiet
+        self._visible = console.is_terminal and not quiet
         self._live = Live(console=console, refresh_per_second=8, transient=True)
 
-    def say(self, words: str) -> None:
-        """Show these words in place of those before."""
-        if self._shown:
+    def show(self, words: str) -> None:
+        """Replace the line."""
+        if self._visible:
             self._live.update(Text(words, no_wrap=True, overflow="ellipsis"))
 
     def __enter__(self) -> Self:
-        if self._shown:
+        if self._visible:
             self._live.__enter__()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._shown:
+        if self._visible:
             self._live.__exit__(kind, error, trace)
 
 
-def counting(words: str, length: int | None) -> Bar:
-    """Make a progress bar, shown only on a terminal."""
+def progress_bar(words: str, length: int | None) -> FrameBar:
+    """Make a progress bar for `length` frames (None: unknown); shown on a terminal only."""
     console = Console(stderr=True, highlight=False)
-    return Bar(words, length, console, console.is_terminal)
+    return FrameBar(words, length, console, console.is_terminal)
 
 
-def screen_for(video: Video, quiet: bool, words: str = "tracking") -> Screen:
-    """Choose what to show for a video: nothing if `quiet` or if stderr is no terminal."""
+def display_for(video: Video, quiet: bool, words: str = "tracking") -> Display:
+    """Choose the display of a video: nothing if `quiet` or if stderr is no terminal."""
     console = Console(stderr=True, highlight=False)
     if video.live and console.is_terminal and not quiet:
         return LiveLine(video, console)
     visible = console.is_terminal and not quiet and not video.live
-    return Bar(words, video.length, console, visible)
+    return FrameBar(words, video.length, console, visible)
+
+
+@contextlib.contextmanager
+def announce_if_slow(words: str, after: float = PARAMETERS.slow_after) -> Iterator[None]:
+    """Print a note on stderr if the block takes long.
+
+    Parameters
+    ----------
+    words : str
+        What the user waits for.
+    after : float
+        Time before the note is printed, s.
+    """
+    timer = threading.Timer(after, lambda: print(words, file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

@@ -1,4 +1,4 @@
-"""Where output goes: a new numbered folder under `runs/`, or the one asked for; nothing is overwritten."""
+"""Where output is written: a new numbered folder in `runs/`, or what was asked for; nothing is overwritten."""
 
 import re
 from pathlib import Path
@@ -29,14 +29,14 @@ def output_folder(wanted: Path | None, command: str, force: bool = False) -> Pat
         If the folder holds files and `force` is not given, or it cannot be made or written.
     """
     if wanted is None:
-        return _numbered(command)
+        return _numbered_folder(command)
     try:
         if wanted.exists() and not wanted.is_dir():
             raise ValueError(f"{wanted} is a file, not a folder")
         if not force and wanted.is_dir() and any(wanted.iterdir()):
             raise ValueError(f"the folder {wanted} is not empty: choose another, or overwrite with --force")
         wanted.mkdir(parents=True, exist_ok=True)
-        _try_to_write(wanted)
+        _check_writable(wanted)
     except OSError as error:
         raise ValueError(f"cannot write to the folder {wanted}: {error.strerror}") from error
     return wanted
@@ -69,17 +69,17 @@ def output_file(wanted: Path, force: bool = False) -> Path:
             raise ValueError(f"{wanted} exists: choose another name, or overwrite with --force")
         wanted.parent.mkdir(parents=True, exist_ok=True)
         if not wanted.exists():
-            _try_to_write(wanted.parent)
+            _check_writable(wanted.parent)
     except OSError as error:
         raise ValueError(f"cannot write {wanted}: {error.strerror}") from error
     return wanted
 
 
-def _numbered(command: str) -> Path:
+def _numbered_folder(command: str) -> Path:
     try:
         RUNS.mkdir(exist_ok=True)
-        taken = [int(found[0]) for entry in RUNS.iterdir() if (found := re.match(r"\d+", entry.name))]
-        number = max(taken, default=0) + 1
+        numbers = [int(found[0]) for entry in RUNS.iterdir() if (found := re.match(r"\d+", entry.name))]
+        number = max(numbers, default=0) + 1
         while True:
             folder = RUNS / f"{number:04d}-{command}"
             try:
@@ -92,7 +92,7 @@ def _numbered(command: str) -> Path:
         raise ValueError(f"cannot write to the folder {RUNS}: {error.strerror}") from error
 
 
-def _try_to_write(folder: Path) -> None:
-    probe = folder / ".matchset-probe"
-    probe.touch()
-    probe.unlink()
+def _check_writable(folder: Path) -> None:
+    test_file = folder / ".matchset-probe"
+    test_file.touch()
+    test_file.unlink()

@@ -1,24 +1,105 @@
-"""Reading a CSV file so that whatever is wrong with it is said with its file and line."""
+"""Tables on disk: a writer of CSV and JSON lines for any row, and a reader of CSV whose errors name the line."""
 
 import csv
+import io
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import TracebackType
+from typing import Any, Generic, NamedTuple, Self, TypeVar
 
 import msgspec
 
+Cell = int | float | str | None
+Cells = Mapping[str, Cell]
+Row = TypeVar("Row")
 
-class Cells(msgspec.Struct, frozen=True):
+_ENCODER = msgspec.json.Encoder()
+
+
+class Column(NamedTuple):
+    """A column of a table.
+
+    Parameters
+    ----------
+    name : str
+        Its name, in the first line of the CSV file and as a key of the JSON lines.
+    value : callable
+        From a row to its cell in this column; None leaves the cell empty.
+    """
+
+    name: str
+    value: Callable[[Any], Cell]
+
+
+class RowWriter(Generic[Row]):
+    """Writes a table row by row; each row is on disk before the next one, so a crash leaves complete rows.
+
+    Parameters
+    ----------
+    csv_path : Path
+        The table to write.
+    columns : sequence of Column
+        Its columns.
+    jsonl_path : Path, optional
+        Where to write the same rows as JSON lines.
+    """
+
+    def __init__(self, csv_path: Path, columns: Sequence[Column], jsonl_path: Path | None = None) -> None:
+        self._columns = tuple(columns)
+        # With line buffering each row reaches the operating system in one piece.
+        self._csv = csv_path.open("w", encoding="utf-8", newline="", buffering=1)
+        self._jsonl = None if jsonl_path is None else jsonl_path.open("w", encoding="utf-8", buffering=1)
+        self._csv.write(_csv_line([column.name for column in self._columns]))
+
+    def cells(self, row: Row) -> dict[str, Cell]:
+        """Return a row's values by column name, None where there is none."""
+        return {column.name: column.value(row) for column in self._columns}
+
+    def write(self, row: Row) -> None:
+        """Append one row."""
+        cells = self.cells(row)
+        self._csv.write(_csv_line(["" if value is None else str(value) for value in cells.values()]))
+        if self._jsonl is not None:
+            self._jsonl.write(json_line(cells))
+
+    def close(self) -> None:
+        """Close the files."""
+        self._csv.close()
+        if self._jsonl is not None:
+            self._jsonl.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def json_line(cells: Cells) -> str:
+    """Return a row as one line of JSON, with its line end."""
+    return _ENCODER.encode(cells).decode() + "\n"
+
+
+def _csv_line(values: Sequence[str]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(values)
+    return text.getvalue()
+
+
+class CsvLine(msgspec.Struct, frozen=True):
     """One line of a CSV file, its cells by column name.
 
     Parameters
     ----------
     path : str
-        The file, for messages.
+        The file, for error messages.
     line : int
         The line in it, from 1.
     cells : dict of str to str
-        What the line holds.
+        The text of its cells.
     """
 
     path: str
@@ -26,7 +107,7 @@ class Cells(msgspec.Struct, frozen=True):
     cells: dict[str, str]
 
     def error(self, problem: str) -> ValueError:
-        """Make the error that says where `problem` is."""
+        """Make the error that names the file, the line and the problem."""
         return ValueError(f"{self.path}, line {self.line}: {problem}")
 
     def text(self, name: str) -> str:
@@ -58,7 +139,7 @@ class Cells(msgspec.Struct, frozen=True):
         return text == "1"
 
 
-def read_csv(path: str | Path, required: Sequence[str]) -> list[Cells]:
+def read_csv(path: str | Path, required: Sequence[str]) -> list[CsvLine]:
     """Read a CSV file that begins with a line of column names.
 
     Parameters
@@ -66,11 +147,11 @@ def read_csv(path: str | Path, required: Sequence[str]) -> list[Cells]:
     path : str or Path
         The file.
     required : sequence of str
-        Columns that must be there; more are welcome, in any order.
+        Columns that must be there; more are allowed, in any order.
 
     Returns
     -------
-    list of Cells
+    list of CsvLine
         The lines after the first that are not empty.
 
     Raises
@@ -78,14 +159,7 @@ def read_csv(path: str | Path, required: Sequence[str]) -> list[Cells]:
     ValueError
         If the file cannot be read, is not CSV text, or lacks a column.
     """
-    try:
-        with Path(path).open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            lines = [(reader.line_num, cells) for cells in reader if cells]
-    except OSError as error:
-        raise ValueError(f"cannot read {path}: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f"{path} is not a CSV table: {error}") from error
+    lines = _lines(path)
     if not lines:
         raise ValueError(f"{path} is empty")
     names = [name.strip() for name in lines[0][1]]
@@ -94,10 +168,22 @@ def read_csv(path: str | Path, required: Sequence[str]) -> list[Cells]:
         raise ValueError(f"{path}, line 1: there is no column {', '.join(missing)}")
     if len(set(names)) < len(names):
         raise ValueError(f"{path}, line 1: a column is named twice")
-    return [_cells(str(path), line, names, cells) for line, cells in lines[1:]]
+    return [_csv_line_of(str(path), line, names, cells) for line, cells in lines[1:]]
 
 
-def _cells(path: str, line: int, names: list[str], cells: list[str]) -> Cells:
+def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
+    """Return the lines of a CSV file that are not empty, with their numbers."""
+    try:
+        with Path(path).open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file, strict=True)
+            return [(reader.line_num, cells) for cells in reader if cells]
+    except OSError as error:
+        raise ValueError(f"cannot read {path}: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ValueError(f"{path} is not a CSV table: {error}") from error
+
+
+def _csv_line_of(path: str, line: int, names: list[str], cells: list[str]) -> CsvLine:
     if len(cells) != len(names):
         raise ValueError(f"{path}, line {line}: {len(names)} cells were expected, got {len(cells)}")
-    return Cells(path, line, dict(zip(names, cells, strict=True)))
+    return CsvLine(path, line, dict(zip(names, cells, strict=True)))

@@ -12,7 +12,7 @@ from blue_ball import Matchset
 import matchset as ms
 from matchset.app.calibrate import ball_command
 from matchset.app.calibrate.ball_command import parse_distances
-from matchset.app.calibrate.still_ball import still_moments
+from matchset.app.calibrate.still_ball import still_intervals
 from matchset.tracking.track import Track
 
 CAMERA = ms.CameraModel(width=320, height=240, fx=260.0, fy=260.0, cx=159.5, cy=119.5)
@@ -142,13 +142,13 @@ def test_still_moments() -> None:
     still = [(i, track(100.0, 40.0 + 0.2 * (i % 2))) for i in range(20)]
     moving = [(20 + i, track(100.0 + 9.0 * i, 40.0 - i)) for i in range(15)]
     again = [(35 + i, track(230.0, 25.0)) for i in range(30)]
-    first, second = still_moments(still + moving + again)
+    first, second = still_intervals(still + moving + again)
     assert (first.first, second.last) == (0, 64)
     assert first.radius == pytest.approx(40.1, abs=0.2)
     assert second.radius == 25.0
     assert len(second.outlines) == pytest.approx(30, abs=2)
-    assert still_moments(still[:10]) == []
-    (one,) = still_moments([*still, *[(40 + i, track(180.0, 40.5)) for i in range(20)]])
+    assert still_intervals(still[:10]) == []
+    (one,) = still_intervals([*still, *[(40 + i, track(180.0, 40.5)) for i in range(20)]])
     assert len(one.outlines) == 40
 
 

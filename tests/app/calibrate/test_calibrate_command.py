@@ -10,9 +10,9 @@ from blue_ball import Matchset
 
 import matchset as ms
 from boards import BoardCamera, poses
-from matchset.app.calibrate import command as calibrate_command
-from matchset.app.calibrate.board_views import advice, look_for_board
-from matchset.app.calibrate.command import parse_board
+from matchset.app.calibrate import board_command
+from matchset.app.calibrate.board_command import parse_board
+from matchset.app.calibrate.board_views import instruction, look_for_board
 from matchset.app.exit_codes import StopRequest
 from matchset.camera.board import Board
 from matchset.camera.calibration_report import unseen_corners
@@ -129,9 +129,9 @@ def test_misuse_is_one_line(
 def test_what_a_person_before_a_camera_is_told(pictures: Path) -> None:
     with StopRequest() as stop, ms.Video(pictures) as video:
         seen = look_for_board(video, BOARD, stop)
-    assert seen.looks == 14
-    assert advice([], 480, 360)[0].startswith("0 views")
-    words, enough = advice(seen.views[:3], 480, 360)
+    assert seen.frames == 14
+    assert instruction([], 480, 360)[0].startswith("0 views")
+    words, enough = instruction(seen.views[:3], 480, 360)
     assert not enough
     assert f"hold the board at the {unseen_corners(seen.views[:3], 480, 360)[0]}" in words
 
@@ -145,7 +145,7 @@ class FakeCamera(ms.Video):
 
 
 def test_before_a_camera(matchset: Matchset, pictures: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(calibrate_command, "Video", FakeCamera)
+    monkeypatch.setattr(board_command, "Video", FakeCamera)
     assert matchset("calibrate", pictures, *WORDS, "-o", "camera.toml") == 0
     assert ms.CameraModel.load("camera.toml").fx == pytest.approx(340.0, abs=1.0)
 

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from matchset.app.drawing.annotate import annotate, describe, draw_circle
-from matchset.app.drawing.contact_sheet import WIDTH_PX, Shot, picture_sheet, rim_tile
+from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet, rim_tile
 from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.track.grid_picture import grid_picture
-from matchset.app.track.rows import Row, row_of
+from matchset.app.track.rows import TrackRow, track_row
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -39,7 +39,7 @@ def test_annotating_leaves_the_frame_alone(shape: tuple[int, ...]) -> None:
         Lost("it left the picture", 1.0, Circle(5.0, 5.0, 50.0)),
         Lost("x" * 500, 1.0),
     ):
-        picture = annotate(frame, answer, row_of(3, answer))
+        picture = annotate(frame, answer, track_row(3, answer))
         assert picture.shape == (*shape[:2], 3)
         assert (picture != 90).any()
         assert (frame.image == 90).all()
@@ -52,9 +52,9 @@ def test_a_circle_far_outside_is_not_drawn() -> None:
 
 
 def test_a_row_reads_as_a_line() -> None:
-    row = row_of(0, circle_track(12.34, 56.78, 9.0))
+    row = track_row(0, circle_track(12.34, 56.78, 9.0))
     assert describe(row) == "x 12.3 ±0.10   y 56.8 ±0.10   radius 9.0 ±0.10 px   support 95 %"
-    assert describe(Row(0, 0.0, reason="it left the picture")) == "Lost: it left the picture"
+    assert describe(TrackRow(0, 0.0, reason="it left the picture")) == "Lost: it left the picture"
 
 
 def test_text_is_cut_off_at_the_edges() -> None:
@@ -81,7 +81,7 @@ def test_the_enlarged_rim_lies_where_the_ball_is() -> None:
     cv2.circle(image, (round(80.5 * 16), round(90.25 * 16)), 30 * 16, (255, 0, 0), cv2.FILLED, cv2.LINE_AA, 4)
     track = circle_track(80.5, 90.25, 30.0)
     bare = Track(track.shape, track.covariance, 1.0, np.empty((0, 2)), 0.0)
-    tile = rim_tile(Shot(Frame(image), bare), 400)[:400]
+    tile = rim_tile(SheetFrame(Frame(image), bare), 400)[:400]
     blue = (tile[..., 0] > 128) & (tile[..., 2] < 60)
     rows, columns = np.nonzero(blue)
     assert columns.mean() == pytest.approx(199.5, abs=0.7)
@@ -90,8 +90,8 @@ def test_the_enlarged_rim_lies_where_the_ball_is() -> None:
 
 def test_a_sheet_takes_any_answer() -> None:
     frame = Frame(np.full((48, 64, 3), 90, np.uint8))
-    shots = [Shot(frame, circle_track(2.0, 15.0, 9.0), 0.5), Shot(frame, Lost("gone", 0.0))] * 3
-    sheet = picture_sheet("title", "subtitle", shots, np.zeros((100, WIDTH_PX, 3), np.uint8))
+    shots = [SheetFrame(frame, circle_track(2.0, 15.0, 9.0), 0.5), SheetFrame(frame, Lost("gone", 0.0))] * 3
+    sheet = contact_sheet("title", "subtitle", shots, np.zeros((100, WIDTH_PX, 3), np.uint8))
     assert sheet.shape[1] == WIDTH_PX
 
 

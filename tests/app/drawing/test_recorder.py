@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from matchset.app.drawing import video_writer as recorder
-from matchset.app.drawing.video_writer import MPEG4, Codec, Recorder
-from matchset.app.drawing.webm import set_frame_rate
+from matchset.app.drawing.video_writer import MPEG4, Codec, Recorder, set_frame_rate
 
 SIZE = 64, 48
 

@@ -13,9 +13,7 @@ import pytest
 from blue_ball import Matchset
 from flights import BLUE, CAMERA, FOV_DEG, FRAMES, PURPLE, SIZE, flight, place, turn, write_video
 
-from matchset.app.locate import run as locate_command
-from matchset.app.locate.pose_table import read_poses
-from matchset.app.locate.rows import PoseRow
+from matchset.app.locate.rows import PoseRow, read_poses
 from matchset.app.track.loop import UNDECODED
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
@@ -221,7 +219,7 @@ def test_a_camera_that_goes_away_leaves_whole_files(
     begin: int,
 ) -> None:
     """The marker may be clicked in a later frame than the ball; no frame is told twice."""
-    monkeypatch.setattr(locate_command, "Video", FakeCamera)
+    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
     options = "--pick", BLUE, "--marker-pick", PURPLE + at, "--print", "-o", "out", "--video", "out.webm"
     assert matchset("locate", "0", *BALL, *options) == 3
     captured = capsys.readouterr()

@@ -3,8 +3,7 @@ from pathlib import Path
 
 import numpy as np
 
-from matchset.app.locate.pose_table import PoseWriter, read_poses
-from matchset.app.locate.rows import PoseRow, pose_row_of
+from matchset.app.locate.rows import PoseRow, pose_row, pose_table, read_poses
 from matchset.localization.pose import UNSEEN, Pose
 from matchset.tracking.track import Lost
 
@@ -25,11 +24,11 @@ def pose(turn: bool) -> Pose:
 
 
 def rows() -> list[PoseRow]:
-    return [pose_row_of(0, pose(True)), pose_row_of(1, pose(False)), pose_row_of(7, Lost('gone, "far"', 0.9))]
+    return [pose_row(0, pose(True)), pose_row(1, pose(False)), pose_row(7, Lost('gone, "far"', 0.9))]
 
 
 def test_poses_are_read_back_as_they_were_written(tmp_path: Path) -> None:
-    table = PoseWriter(tmp_path, jsonl=True)
+    table = pose_table(tmp_path, jsonl=True)
     for row in rows():
         table.write(row)
     assert read_poses(tmp_path / "poses.csv") == rows()  # every row is on disk before the next one
@@ -40,7 +39,7 @@ def test_poses_are_read_back_as_they_were_written(tmp_path: Path) -> None:
 
 
 def test_what_is_not_known_stays_empty(tmp_path: Path) -> None:
-    table = PoseWriter(tmp_path, jsonl=False)
+    table = pose_table(tmp_path, jsonl=False)
     for row in rows():
         table.write(row)
     table.close()

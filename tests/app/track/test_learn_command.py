@@ -15,7 +15,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.sim.clips.clip import Clip
 
-DATA = Path(__file__).parents[3] / "shared" / "data"
+DATA = Path(__file__).parents[4] / "shared" / "data"
 
 
 def commands(capsys: pytest.CaptureFixture[str]) -> list[list[str]]:

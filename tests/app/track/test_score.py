@@ -4,21 +4,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.app.track.rows import Row
-from matchset.app.track.score import Circle3, Score, circles, error_px, score
-from matchset.app.track.truth import Truth
+from matchset.app.track.rows import TrackRow
+from matchset.app.track.score import Circle3, Score, TruthRow, circles, error_px, score
 
 
 def test_a_hand_worked_example() -> None:
     truths = [
-        Truth(0, (10.0, 10.0, 5.0)),  # exact
-        Truth(1, (10.0, 10.0, 5.0)),  # off by 1 in x
-        Truth(2, (10.0, 10.0, 5.0)),  # off by 1 in x and 2 in r
-        Truth(3, (10.0, 10.0, 5.0)),  # 6 px away: not valid, and a false lock
-        Truth(4, (10.0, 10.0, 5.0)),  # lost
-        Truth(5, (10.0, 10.0, 5.0), lowconf=True),  # lost, known badly
-        Truth(6, None),  # answered: a false lock
-        Truth(7, None),  # rightly silent
+        TruthRow(0, (10.0, 10.0, 5.0)),  # exact
+        TruthRow(1, (10.0, 10.0, 5.0)),  # off by 1 in x
+        TruthRow(2, (10.0, 10.0, 5.0)),  # off by 1 in x and 2 in r
+        TruthRow(3, (10.0, 10.0, 5.0)),  # 6 px away: not valid, and a false lock
+        TruthRow(4, (10.0, 10.0, 5.0)),  # lost
+        TruthRow(5, (10.0, 10.0, 5.0), lowconf=True),  # lost, known badly
+        TruthRow(6, None),  # answered: a false lock
+        TruthRow(7, None),  # rightly silent
     ]
     answers: dict[int, Circle3 | None] = {
         0: (10.0, 10.0, 5.0),
@@ -45,23 +44,25 @@ def test_a_hand_worked_example() -> None:
 def test_what_cannot_be_told_is_none() -> None:
     nothing = score({}, [])
     assert nothing.mean_error_px is nothing.valid_percent is nothing.lost_percent is nothing.trembling_px is None
-    sparse = score({0: (1.0, 1.0, 1.0), 9: (1.0, 1.0, 1.0)}, [Truth(0, (1.0, 1.0, 1.0)), Truth(9, (1.0, 1.0, 1.0))])
+    sparse = score(
+        {0: (1.0, 1.0, 1.0), 9: (1.0, 1.0, 1.0)}, [TruthRow(0, (1.0, 1.0, 1.0)), TruthRow(9, (1.0, 1.0, 1.0))]
+    )
     assert sparse.mean_error_px == 0.0
     assert sparse.trembling_px is sparse.jitter_px is None
 
 
 def test_frames_before_the_start_do_not_count() -> None:
-    truths = [Truth(0, (1.0, 1.0, 1.0)), Truth(60, (1.0, 1.0, 1.0))]
+    truths = [TruthRow(0, (1.0, 1.0, 1.0)), TruthRow(60, (1.0, 1.0, 1.0))]
     result = score({60: (1.0, 1.0, 1.0)}, truths, start=60)
     assert (result.visible, result.lost, result.valid_percent) == (1, 0, 100.0)
 
 
 def test_an_error_of_exactly_five_is_not_valid() -> None:
-    assert score({0: (5.0, 0.0, 9.0)}, [Truth(0, (0.0, 0.0, 9.0))]).valid == 0
+    assert score({0: (5.0, 0.0, 9.0)}, [TruthRow(0, (0.0, 0.0, 9.0))]).valid == 0
 
 
 def test_rows_become_answers() -> None:
-    rows = [Row(0, 0.0, reason="gone"), Row(1, 0.1, shape={"x": 1.0, "y": 2.0, "radius": 3.0})]
+    rows = [TrackRow(0, 0.0, reason="gone"), TrackRow(1, 0.1, shape={"x": 1.0, "y": 2.0, "radius": 3.0})]
     assert circles(rows) == {0: None, 1: (1.0, 2.0, 3.0)}
     assert error_px((1.0, 2.0, 3.0), (2.0, 0.0, 3.5)) == pytest.approx(3.5)
 
@@ -75,12 +76,12 @@ tables = st.dictionaries(st.integers(0, 12), st.tuples(truth_circles, st.boolean
 def test_score_agrees_with_a_naive_twin(
     table: dict[int, tuple[Circle3 | None, bool, Circle3 | None, bool]],
 ) -> None:
-    truths = [Truth(frame, circle, low) for frame, (circle, low, _, _) in table.items()]
+    truths = [TruthRow(frame, circle, low) for frame, (circle, low, _, _) in table.items()]
     answers = {frame: answer for frame, (_, _, answer, present) in table.items() if present}
     _assert_like_the_naive_one(score(answers, truths), answers, truths)
 
 
-def _assert_like_the_naive_one(result: Score, answers: dict[int, Circle3 | None], truths: list[Truth]) -> None:
+def _assert_like_the_naive_one(result: Score, answers: dict[int, Circle3 | None], truths: list[TruthRow]) -> None:
     errors, offsets = [], {}
     valid = tight = visible = lost = locks = 0
     for truth in truths:

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from matchset.app.track.row_table import TableWriter, read_tracks
-from matchset.app.track.rows import Row, row_of
-from matchset.app.track.truth import read_truth
+from matchset.app.track.rows import TrackRow, read_tracks, track_row, track_table
+from matchset.app.track.score import read_truth
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
@@ -22,11 +21,11 @@ def track(std: float = 0.1) -> Track[Circle]:
 
 def test_a_table_is_read_back_as_it_was_written(tmp_path: Path) -> None:
     rows = [
-        row_of(0, track()),
-        row_of(1, Lost('it left, so "it" said\nthe picture', 1.6)),
-        row_of(5, track(2.0)),
+        track_row(0, track()),
+        track_row(1, Lost('it left, so "it" said\nthe picture', 1.6)),
+        track_row(5, track(2.0)),
     ]
-    with TableWriter(tmp_path / "tracks.csv", NAMES, tmp_path / "tracks.jsonl") as table:
+    with track_table(tmp_path / "tracks.csv", NAMES, tmp_path / "tracks.jsonl") as table:
         for row in rows:
             table.write(row)
     assert read_tracks(tmp_path / "tracks.csv") == rows
@@ -36,9 +35,9 @@ def test_a_table_is_read_back_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_the_columns_are_those_of_the_design(tmp_path: Path) -> None:
-    with TableWriter(tmp_path / "tracks.csv", NAMES) as table:
-        table.write(row_of(7, track()))
-        table.write(row_of(8, Lost("gone", 2.0)))
+    with track_table(tmp_path / "tracks.csv", NAMES) as table:
+        table.write(track_row(7, track()))
+        table.write(track_row(8, Lost("gone", 2.0)))
     head, found, lost = (tmp_path / "tracks.csv").read_text().splitlines()
     assert head == "frame,time,found,x,y,radius,x_std,y_std,radius_std,support,reason"
     assert found == "7,1.5,1,10.1235,20.0,5.0,0.1,0.1,0.1,0.93,"
@@ -46,8 +45,8 @@ def test_the_columns_are_those_of_the_design(tmp_path: Path) -> None:
 
 
 def test_an_infinite_variance_leaves_its_cell_empty(tmp_path: Path) -> None:
-    with TableWriter(tmp_path / "tracks.csv", NAMES) as table:
-        table.write(row_of(0, msgspec.structs.replace(track(), covariance=np.diag([np.inf, np.nan, 0.25]))))
+    with track_table(tmp_path / "tracks.csv", NAMES) as table:
+        table.write(track_row(0, msgspec.structs.replace(track(), covariance=np.diag([np.inf, np.nan, 0.25]))))
     text = (tmp_path / "tracks.csv").read_text()
     assert "nan" not in text
     assert "inf" not in text
@@ -55,9 +54,9 @@ def test_an_infinite_variance_leaves_its_cell_empty(tmp_path: Path) -> None:
 
 
 def test_every_row_is_on_disk_before_the_next_one(tmp_path: Path) -> None:
-    table = TableWriter(tmp_path / "tracks.csv", NAMES)
+    table = track_table(tmp_path / "tracks.csv", NAMES)
     for index in range(3):
-        table.write(row_of(index, track()))
+        table.write(track_row(index, track()))
         assert len(read_tracks(tmp_path / "tracks.csv")) == index + 1
     table.close()
 
@@ -65,7 +64,7 @@ def test_every_row_is_on_disk_before_the_next_one(tmp_path: Path) -> None:
 def test_a_table_of_another_program_is_read(tmp_path: Path) -> None:
     path = tmp_path / "other.csv"
     path.write_text("\ufeffframe,found,radius,y,x\r\n4,1,3,2,1\r\n\r\n2,0,,,\r\n")
-    assert read_tracks(path) == [Row(2, 0.0), Row(4, 0.0, {"radius": 3.0, "y": 2.0, "x": 1.0}, {})]
+    assert read_tracks(path) == [TrackRow(2, 0.0), TrackRow(4, 0.0, {"radius": 3.0, "y": 2.0, "x": 1.0}, {})]
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
-from matchset.app.track import command as track_command
 from matchset.app.track.loop import UNDECODED
-from matchset.app.track.row_table import read_tracks
+from matchset.app.track.rows import read_tracks
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 
@@ -163,7 +162,7 @@ class FakeCamera:
 def test_a_camera_that_goes_away_leaves_whole_files(
     matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(track_command, "Video", FakeCamera)
+    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
     assert matchset("track", "0", "--pick", "50,60", "--print", "-o", "out", "--video", "out.webm") == 3
     captured = capsys.readouterr()
     lines = [json.loads(line) for line in captured.out.splitlines()]

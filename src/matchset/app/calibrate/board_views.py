@@ -1,4 +1,4 @@
-"""The board in a video, a folder of pictures or before a camera: looking until enough has been seen."""
+"""Views of the board in a video, a folder of pictures or from a camera, until there are enough: `look_for_board`."""
 
 import math
 
@@ -7,38 +7,55 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.exit_codes import StopRequest
-from matchset.app.progress import Hint, counting
+from matchset.app.progress import InstructionLine, progress_bar
 from matchset.camera.board import Board, BoardFinder, View
 from matchset.camera.calibration_report import covered, unseen_corners
 from matchset.camera.view_selection import select_views
 from matchset.image.video import Video
 
-_LOOKS = 240
-"""Frames of a recording that are looked at, spread over it: a calibration needs a few dozen."""
-_ENOUGH_VIEWS = 20
-_ENOUGH_COVERED = 0.6
 
-
-class Seen(msgspec.Struct):
-    """What was seen.
+class ViewParameters(msgspec.Struct, frozen=True):
+    """How many views of a board are collected.
 
     Parameters
     ----------
-    looks : int
-        Frames that were looked at.
+    max_frames : int
+        Frames of a file that are searched, spread over it: a calibration needs a few dozen; more take longer. Chosen
+        by hand; `tests/app/calibrate/test_calibrate_command.py` shows a change.
+    min_views : int
+        Different views after which a camera may stop. Chosen by hand, above the 12 of the report's grade "good".
+    min_coverage : float
+        Share of the picture that they must cover by then, 0 ... 1: the report's limit of the grade "good".
+    """
+
+    max_frames: int = 240
+    min_views: int = 20
+    min_coverage: float = 0.6
+
+
+PARAMETERS = ViewParameters()
+
+
+class BoardViews(msgspec.Struct):
+    """The views of a board in a source.
+
+    Parameters
+    ----------
+    frames : int
+        Frames that were searched.
     views : list of View
         The board in those that show it.
     picture : ndarray of shape (h, w, 3) or (h, w), uint8, or None
-        The last of these.
+        The last of these frames.
     """
 
-    looks: int = 0
+    frames: int = 0
     views: list[View] = msgspec.field(default_factory=list)
     picture: npt.NDArray[np.uint8] | None = None
 
 
-def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = False) -> Seen:
-    """Look for the board in frames spread over a video; before a camera until there is enough, or until Ctrl-C.
+def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = False) -> BoardViews:
+    """Find the board in frames spread over a file, or in frames of a camera until there are enough views, or Ctrl-C.
 
     Parameters
     ----------
@@ -46,39 +63,39 @@ def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = 
         Not yet read.
     board : Board
     stop : StopRequest
-        Looked at after each frame.
+        Checked after each frame.
     quiet : bool
-        Whether to show nothing meanwhile.
+        Whether to show no instructions.
 
     Returns
     -------
-    Seen
+    BoardViews
     """
-    finder, seen = BoardFinder(board), Seen()
-    step = 1 if video.live else max(1, math.ceil((video.length or 0) / _LOOKS))
-    screen = Hint(quiet) if video.live else counting("looking for the board", video.length)
-    with screen:
+    finder, seen = BoardFinder(board), BoardViews()
+    step = 1 if video.live else max(1, math.ceil((video.length or 0) / PARAMETERS.max_frames))
+    display = InstructionLine(quiet) if video.live else progress_bar("looking for the board", video.length)
+    with display:
         for frame in video:
             if frame.index % step == 0 or video.live:
                 view = finder.find(frame)
-                seen.looks += 1
+                seen.frames += 1
                 if isinstance(view, View):
                     seen.views.append(view)
                     seen.picture = frame.image
-            if isinstance(screen, Hint):
-                words, enough = advice(seen.views, video.width, video.height)
-                screen.say(words)
+            if isinstance(display, InstructionLine):
+                words, enough = instruction(seen.views, video.width, video.height)
+                display.show(words)
                 if enough:
                     break
             else:
-                screen.advance()
+                display.advance()
             if stop:
                 break
     return seen
 
 
-def advice(views: list[View], width: int, height: int) -> tuple[str, bool]:
-    """Say what is still missing.
+def instruction(views: list[View], width: int, height: int) -> tuple[str, bool]:
+    """Say which views are still missing.
 
     Parameters
     ----------
@@ -90,15 +107,15 @@ def advice(views: list[View], width: int, height: int) -> tuple[str, bool]:
     Returns
     -------
     tuple of str and bool
-        One line for the screen, and whether it is enough.
+        One line for the display, and whether it is enough.
     """
     different = select_views(views, width)
     share = float(covered(different, width, height).mean())
     unseen = unseen_corners(different, width, height)
     if unseen and views:
-        wish = f"hold the board at the {unseen[0]}"
-    elif len(different) < _ENOUGH_VIEWS or share < _ENOUGH_COVERED:
-        wish = "tilt it differently, hold it still; near and far" if views else "hold the board before the camera"
+        words = f"hold the board at the {unseen[0]}"
+    elif len(different) < PARAMETERS.min_views or share < PARAMETERS.min_coverage:
+        words = "tilt it differently, hold it still; near and far" if views else "hold the board before the camera"
     else:
         return "enough", True
-    return f"{len(different)} views   {100.0 * share:.0f} % covered   {wish}   (Ctrl-C: that is all)", False
+    return f"{len(different)} views   {100.0 * share:.0f} % covered   {words}   (Ctrl-C: that is all)", False

@@ -1,124 +1,97 @@
-"""`matchset calibrate`: from pictures of a board, or of the ball at known distances, to a camera file."""
+"""The command `matchset calibrate`: its options, and whether they ask for a board, a ball, or a board's picture.
 
-import sys
+This module is loaded for every `matchset --help`; the functions import what they need.
+"""
+
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
-from PIL import Image
+import typer
 
-from matchset.app import exit_codes as ending
-from matchset.app.calibrate.board_views import Seen, look_for_board
-from matchset.app.calibrate.coverage_picture import coverage_picture
-from matchset.app.exit_codes import StopRequest, say_error
-from matchset.app.run_folder import output_file, output_folder
-from matchset.app.track.learn_command import write_picture
-from matchset.camera.board import Board
-from matchset.camera.calibrate import Calibration, calibrate
-from matchset.camera.calibration_report import Verdict, judge_calibration
-from matchset.camera.view_selection import select_views
-from matchset.image.video import Video
+from matchset.app.cli_options import Force, TargetOptions
 
-_DPI = 300.0
-_INCH = 0.0254  # m
-_LARGEST_PX = 2e8  # A0 at 300 dpi has 1.4e8
+CALIBRATE_EPILOG = """
+[bold]Examples[/bold]
 
+  matchset calibrate --board 9x6 --square 0.025 --board-picture board.png
 
-class CalibrateOptions(msgspec.Struct, frozen=True):
-    """The options of `matchset calibrate` with a board, as typed."""
+  matchset calibrate pictures/ --board 9x6 --square 0.025 -o camera.toml
 
-    source: str
-    board: Board
-    out: Path | None = None
-    force: bool = False
+  matchset calibrate 0 --board 9x6 --square 0.025 --charuco 0.018
+
+  matchset calibrate ball.mp4 --ball-diameter 0.28 --at 0.5,1.0,1.5 --color ball.npz
+
+The board is moved all over the picture and tilted, 20 to 40 degrees, each time differently. Distances of the ball are
+from the lens to its nearest point; give one video in which it is held still at all of them in turn, or one for each.
+
+Exit codes: 0 done, 1 no board or ball found or the views do not suffice, 2 bad input or options, 3 camera or stream
+broke, 130 stopped by Ctrl-C.
+"""
 
 
-def parse_board(text: str) -> tuple[int, int]:
-    """Read ``COLUMNSxROWS``, inner corners."""
-    columns, cross, rows = text.lower().partition("x")
-    if not (cross and columns.strip().isdecimal() and rows.strip().isdecimal()):
-        raise ValueError(f"--board is COLUMNSxROWS of inner corners, as in 9x6, got {text!r}")
-    return int(columns), int(rows)
+class BoardOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that describe a board."""
+
+    board: Annotated[
+        str | None, typer.Option(metavar="9x6", help="Inner corners of the board: 10 x 7 squares have 9x6.")
+    ] = None
+    square: Annotated[float | None, typer.Option(metavar="M", help="Side of a square, m.")] = None
+    charuco: Annotated[float | None, typer.Option(metavar="M", help="It is a ChArUco board: a marker's side, m.")] = (
+        None
+    )
+    dictionary: Annotated[str, typer.Option(metavar="NAME", help="The markers' dictionary.")] = "5X5_100"
+    board_picture: Annotated[
+        Path | None, typer.Option(metavar="OUT.png", help="Draw the board to print; no SOURCE then.")
+    ] = None
 
 
-def camera_file(out: Path | None, force: bool) -> Path:
-    """Return where the camera goes: the file asked for, or one in a new folder."""
-    if out is None:
-        return output_folder(None, "calibrate") / "camera.toml"
-    if out.suffix.lower() != ".toml":
-        raise ValueError(f"a camera file's name must end in .toml, got {str(out)!r}")
-    return output_file(out, force)
+class CalibrateOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset calibrate`."""
+
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SOURCE...", help="A video, a folder of pictures, a camera's number, or a URL."),
+    ] = None
+    printed_board: BoardOptions = BoardOptions()
+    ball_diameter: Annotated[
+        float | None, typer.Option(metavar="M", help="Use the ball in place of a board: its diameter, m.")
+    ] = None
+    at: Annotated[
+        str | None, typer.Option(metavar="M,M,...", help="From the lens to the ball's nearest point, in turn, m.")
+    ] = None
+    target: TargetOptions = TargetOptions()
+    out: Annotated[Path | None, typer.Option("-o", metavar="FILE.toml", help="The camera file.")] = None
+    force: Force = False
 
 
-def calibrate_board(options: CalibrateOptions) -> int:
-    """Run the command with a board.
+def calibrate(options: CalibrateOptions) -> int:
+    """Find a camera's focal length and lens distortion, from a board or from the ball itself."""
+    if (options.printed_board.board is None) == (options.ball_diameter is None):
+        raise ValueError("give --board 9x6 --square 0.025, or --ball-diameter 0.28 --at 0.5,1.0,1.5, and not both")
+    if options.ball_diameter is None:
+        return _with_board(options)
+    if options.at is None:
+        raise ValueError("--ball-diameter needs --at: the distances from the lens to the ball's nearest point, m")
+    if not options.sources:
+        raise ValueError("give a video of the ball")
+    from matchset.app.calibrate.ball_command import calibrate_ball
 
-    Returns
-    -------
-    int
-        The exit code.
-    """
-    with StopRequest() as stop, Video(options.source) as video:
-        path = camera_file(options.out, options.force)
-        picture = output_file(path.with_name(path.stem + "-coverage.png"), options.force)
-        seen = look_for_board(video, options.board, stop)
-        for warning in video.warnings:
-            print("note: " + warning, file=sys.stderr)
-    if stop and not video.live:
-        print("note: stopped; nothing was calibrated", file=sys.stderr)
-        return stop.code
-    if seen.picture is None:
-        say_error(
-            f"no {options.board} in {seen.looks} frames. Inner corners are counted, not squares: a board of 10 x 7 "
-            "squares is --board 9x6; all of a chessboard must be in the picture, with a white margin"
-        )
-        return ending.NOT_FOUND
-    return _finish(seen, options.board, (video.width, video.height), path, picture)
+    return calibrate_ball(options)
 
 
-def _finish(seen: Seen, board: Board, size: tuple[int, int], path: Path, picture: Path) -> int:
-    views = select_views(seen.views, size[0])
-    print(f"{board} in {len(seen.views)} of {seen.looks} frames, {len(views)} of them sharp and different")
-    assert seen.picture is not None
-    try:
-        calibration = calibrate(views, *size)
-    except ValueError as error:
-        write_picture(picture, coverage_picture(seen.picture, views, None, str(error)))
-        say_error(f"not calibrated: {error}")
-        print(f"  {picture}")
-        return ending.NOT_FOUND
-    verdict = judge_calibration(calibration)
-    calibration.camera.save(path)
-    write_picture(picture, coverage_picture(seen.picture, calibration.views, verdict))
-    _say(calibration, verdict)
-    print(f"  {path}\n  {picture}")
-    return ending.FOUND
+def _with_board(options: CalibrateOptions) -> int:
+    from matchset.app.calibrate.board_command import board_of, calibrate_board, draw_board
 
-
-def _say(calibration: Calibration, verdict: Verdict) -> None:
-    camera = calibration.camera
-    print(f"\nThe calibration is {verdict.grade}, for pictures of {camera.width} x {camera.height} px.")
-    for finding in verdict.findings:
-        print(f"  {finding.grade:7s} {finding.name + ':':10s} {finding.words}")
-    print()
-
-
-def draw_board(board: Board, path: Path, force: bool) -> int:
-    """Write a board to print.
-
-    Returns
-    -------
-    int
-        The exit code.
-    """
-    if path.suffix.lower() != ".png":
-        raise ValueError(f"the board's picture must end in .png, got {str(path)!r}")
-    square_px = max(round(board.square / _INCH * _DPI), 20)
-    if (board.columns + 3) * (board.rows + 3) * square_px**2 > _LARGEST_PX:
-        raise ValueError(f"{board} with squares of {board.square} m is too large to draw; --square is in meters")
-    image = board.picture(square_px)
-    dpi = square_px * _INCH / board.square
-    Image.fromarray(image).save(output_file(path, force), dpi=(dpi, dpi))
-    width, height = (side / square_px * board.square * 1000.0 for side in image.shape[1::-1])
-    print(f"  {path}\nPrint it at 100 % ({width:.0f} x {height:.0f} mm with its margin) and glue it to something flat.")
-    print(f"Measure a square: it should be {board.square * 1000.0:.1f} mm; otherwise give --square what it is.")
-    return ending.FOUND
+    if options.printed_board.square is None:
+        raise ValueError("--board needs --square: the side of a square in m")
+    if options.at is not None or options.target != TargetOptions():
+        raise ValueError("--at, --pick, --candidate, --color and --hsv belong to --ball-diameter, not to --board")
+    board, sources = board_of(options.printed_board), options.sources or []
+    if options.printed_board.board_picture is not None:
+        if sources:
+            raise ValueError("--board-picture draws a board and takes no video")
+        return draw_board(board, options.printed_board.board_picture, options.force)
+    if len(sources) != 1:
+        raise ValueError(f"give one video, folder of pictures or camera that sees the board, got {len(sources)}")
+    return calibrate_board(sources[0], board, options.out, options.force)

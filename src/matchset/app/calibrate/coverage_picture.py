@@ -1,4 +1,4 @@
-"""The picture of a calibration: where in the picture the board was, and what that is worth."""
+"""The picture of a calibration: where the board was seen, with the report below: `coverage_picture`."""
 
 import cv2
 import numpy as np
@@ -10,14 +10,17 @@ from matchset.camera.calibration_report import Verdict, covered
 
 Picture = npt.NDArray[np.uint8]
 
+# geometry: colors, BGR
 _GREEN, _ORANGE, _RED = (90, 200, 60), (0, 160, 255), (70, 70, 240)
 _GRADES = {"good": _GREEN, "usable": _ORANGE, "poor": _RED}
+# geometry: colors, BGR
 _WHITE, _PALE, _PAPER = (255, 255, 255), (170, 170, 170), (32, 32, 32)
-_LINE_PX, _LEAST_WIDTH_PX, _LONGEST_PX = 22, 900, 1280
+# geometry: height of a line of text; least width and largest side of the picture, px
+_LINE_PX, _MIN_WIDTH_PX, _MAX_SIDE_PX = 22, 900, 1280
 
 
 def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | None, refused: str = "") -> Picture:
-    """Draw where the board's corners were seen, over a pale picture, with the verdict below.
+    """Draw the board's corners over a darkened picture, with the report below.
 
     Parameters
     ----------
@@ -26,7 +29,7 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
     views : list of View
         Those that were used.
     verdict : Verdict or None
-        What the calibration is worth; None if it was refused.
+        The report on the calibration; None if it was refused.
     refused : str
         Why, if it was.
 
@@ -36,7 +39,7 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
         BGR.
     """
     height, width = picture.shape[:2]
-    scale = min(_LONGEST_PX / max(width, height), max(_LEAST_WIDTH_PX / width, 1.0))
+    scale = min(_MAX_SIDE_PX / max(width, height), max(_MIN_WIDTH_PX / width, 1.0))
     size = round(width * scale), round(height * scale)
     gray = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY))
     back = cv2.cvtColor(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), cv2.COLOR_GRAY2BGR)
@@ -48,11 +51,11 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
         color = tuple(int(part) for part in cv2.cvtColor(hue, cv2.COLOR_HSV2BGR)[0, 0])
         for x, y in (view.pixels + 0.5) * scale - 0.5:
             cv2.circle(image, (round(x * 16), round(y * 16)), 40, color, cv2.FILLED, cv2.LINE_AA, 4)
-    return np.vstack((image, _words(size[0], len(views), verdict, refused)))
+    return np.vstack((image, _report_lines(size[0], len(views), verdict, refused)))
 
 
-def _words(width: int, views: int, verdict: Verdict | None, refused: str) -> Picture:
-    """Lines of text below the picture; the grade's color marks each."""
+def _report_lines(width: int, views: int, verdict: Verdict | None, refused: str) -> Picture:
+    """Draw the lines of text below the picture, each marked with the color of its grade."""
     lines = [("", f"Corners of the board in {views} view{'s' * (views != 1)}; shaded: where it was", _WHITE)]
     if verdict is None:
         lines += [("refused", refused, _RED)]

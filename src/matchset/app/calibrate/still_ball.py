@@ -1,4 +1,4 @@
-"""The moments in which a tracked ball is held still."""
+"""The intervals in which a tracked ball is held still: `still_intervals`."""
 
 from typing import Any
 
@@ -10,13 +10,35 @@ from matchset.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
 
-_LEAST_FRAMES = 15
-_WANDER = 0.15  # of the radius: how far a held ball may move within _LEAST_FRAMES
-_BREATHE = 0.03  # of the radius: how much it may change
-_ONE_PLACE = 0.05  # of the radius: two still moments of this difference and less are at one distance
+
+class StillParameters(msgspec.Struct, frozen=True):
+    """When a ball counts as held still.
+
+    All were chosen by hand for a ball in a person's hand; `tests/app/calibrate/test_ball_command.py` shows a change.
+
+    Parameters
+    ----------
+    min_frames : int
+        Frames of an interval at least.
+    max_motion : float
+        Range of the center within `min_frames`, as a share of the radius: more accepts an unsteady hand, and a ball
+        that is carried slowly.
+    max_growth : float
+        Range of the radius within `min_frames`, as a share of it.
+    same_radius : float
+        Two intervals in sequence belong to one distance if their radii differ by less than this share.
+    """
+
+    min_frames: int = 15
+    max_motion: float = 0.15
+    max_growth: float = 0.03
+    same_radius: float = 0.05
 
 
-class Still(msgspec.Struct, frozen=True):
+PARAMETERS = StillParameters()
+
+
+class StillInterval(msgspec.Struct, frozen=True):
     """A ball held still.
 
     Parameters
@@ -35,8 +57,8 @@ class Still(msgspec.Struct, frozen=True):
     outlines: list[Floats]
 
 
-def still_moments(found: list[tuple[int, Track[Any]]]) -> list[Still]:
-    """Find the moments of at least 15 frames in which a ball hardly moves; one after the other at one size are one.
+def still_intervals(found: list[tuple[int, Track[Any]]]) -> list[StillInterval]:
+    """Find the intervals in which a ball hardly moves; consecutive ones of one radius are joined.
 
     Parameters
     ----------
@@ -45,31 +67,31 @@ def still_moments(found: list[tuple[int, Track[Any]]]) -> list[Still]:
 
     Returns
     -------
-    list of Still
+    list of StillInterval
         In order.
     """
-    if len(found) < _LEAST_FRAMES:
+    if len(found) < PARAMETERS.min_frames:
         return []
     circles = np.array([(track.shape.x, track.shape.y, track.shape.radius) for _, track in found])
-    windows = np.lib.stride_tricks.sliding_window_view(circles, _LEAST_FRAMES, axis=0)
+    windows = np.lib.stride_tricks.sliding_window_view(circles, PARAMETERS.min_frames, axis=0)
     span = np.ptp(windows, axis=2) / np.median(windows[:, 2], axis=1)[:, None]
-    quiet = (span[:, :2].max(axis=1) < _WANDER) & (span[:, 2] < _BREATHE)
+    is_still = (span[:, :2].max(axis=1) < PARAMETERS.max_motion) & (span[:, 2] < PARAMETERS.max_growth)
     still = np.zeros(len(found), np.bool_)
-    for start in np.flatnonzero(quiet):
-        still[start : start + _LEAST_FRAMES] = True
+    for start in np.flatnonzero(is_still):
+        still[start : start + PARAMETERS.min_frames] = True
     edges = np.flatnonzero(np.diff(np.concatenate(([0], still.astype(np.int8), [0]))))
-    moments: list[Still] = []
+    intervals: list[StillInterval] = []
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
-        moment = _moment(found[begin:end])
-        if moments and abs(moment.radius / moments[-1].radius - 1.0) < _ONE_PLACE:
-            before = moments.pop()
-            outlines = before.outlines + moment.outlines
-            radius = float(np.average([before.radius, moment.radius], weights=[len(before.outlines), end - begin]))
-            moment = Still(before.first, moment.last, radius, outlines)
-        moments.append(moment)
-    return moments
+        interval = _interval(found[begin:end])
+        if intervals and abs(interval.radius / intervals[-1].radius - 1.0) < PARAMETERS.same_radius:
+            before = intervals.pop()
+            outlines = before.outlines + interval.outlines
+            radius = float(np.average([before.radius, interval.radius], weights=[len(before.outlines), end - begin]))
+            interval = StillInterval(before.first, interval.last, radius, outlines)
+        intervals.append(interval)
+    return intervals
 
 
-def _moment(found: list[tuple[int, Track[Any]]]) -> Still:
+def _interval(found: list[tuple[int, Track[Any]]]) -> StillInterval:
     radius = float(np.median([track.shape.radius for _, track in found]))
-    return Still(found[0][0], found[-1][0], radius, [track.match_set for _, track in found])
+    return StillInterval(found[0][0], found[-1][0], radius, [track.match_set for _, track in found])

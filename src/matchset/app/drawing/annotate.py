@@ -1,4 +1,4 @@
-"""What the tracker saw, drawn into the frame: `annotate`."""
+"""The answer of a tracker, drawn into its frame: `annotate`."""
 
 import math
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.track.rows import Row
+from matchset.app.track.rows import TrackRow
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import outline
@@ -16,14 +16,13 @@ from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
 
-OUTLINE = (190, 40, 255)
-"""Color of what was found, BGR: a pink that neither balls nor rooms have."""
-POINT = (255, 255, 255)
-COASTING = (60, 190, 255)
-_SHIFT = 4
+OUTLINE = (190, 40, 255)  # geometry: color of what was found, BGR: a pink that balls and rooms do not have
+POINT = (255, 255, 255)  # geometry: color of the match-set, BGR
+PREDICTED = (60, 190, 255)  # geometry: color of a predicted outline and of a loss, BGR
+_SHIFT = 4  # format: OpenCV draws at 1/16 px
 
 
-def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: Row) -> Picture:
+def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Picture:
     """Draw the answer into a copy of its frame.
 
     Parameters
@@ -31,22 +30,21 @@ def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: Row) -> Picture:
     frame : Frame
         The frame.
     answer : Track or Lost
-        What the tracker said about it.
-    row : Row
-        The same as it stands in the table; the caption is written from it.
+        The tracker's answer.
+    row : TrackRow
+        The same as a row of the table; the caption is made from it.
 
     Returns
     -------
     ndarray of shape (h, w, 3), uint8
-        BGR, with the outline and its match-set, or dashed the outline where the shape should be by now, and a
-        line of text below.
+        BGR, with the outline and its match-set (or, dashed, the predicted outline of a lost shape), and a caption.
     """
     image = as_color(frame.image)
     if isinstance(answer, Track):
         draw_points(image, answer.match_set)
         draw_shape(image, answer.shape)
     elif answer.predicted is not None:
-        draw_shape(image, answer.predicted, COASTING, dashed=True)
+        draw_shape(image, answer.predicted, PREDICTED, dashed=True)
     caption(image, describe(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
     return image
 
@@ -68,7 +66,7 @@ def draw_circle(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLIN
     color : tuple of three ints
         BGR.
     dashed : bool
-        Whether to draw dashes, for what is only supposed.
+        Whether to draw dashes, for a prediction.
     """
     thickness = 2 if min(image.shape[:2]) > 900 else 1
     if math.hypot(shape.x, shape.y) + shape.radius > 2**20:
@@ -82,7 +80,7 @@ def draw_circle(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLIN
 
 
 def draw_shape(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False) -> None:
-    """Draw the outline of any shape, to a sixteenth of a pixel; see `draw_circle`."""
+    """Draw the outline of any shape, as `draw_circle` does."""
     if isinstance(shape, Circle):
         draw_circle(image, shape, color, dashed)
         return
@@ -102,9 +100,9 @@ def draw_shape(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE
 def _dashes(corners: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]]:
     """Return the ends of 18 dashes along a closed outline, (2, 2) each."""
     closed = np.vstack((corners, corners[:1]))
-    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))))
-    at = way[-1] * (np.arange(18)[:, None] + np.array([0.0, 0.55])) / 18
-    return list(np.stack([np.interp(at, way, closed[:, k]) for k in range(2)], axis=2))
+    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))))
+    at = length[-1] * (np.arange(18)[:, None] + np.array([0.0, 0.55])) / 18
+    return list(np.stack([np.interp(at, length, closed[:, k]) for k in range(2)], axis=2))
 
 
 def draw_points(image: Picture, points: npt.NDArray[np.float64]) -> None:
@@ -114,8 +112,8 @@ def draw_points(image: Picture, points: npt.NDArray[np.float64]) -> None:
         cv2.circle(image, (x, y), radius, POINT, cv2.FILLED, cv2.LINE_AA, _SHIFT)
 
 
-def describe(row: Row) -> str:
-    """Say a row in one line: ``x 426.8 ±0.1   y 145.8 ±0.1   radius 28.8 ±0.1 px   support 93 %``."""
+def describe(row: TrackRow) -> str:
+    """Format a row in one line: ``x 426.8 ±0.1   y 145.8 ±0.1   radius 28.8 ±0.1 px   support 93 %``."""
     if row.shape is None:
         return f"Lost: {row.reason}"
     std = row.std or {}
@@ -127,7 +125,7 @@ def describe(row: Row) -> str:
 
 
 def caption(image: Picture, left: str, right: str = "", bad: bool = False, line: int = 0) -> None:
-    """Darken the lower edge of a picture and write two texts on it, as far as they fit.
+    """Write a caption on the darkened lower edge of a picture: two texts, the right one if it fits.
 
     Parameters
     ----------
@@ -136,9 +134,9 @@ def caption(image: Picture, left: str, right: str = "", bad: bool = False, line:
     left, right : str
         The texts.
     bad : bool
-        Whether the left text tells of a loss; a bar at its side says so in color too.
+        Whether the left text is about a loss; then the bar beside it has the color of a prediction.
     line : int
-        Which line, from the lowest.
+        Index of the line, from the lowest.
     """
     height, width = image.shape[:2]
     size = min(max(11, round(height / 36)), 28)
@@ -147,7 +145,7 @@ def caption(image: Picture, left: str, right: str = "", bad: bool = False, line:
     strip = image[max(bottom - high, 0) : max(bottom, 0)]
     strip //= 3
     middle = bottom - 0.95 * size
-    cv2.rectangle(strip, (0, 0), (max(2, size // 4), strip.shape[0]), COASTING if bad else OUTLINE, cv2.FILLED)
+    cv2.rectangle(strip, (0, 0), (max(2, size // 4), strip.shape[0]), PREDICTED if bad else OUTLINE, cv2.FILLED)
     draw_text(image, left, (0.9 * size, middle), size)
     room = width - text_width(left, size) - text_width(right, size) - 3.0 * size
     if right and room > 0:
@@ -157,8 +155,3 @@ def caption(image: Picture, left: str, right: str = "", bad: bool = False, line:
 
 def _fixed(value: float) -> int:
     return round(value * (1 << _SHIFT))
-
-
-def shape_names(shape: type[Any]) -> tuple[str, ...]:
-    """Return the names of a shape's parameters, in order."""
-    return tuple(shape.parameters)

@@ -1,4 +1,4 @@
-"""A clip on disk: `write_clip` and the truth table beside it."""
+"""A rendered clip on disk: `write_clip`, and the table of its truth."""
 
 import csv
 from collections.abc import Iterable
@@ -21,14 +21,14 @@ def write_clip(clip: Clip, target: Path, truth: Path | None = None) -> None:
         What to render.
     target : Path
         A name that ends in .avi or .mkv: FFV1, lossless. In .mp4: MPEG-4, which adds its own artifacts.
-        Without an ending: a new folder of PNG pictures, 000000.png, ...
+        Without an extension: a new folder of PNG pictures, 000000.png, ...
     truth : Path, optional
-        Where the table goes. Default: beside the target, with the ending .csv.
+        Where the table is written. Default: beside the target, with the extension .csv.
 
     Raises
     ------
     ValueError
-        If the ending is unknown, the folder exists or the video cannot be written.
+        If the extension is unknown, the folder exists or the video cannot be written.
     """
     table = truth if truth is not None else target.with_suffix(".csv")
     if target.suffix == "":
@@ -43,8 +43,8 @@ def write_clip(clip: Clip, target: Path, truth: Path | None = None) -> None:
 def write_truth(rows: Iterable[ClipTruth], path: Path, video: str) -> None:
     """Write a truth table: video,frame,x,y,r,visible,method.
 
-    x, y, r are empty where nothing of the ball is seen. The method is "rendered"; where less than half of
-    the disc is seen it is "rendered|lowconf", to be left out of tight scores.
+    x, y, r are empty where the ball is not visible. The method is "rendered"; where less than half of the disc is
+    visible it is "rendered|lowconf": no error is measured against such a row.
 
     Parameters
     ----------
@@ -60,9 +60,9 @@ def write_truth(rows: Iterable[ClipTruth], path: Path, video: str) -> None:
         writer.writerow(("video", "frame", "x", "y", "r", "visible", "method"))
         for row in rows:
             c = row.circle
-            place = ("", "", "") if c is None else (f"{c.x:.4f}", f"{c.y:.4f}", f"{c.radius:.4f}")
+            numbers = ("", "", "") if c is None else (f"{c.x:.4f}", f"{c.y:.4f}", f"{c.radius:.4f}")
             method = "rendered|lowconf" if 0.0 < row.share < 0.5 else "rendered"
-            writer.writerow((video, row.index, *place, int(row.visible), method))
+            writer.writerow((video, row.index, *numbers, int(row.visible), method))
 
 
 def _write_pictures(clip: Clip, folder: Path) -> list[ClipTruth]:

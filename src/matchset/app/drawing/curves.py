@@ -1,4 +1,4 @@
-"""Curves of a run, drawn by Matplotlib, which is slow to load: only reports import this file."""
+"""The error of a run over time, plotted by Matplotlib; Matplotlib loads slowly, so import this module only to draw."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ PINK, INK, PALE = "#ff28be", "#444444", "#bbbbbb"
 def error_plot(
     time: Sequence[float], error: Sequence[float], radius: Sequence[float], size: tuple[int, int]
 ) -> npt.NDArray[np.uint8]:
-    """Plot the error of a run over its time, and below it how large the ball was.
+    """Plot the error of a run over time, and below it the radius of the ball.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def error_plot(
     below.set_ylabel("radius, px")
     below.set_xlabel("time, s")
     for axes in (above, below):
-        calm(axes)
+        style_axes(axes)
     canvas.draw()  # type: ignore[no-untyped-call]
     rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(rgba[..., 2::-1])
@@ -62,8 +62,8 @@ def _draw_errors(axes: Axes, time: Sequence[float], errors: npt.NDArray[np.float
     axes.set_ylabel("error, px")
 
 
-def calm(axes: Axes) -> None:
-    """Take from a plot what is not data."""
+def style_axes(axes: Axes) -> None:
+    """Give a plot the style of all plots: no frame, pale axes, horizontal grid lines."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(PALE)
     axes.tick_params(color=PALE, labelcolor=INK, labelsize=9)

@@ -1,4 +1,4 @@
-"""Text in pictures: a TrueType font with ± and ° signs, anti-aliased, fast enough for every frame."""
+"""Text in pictures: `draw_text` with a TrueType font (it has ± and °), anti-aliased; letters are cached."""
 
 import functools
 import importlib.util
@@ -14,7 +14,7 @@ Color = tuple[int, int, int]
 
 
 class Glyph(msgspec.Struct, frozen=True):
-    """One letter: its opacity 0 ... 1 as (h, w), the left edge of its picture, and its width, px."""
+    """One letter: its opacity 0 ... 1 as (h, w), the left edge of its picture, and its advance width, px."""
 
     opacity: npt.NDArray[np.float32]
     left: int
@@ -33,9 +33,9 @@ def draw_text(
     Parameters
     ----------
     image : ndarray of shape (h, w, 3), uint8
-        The picture, changed in place; what lies outside it is cut off.
+        The picture, changed in place; what lies outside is cut off.
     text : str
-        What to write.
+        The text.
     at : tuple of two floats
         Left end and vertical middle of the line, px.
     size : int
@@ -95,7 +95,7 @@ def _baseline(size: int) -> int:
 
 @functools.lru_cache(maxsize=32)
 def _font(size: int) -> Any:
-    # Matplotlib carries DejaVu Sans; its folder is found without importing it, which would take 0.3 s.
+    # Matplotlib contains DejaVu Sans; its folder is found without importing Matplotlib, which takes 0.3 s.
     found = importlib.util.find_spec("matplotlib")
     if found is not None and found.origin is not None:
         path = Path(found.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"

@@ -90,12 +90,12 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     from matchset.app.flight.outputs import FlightOutputs
     from matchset.app.flight.pacer import Pacer
     from matchset.app.flight.score import FlightScorer
-    from matchset.app.patience import if_slow
+    from matchset.app.progress import announce_if_slow
     from matchset.links.simulated import FPS
 
     options.files.check(options.force)
     scorer = FlightScorer(parameters)
-    with if_slow("getting ready ..."):
+    with announce_if_slow("getting ready ..."):
         flight = Flight(parameters)
     pacer = Pacer(1.0 / FPS) if options.real_time else None
     with (

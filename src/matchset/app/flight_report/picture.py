@@ -12,7 +12,7 @@ from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.flight_report.step_text import age_text, position_text, state_text
 from matchset.app.flight_report.top_view import TopView
-from matchset.app.locate.annotate_pose import draw_seen
+from matchset.app.locate.annotate_pose import draw_located
 from matchset.camera.camera_model import CameraModel
 
 Picture = npt.NDArray[np.uint8]
@@ -98,7 +98,7 @@ def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: flo
         dark where no picture came.
     """
     image = _picture(step, camera)
-    draw_seen(image, step.ball, step.markers, step.pose, camera, radius)
+    draw_located(image, step.ball, step.markers, step.pose, camera, radius)
     if words:
         _write(image, step, number)
     return image

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from matchset.app.drawing.curves import INK, PALE, PINK, calm
+from matchset.app.drawing.curves import INK, PALE, PINK, style_axes
 from matchset.app.flight.log import FlightLog, FollowerLog
 from matchset.app.flight.score import SCORING
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
@@ -165,7 +165,7 @@ def _color(number: int) -> str:
 def _png(figure: Figure, grid: str = "y") -> bytes:
     """Finish a figure and return it as PNG."""
     for axes in figure.axes:
-        calm(axes)
+        style_axes(axes)
         if grid == "both":
             axes.grid(color="#eeeeee")
             axes.margins(0.07)

@@ -1,4 +1,4 @@
-"""Where the ball is, drawn into its frame: `annotate_pose`."""
+"""The pose of the ball, drawn into its frame: `annotate_pose`."""
 
 import math
 from collections.abc import Iterable
@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.annotate import COASTING, as_color, caption, draw_circle, draw_points
+from matchset.app.drawing.annotate import PREDICTED, as_color, caption, draw_circle, draw_points
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.locate.loop import Sighting
+from matchset.app.locate.loop import LocatedFrame
 from matchset.app.locate.rows import POSITION, PoseRow
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
@@ -19,27 +19,25 @@ from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
 
-MARKER = (90, 255, 255)
-"""Color of a marker's circle, BGR."""
-AXES = ((80, 80, 255), (80, 230, 80), (255, 190, 60))
-"""Colors of the ball's x, y and z, BGR."""
-_LENGTH = 1.7  # of the drawn axes, in ball radii
-_SHIFT = 4
+MARKER = (90, 255, 255)  # geometry: color of a marker's circle, BGR
+AXES = ((80, 80, 255), (80, 230, 80), (255, 190, 60))  # geometry: colors of the ball's x, y and z axes, BGR
+_LENGTH = 1.7  # geometry: length of the drawn axes, ball radii
+_SHIFT = 4  # format: OpenCV draws at 1/16 px
 
 
-def annotate_pose(frame: Frame, sighting: Sighting, camera: CameraModel, radius: float) -> Picture:
+def annotate_pose(frame: Frame, located: LocatedFrame, camera: CameraModel, radius: float) -> Picture:
     """Draw a pose into a copy of its frame.
 
     Parameters
     ----------
     frame : Frame
         The frame.
-    sighting : Sighting
+    located : LocatedFrame
         What was found in it.
     camera : CameraModel
-        What filmed it.
+        Its camera.
     radius : float
-        Of the ball, m.
+        Radius of the ball, m.
 
     Returns
     -------
@@ -47,15 +45,15 @@ def annotate_pose(frame: Frame, sighting: Sighting, camera: CameraModel, radius:
         BGR, with the ball's outline, its match-set, its markers and, where the rotation is observed, the axes of the
         ball frame (x red, y green, z blue); its distance beside it, and the numbers of the row below.
     """
-    image, row = as_color(frame.image), sighting.row
-    draw_seen(image, sighting.ball, sighting.markers, sighting.pose, camera, radius)
+    image, row = as_color(frame.image), located.row
+    draw_located(image, located.ball, located.markers, located.pose, camera, radius)
     if row.observed in ("level", "full"):
-        caption(image, describe_seen(row), line=1)
-    caption(image, describe_place(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
+        caption(image, describe_relative_pose(row), line=1)
+    caption(image, describe_position(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
     return image
 
 
-def draw_seen(
+def draw_located(
     image: Picture,
     ball: Track[Circle] | Lost[Circle],
     markers: Iterable[Track[Circle]],
@@ -63,7 +61,7 @@ def draw_seen(
     camera: CameraModel,
     radius: float,
 ) -> None:
-    """Draw into a picture a ball's outline with its match-set, or dashed where it should be; markers, axes, distance.
+    """Draw a ball's outline with its match-set (or, dashed, its prediction), its markers, its axes and its distance.
 
     Parameters
     ----------
@@ -71,15 +69,15 @@ def draw_seen(
     ball, markers, pose
         What was found in it.
     camera : CameraModel
-        What filmed it.
+        Its camera.
     radius : float
-        Of the ball, m.
+        Radius of the ball, m.
     """
     if isinstance(ball, Track):
         draw_points(image, ball.match_set)
         draw_circle(image, ball.shape)
     elif ball.predicted is not None:
-        draw_circle(image, ball.predicted, COASTING, dashed=True)
+        draw_circle(image, ball.predicted, PREDICTED, dashed=True)
     for marker in markers:
         draw_circle(image, marker.shape, MARKER)
     if isinstance(pose, Pose) and isinstance(ball, Track):
@@ -87,15 +85,15 @@ def draw_seen(
         label_ball(image, f"{pose.distance:.2f} m", ball.shape.x, ball.shape.y, ball.shape.radius)
 
 
-def describe_place(row: PoseRow) -> str:
-    """Say where the ball is: ``x +0.121 ±0.0011   y -0.040 ±0.0009   z +1.912 ±0.0084 m``."""
+def describe_position(row: PoseRow) -> str:
+    """Format the position of the ball: ``x +0.121 ±0.0011   y -0.040 ±0.0009   z +1.912 ±0.0084 m``."""
     if row.values is None:
         return f"Lost: {row.reason}"
     return "   ".join(_with_std(row, name, "+z.3f", ".4f") for name in POSITION) + " m"
 
 
-def describe_seen(row: PoseRow) -> str:
-    """Say where the camera is as the ball sees it: ``level:  side +0.12 ±0.021   ...   yaw +3.1°``."""
+def describe_relative_pose(row: PoseRow) -> str:
+    """Format the camera's position relative to the ball: ``level:  side +0.12 ±0.021   ...   yaw +3.1°``."""
     if row.values is None or "side" not in row.values:
         return ""
     yaw_deg = math.degrees(row.values["yaw"])
@@ -114,7 +112,7 @@ def draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) ->
     if pose.turn is None:
         return
     ends = pose.position + _LENGTH * radius * pose.turn.T
-    # Those that point away from the camera first: the ball's z comes last where it looks at the camera.
+    # Far axes first, so that a nearer one is drawn over them.
     for axis in np.argsort(-ends[:, 2]).tolist():
         line = np.array((pose.position + 0.4 * (ends[axis] - pose.position), ends[axis]))
         if (line[:, 2] <= 0.1 * radius).any() or not _drawable(camera, line):
@@ -127,12 +125,12 @@ def draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) ->
 def _drawable(camera: CameraModel, points: npt.NDArray[np.float64]) -> bool:
     try:
         return bool(np.abs(camera.project(points)).max() < 2**20)
-    except ValueError:  # beyond where the lens model has an image
+    except ValueError:  # outside the region in which the lens model is defined
         return False
 
 
 def label_ball(image: Picture, words: str, x: float, y: float, radius: float) -> None:
-    """Write beside a ball, above it or, at the upper border, below."""
+    """Write above a ball or, at the upper border, below it."""
     height, width = image.shape[:2]
     size = min(max(14, round(height / 24)), 40)
     wide = text_width(words, size)

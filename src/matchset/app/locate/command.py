@@ -1,23 +1,26 @@
-"""The options of `matchset locate`."""
+"""The command `matchset locate`: its options and its run.
 
+This module is loaded for every `matchset --help`; the functions import what they need.
+"""
+
+import functools
+import itertools
+import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
+import msgspec
 import typer
 
-from matchset.app.cli_options import (
-    AnnotatedVideo,
-    Candidate,
-    Color,
-    Folder,
-    Force,
-    Hsv,
-    Pick,
-    Points,
-    Source,
-    ToStdout,
-)
-from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line
+from matchset.app.cli_options import AnnotatedVideo, Folder, Force, Params, Points, Source, TargetOptions, ToStdout
+from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
+
+if TYPE_CHECKING:
+    from matchset.app.locate.loop import LocatedFrame, PathLog
+    from matchset.app.track.outputs import Outputs, Picture
+    from matchset.camera.camera_model import CameraModel
+    from matchset.image.video import Video
 
 LOCATE_EPILOG = f"""
 [bold]Examples[/bold]
@@ -39,59 +42,111 @@ from its center: z out through marker 0, y down, x = y cross z.
 """
 
 
-def locate(
-    source: Source,
+class MarkerOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say what color the markers have; at most one of the two is given."""
+
+    marker_pick: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y[@FRAME]", help="A pixel on a marker, in the ball's frame or FRAME."),
+    ] = None
+    marker_color: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="A color of the markers; several are joined."),
+    ] = None
+
+    @property
+    def given(self) -> bool:
+        """Whether there are markers to track."""
+        return self.marker_pick is not None or bool(self.marker_color)
+
+
+class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset locate`."""
+
+    source: Source
     camera: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV.")
-    ] = None,
+    ] = None
     fov: Annotated[
         float | None, typer.Option(metavar="DEG", help="In place of --camera: the horizontal field of view.")
-    ] = None,
-    diameter: Annotated[float | None, typer.Option(metavar="M", help="The ball's diameter.")] = None,
-    pick: Pick = None,
-    candidate: Candidate = None,
-    color: Color = None,
-    hsv: Hsv = None,
-    marker_pick: Annotated[
-        str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on a marker, in the ball's frame or FRAME.")
-    ] = None,
-    marker_color: Annotated[
-        list[Path] | None, typer.Option(metavar="FILE", help="A color of the markers; several are joined.")
-    ] = None,
+    ] = None
+    diameter: Annotated[float | None, typer.Option(metavar="M", help="The ball's diameter.")] = None
+    target: TargetOptions = TargetOptions()
+    marker: MarkerOptions = MarkerOptions()
     marker_diameter: Annotated[
         float | None, typer.Option(metavar="M", help="Straight across a marker; without it 0.06.")
-    ] = None,
+    ] = None
     markers: Annotated[
         Path | None, typer.Option(metavar="FILE.toml", help="The ball, if it has several markers: see below.")
-    ] = None,
-    video: AnnotatedVideo = None,
-    out: Folder = None,
-    jsonl: Annotated[bool, typer.Option("--jsonl", help="Write poses.jsonl too.")] = False,
-    to_stdout: ToStdout = False,
-    force: Force = False,
-    points: Points = 64,
-) -> None:
-    """Say where a ball of known size is, in meters, and the camera as the ball's markers see it."""
-    with errors_in_one_line():
-        from matchset.app.locate import run as locate_command
-        from matchset.app.locate.marker_wish import MarkerWish
-        from matchset.app.track.target_options import Wish
+    ] = None
+    video: AnnotatedVideo = None
+    out: Folder = None
+    jsonl: Annotated[bool, typer.Option("--jsonl", help="Write poses.jsonl too.")] = False
+    to_stdout: ToStdout = False
+    force: Force = False
+    points: Points = 64
+    params: Params = None
 
-        options = locate_command.LocateOptions(
-            source=source,
-            wish=Wish(pick, candidate, tuple(color or ()), tuple(hsv or ())),
-            marker=MarkerWish(marker_pick, tuple(marker_color or ())),
-            camera=camera,
-            fov_deg=fov,
-            diameter=diameter,
-            marker_diameter=marker_diameter,
-            markers=markers,
-            folder=out,
-            video=video,
-            jsonl=jsonl,
-            print=to_stdout,
-            force=force,
-            points=points,
-        )
-        code = locate_command.run_locate(options)
-    raise typer.Exit(code)
+
+def locate(options: LocateOptions) -> int:
+    """Say where a ball of known size is, in meters, and the camera as the ball's markers see it."""
+    from matchset.app.drawing.video_writer import codecs_for
+    from matchset.app.locate.loop import PathLog, locate_frames
+    from matchset.app.locate.options import ball_target, camera_for, check_options, load_camera, locator_for
+    from matchset.app.run_folder import output_folder
+    from matchset.app.track.loop import RunStatistics, print_summary
+    from matchset.app.track.outputs import write_frames
+    from matchset.image.video import Video
+
+    check_options(options)
+    ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
+    loaded = load_camera(options)
+    if options.video is not None:
+        codecs_for(options.video)
+    with StopRequest() as stop, Video(options.source) as video:
+        camera = camera_for(video, options, loaded)
+        locator, taken = locator_for(options, video, camera, ball)
+        folder = output_folder(options.out, "locate", options.force)
+        statistics, path = RunStatistics(), PathLog()
+        outputs = _outputs(options, video, functools.partial(_annotated, camera, ball.radius), folder)
+        try:
+            located = locate_frames(itertools.chain(taken, video), locator, gaps=not video.live, stop=stop)
+            write_frames(path.record(located), outputs, statistics, video, options.to_stdout, "locating")
+        finally:
+            files = _finish(options, folder, path, camera)
+            print_summary(video, statistics, "locating", files, sys.stderr if options.to_stdout else sys.stdout)
+    if stop:
+        print("note: stopped; the files hold what was done so far", file=sys.stderr)
+        return stop.code
+    return FOUND if statistics.found else NOT_FOUND
+
+
+def _annotated(camera: "CameraModel", radius: float, located: "LocatedFrame") -> "Picture | None":
+    from matchset.app.locate.annotate_pose import annotate_pose
+
+    return None if located.frame is None else annotate_pose(located.frame, located, camera, radius)
+
+
+def _outputs(
+    options: LocateOptions, video: "Video", draw: "Callable[[LocatedFrame], Picture | None]", folder: Path
+) -> "Outputs[LocatedFrame]":
+    from matchset.app.locate.rows import pose_table
+    from matchset.app.track.outputs import Outputs, recorder_for
+
+    recorder = recorder_for(options.video, video, options.force)
+    return Outputs(pose_table(folder, options.jsonl), draw, recorder)
+
+
+def _finish(options: LocateOptions, folder: Path, path: "PathLog", camera: "CameraModel") -> list[Path]:
+    """Draw the path, if there is one; return the files of the run."""
+    from matchset.app.progress import announce_if_slow
+    from matchset.app.track.learn_command import write_picture
+
+    files = [folder / "poses.csv", folder / "poses.jsonl" if options.jsonl else None, options.video]
+    if path.any_found:
+        with announce_if_slow("drawing the path ..."):
+            from matchset.app.locate.path_picture import path_picture
+
+            write_picture(folder / "poses.png", path_picture(path, camera))
+        files.append(folder / "poses.png")
+    return [each for each in files if each is not None]

@@ -1,37 +1,45 @@
-"""The loop of `matchset locate`: each frame through tracker, markers and localizer."""
+"""The loop of `matchset locate`: each frame through tracker, markers and localizer (`locate`); the path (`PathLog`)."""
 
-from collections.abc import Callable, Iterable, Iterator
+import math
+from array import array
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
 from matchset.app.exit_codes import StopRequest
-from matchset.app.locate.rows import PoseRow, pose_row_of
-from matchset.app.track.loop import Follower, follow
+from matchset.app.locate.rows import PoseRow, pose_row
+from matchset.app.track.loop import FrameTracker, TrackerAt, follow
 from matchset.image.frame import Frame
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost, Track
 
+Floats = npt.NDArray[np.float64]
 
-class Sighting(msgspec.Struct, frozen=True):
-    """One frame and what became of it.
+_NUMBERS = 8  # format: numbers per frame in a `PathLog`: time, x, y, z, their variances, covariance of x and z
+
+
+class LocatedFrame(msgspec.Struct, frozen=True):
+    """One frame with ball, markers and pose.
 
     Parameters
     ----------
     frame : Frame or None
-        The frame; None if it did not decode.
+        The frame; None if it could not be decoded.
     ball : Track or Lost
-        What the tracker said.
+        The tracker's answer.
     markers : tuple of Track
         The markers that were found.
     pose : Pose or Lost
-        Where that puts the ball.
+        Position and rotation of the ball.
     row : PoseRow
         The same for the table.
     seconds : float
-        Computing time that all this took, s.
+        Computing time of all this, s.
     """
 
     frame: Frame | None
@@ -43,16 +51,16 @@ class Sighting(msgspec.Struct, frozen=True):
 
 
 class Locator:
-    """Follows ball and markers and places them; it is a `Follower` of the ball.
+    """Tracks ball and markers and computes the pose; it is a `FrameTracker` of the ball.
 
     Parameters
     ----------
     tracker_at : callable
-        Asked before each frame: a new tracker to go on with, or None to keep the one there is.
-    finder : MarkerTracker or None
-        What finds the markers, if there are any.
+        See `TrackerAt`.
+    marker_tracker : MarkerTracker or None
+        Finds the markers, if there are any.
     localizer : Localizer
-        What places them.
+        Computes the pose.
 
     Attributes
     ----------
@@ -62,48 +70,104 @@ class Locator:
         That of the last frame.
     """
 
-    def __init__(
-        self, tracker_at: Callable[[Frame], Follower | None], finder: MarkerTracker | None, localizer: Localizer
-    ) -> None:
-        self._tracker_at, self._finder, self._localizer = tracker_at, finder, localizer
-        self._tracker: Follower | None = None
+    def __init__(self, tracker_at: TrackerAt, marker_tracker: MarkerTracker | None, localizer: Localizer) -> None:
+        self._tracker_at, self._marker_tracker, self._localizer = tracker_at, marker_tracker, localizer
+        self._tracker: FrameTracker | None = None
         self.markers: tuple[Track[Any], ...] = ()
         self.pose: Pose | Lost[Pose] = Lost("no frame yet", 0.0)
 
     def update(self, frame: Frame) -> Track[Any] | Lost[Any]:
-        """Follow the ball into `frame` and place it."""
+        """Track the ball into `frame` and locate it."""
         self._tracker = self._tracker_at(frame) or self._tracker
         if self._tracker is None:
-            raise ValueError(f"nothing follows frame {frame.index}")
+            raise ValueError(f"no tracker for frame {frame.index}")
         ball = self._tracker.update(frame)
-        self.markers = () if self._finder is None else self._finder.update(frame, ball)
+        self.markers = () if self._marker_tracker is None else self._marker_tracker.update(frame, ball)
         self.pose = self._localizer.update(ball, self.markers)
         return ball
 
 
-def locate(frames: Iterable[Frame], locator: Locator, gaps: bool, stop: StopRequest) -> Iterator[Sighting]:
-    """Place the ball in a video frame by frame.
+def locate_frames(frames: Iterable[Frame], locator: Locator, gaps: bool, stop: StopRequest) -> Iterator[LocatedFrame]:
+    """Locate the ball in a video frame by frame.
 
     Parameters
     ----------
     frames : iterable of Frame
         The video.
     locator : Locator
-        What follows and places it.
+        What tracks and locates it.
     gaps : bool
-        See `follow`.
+        See `matchset.app.track.loop.follow`.
     stop : StopRequest
-        Looked at after each frame.
+        Checked after each frame.
 
     Yields
     ------
-    Sighting
+    LocatedFrame
         One for each frame, in order.
     """
-    for step in follow(frames, lambda _: locator, gaps, stop):
-        if step.frame is None:
-            lost: Lost[Pose] = Lost(step.row.reason, step.row.time)
-            yield Sighting(None, step.answer, (), lost, pose_row_of(step.row.frame, lost))
+    for tracked in follow(frames, lambda _: locator, gaps, stop):
+        index = tracked.row.frame
+        if tracked.frame is None:
+            lost: Lost[Pose] = Lost(tracked.row.reason, tracked.row.time)
+            yield LocatedFrame(None, tracked.answer, (), lost, pose_row(index, lost))
         else:
-            row = pose_row_of(step.row.frame, locator.pose)
-            yield Sighting(step.frame, step.answer, locator.markers, locator.pose, row, step.seconds)
+            row = pose_row(index, locator.pose)
+            yield LocatedFrame(tracked.frame, tracked.answer, locator.markers, locator.pose, row, tracked.seconds)
+
+
+class PathLog:
+    """Times, positions and their covariance, frame by frame; 64 bytes a frame, so a camera may run for hours.
+
+    Attributes
+    ----------
+    any_found : bool
+        Whether the ball was located in any frame.
+    """
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+        self.any_found = False
+
+    def record(self, frames: Iterable[LocatedFrame]) -> Iterator[LocatedFrame]:
+        """Pass frames on, appending each."""
+        for located in frames:
+            self.append(located)
+            yield located
+
+    def append(self, located: LocatedFrame) -> None:
+        """Append a frame."""
+        pose = located.pose
+        if isinstance(pose, Pose):
+            self.any_found = True
+            covariance = pose.covariance
+            numbers = (*pose.position.tolist(), *np.diag(covariance)[:3].tolist(), float(covariance[0, 2]))
+        else:
+            numbers = (math.nan,) * (_NUMBERS - 1)
+        self._numbers.extend((located.row.time, *numbers))
+
+    @property
+    def _table(self) -> Floats:
+        return np.array(self._numbers, np.float64).reshape(-1, _NUMBERS)
+
+    @property
+    def time(self) -> Floats:
+        """Since the first frame, (n,), s."""
+        time = self._table[:, 0]
+        return np.asarray(time - time[:1])
+
+    @property
+    def position(self) -> Floats:
+        """Of the ball in the camera frame, (n, 3), m; NaN where it was not located."""
+        return self._table[:, 1:4]
+
+    @property
+    def std(self) -> Floats:
+        """Standard deviations of the position, (n, 3), m; NaN where it was not located."""
+        return np.sqrt(self._table[:, 4:7])
+
+    @property
+    def horizontal_covariance(self) -> Floats:
+        """Covariance of x and z, (n, 2, 2), m^2."""
+        table = self._table
+        return table[:, (4, 7, 7, 6)].reshape(-1, 2, 2)

@@ -1,18 +1,36 @@
-"""What is known of the ball, as the command line says it: `--diameter`, `--marker-diameter`, `--markers FILE`."""
+"""The options of `matchset locate`: from text and files to ball (`ball_target`), colors (`targets_for`) and camera."""
 
+import functools
 import math
+import operator
+import shlex
 from pathlib import Path
 
 import msgspec
 
+from matchset.app.cli_options import TargetOptions
+from matchset.app.locate.command import LocateOptions, MarkerOptions
+from matchset.app.locate.loop import Locator
+from matchset.app.parameters_file import tracker_parameters
+from matchset.app.track.frame_picker import frame_at
+from matchset.app.track.loop import trackers_for
+from matchset.app.track.target_options import LearnedTarget, check_target_options, parse_pick, target_for
+from matchset.camera.camera_model import CameraModel
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.image.video import Video
 from matchset.localization.ball_target import BallTarget
+from matchset.localization.localizer import Localizer
+from matchset.localization.markers.marker_tracker import MarkerTracker
+from matchset.shapes.circle import Circle
+from matchset.tracking.tracker import Tracker
 
 _KEYS = "diameter, marker_diameter (m) and markers = [[x, y, z], ...]"
-_LARGEST_BYTES = 100_000
+_MAX_BYTES = 100_000  # format: a larger file is no ball
 
 
 class BallFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A ball in TOML.
+    """The ball as TOML describes it.
 
     Parameters
     ----------
@@ -29,7 +47,7 @@ class BallFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def read_ball(path: Path) -> BallFile:
-    """Read a ball from TOML.
+    """Read a ball from a TOML file.
 
     Parameters
     ----------
@@ -38,15 +56,15 @@ def read_ball(path: Path) -> BallFile:
     Returns
     -------
     BallFile
-        Its markers are unit vectors.
+        With unit vectors as markers.
 
     Raises
     ------
     ValueError
-        If there is no such file, or it holds something else; with the file and the key.
+        If there is no such file, or it holds something else; the message names file and key.
     """
     try:
-        if path.stat().st_size > _LARGEST_BYTES:
+        if path.stat().st_size > _MAX_BYTES:
             raise ValueError(f"{path}: too large for a file of a ball")
         ball = msgspec.toml.decode(path.read_bytes(), type=BallFile)
     except FileNotFoundError:
@@ -57,27 +75,27 @@ def read_ball(path: Path) -> BallFile:
         raise ValueError(f"{path}: a ball is {_KEYS} in TOML: {error}") from None
     if not ball.markers:
         raise ValueError(f"{path}: markers is empty; without markers leave the file out")
-    return msgspec.structs.replace(ball, markers=tuple(_unit(path, marker) for marker in ball.markers))
+    return msgspec.structs.replace(ball, markers=tuple(_unit_vector(path, marker) for marker in ball.markers))
 
 
 def ball_target(
     diameter: float | None, marker_diameter: float | None, markers: Path | None, marked: bool
 ) -> BallTarget:
-    """Put together what is known of the ball; a number that was typed counts more than the file's.
+    """Combine the options and the file that describe the ball; an option overrides the file.
 
     Parameters
     ----------
     diameter, marker_diameter : float or None
-        m, as typed.
+        As typed, m.
     markers : Path or None
-        The file with the directions of the markers; without it there is one.
+        The file with the directions of the markers; without it there is one marker.
     marked : bool
         Whether markers are looked for.
 
     Raises
     ------
     ValueError
-        If the diameter is missing, a number is impossible, or markers are described that nobody looks for.
+        If the diameter is missing, a number is out of range, or markers are described without their color.
     """
     if not marked and (markers is not None or marker_diameter is not None):
         option = "--marker-diameter" if markers is None else "--markers"
@@ -94,9 +112,103 @@ def ball_target(
     return BallTarget(known, file.markers) if across is None else BallTarget(known, file.markers, across)
 
 
-def _unit(path: Path, marker: tuple[float, float, float]) -> tuple[float, float, float]:
+def _unit_vector(path: Path, marker: tuple[float, float, float]) -> tuple[float, float, float]:
     length = math.hypot(*marker)
     if not 1e-6 < length < 1e6:
         raise ValueError(f"{path}: markers must be directions of three numbers, not all zero, got {list(marker)}")
     x, y, z = (value / length for value in marker)
     return x, y, z
+
+
+def check_options(options: LocateOptions) -> None:
+    """Check the options that belong together.
+
+    Raises
+    ------
+    ValueError
+        If none or several of them say what to track or what the camera is like, both say what color the markers have,
+        or one cannot be read.
+    """
+    check_target_options(options.target, shlex.quote(options.source))
+    marker = options.marker
+    if marker.marker_pick is not None and marker.marker_color:
+        raise ValueError("give one of --marker-pick and --marker-color, not both")
+    if marker.marker_pick is not None:
+        parse_pick(marker.marker_pick, "--marker-pick")
+    if (options.camera is None) == (options.fov is None):
+        raise ValueError(
+            "say what the camera is like: --camera FILE from 'matchset calibrate', or --fov DEG, its horizontal "
+            "field of view; one of the two"
+        )
+    if options.fov is not None and not 0.0 < options.fov < 180.0:
+        raise ValueError(f"--fov must lie between 0 and 180 degrees, got {options.fov:g}")
+
+
+def targets_for(
+    source: str, video: Video, options: TargetOptions, marker: MarkerOptions
+) -> tuple[LearnedTarget, ColorModel | None, tuple[Frame, ...]]:
+    """Learn what to track, and the color of its markers, in a video that is about to be read.
+
+    Parameters
+    ----------
+    source : str
+        What was opened: a file is opened a second time to learn from it.
+    video : Video
+        Not yet read.
+    options, marker : TargetOptions, MarkerOptions
+        As typed.
+
+    Returns
+    -------
+    target : LearnedTarget
+        The ball, in its own color and the markers' (the paper's filter a).
+    color : ColorModel or None
+        Of the markers alone (the paper's filter b).
+    frames : tuple of Frame
+        Frames that were taken from a live source to learn from; they are to be tracked too.
+    """
+    target, taken = target_for(source, video, options)
+    if not marker.given:
+        return target, None, taken
+    if marker.marker_pick is None:
+        models = [ColorModel.load(path) for path in marker.marker_color or ()]
+        color = functools.reduce(operator.or_, models)
+    else:
+        x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
+        frame, taken = _frame_of(source, video, target.frame if index is None else index, taken)
+        color = ColorModel.pick(frame.image, x, y)
+    return msgspec.structs.replace(target, color=target.color | color), color, taken
+
+
+def _frame_of(source: str, video: Video, index: int, taken: tuple[Frame, ...]) -> tuple[Frame, tuple[Frame, ...]]:
+    """Return the frame in which a marker was clicked; of a live source, the ball's frame if it is late enough."""
+    if not video.live:
+        with Video(source) as second:
+            return frame_at(second, index), taken
+    if taken and taken[-1].index >= index:
+        return taken[-1], taken
+    frame = frame_at(video, index)
+    return frame, (*taken, frame)
+
+
+def load_camera(options: LocateOptions) -> CameraModel | None:
+    """Load the camera of `--camera`, if it is given."""
+    return None if options.camera is None else CameraModel.load(options.camera)
+
+
+def camera_for(video: Video, options: LocateOptions, loaded: CameraModel | None) -> CameraModel:
+    """Return the loaded camera, if it fits the size of the pictures (ValueError), or that of `--fov`."""
+    camera = loaded or CameraModel.from_fov(video.width, video.height, math.radians(options.fov or 0.0))
+    camera.check((video.width, video.height))
+    return camera
+
+
+def locator_for(
+    options: LocateOptions, video: Video, camera: CameraModel, ball: BallTarget
+) -> tuple[Locator, tuple[Frame, ...]]:
+    """Make what tracks and locates the ball; return it with frames taken from a live source (see `targets_for`)."""
+    target, marker_color, taken = targets_for(options.source, video, options.target, options.marker)
+    marker_tracker = None if marker_color is None else MarkerTracker(marker_color, ball)
+    parameters = tracker_parameters(options.params)
+    make = functools.partial(Tracker, Circle, points=options.points, parameters=parameters)
+    return Locator(trackers_for(target, make), marker_tracker, Localizer(camera, ball)), taken

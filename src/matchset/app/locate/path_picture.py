@@ -1,4 +1,4 @@
-"""The path of a ball from above and over time, drawn by Matplotlib: only reports import this file."""
+"""The path of a ball from above and over time: `path_picture`. It loads Matplotlib, slowly: import it only to draw."""
 
 import math
 
@@ -9,26 +9,26 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from matchset.app.drawing.curves import INK, PALE, PINK, calm
-from matchset.app.locate.path_log import Course
+from matchset.app.drawing.curves import INK, PALE, PINK, style_axes
+from matchset.app.locate.loop import PathLog
 from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
 
-SIGMAS = 2.0
-_MOST_ELLIPSES = 600
-_WAYS = ("x, m (right)", "y, m (down)", "z, m (forward)")
+SIGMAS = 2.0  # geometry: half-width of the shaded bands, standard deviations
+_MAX_ELLIPSES = 600  # geometry: more make the picture no clearer
+_AXIS_LABELS = ("x, m (right)", "y, m (down)", "z, m (forward)")
 
 
-def path_picture(course: Course, camera: CameraModel, size: tuple[int, int] = (1480, 760)) -> npt.NDArray[np.uint8]:
+def path_picture(path: PathLog, camera: CameraModel, size: tuple[int, int] = (1480, 760)) -> npt.NDArray[np.uint8]:
     """Plot where the ball was: from above, and each coordinate over time, with bands of two standard deviations.
 
     Parameters
     ----------
-    course : Course
-        At least one frame with the ball in it.
+    path : PathLog
+        With the ball located in at least one frame.
     camera : CameraModel
-        What filmed it; it stands at the origin.
+        The camera, at the origin.
     size : tuple of two ints
         Width and height of the picture, px.
 
@@ -42,32 +42,32 @@ def path_picture(course: Course, camera: CameraModel, size: tuple[int, int] = (1
     grid = figure.add_gridspec(
         3, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.985, top=0.94, bottom=0.08, wspace=0.14, hspace=0.14
     )
-    _draw_top(figure.add_subplot(grid[:, 0]), course, camera)
-    curves = [figure.add_subplot(grid[way, 1]) for way in range(3)]
-    for way, axes in enumerate(curves):
-        _draw_coordinate(axes, course, way)
+    _draw_top(figure.add_subplot(grid[:, 0]), path, camera)
+    curves = [figure.add_subplot(grid[axis, 1]) for axis in range(3)]
+    for axis, axes in enumerate(curves):
+        _draw_coordinate(axes, path, axis)
     for axes in curves[:-1]:
         axes.tick_params(labelbottom=False)
     curves[0].set_title("each coordinate over time", loc="left", color=INK, fontsize=11)
     curves[-1].set_xlabel("time since the first frame, s")
     for axes in figure.axes:
-        calm(axes)
+        style_axes(axes)
     figure.axes[0].grid(color="#eeeeee")
     canvas.draw()  # type: ignore[no-untyped-call]
     rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(rgba[..., 2::-1])
 
 
-def _draw_top(axes: Axes, course: Course, camera: CameraModel) -> None:
-    """Draw the path as a bird sees it: x to the right, z up, the camera with its field of view at the origin."""
-    position = course.position
+def _draw_top(axes: Axes, path: PathLog, camera: CameraModel) -> None:
+    """Draw the path from above: x to the right, z up, the camera with its field of view at the origin."""
+    position = path.position
     x, z = position[:, 0], position[:, 2]
-    seen = np.flatnonzero(np.isfinite(x))
+    found = np.flatnonzero(np.isfinite(x))
     _frame_top(axes, float(np.nanmax(np.abs(x))), float(np.nanmax(z)))
-    some = seen[:: max(1, math.ceil(len(seen) / _MOST_ELLIPSES))]
-    axes.add_collection(PolyCollection(_ellipses(course, some), facecolor=PINK, edgecolor="none", alpha=0.10))
+    some = found[:: max(1, math.ceil(len(found) / _MAX_ELLIPSES))]
+    axes.add_collection(PolyCollection(_ellipses(path, some), facecolor=PINK, edgecolor="none", alpha=0.10))
     axes.plot(x, z, color=PINK, linewidth=1.4)
-    for index, words, marker in ((seen[0], "first", "o"), (seen[-1], "last", "s")):
+    for index, words, marker in ((found[0], "first", "o"), (found[-1], "last", "s")):
         axes.plot(x[index], z[index], marker, color=INK, markersize=5)
         axes.annotate(words, (x[index], z[index]), xytext=(7, 4), textcoords="offset points", color=INK, fontsize=9)
     _draw_camera(axes, camera, axes.get_ylim()[1])
@@ -77,7 +77,7 @@ def _draw_top(axes: Axes, course: Course, camera: CameraModel) -> None:
 
 
 def _frame_top(axes: Axes, wide: float, far: float) -> None:
-    """Show x to both sides and z from the camera on, a meter as long in both."""
+    """Show x to both sides and z from the camera on, with the same scale for both."""
     box = axes.get_window_extent()
     height = max(1.25 * far, 2.3 * wide * box.height / box.width)
     width = height * box.width / box.height
@@ -95,18 +95,18 @@ def _draw_camera(axes: Axes, camera: CameraModel, far: float) -> None:
     axes.annotate("camera", (0.0, 0.0), xytext=(9, -3), textcoords="offset points", color=INK, fontsize=9)
 
 
-def _ellipses(course: Course, some: npt.NDArray[np.intp]) -> list[Floats]:
-    """Outlines of the spread in x and z, each (24, 2), m."""
-    values, vectors = np.linalg.eigh(course.level_spread[some])
+def _ellipses(path: PathLog, some: npt.NDArray[np.intp]) -> list[Floats]:
+    """Return the covariance ellipses in x and z, each (24, 2), m."""
+    values, vectors = np.linalg.eigh(path.horizontal_covariance[some])
     root = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
     angles = 2.0 * math.pi * np.arange(24) / 24
     circle = SIGMAS * np.column_stack((np.cos(angles), np.sin(angles)))
-    middle = course.position[some][:, (0, 2)]
+    middle = path.position[some][:, (0, 2)]
     return list(middle[:, None, :] + np.einsum("nij,kj->nki", root, circle))
 
 
-def _draw_coordinate(axes: Axes, course: Course, way: int) -> None:
-    time, value, std = course.time, course.position[:, way], course.std[:, way]
+def _draw_coordinate(axes: Axes, path: PathLog, axis: int) -> None:
+    time, value, std = path.time, path.position[:, axis], path.std[:, axis]
     axes.fill_between(time, value - SIGMAS * std, value + SIGMAS * std, color=PINK, alpha=0.35, linewidth=0)
     axes.plot(time, value, color=PINK, linewidth=0.8)
     lost = time[~np.isfinite(value)]
@@ -115,4 +115,4 @@ def _draw_coordinate(axes: Axes, course: Course, way: int) -> None:
     typical_mm = 1000.0 * SIGMAS * float(np.nanmedian(std))
     words = f"±{SIGMAS:.0f} standard deviations: {typical_mm:.1f} mm (median)"
     axes.text(1.0, 1.0, words, transform=axes.transAxes, ha="right", va="bottom", color=INK, fontsize=9)
-    axes.set_ylabel(_WAYS[way])
+    axes.set_ylabel(_AXIS_LABELS[axis])

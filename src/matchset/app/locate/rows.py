@@ -1,17 +1,22 @@
-"""What is written down of the pose in one frame: `PoseRow`."""
+"""`poses.csv`: one row for each frame, as it is written (`PoseRow`, `pose_columns`) and read (`read_poses`)."""
 
 import math
+import operator
+from pathlib import Path
 
 import msgspec
 import numpy as np
 
+from matchset.app.tables import Column, CsvLine, RowWriter, read_csv
+from matchset.app.track.rows import frame_columns
 from matchset.localization.pose import Pose
 from matchset.localization.pose_spread import seen_spread, yaw_variance
 from matchset.tracking.track import Lost
 
 POSITION = ("x", "y", "z")
-SEEN = ("side", "height", "heading", "yaw")
-_DECIMALS = 6
+RELATIVE = ("side", "height", "heading", "yaw")
+_DECIMALS = 6  # format: 1e-6 m and rad
+_STD = "_std"
 
 
 class PoseRow(msgspec.Struct, frozen=True):
@@ -20,18 +25,18 @@ class PoseRow(msgspec.Struct, frozen=True):
     Parameters
     ----------
     frame : int
-        Its place in the video, from 0, in decode order.
+        Its index in the video, from 0, in decode order.
     time : float
         When it was taken, s.
     values : dict of str to float, or None
         `x`, `y`, `z` of the ball in the camera frame, m; `side`, `height`, `heading`, m, where the rotation was
-        observed; `yaw`, rad. None where the ball was not placed.
+        observed; `yaw`, rad. None where the ball was not located.
     std : dict of str to float, or None
         Their standard deviations, by the same names.
     observed : str
-        "position", "level" or "full", see `Pose`; empty where the ball was not placed.
+        "position", "level" or "full", see `Pose`; empty where the ball was not located.
     reason : str
-        Why it was not placed, in words; empty where it was.
+        Why it was not located, in words; empty where it was.
     """
 
     frame: int
@@ -43,18 +48,18 @@ class PoseRow(msgspec.Struct, frozen=True):
 
     @property
     def found(self) -> bool:
-        """Whether this frame's pixels placed the ball."""
+        """Whether this frame's pixels locate the ball."""
         return self.values is not None
 
     @property
     def brief(self) -> str:
-        """The position in a few words, for a line that changes all the time; empty where there is none."""
+        """The position in a few words, for the status line; empty where there is none."""
         if self.values is None:
             return ""
         return "  ".join(f"{name} {self.values[name]:+7.3f}" for name in POSITION) + f" m  {self.observed}"
 
 
-def pose_row_of(frame: int, pose: "Pose | Lost[Pose]") -> PoseRow:
+def pose_row(frame: int, pose: "Pose | Lost[Pose]") -> PoseRow:
     """Turn a pose into the row of its frame.
 
     Parameters
@@ -73,9 +78,11 @@ def pose_row_of(frame: int, pose: "Pose | Lost[Pose]") -> PoseRow:
         return PoseRow(frame, pose.time, reason=pose.reason)
     values = dict(zip(POSITION, pose.position.tolist(), strict=True))
     variances = dict(zip(POSITION, np.diag(pose.covariance)[:3].tolist(), strict=True))
-    seen = seen_spread(pose)
-    if seen is not None:
-        for name, value, variance in zip(SEEN, (pose.side, pose.height, pose.heading), np.diag(seen), strict=False):
+    relative = seen_spread(pose)
+    if relative is not None:
+        for name, value, variance in zip(
+            RELATIVE, (pose.side, pose.height, pose.heading), np.diag(relative), strict=False
+        ):
             values[name] = float(value or 0.0)
             variances[name] = float(variance)
     values["yaw"], variances["yaw"] = pose.yaw, yaw_variance(pose)
@@ -90,3 +97,64 @@ def pose_row_of(frame: int, pose: "Pose | Lost[Pose]") -> PoseRow:
 
 def _rounded(value: float) -> float:
     return round(value, _DECIMALS) + 0.0  # no -0.0
+
+
+def pose_columns() -> list[Column]:
+    """Return the columns of `poses.csv`."""
+
+    def value_of(name: str) -> Column:
+        return Column(name, lambda row: (row.values or {}).get(name))
+
+    def std_of(name: str) -> Column:
+        return Column(name + _STD, lambda row: (row.std or {}).get(name))
+
+    return [
+        *frame_columns(),
+        *map(value_of, POSITION),
+        *map(std_of, POSITION),
+        *map(value_of, RELATIVE),
+        *map(std_of, RELATIVE),
+        Column("observed", operator.attrgetter("observed")),
+        Column("reason", operator.attrgetter("reason")),
+    ]
+
+
+def pose_table(folder: Path, jsonl: bool) -> RowWriter[PoseRow]:
+    """Begin `poses.csv` in a folder and, if wanted, `poses.jsonl`."""
+    return RowWriter(folder / "poses.csv", pose_columns(), folder / "poses.jsonl" if jsonl else None)
+
+
+def read_poses(path: str | Path) -> list[PoseRow]:
+    """Read a `poses.csv`.
+
+    Parameters
+    ----------
+    path : str or Path
+        A CSV file with the columns ``frame,time,found,x,y,z``; the others may be missing.
+
+    Returns
+    -------
+    list of PoseRow
+        In the order of the file.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or a row is wrong; the message holds the file and the line.
+    """
+    return [_row_of(line) for line in read_csv(path, required=("frame", "time", "found", *POSITION))]
+
+
+def _row_of(line: CsvLine) -> PoseRow:
+    frame, time = line.index("frame"), line.number("time")
+    if not line.flag("found"):
+        return PoseRow(frame, time, reason=line.text("reason"))
+    names = [name for name in (*POSITION, *RELATIVE) if name in POSITION or line.text(name)]
+    return PoseRow(
+        frame,
+        time,
+        values={name: line.number(name) for name in names},
+        std={name: line.number(name + _STD) for name in names if line.text(name + _STD)},
+        observed=line.text("observed"),
+        reason=line.text("reason"),
+    )

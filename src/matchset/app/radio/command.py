@@ -100,7 +100,7 @@ def bind(options: BindOptions) -> int:
             print("note: this transmitter has the id that all have at first; 'matchset radio config PORT --new-id'")
         link.bind()
         if not radio.wait(lambda report: report.state == "binding", 0.5):
-            exit_codes.say_error(f"the firmware did not begin to bind; it is {link.report.state}")
+            exit_codes.print_error(f"the firmware did not begin to bind; it is {link.report.state}")
             return connection.REFUSED
         radio.wait(lambda report: report.state != "binding", 2 * BIND_DURATION)
         print("bind packets were sent. If the quadcopter's lights have stopped blinking, it is bound.")
@@ -177,7 +177,7 @@ def config(options: ConfigOptions) -> int:
             return exit_codes.FOUND
         answer = link.write_config(new)
         if answer != "stored":
-            exit_codes.say_error(f"the firmware did not take it, {answer}")
+            exit_codes.print_error(f"the firmware did not take it, {answer}")
             return connection.REFUSED
         print_config(new, "stored now")
         if new.id != old.id:

@@ -69,7 +69,7 @@ def run_stick_test(radio: Radio, motor_test: MotorTestParameters | None) -> int:
     """
     with radio.link:
         if not all_heard(radio):
-            exit_codes.say_error("the firmware did not hear what was sent")
+            exit_codes.print_error("the firmware did not hear what was sent")
             return REFUSED
         if motor_test is None:
             print("Every stick arrives. The motors stayed off; with --arm they turn, after a countdown.")

@@ -1,10 +1,12 @@
-"""Ball-like things in a picture of which nothing is known yet: `find_candidates`.
+"""Ball-like circles in a picture of which nothing is known yet: `find_candidates`.
 
-Circles are proposed by `blobs.py` and judged by the picture itself: how much of the rim is an edge, how
-colorful the inside is against its surroundings, how even, how large. No randomness: the same picture always
-gives the same numbers.
+Circles are proposed in two ways. Every channel of the picture (lightness, the two chroma axes, distance from the most
+common color) is thresholded at several levels, and a circle is fitted to the outline of each connected region; Hough's
+transform adds circles whose rim is an edge although region and surroundings have one color. Each proposal then gets a
+score from the picture. There is no randomness: the same picture gives the same numbers.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -12,25 +14,156 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.track.blobs import CircleTuple, propose_circles
-
 Floats = npt.NDArray[np.float64]
-Lab = npt.NDArray[np.float32]
-Gray = npt.NDArray[np.uint8]
+LabImage = npt.NDArray[np.float32]
+Picture = npt.NDArray[np.uint8]
+CircleTuple = tuple[float, float, float]
 
-WORK_SIDE_PX = 640
-"""Longer side of the picture that is searched; a larger one is shrunk to it."""
 
-CONVINCING = 0.15
-"""Least score of a candidate that is worth tracking without asking."""
+class ProposalParameters(msgspec.Struct, frozen=True):
+    """Which circles are proposed.
 
-_LEAST_SCORE = 0.02
-_LEAST_SHARE = 0.15  # of the best one's score
-_RAYS = 64
+    All were chosen by hand; `tests/app/track/test_learn_command.py` (rendered rooms over clean and noisy links, and a
+    real ball) shows a change. More proposals find more balls and take more time.
+
+    Parameters
+    ----------
+    min_radius, max_radius : float
+        Radius of a proposal, px of the searched picture.
+    levels : int
+        Thresholds per channel.
+    min_range : float
+        Range of values of a channel that is thresholded, Lab units: below it there is only noise.
+    opening : int
+        Diameter of the opening that removes thin bridges between regions, px.
+    min_outline, min_fit : int
+        Points of a region's outline; of them, points that a circle is fitted to.
+    area_below, area_above : float
+        Area of a region, as multiples of the area of the smallest and of the largest circle.
+    min_solidity : float
+        Area of a region over the area of its convex hull.
+    max_area : float
+        Area of a region, as a share of the square over the picture's longer side.
+    fit_rounds : int
+        Fits of a circle, each without the points far from the one before.
+    fit_tolerance, fit_tolerance_px : float
+        Distance from the circle at which a point still counts, as a share of the radius and in px; the larger counts.
+    min_inliers : float
+        Share of the outline's points that must lie on the circle.
+    hough_blur : float
+        Standard deviation of the blur before Hough's transform, px.
+    hough_resolution : float
+        Pixels per cell of Hough's accumulator.
+    hough_distance : float
+        Distance between two centers of Hough's transform, px.
+    hough_edge, hough_votes : float
+        Canny's upper threshold and the accumulator's threshold (`cv2.HoughCircles`, `param1` and `param2`).
+    hough_circles : int
+        Circles taken from Hough's transform at most.
+    """
+
+    min_radius: float = 5.0
+    max_radius: float = 200.0
+    levels: int = 10
+    min_range: float = 4.0
+    opening: int = 5
+    min_outline: int = 20
+    min_fit: int = 12
+    area_below: float = 0.5
+    area_above: float = 1.5
+    min_solidity: float = 0.6
+    max_area: float = 0.5
+    fit_rounds: int = 4
+    fit_tolerance: float = 0.12
+    fit_tolerance_px: float = 1.5
+    min_inliers: float = 0.5
+    hough_blur: float = 1.5
+    hough_resolution: float = 2.0
+    hough_distance: float = 12.0
+    hough_edge: float = 100.0
+    hough_votes: float = 50.0
+    hough_circles: int = 40
+
+
+class ScoreParameters(msgspec.Struct, frozen=True):
+    """How a proposed circle is scored, and which of them become candidates.
+
+    The score is rim^3 x contrast x vividness x evenness x size, each 0 ... 1. Colors are in CIE Lab with the lightness
+    scaled. All were chosen by hand; `tests/app/track/test_learn_command.py` shows a change.
+
+    Parameters
+    ----------
+    longest_side : int
+        Longer side of the picture that is searched, px; a larger picture is reduced to it.
+    blur, blur_scale, max_blur : float
+        Standard deviation of the smoothing, px: blur + (median magnitude of the Laplacian) / blur_scale, at most
+        max_blur.
+    lightness : float
+        Weight of lightness beside chroma: shading changes lightness most. A gray picture has weight 1.
+    gray_chroma : float
+        99th percentile of the chroma below which a picture is gray, Lab units.
+    convincing : float
+        Score from which a candidate is worth tracking without asking the user.
+    min_score, min_share : float
+        Score of a candidate, absolute and as a share of the best one's.
+    rays : int
+        Directions in which the rim is sampled.
+    min_visible : float
+        Share of these directions whose outer sample lies in the picture.
+    rim_step : float
+        Distance of the samples inside and outside from the rim, as a share of the radius, between `rim_step_low` and
+        `rim_step_high`, px.
+    rim_step_low, rim_step_high : float
+        See `rim_step`.
+    rim_edge : float
+        Color difference across the rim from which a direction counts as an edge, Lab units.
+    rim_shading : float
+        The same as a multiple of the difference just inside the rim, which is shading.
+    contrast_base, contrast_scale : float
+        Contrast is base + median rim difference / scale (Lab units).
+    vivid_base, vivid_scale : float
+        Vividness is base + chroma of the inside / scale (Lab units).
+    even_scale : float
+        Evenness is 1 / (1 + median chroma deviation inside / scale) (Lab units).
+    full_size : float
+        Radius from which the size factor is 1, px.
+    same_distance, same_ratio : float
+        Two circles are one if their centers are closer than this share of the larger radius, and the ratio of their
+        radii lies between this and its inverse.
+    """
+
+    longest_side: int = 640
+    blur: float = 1.0
+    blur_scale: float = 12.0
+    max_blur: float = 3.0
+    lightness: float = 0.4
+    gray_chroma: float = 4.0
+    convincing: float = 0.15
+    min_score: float = 0.02
+    min_share: float = 0.15
+    rays: int = 64
+    min_visible: float = 0.6
+    rim_step: float = 0.08
+    rim_step_low: float = 2.0
+    rim_step_high: float = 5.0
+    rim_edge: float = 4.0
+    rim_shading: float = 0.8
+    contrast_base: float = 0.15
+    contrast_scale: float = 25.0
+    vivid_base: float = 0.3
+    vivid_scale: float = 30.0
+    even_scale: float = 10.0
+    full_size: float = 48.0
+    same_distance: float = 0.7
+    same_ratio: float = 0.4
+
+
+PROPOSAL = ProposalParameters()
+SCORE = ScoreParameters()
 
 
 class Candidate(msgspec.Struct, frozen=True):
-    """A ball-like thing.
+    """A ball-like circle.
 
     Parameters
     ----------
@@ -39,7 +172,7 @@ class Candidate(msgspec.Struct, frozen=True):
     radius : float
         Radius, px.
     pick : tuple of int
-        A pixel inside it of its prevailing color: where to click.
+        A pixel inside it with its most typical color: where to click.
     score : float
         How ball-like it is, 0 ... 1.
     """
@@ -51,7 +184,7 @@ class Candidate(msgspec.Struct, frozen=True):
     score: float
 
 
-def find_candidates(image: Gray, limit: int = 9) -> list[Candidate]:
+def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     """Find what may be a ball.
 
     Parameters
@@ -59,66 +192,155 @@ def find_candidates(image: Gray, limit: int = 9) -> list[Candidate]:
     image : ndarray of shape (h, w, 3) or (h, w), uint8
         BGR or gray.
     limit : int
-        How many at most.
+        Number of candidates at most.
 
     Returns
     -------
     list of Candidate
         Most ball-like first.
     """
-    scale = min(1.0, WORK_SIDE_PX / max(image.shape[:2]))
+    scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
     lab = _lab(small)
-    judged = sorted(((_score(lab, circle), circle) for circle in propose_circles(lab)), reverse=True)
+    scored = sorted(((_score(lab, circle), circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []
-    for score, circle in judged:
-        if score < max(_LEAST_SCORE, _LEAST_SHARE * judged[0][0]) or len(kept) == limit:
+    for score, circle in scored:
+        if score < max(SCORE.min_score, SCORE.min_share * scored[0][0]) or len(kept) == limit:
             break
         if not any(_same(circle, other) for _, other in kept):
             kept.append((score, circle))
     return [_candidate(lab, circle, score, scale) for score, circle in kept]
 
 
-def _lab(image: npt.NDArray[Any]) -> Lab:
-    """CIE Lab, smoothed as much as its noise asks for, with lightness counting less than chroma."""
+def _lab(image: npt.NDArray[Any]) -> LabImage:
+    """Convert to CIE Lab, smoothed according to the noise, with lightness weighted less than chroma."""
     color = image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
-    # The median of a Laplacian's magnitude tells the noise: edges are too few to move it.
+    # The median of the Laplacian's magnitude measures the noise: edges are too few to change it.
     roughness = np.abs(cv2.Laplacian(color[..., 1], cv2.CV_32F))
-    sigma = min(3.0, 1.0 + float(np.median(roughness)) / 12.0)
+    sigma = min(SCORE.max_blur, SCORE.blur + float(np.median(roughness)) / SCORE.blur_scale)
     smooth = cv2.GaussianBlur(color, (0, 0), sigma).astype(np.float32) / 255.0
     lab = cv2.cvtColor(smooth, cv2.COLOR_BGR2LAB).astype(np.float32, copy=False)
-    gray = float(np.percentile(np.abs(lab[..., 1:]), 99.0)) < 4.0
-    # Shade moves lightness and hardly chroma; a gray picture has nothing else.
-    lab[..., 0] *= 1.0 if gray else 0.4
+    gray = float(np.percentile(np.abs(lab[..., 1:]), 99.0)) < SCORE.gray_chroma
+    lab[..., 0] *= 1.0 if gray else SCORE.lightness
     return lab
 
 
-def _score(lab: Lab, circle: CircleTuple) -> float:
-    """Judge a circle by the picture: rim x contrast x color x evenness x size, each 0 ... 1."""
+def propose_circles(lab: LabImage) -> list[CircleTuple]:
+    """Propose circles.
+
+    Parameters
+    ----------
+    lab : ndarray of shape (h, w, 3), float32
+        The picture in CIE Lab.
+
+    Returns
+    -------
+    list of (x, y, radius)
+        In px, many, in no particular order, but the same for the same picture.
+    """
+    return [circle for mask in _threshold_masks(lab) for circle in _region_circles(mask)] + _hough_circles(lab)
+
+
+def _threshold_masks(lab: LabImage) -> Iterator[Picture]:
+    """Threshold every channel at several levels; yield what is above and what is below."""
+    common = np.median(lab.reshape(-1, 3), axis=0)
+    distance = np.linalg.norm(lab[..., 1:] - common[1:], axis=2)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (PROPOSAL.opening, PROPOSAL.opening))
+    for channel in (lab[..., 0], lab[..., 1], lab[..., 2], distance):
+        low, high = (float(value) for value in np.percentile(channel, (0.1, 99.9)))
+        if high - low < PROPOSAL.min_range:
+            continue
+        for level in np.linspace(low, high, PROPOSAL.levels + 2)[1:-1]:
+            above = (channel > level).astype(np.uint8)
+            for mask in (above, 1 - above):
+                yield cv2.morphologyEx(mask, cv2.MORPH_OPEN, kernel).astype(np.uint8, copy=False)
+
+
+def _region_circles(mask: Picture) -> Iterator[CircleTuple]:
+    """Fit a circle to the outline of every region of a mask that may be a disc."""
+    contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    side = max(mask.shape)
+    low, high = PROPOSAL.min_radius, PROPOSAL.max_radius
+    smallest, largest = PROPOSAL.area_below * low * low * np.pi, PROPOSAL.area_above * high * high * np.pi
+    for contour in contours:
+        area = cv2.contourArea(contour)
+        if len(contour) < PROPOSAL.min_outline or not smallest < area < largest:
+            continue
+        hull_area = cv2.contourArea(cv2.convexHull(contour))
+        if area < PROPOSAL.min_solidity * hull_area or area > PROPOSAL.max_area * side * side:
+            continue
+        circle = _fit_circle(contour[:, 0, :].astype(np.float64))
+        if circle is not None and low <= circle[2] <= high:
+            yield circle
+
+
+def _fit_circle(points: Floats) -> CircleTuple | None:
+    """Fit a circle by least squares (Kasa 1976), repeatedly without the points far from it."""
+    inliers = points
+    for _ in range(PROPOSAL.fit_rounds):
+        if len(inliers) < PROPOSAL.min_fit:
+            return None
+        mean = inliers.mean(axis=0)
+        shifted = inliers - mean
+        squares = (shifted**2).sum(axis=1)
+        design = np.column_stack([shifted, np.ones(len(inliers))])
+        solution = np.linalg.lstsq(design, squares, rcond=None)[0]
+        center = solution[:2] / 2.0
+        radius = float(np.sqrt(max(solution[2] + (center**2).sum(), 1e-9)))
+        residual = np.abs(np.hypot(*(points - mean - center).T) - radius)
+        inliers = points[residual < max(PROPOSAL.fit_tolerance * radius, PROPOSAL.fit_tolerance_px)]
+    if len(inliers) < PROPOSAL.min_inliers * len(points):
+        return None
+    return float(mean[0] + center[0]), float(mean[1] + center[1]), radius
+
+
+def _hough_circles(lab: LabImage) -> list[CircleTuple]:
+    lightness = lab[..., 0] - lab[..., 0].min()
+    light = (255.0 / max(float(lightness.max()), 1.0) * lightness).astype(np.uint8)
+    light = cv2.GaussianBlur(light, (0, 0), PROPOSAL.hough_blur)
+    found = cv2.HoughCircles(
+        light,
+        cv2.HOUGH_GRADIENT,
+        PROPOSAL.hough_resolution,
+        PROPOSAL.hough_distance,
+        param1=PROPOSAL.hough_edge,
+        param2=PROPOSAL.hough_votes,
+        minRadius=2 * round(PROPOSAL.min_radius),
+        maxRadius=round(PROPOSAL.max_radius),
+    )
+    if found is None:
+        return []
+    circles = found.reshape(-1, 3)[: PROPOSAL.hough_circles]
+    return [(float(x), float(y), float(radius)) for x, y, radius in circles]
+
+
+def _score(lab: LabImage, circle: CircleTuple) -> float:
+    """Score a circle: rim^3 x contrast x vividness x evenness x size, each 0 ... 1."""
     x, y, radius = circle
-    angles = 2.0 * np.pi * np.arange(_RAYS) / _RAYS
-    step = min(max(2.0, 0.08 * radius), 5.0)
+    angles = 2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays
+    step = min(max(SCORE.rim_step_low, SCORE.rim_step * radius), SCORE.rim_step_high)
     core, middle, inner, outer = (
         _sample(lab, x + r * np.cos(angles), y + r * np.sin(angles))
         for r in (0.5 * radius, max(radius - 2.0 * step, 0.5 * radius), radius - step, radius + step)
     )
-    seen = np.isfinite(outer[:, 0])
-    if seen.sum() < 0.6 * _RAYS:
+    visible = np.isfinite(outer[:, 0])
+    if visible.sum() < SCORE.min_visible * SCORE.rays:
         return 0.0
-    color = np.nanmedian(np.concatenate([core, inner]), axis=0)
-    off = np.linalg.norm((np.concatenate([core, inner]) - color)[:, 1:], axis=1)
-    rim = np.linalg.norm(inner - outer, axis=1)[seen]
-    shade = np.linalg.norm(inner - middle, axis=1)[seen]
-    share = float(np.mean((rim > 4.0) & (rim > 0.8 * shade)))
-    contrast = 0.15 + float(np.median(rim)) / 25.0
-    vivid = 0.3 + float(np.linalg.norm(color[1:])) / 30.0
-    even = 1.0 / (1.0 + float(np.nanmedian(off)) / 10.0)
-    size = min(1.0, radius / 48.0) * float(seen.mean())
-    return share * share * share * min(1.0, contrast) * min(1.0, vivid) * even * size
+    interior = np.concatenate([core, inner])
+    color = np.nanmedian(interior, axis=0)
+    deviation = np.linalg.norm((interior - color)[:, 1:], axis=1)
+    difference = np.linalg.norm(inner - outer, axis=1)[visible]
+    shading = np.linalg.norm(inner - middle, axis=1)[visible]
+    rim = float(np.mean((difference > SCORE.rim_edge) & (difference > SCORE.rim_shading * shading)))
+    contrast = SCORE.contrast_base + float(np.median(difference)) / SCORE.contrast_scale
+    vivid = SCORE.vivid_base + float(np.linalg.norm(color[1:])) / SCORE.vivid_scale
+    even = 1.0 / (1.0 + float(np.nanmedian(deviation)) / SCORE.even_scale)
+    size = min(1.0, radius / SCORE.full_size) * float(visible.mean())
+    return rim * rim * rim * min(1.0, contrast) * min(1.0, vivid) * even * size
 
 
-def _sample(lab: Lab, x: Floats, y: Floats) -> Floats:
-    """Colors at points, NaN outside the picture."""
+def _sample(lab: LabImage, x: Floats, y: Floats) -> Floats:
+    """Return the colors at points, NaN outside the picture."""
     height, width = lab.shape[:2]
     columns, rows = np.round(x).astype(int), np.round(y).astype(int)
     inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
@@ -128,19 +350,20 @@ def _sample(lab: Lab, x: Floats, y: Floats) -> Floats:
 
 
 def _same(one: CircleTuple, other: CircleTuple) -> bool:
-    near = np.hypot(one[0] - other[0], one[1] - other[1]) < 0.7 * max(one[2], other[2])
-    return bool(near and 0.4 < one[2] / other[2] < 2.5)
+    near = np.hypot(one[0] - other[0], one[1] - other[1]) < SCORE.same_distance * max(one[2], other[2])
+    return bool(near and SCORE.same_ratio < one[2] / other[2] < 1.0 / SCORE.same_ratio)
 
 
-def _candidate(lab: Lab, circle: CircleTuple, score: float, scale: float) -> Candidate:
+def _candidate(lab: LabImage, circle: CircleTuple, score: float, scale: float) -> Candidate:
+    """Make a candidate in the pixels of the whole picture, with the best pixel to click."""
     x, y, radius = circle
     height, width = lab.shape[:2]
     rows, columns = np.mgrid[0:height, 0:width]
     distance = np.hypot(columns - x, rows - y)
     disc = lab[distance < 0.75 * radius]
-    off = np.linalg.norm(lab - np.median(disc, axis=0), axis=2)
-    # Among equally typical pixels the middle one is the safest click.
-    best = np.argmin(np.where(distance < 0.5 * radius, off + 4.0 * distance / radius, np.inf))
+    deviation = np.linalg.norm(lab - np.median(disc, axis=0), axis=2)
+    # Among pixels that are equally typical, the one closest to the center is the safest click.
+    best = np.argmin(np.where(distance < 0.5 * radius, deviation + 4.0 * distance / radius, np.inf))
     row, column = divmod(int(best), width)
     pick = round((column + 0.5) / scale - 0.5), round((row + 0.5) / scale - 0.5)
     return Candidate((x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5, radius / scale, pick, score)

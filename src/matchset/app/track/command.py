@@ -1,92 +1,212 @@
-"""`matchset track`: a video in, its ball's circle in every frame out."""
+"""The commands `track`, `learn`, `score`, `demo` and `params`: their options, and the run of `track`.
 
+This module is loaded for every `matchset --help`; the functions import what they need.
+"""
+
+import functools
 import itertools
 import shlex
 import sys
-from collections.abc import Callable, Iterable
-from contextlib import ExitStack
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
+import typer
 
-from matchset.app import exit_codes as ending
-from matchset.app.drawing.video_writer import codecs_for
-from matchset.app.exit_codes import StopRequest
-from matchset.app.progress import screen_for
-from matchset.app.run_folder import output_folder
-from matchset.app.track.loop import Follower, Tally, follow
-from matchset.app.track.outputs import live_figures, recorder_for, track_outlets
-from matchset.app.track.shape_option import parse_shape
-from matchset.app.track.summary import sum_up
-from matchset.app.track.target_options import Wish, check_wish, target_for
-from matchset.app.track.trackers import trackers_for
-from matchset.image.frame import Frame
-from matchset.image.video import Video
+from matchset.app.cli_options import (
+    AnnotatedVideo,
+    Folder,
+    Force,
+    GrayTargetOptions,
+    Params,
+    Points,
+    ShapeName,
+    Source,
+    ToStdout,
+)
+from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
+
+TRACK_EPILOG = f"""
+[bold]Examples[/bold]
+
+  matchset track ball.mp4 --pick 427,146@60 --video out.mp4
+
+  matchset track ball.mp4 --candidate 1
+
+  matchset track 0 --color ball.npz --print | my_program
+
+  matchset track red.mp4 --hsv 170,120,80:10,255,255
+
+  matchset track sign.mp4 --shape octagon --pick 310,200
+
+  matchset track eye.mp4 --shape ellipse --gray dark --pick 200,150
+
+Without -o everything goes to a new folder, runs/0001-track and so on. tracks.csv holds one row a frame:
+frame, time, found, the shape's parameters (x, y, radius), their standard deviations, support, and why it was lost.
+
+{EXIT_CODES}
+"""
 
 
-class TrackOptions(msgspec.Struct, frozen=True):
-    """The options of `matchset track`, as typed."""
+class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset track`."""
 
-    source: str
-    wish: Wish
-    folder: Path | None = None
-    video: Path | None = None
-    jsonl: bool = False
-    print: bool = False
-    force: bool = False
-    points: int = 64
-    shape: str = "circle"
+    source: Source
+    target: GrayTargetOptions = GrayTargetOptions()
+    shape: ShapeName = "circle"
+    video: AnnotatedVideo = None
+    out: Folder = None
+    jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False
+    to_stdout: ToStdout = False
+    force: Force = False
+    points: Points = 64
+    params: Params = None
 
 
 def track(options: TrackOptions) -> int:
-    """Run the command.
+    """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
+    from matchset.app.drawing.video_writer import codecs_for
+    from matchset.app.parameters_file import tracker_parameters
+    from matchset.app.run_folder import output_folder
+    from matchset.app.track.loop import RunStatistics, follow, print_summary, trackers_for
+    from matchset.app.track.outputs import recorder_for, track_outputs, write_frames
+    from matchset.app.track.shape_option import parse_shape
+    from matchset.app.track.target_options import check_target_options, target_for
+    from matchset.image.video import Video
+    from matchset.tracking.tracker import Tracker
 
-    Returns
-    -------
-    int
-        The exit code.
-    """
-    check_wish(options.wish, shlex.quote(options.source))
+    check_target_options(options.target, shlex.quote(options.source))
     family = parse_shape(options.shape)
+    parameters = tracker_parameters(options.params)
+    make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
     if options.video is not None:
         codecs_for(options.video)
     with StopRequest() as stop, Video(options.source) as video:
-        target, ahead = target_for(options.source, video, options.wish)
-        trackers = trackers_for(target, options.points, family)
-        folder = output_folder(options.folder, "track", options.force)
-        tally = Tally()
+        target, taken = target_for(options.source, video, options.target)
+        tracker_at = trackers_for(target, make)
+        folder = output_folder(options.out, "track", options.force)
+        statistics = RunStatistics()
         try:
-            _run(options, video, itertools.chain(ahead, video), trackers, folder, tally, stop)
+            outputs = track_outputs(
+                folder, family.parameters, options.jsonl, recorder_for(options.video, video, options.force)
+            )
+            frames = follow(itertools.chain(taken, video), tracker_at, gaps=not video.live, stop=stop)
+            write_frames(frames, outputs, statistics, video, options.to_stdout)
         finally:
-            written = [folder / "tracks.csv", folder / "tracks.jsonl" if options.jsonl else None, options.video]
-            files = [path for path in written if path is not None]
-            sum_up(video, tally, "tracking", files, sys.stderr if options.print else sys.stdout)
+            files = [folder / "tracks.csv", folder / "tracks.jsonl" if options.jsonl else None, options.video]
+            written = [path for path in files if path is not None]
+            print_summary(video, statistics, "tracking", written, sys.stderr if options.to_stdout else sys.stdout)
     if stop:
         print("note: stopped; the files hold what was done so far", file=sys.stderr)
         return stop.code
-    return ending.FOUND if tally.found else ending.NOT_FOUND
+    return FOUND if statistics.found else NOT_FOUND
 
 
-def _run(
-    options: TrackOptions,
-    video: Video,
-    frames: Iterable[Frame],
-    trackers: Callable[[Frame], Follower | None],
-    folder: Path,
-    tally: Tally,
-    stop: StopRequest,
-) -> None:
-    with ExitStack() as stack:
-        recorder = recorder_for(options.video, video, options.force)
-        outlets = stack.enter_context(
-            track_outlets(folder, parse_shape(options.shape).parameters, options.jsonl, recorder)
-        )
-        screen = stack.enter_context(screen_for(video, quiet=options.print))
-        for step in follow(frames, trackers, gaps=not video.live, stop=stop):
-            outlets.write(step)
-            tally.count(step)
-            screen.show(step.row)
-            if options.print:
-                outlets.print(step, live_figures(video, step.row.time))
-            if outlets.pipe_closed:
-                break
+LEARN_EPILOG = f"""
+[bold]Examples[/bold]
+
+  matchset learn ball.mp4
+
+  matchset learn ball.mp4 --frame 60 --pick 427,146 -o ball.npz
+
+{EXIT_CODES}
+"""
+
+
+class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset learn`."""
+
+    source: Source
+    frame: Annotated[
+        int | None,
+        typer.Option(min=0, help="The frame to look at; without it one that shows a ball is chosen."),
+    ] = None
+    pick: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball: learn its color and save it."),
+    ] = None
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", metavar="FILE", help="The color file (.npz); without a pick, the picture."),
+    ] = None
+    shape: ShapeName = "circle"
+    force: Force = False
+
+
+def learn(options: LearnOptions) -> int:
+    """Show where the ball is, in a picture with a pixel grid; with a pick, learn its color and save it."""
+    from matchset.app.track.learn_command import learn_color, show_candidates
+
+    return show_candidates(options) if options.pick is None else learn_color(options)
+
+
+SCORE_EPILOG = """
+[bold]Definitions[/bold]
+
+The error of an answer is |x - x*| + |y - y*| + |r - r*| in px; rows of the truth marked lowconf are left out.
+Valid: error below 5 px, among all frames with the ball visible and not lowconf. Lost: visible, not answered.
+False lock: answered while the ball is absent, or with a center farther than r from the true one.
+Trembling: mean over consecutive frames of the change of the error, |de_x| + |de_y| + |de_r|; jitter: rms of
+its second difference. Both need truth in consecutive frames; where there is none they are "-" (JSON: null).
+"""
+
+
+class ScoreOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset score`."""
+
+    tracks: Annotated[Path, typer.Argument(help="tracks.csv of 'matchset track'.")]
+    truth: Annotated[Path, typer.Argument(help="Truth: video,frame,x,y,r,visible,method.")]
+    as_json: Annotated[bool, typer.Option("--json", help="Print one line of JSON.")] = False
+    start: Annotated[int, typer.Option("--from", min=0, metavar="FRAME", help="Score from this frame on.")] = 0
+    video: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which video's rows, if the truth holds several.")
+    ] = None
+
+
+def score(options: ScoreOptions) -> int:
+    """Measure tracks against the truth."""
+    from matchset.app.track.score import score_files
+
+    score_files(options.tracks, options.truth, options.start, options.video, options.as_json)
+    return FOUND
+
+
+class DemoOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset demo`."""
+
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for what it writes.")] = None
+    frames: Annotated[int, typer.Option(min=10, max=100_000, help="Length of the clip.")] = 300
+    shape: ShapeName = "circle"
+    force: Force = False
+
+
+def demo(options: DemoOptions) -> int:
+    """Track a rendered clip with exact truth: no camera, no network, under a minute."""
+    from matchset.app.track.demo import demonstrate_circle, demonstrate_shape
+
+    return demonstrate_circle(options) if options.shape == "circle" else demonstrate_shape(options)
+
+
+PARAMS_EPILOG = """
+[bold]Example[/bold]
+
+  matchset params > tracker.toml
+
+  matchset track ball.mp4 --pick 427,146@60 --params tracker.toml
+
+A file may hold some of them only; the others have their defaults.
+"""
+
+
+class ParamsOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset params`."""
+
+    params: Params = None
+
+
+def params(options: ParamsOptions) -> int:
+    """Print all parameters of a tracker as TOML, with their meanings, for --params of track and locate."""
+    from matchset.app.parameters_file import parameters_toml, tracker_parameters
+
+    print(parameters_toml(tracker_parameters(options.params)), end="")
+    return FOUND

@@ -1,58 +1,58 @@
-"""`matchset demo`: a rendered clip with exact truth, tracked from one click, and what came of it."""
+"""`matchset demo`: a rendered clip with exact truth is tracked from one click, and the result is compared with it."""
 
 import csv
 import math
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
+import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
 from rich.console import Console
 
-from matchset.app import exit_codes as ending
-from matchset.app.drawing.annotate import shape_names
-from matchset.app.drawing.contact_sheet import WIDTH_PX, Shot, picture_sheet
+from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
 from matchset.app.drawing.video_writer import Recorder
-from matchset.app.exit_codes import StopRequest
-from matchset.app.patience import if_slow
-from matchset.app.progress import counting
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
+from matchset.app.track.command import DemoOptions
 from matchset.app.track.learn_command import write_picture
-from matchset.app.track.loop import Tally, follow
-from matchset.app.track.outputs import track_outlets
-from matchset.app.track.rows import Row
-from matchset.app.track.score import Score, circles, error_px, score
-from matchset.app.track.score_command import print_score
-from matchset.app.track.trackers import COMPILING
-from matchset.app.track.truth import COLUMNS, Truth
+from matchset.app.track.loop import COMPILING, RunStatistics, TrackedFrame, follow
+from matchset.app.track.outputs import track_outputs
+from matchset.app.track.rows import TrackRow
+from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
+from matchset.app.track.shape_option import parse_shape
 from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
+from matchset.shapes.ellipse import Ellipse
+from matchset.shapes.quadrilateral import Quadrilateral
+from matchset.shapes.rectangle import Rectangle
+from matchset.shapes.shape import outline
 from matchset.sim.clips.clip import Clip
+from matchset.sim.clips.shape_clip import ShapeClip
+from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
 
-_SHOTS = 8
+Floats = npt.NDArray[np.float64]
+
+_SHEET_FRAMES = 8  # geometry: two rows of four on the sheet
+_TILT = 0.45  # geometry: rotation of a rendered quadrilateral out of the picture's plane, rad
 
 
-class _Show(msgspec.Struct):
-    """What the demo keeps of its run."""
+class _DemoRun(msgspec.Struct):
+    """What is kept of the run for score and sheet."""
 
-    rows: list[Row]
-    truths: list[Truth]
-    shots: list[Shot]
+    rows: list[TrackRow]
+    truths: list[TruthRow]
+    sheet_frames: list[SheetFrame]
 
 
-def run_demo(out: Path | None, frames: int, force: bool) -> int:
-    """Run the command.
-
-    Parameters
-    ----------
-    out : Path or None
-        Folder to write to; None for a new one.
-    frames : int
-        Length of the clip.
-    force : bool
-        Whether files may be overwritten.
+def demonstrate_circle(options: DemoOptions) -> int:
+    """Track a rendered ball; write video, tables and a contact sheet, and print the score.
 
     Returns
     -------
@@ -60,77 +60,91 @@ def run_demo(out: Path | None, frames: int, force: bool) -> int:
         The exit code.
     """
     console = Console(highlight=False)
-    folder = output_folder(out, "demo", force)
-    clip = Clip(frames=frames, preset="typical")
-    console.print(f"A balloon in a room, {clip.width} x {clip.height}, {frames} frames over an analog radio link.")
+    folder = output_folder(options.out, "demo", options.force)
+    clip = Clip(frames=options.frames, preset="typical")
+    size = f"{clip.width} x {clip.height}, {options.frames} frames"
+    console.print(f"A balloon in a room, {size} over an analog radio link.")
     console.print("It is tracked from one click in the first frame.\n")
-    tally = Tally()
+    statistics = RunStatistics()
     with StopRequest() as stop:
-        show = _track(clip, folder, tally, stop)
-    _write_truth(folder / "truth.csv", show.truths)
-    result = score(circles(show.rows), show.truths)
-    print_score(result, console)
-    console.print(f"\ntracking took {tally.median_ms:.2f} ms of computing a frame (median)")
-    if show.shots:
-        write_picture(folder / "sheet.png", _sheet(clip, show, result, tally))
+        run = _track_circle(clip, folder, statistics, stop)
+    _write_truth(folder / "truth.csv", run.truths)
+    result = score(circles(run.rows), run.truths)
+    print_score(result)
+    console.print(f"\ntracking took {statistics.median_ms:.2f} ms of computing a frame (median)")
+    if run.sheet_frames:
+        write_picture(folder / "sheet.png", _sheet(clip, run, result, statistics))
     for name in ("demo.webm", "sheet.png", "tracks.csv", "truth.csv"):
         if (folder / name).exists():
             console.print(f"  {folder / name}", soft_wrap=True)
-    return stop.code or (ending.FOUND if tally.found else ending.NOT_FOUND)
+    return stop.code or (FOUND if statistics.found else NOT_FOUND)
 
 
-def _track(clip: Clip, folder: Path, tally: Tally, stop: StopRequest) -> _Show:
-    show = _Show([], [], [])
-    with if_slow(COMPILING):
+def _track_circle(clip: Clip, folder: Path, statistics: RunStatistics, stop: StopRequest) -> _DemoRun:
+    with announce_if_slow(COMPILING):
         background = clip.background()
         color = ColorModel.pick(clip.render(0, background).image, *clip.first_click)
         tracker = Tracker(Circle, color, start=clip.first_click)
     frames = (clip.render(index, background) for index in range(len(clip)))
-    wanted = {round((place + 0.5) * len(clip) / _SHOTS) for place in range(_SHOTS)}
+    wanted = {round((place + 0.5) * len(clip) / _SHEET_FRAMES) for place in range(_SHEET_FRAMES)}
+    run = _DemoRun([], [], [])
+    with _write_demo(clip, folder, Circle, statistics) as take:
+        for tracked in follow(frames, lambda _: tracker, gaps=False, stop=stop):
+            truth = _truth(clip, tracked.row.frame)
+            run.rows.append(tracked.row)
+            run.truths.append(truth)
+            if tracked.frame is not None and tracked.row.frame in wanted:
+                run.sheet_frames.append(SheetFrame(tracked.frame, tracked.answer, _error(tracked.row, truth)))
+            take(tracked)
+    return run
+
+
+@contextmanager
+def _write_demo(
+    clip: Clip | ShapeClip, folder: Path, family: type[Any], statistics: RunStatistics
+) -> Iterator[Callable[[TrackedFrame], None]]:
+    """Open video, table and progress bar; yield what writes, counts and shows a frame."""
     with ExitStack() as stack:
         recorder = Recorder(folder / "demo.webm", clip.fps, (clip.width, clip.height))
-        outlets = stack.enter_context(track_outlets(folder, shape_names(Circle), False, recorder))
-        bar = stack.enter_context(counting("rendering, tracking, recording", len(clip)))
-        for step in follow(frames, lambda _: tracker, gaps=False, stop=stop):
-            truth = _truth(clip, step.row.frame)
-            outlets.write(step)
-            tally.count(step)
-            show.rows.append(step.row)
-            show.truths.append(truth)
-            if step.frame is not None and step.row.frame in wanted:
-                show.shots.append(Shot(step.frame, step.answer, _error(step.row, truth)))
-            bar.show(step.row)
-    return show
+        outputs = stack.enter_context(track_outputs(folder, tuple(family.parameters), False, recorder))
+        bar = stack.enter_context(progress_bar("rendering, tracking, recording", len(clip)))
+
+        def take(tracked: TrackedFrame) -> None:
+            outputs.write(tracked)
+            statistics.count(tracked)
+            bar.show(tracked.row)
+
+        yield take
 
 
-def _truth(clip: Clip, index: int) -> Truth:
+def _truth(clip: Clip, index: int) -> TruthRow:
     circle = clip.truth(index).circle
-    return Truth(index, None if circle is None else (circle.x, circle.y, circle.radius))
+    return TruthRow(index, None if circle is None else (circle.x, circle.y, circle.radius))
 
 
-def _error(row: Row, truth: Truth) -> float | None:
+def _error(row: TrackRow, truth: TruthRow) -> float | None:
     if row.shape is None or truth.circle is None:
         return None
     return error_px(tuple(row.shape.values()), truth.circle)
 
 
-def _write_truth(path: Path, truths: list[Truth]) -> None:
+def _write_truth(path: Path, truths: list[TruthRow]) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
+        writer.writerow(TRUTH_COLUMNS)
         for truth in truths:
             numbers = ["", "", ""] if truth.circle is None else [f"{value:.4f}" for value in truth.circle]
             writer.writerow(["demo", truth.frame, *numbers, int(truth.circle is not None), "rendered"])
 
 
-def _sheet(clip: Clip, show: _Show, result: Score, tally: Tally) -> npt.NDArray[np.uint8]:
-    with if_slow("drawing the sheet ..."):
+def _sheet(clip: Clip, run: _DemoRun, result: Score, statistics: RunStatistics) -> npt.NDArray[np.uint8]:
+    with announce_if_slow("drawing the sheet ..."):
         from matchset.app.drawing.curves import error_plot
 
-        errors = [_error(row, truth) for row, truth in zip(show.rows, show.truths, strict=True)]
-        radii = [math.nan if truth.circle is None else truth.circle[2] for truth in show.truths]
+        errors = [_error(row, truth) for row, truth in zip(run.rows, run.truths, strict=True)]
+        radii = [math.nan if truth.circle is None else truth.circle[2] for truth in run.truths]
         plot = error_plot(
-            [row.time for row in show.rows],
+            [row.time for row in run.rows],
             [math.nan if error is None else error for error in errors],
             radii,
             (WIDTH_PX, 360),
@@ -138,7 +152,73 @@ def _sheet(clip: Clip, show: _Show, result: Score, tally: Tally) -> npt.NDArray[
         mean = "-" if result.mean_error_px is None else f"{result.mean_error_px:.2f} px"
         valid = "-" if result.valid_percent is None else f"{result.valid_percent:.1f} %"
         subtitle = (
-            f"{len(show.rows)} frames, {clip.width} × {clip.height}, over a rendered analog radio link   ·   "
-            f"mean error {mean}   ·   valid {valid}   ·   {tally.median_ms:.2f} ms a frame"
+            f"{len(run.rows)} frames, {clip.width} × {clip.height}, over a rendered analog radio link   ·   "
+            f"mean error {mean}   ·   valid {valid}   ·   {statistics.median_ms:.2f} ms a frame"
         )
-        return picture_sheet("One click, then every frame", subtitle, show.shots, plot)
+        return contact_sheet("One click, then every frame", subtitle, run.sheet_frames, plot)
+
+
+def demonstrate_shape(options: DemoOptions) -> int:
+    """Track a rendered shape that is no circle; write video and table, and print the overlap with the truth.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    console, family = Console(highlight=False), parse_shape(options.shape)
+    folder = output_folder(options.out, "demo", options.force)
+    tilt = _TILT if family is Quadrilateral else 0.0
+    clip = ShapeClip(corners=_rendered_outline(family), frames=options.frames, tilt=tilt)
+    size = f"{clip.width} x {clip.height}, {options.frames} frames"
+    console.print(f"A blue {options.shape} in a room, {size} over an analog radio link.")
+    console.print("It is tracked from one click in the first frame.\n")
+    statistics = RunStatistics()
+    with StopRequest() as stop:
+        overlaps = _track_shape(clip, folder, family, statistics, stop)
+    share = 100.0 * statistics.found / max(statistics.frames, 1)
+    console.print(f"found                {share:8.1f} %   of {statistics.frames} frames")
+    if overlaps:
+        least = f"{min(overlaps):.4f} at least"
+        console.print(f"overlap with truth   {np.mean(overlaps):8.4f}     mean, {least} (1: equal)")
+    console.print(f"\ntracking took {statistics.median_ms:.2f} ms of computing a frame (median)")
+    for name in ("demo.webm", "tracks.csv"):
+        console.print(f"  {folder / name}", soft_wrap=True)
+    return stop.code or (FOUND if statistics.found else NOT_FOUND)
+
+
+def _track_shape(
+    clip: ShapeClip, folder: Path, family: type[Any], statistics: RunStatistics, stop: StopRequest
+) -> list[float]:
+    """Track the shape through the clip; return its overlap with the truth in each frame in which it was found."""
+    with announce_if_slow(COMPILING):
+        room, (x, y) = clip.room(), clip.outline(0.0).mean(axis=0).tolist()
+        color = ColorModel.pick(clip.render(0, room).image, x, y)
+        tracker: Tracker[Any] = Tracker(family, color, start=(x, y))
+    frames: Iterator[Frame] = (clip.render(index, room) for index in range(len(clip)))
+    overlaps = []
+    with _write_demo(clip, folder, family, statistics) as take:
+        for tracked in follow(frames, lambda _: tracker, gaps=False, stop=stop):
+            take(tracked)
+            if isinstance(tracked.answer, Track):
+                truth = clip.outline(float(tracked.row.frame))
+                overlaps.append(overlap(outline(tracked.answer.shape, 180), truth))
+    return overlaps
+
+
+def overlap(one: Floats, other: Floats) -> float:
+    """Return the area common to two convex outlines over the area of both together (intersection over union)."""
+    a, b = one.astype(np.float32), other.astype(np.float32)
+    common, _ = cv2.intersectConvexConvex(a, b)
+    return float(common / (cv2.contourArea(a) + cv2.contourArea(b) - common))
+
+
+def _rendered_outline(family: type[Any]) -> tuple[tuple[float, float], ...]:
+    """Return the outline of the family's shape that is rendered, about its center."""
+    if family is Ellipse:
+        points = outline(Ellipse(0.0, 0.0, 1.5, 1.0, 0.0), 180)
+    elif family in (Rectangle, Quadrilateral):
+        points = outline(Rectangle(0.0, 0.0, 3.0, 2.0, 0.0))
+    else:
+        points = outline(family.from_coarse(0.0, 0.0, math.sqrt(1.0 / math.pi)), 180)
+    return tuple((float(x), float(y)) for x, y in points)

@@ -1,29 +1,48 @@
-"""One frame of a video to look at: a given one, or the first that shows something like a ball."""
+"""One frame of a video: a given one (`frame_at`), or one that shows something ball-like (`ball_like_frame`)."""
 
 from typing import Any
 
-from matchset.app.track.candidates import CONVINCING, Candidate, find_candidates
+import msgspec
+
+from matchset.app.track.candidates import SCORE, Candidate, find_candidates
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 
-_SAMPLES = 24
-_WARM_UP_FRAMES = 15
+
+class PickerParameters(msgspec.Struct, frozen=True):
+    """Which frames of a video are looked at for something ball-like.
+
+    Parameters
+    ----------
+    samples : int
+        Frames spread over the video: more find a ball that is visible for a short time, and take longer. Chosen by
+        hand; `tests/app/track/test_learn_command.py` shows a change.
+    warm_up : int
+        Frames of a camera that are skipped until its automatic exposure has settled. Chosen by hand; no benchmark has
+        a camera.
+    """
+
+    samples: int = 24
+    warm_up: int = 15
+
+
+PARAMETERS = PickerParameters()
 
 
 def frame_at(video: Video, index: int) -> Frame:
-    """Read on to a frame.
+    """Read a video up to a frame.
 
     Parameters
     ----------
     video : Video
         Not yet read beyond the frame.
     index : int
-        Which; of a live source, the first that comes at or after it.
+        Its index; of a live source, the first frame at or after it.
 
     Raises
     ------
     ValueError
-        If the video has no such frame, or it does not decode.
+        If the video has no such frame, or it cannot be decoded.
     """
     last = -1
     for frame in video:
@@ -36,12 +55,12 @@ def frame_at(video: Video, index: int) -> Frame:
 
 
 def ball_like_frame(video: Video) -> tuple[Frame, list[Candidate]]:
-    """Choose a frame to show: the first with a convincing candidate among some spread over the video.
+    """Choose a frame: the first with a convincing candidate among some spread over the video.
 
     Parameters
     ----------
     video : Video
-        Not yet read. Of a live source, a frame is taken once exposure has settled.
+        Not yet read. Of a live source, a frame is taken once the exposure has settled.
 
     Returns
     -------
@@ -49,9 +68,9 @@ def ball_like_frame(video: Video) -> tuple[Frame, list[Candidate]]:
         The frame and its candidates; if none is convincing, those of the best frame.
     """
     if video.live:
-        frame = frame_at(video, _WARM_UP_FRAMES)
+        frame = frame_at(video, PARAMETERS.warm_up)
         return frame, find_candidates(frame.image)
-    step = max(1, (video.length or 10 * _SAMPLES) // _SAMPLES)
+    step = max(1, (video.length or 10 * PARAMETERS.samples) // PARAMETERS.samples)
     best: tuple[float, Frame, list[Candidate]] | None = None
     for frame in video:
         if frame.index % step and best is not None:
@@ -60,7 +79,7 @@ def ball_like_frame(video: Video) -> tuple[Frame, list[Candidate]]:
         score = found[0].score if found else 0.0
         if best is None or score > best[0]:
             best = score, frame, found
-        if score >= CONVINCING or frame.index > 2 * _SAMPLES * step:
+        if score >= SCORE.convincing or frame.index > 2 * PARAMETERS.samples * step:
             break
     if best is None:
         raise ValueError("the video holds no frames")

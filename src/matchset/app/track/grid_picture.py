@@ -13,21 +13,21 @@ from matchset.app.track.candidates import Candidate
 
 Picture = npt.NDArray[np.uint8]
 
-_PAPER = (250, 250, 250)
-_INK = (70, 70, 70)
-_BADGE_PX = 20
-_SHIFT = 4
+_PAPER = (250, 250, 250)  # geometry: color of the margin, BGR
+_INK = (70, 70, 70)  # geometry: color of the labels, BGR
+_BADGE_PX = 20  # geometry: size of a number
+_SHIFT = 4  # format: OpenCV draws at 1/16 px
 
 
 def grid_picture(image: Picture, candidates: Sequence[Candidate]) -> Picture:
-    """Lay a grid over a frame, label it in the frame's own pixels, and number the candidates.
+    """Draw a grid over a frame, label it in the frame's pixels, and number the candidates.
 
     Parameters
     ----------
     image : ndarray of shape (h, w, 3) or (h, w), uint8
         The frame.
     candidates : sequence of Candidate
-        Ball-like things, best first.
+        Ball-like circles, best first.
 
     Returns
     -------
@@ -37,9 +37,9 @@ def grid_picture(image: Picture, candidates: Sequence[Candidate]) -> Picture:
     """
     zoom = min(max(1, 1300 // max(image.shape[:2])), 4)
     canvas, at = _framed(image, zoom)
-    step = _step(max(image.shape[:2]))
-    _lines(canvas, image, at, zoom, step)
-    _mark(canvas, candidates, at, zoom)
+    step = _grid_step(max(image.shape[:2]))
+    _draw_lines(canvas, image, at, zoom, step)
+    _draw_candidates(canvas, candidates, at, zoom)
     return canvas
 
 
@@ -53,31 +53,31 @@ def _framed(image: Picture, zoom: int) -> tuple[Picture, tuple[int, int]]:
     return canvas, (left, top)
 
 
-def _lines(canvas: Picture, image: Picture, at: tuple[int, int], zoom: int, step: int) -> None:
+def _draw_lines(canvas: Picture, image: Picture, at: tuple[int, int], zoom: int, step: int) -> None:
     height, width = image.shape[:2]
     left, top = at
     size = _font_size(image, zoom)
     inside = canvas[top : top + height * zoom, left : left + width * zoom]
     for value in range(0, width, step):
-        column = _middle(value, zoom)
-        _shade(inside[:, column], strong=value % _strong(step) == 0)
+        column = _line_position(value, zoom)
+        _shade(inside[:, column], strong=value % _strong_step(step) == 0)
         label = str(value)
         draw_text(canvas, label, (left + column - text_width(label, size) / 2, top - 0.8 * size), size, _INK)
     for value in range(0, height, step):
-        row = _middle(value, zoom)
-        _shade(inside[row], strong=value % _strong(step) == 0)
+        row = _line_position(value, zoom)
+        _shade(inside[row], strong=value % _strong_step(step) == 0)
         label = str(value)
         draw_text(canvas, label, (left - text_width(label, size) - 0.4 * size, top + row), size, _INK)
 
 
 def _shade(line: Picture, strong: bool) -> None:
-    """Make a line of pixels visible on any ground: darker where it is light, lighter where it is dark."""
+    """Draw a visible line of pixels: darken them on a light background, lighten them on a dark one."""
     share = 0.32 if strong else 0.14
     toward = np.where(line.mean(axis=-1, keepdims=True) > 110.0, 0.0, 255.0)
     line[:] = np.round(line + (toward - line) * share).astype(np.uint8)
 
 
-def _mark(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int], zoom: int) -> None:
+def _draw_candidates(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int], zoom: int) -> None:
     badges: list[tuple[float, float]] = []
     for candidate in candidates:
         x, y = (
@@ -86,7 +86,7 @@ def _mark(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int],
         center, radius = (round(x * 16), round(y * 16)), round(candidate.radius * zoom * 16)
         cv2.circle(canvas, center, radius, (255, 255, 255), 4, cv2.LINE_AA, _SHIFT)
         cv2.circle(canvas, center, radius, OUTLINE, 2, cv2.LINE_AA, _SHIFT)
-        badges.append(_badge_place(canvas, (x, y, candidate.radius * zoom), badges))
+        badges.append(_badge_position(canvas, (x, y, candidate.radius * zoom), badges))
     for number, (x, y) in enumerate(badges, start=1):
         spot = round(x * 16), round(y * 16)
         cv2.circle(canvas, spot, round(0.72 * _BADGE_PX * 16), (255, 255, 255), cv2.FILLED, cv2.LINE_AA, _SHIFT)
@@ -95,26 +95,26 @@ def _mark(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int],
         draw_text(canvas, label, (x - text_width(label, _BADGE_PX) / 2 + 1, y), _BADGE_PX)
 
 
-def _badge_place(
+def _badge_position(
     canvas: Picture, circle: tuple[float, float, float], taken: Sequence[tuple[float, float]]
 ) -> tuple[float, float]:
-    """Choose a place beside a circle, in the picture, as far as need be from the other badges."""
+    """Choose a position beside a circle, inside the picture, that overlaps no other badge if possible."""
     x, y, radius = circle
     height, width = canvas.shape[:2]
-    places = []
+    positions = []
     for turn in (-0.125, 0.125, -0.375, 0.375, 0.0, -0.25, 0.25, 0.5):
         angle = 2.0 * math.pi * turn
-        reach = radius + 0.9 * _BADGE_PX
-        place = (
-            min(max(x + reach * math.cos(angle), _BADGE_PX), width - _BADGE_PX),
-            min(max(y + reach * math.sin(angle), _BADGE_PX), height - _BADGE_PX),
+        distance = radius + 0.9 * _BADGE_PX
+        position = (
+            min(max(x + distance * math.cos(angle), _BADGE_PX), width - _BADGE_PX),
+            min(max(y + distance * math.sin(angle), _BADGE_PX), height - _BADGE_PX),
         )
-        places.append((min((math.dist(place, other) for other in taken), default=math.inf), place))
-    free = [place for distance, place in places if distance > 1.5 * _BADGE_PX]
-    return free[0] if free else max(places)[1]
+        positions.append((min((math.dist(position, other) for other in taken), default=math.inf), position))
+    free = [position for gap, position in positions if gap > 1.5 * _BADGE_PX]
+    return free[0] if free else max(positions)[1]
 
 
-def _step(side: int) -> int:
+def _grid_step(side: int) -> int:
     """Distance of the grid's lines, px: about twenty to the longer side, in round numbers."""
     for step in (5, 10, 20, 25, 50, 100, 200):
         if side <= 26 * step:
@@ -122,7 +122,7 @@ def _step(side: int) -> int:
     return 500
 
 
-def _strong(step: int) -> int:
+def _strong_step(step: int) -> int:
     """Distance of the stronger lines, px."""
     return 4 * step if step == 25 else 5 * step
 
@@ -131,5 +131,5 @@ def _font_size(image: Picture, zoom: int) -> int:
     return int(min(max(12, round(zoom * max(image.shape[:2]) / 85)), 20))
 
 
-def _middle(value: int, zoom: int) -> int:
+def _line_position(value: int, zoom: int) -> int:
     return value * zoom + zoom // 2

@@ -1,17 +1,17 @@
-"""`matchset learn`: shows where the ball is, or learns its color and saves it."""
+"""`matchset learn`: show ball-like circles in a frame (`show_candidates`), or save a color (`learn_color`)."""
 
 import shlex
 from pathlib import Path
 
 import cv2
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app import exit_codes as ending
 from matchset.app.drawing.annotate import as_color
+from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.run_folder import output_file, output_folder
 from matchset.app.track.candidates import Candidate, find_candidates
+from matchset.app.track.command import LearnOptions
 from matchset.app.track.frame_picker import ball_like_frame, frame_at
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.shape_option import parse_shape
@@ -23,19 +23,8 @@ from matchset.shapes.circle import Circle
 from matchset.tracking.detect import detect
 
 
-class LearnOptions(msgspec.Struct, frozen=True):
-    """The options of `matchset learn`, as typed."""
-
-    source: str
-    frame: int | None = None
-    pick: str | None = None
-    out: Path | None = None
-    force: bool = False
-    shape: str = "circle"
-
-
-def learn(options: LearnOptions) -> int:
-    """Run the command.
+def learn_color(options: LearnOptions) -> int:
+    """Learn the color at a pixel and save it, with a picture of what it finds.
 
     Returns
     -------
@@ -43,9 +32,7 @@ def learn(options: LearnOptions) -> int:
         The exit code.
     """
     family = parse_shape(options.shape)
-    if options.pick is None:
-        return _show(options)
-    x, y, at = parse_pick(options.pick)
+    x, y, at = parse_pick(options.pick or "")
     if at is not None and options.frame not in (None, at):
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
     if options.out is not None and options.out.suffix.lower() != ".npz":
@@ -64,11 +51,19 @@ def learn(options: LearnOptions) -> int:
     if words:
         found = detect(frame, family, color)
         print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
-    print(f"  {command('track', options.source, '--color', str(path), *words)}")
-    return ending.FOUND
+    print(f"  {shell_command('track', options.source, '--color', str(path), *words)}")
+    return FOUND
 
 
-def _show(options: LearnOptions) -> int:
+def show_candidates(options: LearnOptions) -> int:
+    """Write a frame with a pixel grid and numbered candidates, and print the commands that follow.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    parse_shape(options.shape)
     if options.out is not None and options.out.suffix.lower() not in (".png", ".jpg"):
         raise ValueError(f"without --pick, -o names a picture (.png or .jpg), got {str(options.out)!r}")
     with Video(options.source) as video:
@@ -85,36 +80,36 @@ def _show(options: LearnOptions) -> int:
     write_picture(path, grid_picture(frame.image, found))
     print(f"frame {frame.index} with a pixel grid: {path}\n")
     if found:
-        _list(found)
+        _print_candidates(found)
     else:
         print("nothing ball-like was found in it")
     if live:
-        _next_for_camera(options, frame, found, path)
+        _print_commands_for_camera(options, frame, found, path)
     else:
-        _next(options.source, frame, found)
-    return ending.FOUND if found else ending.NOT_FOUND
+        _print_commands(options.source, frame, found)
+    return FOUND if found else NOT_FOUND
 
 
-def _list(found: list[Candidate]) -> None:
+def _print_candidates(found: list[Candidate]) -> None:
     print("ball-like:    x      y  radius")
     for number, candidate in enumerate(found, start=1):
         print(f"  {number}    {candidate.x:6.0f} {candidate.y:6.0f} {candidate.radius:7.0f}")
 
 
-def _next(source: str, frame: Frame, found: list[Candidate]) -> None:
+def _print_commands(source: str, frame: Frame, found: list[Candidate]) -> None:
     if found:
         print("\nIf the ball is number 1, type:\n")
-        print(f"  {command('track', source, '--candidate', f'1@{frame.index}')}")
+        print(f"  {shell_command('track', source, '--candidate', f'1@{frame.index}')}")
         print("\nIf it has no number, read a pixel on it from the grid and put it in:\n")
     else:
         print("\nRead a pixel on the ball from the grid and put it in:\n")
     height, width = frame.image.shape[:2]
     x, y = found[0].pick if found else (width // 2, height // 2)
-    print(f"  {command('track', source, '--pick', f'{x},{y}@{frame.index}')}")
+    print(f"  {shell_command('track', source, '--pick', f'{x},{y}@{frame.index}')}")
 
 
-def _next_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate], path: Path) -> None:
-    """Save the frame, and the color of every candidate: when a command is typed, the ball is elsewhere."""
+def _print_commands_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate], path: Path) -> None:
+    """Save the frame and every candidate's color: the ball will have moved when the next command is typed."""
     still = output_file(path.with_name(f"{path.stem}-still.png"), options.force)
     write_picture(still, frame.image)
     for number, candidate in enumerate(found, start=1):
@@ -126,19 +121,19 @@ def _next_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate]
         color.save(file)
         if number == 1:
             print("\nIf the ball is number 1, type (the others' colors are saved beside it):\n")
-            print(f"  {command('track', options.source, '--color', str(file))}")
+            print(f"  {shell_command('track', options.source, '--color', str(file))}")
     print("\nIf it has no number, read a pixel on it from the grid and learn its color:\n")
     x, y = found[0].pick if found else (frame.image.shape[1] // 2, frame.image.shape[0] // 2)
-    print(f"  {command('learn', str(still), '--pick', f'{x},{y}')}")
+    print(f"  {shell_command('learn', str(still), '--pick', f'{x},{y}')}")
 
 
-def command(*words: str) -> str:
-    """Return a command of matchset as it can be pasted into a shell."""
+def shell_command(*words: str) -> str:
+    """Return a command of matchset, quoted for a shell."""
     return shlex.join(("matchset", *words))
 
 
 def mask_picture(image: npt.NDArray[np.uint8], color: ColorModel) -> npt.NDArray[np.uint8]:
-    """Darken what does not look like the target.
+    """Darken the pixels that do not have the target's color.
 
     Parameters
     ----------
@@ -158,7 +153,7 @@ def mask_picture(image: npt.NDArray[np.uint8], color: ColorModel) -> npt.NDArray
 
 
 def write_picture(path: Path, image: npt.NDArray[np.uint8]) -> None:
-    """Write a picture; ValueError where it cannot be."""
+    """Write a picture; ValueError if it cannot be written."""
     good, packed = cv2.imencode(path.suffix, image)
     if not good:
         raise ValueError(f"cannot write a picture as {path.suffix}")

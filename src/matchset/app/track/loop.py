@@ -1,58 +1,69 @@
-"""The loop of `matchset track`: each frame through the tracker, each answer to every outlet."""
+"""The loop of `matchset track`: which tracker runs (`trackers_for`), each frame through it (`follow`), the summary."""
 
 import re
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, Protocol, TextIO
 
 import msgspec
 
 from matchset.app.exit_codes import StopRequest
-from matchset.app.track.rows import Row, row_of
+from matchset.app.progress import announce_if_slow
+from matchset.app.track.rows import TrackRow, track_row
+from matchset.app.track.target_options import LearnedTarget
 from matchset.image.frame import Frame
+from matchset.image.video import Video
 from matchset.tracking.track import Lost, Track
+from matchset.tracking.tracker import Tracker
 
+COMPILING = "compiling kernels (only once on this machine) ..."
 UNDECODED = "frame could not be decoded"
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
-class Follower(Protocol):
-    """What follows the shape: `matchset.Tracker`, or a stand-in for it."""
+class FrameTracker(Protocol):
+    """What tracks a shape from frame to frame: `matchset.Tracker`, or anything with its `update`."""
 
     def update(self, frame: Frame) -> Track[Any] | Lost[Any]:
-        """Follow the shape into `frame`."""
+        """Track the shape into `frame`."""
         ...
 
 
-class Step(msgspec.Struct, frozen=True):
-    """One frame and what became of it.
+TrackerAt = Callable[[Frame], FrameTracker | None]
+"""Called before each frame: a new tracker to go on with, or None to keep the present one."""
+
+
+class TrackedFrame(msgspec.Struct, frozen=True):
+    """One frame and the tracker's answer.
 
     Parameters
     ----------
     frame : Frame or None
-        The frame; None if it did not decode.
+        The frame; None if it could not be decoded.
     answer : Track or Lost
-        What the tracker said.
-    row : Row
+        What the tracker returned.
+    row : TrackRow
         The same for the table.
     seconds : float
-        Computing time that the tracker took, s.
+        Computing time of the tracker, s.
     """
 
     frame: Frame | None
     answer: Track[Any] | Lost[Any]
-    row: Row
+    row: TrackRow
     seconds: float = 0.0
 
 
-class Counted(Protocol):
-    """What `Tally` needs to know of a frame: a `Step`, or what is made of it."""
+class CountedFrame(Protocol):
+    """What `RunStatistics` needs to know of a frame, such as a `TrackedFrame`."""
 
     @property
     def frame(self) -> Frame | None:
-        """The frame; None if it did not decode."""
+        """The frame; None if it could not be decoded."""
         ...
 
     @property
@@ -66,8 +77,8 @@ class Counted(Protocol):
         ...
 
 
-class Tally:
-    """Figures of a run: how many frames, how many found, why not, how fast."""
+class RunStatistics:
+    """Counts over a run: frames, frames found, reasons of the others, computing times."""
 
     def __init__(self) -> None:
         self.frames = self.found = 0
@@ -76,63 +87,125 @@ class Tally:
 
     @property
     def median_ms(self) -> float:
-        """What the tracker took for a frame, ms; the median over frames, 0 without any."""
+        """Median computing time of a frame, ms; 0 without any."""
         return 1000.0 * sorted(self.seconds)[len(self.seconds) // 2] if self.seconds else 0.0
 
-    def count(self, step: Counted) -> None:
-        """Take a step into account."""
+    def count(self, counted: CountedFrame) -> None:
+        """Count a frame."""
         self.frames += 1
-        self.found += step.row.found
-        if step.frame is not None:
-            self.seconds.append(step.seconds)
-        if not step.row.found:
-            self.reasons[_NUMBER.sub("…", step.row.reason)] += 1
+        self.found += counted.row.found
+        if counted.frame is not None:
+            self.seconds.append(counted.seconds)
+        if not counted.row.found:
+            self.reasons[_NUMBER.sub("…", counted.row.reason)] += 1
 
 
-def follow(
-    frames: Iterable[Frame], follower_at: Callable[[Frame], Follower | None], gaps: bool, stop: StopRequest
-) -> Iterator[Step]:
+def trackers_for(target: LearnedTarget, make: Callable[..., Tracker[Any]]) -> TrackerAt:
+    """Make the trackers of a run: one searches from the first frame, another one starts in the frame of a click.
+
+    Parameters
+    ----------
+    target : LearnedTarget
+        What to track.
+    make : callable
+        Makes a tracker of a color; with the keyword `start`, a point, px, at which it begins.
+
+    Returns
+    -------
+    callable
+        See `TrackerAt`.
+    """
+    with announce_if_slow(COMPILING):
+        searching = make(target.color)
+        clicked = None if target.start is None else make(target.color, start=target.start)
+    started = False
+
+    def tracker_at(frame: Frame) -> FrameTracker | None:
+        nonlocal started, clicked
+        if clicked is not None and frame.index >= target.frame:
+            started, chosen, clicked = True, clicked, None
+            return chosen
+        if not started:
+            started = True
+            return searching
+        return None
+
+    return tracker_at
+
+
+def follow(frames: Iterable[Frame], tracker_at: TrackerAt, gaps: bool, stop: StopRequest) -> Iterator[TrackedFrame]:
     """Track a video frame by frame.
 
     Parameters
     ----------
     frames : iterable of Frame
         The video.
-    follower_at : callable
-        Asked before each frame: a new follower to go on with, or None to keep the one there is.
+    tracker_at : callable
+        See `TrackerAt`.
     gaps : bool
-        Whether a gap in the frames' numbers is a frame that did not decode, and gets a row that says so; of
+        Whether a gap in the frames' indices is a frame that could not be decoded, and gets a row that says so; of
         a live source it is a frame that was dropped, and gets none.
     stop : StopRequest
-        Looked at after each frame.
+        Checked after each frame.
 
     Yields
     ------
-    Step
+    TrackedFrame
         One for each frame, in order.
     """
-    follower: Follower | None = None
+    tracker: FrameTracker | None = None
     last: Frame | None = None
     for frame in frames:
         if gaps:
-            yield from _missing(last, frame)
-        follower = follower_at(frame) or follower
-        if follower is None:
-            raise ValueError(f"nothing follows frame {frame.index}")
-        # The thread's own time: what the recorder's thread takes meanwhile is not the tracker's.
+            yield from _undecoded(last, frame)
+        tracker = tracker_at(frame) or tracker
+        if tracker is None:
+            raise ValueError(f"no tracker for frame {frame.index}")
+        # The time of this thread only: the recorder's thread runs meanwhile.
         begin = time.thread_time()
-        answer = follower.update(frame)
+        answer = tracker.update(frame)
         seconds = time.thread_time() - begin
-        yield Step(frame, answer, row_of(frame.index, answer), seconds)
+        yield TrackedFrame(frame, answer, track_row(frame.index, answer), seconds)
         last = frame
         if stop:
             return
 
 
-def _missing(last: Frame | None, frame: Frame) -> Iterator[Step]:
+def _undecoded(last: Frame | None, frame: Frame) -> Iterator[TrackedFrame]:
+    """Yield the frames between two frames as lost, their times interpolated."""
     first = 0 if last is None else last.index + 1
     start = 0.0 if last is None else last.time
     for index in range(first, frame.index):
         share = (index - first + 1) / (frame.index - first + 1)
         lost: Lost[Any] = Lost(UNDECODED, round(start + share * (frame.time - start), 6))
-        yield Step(None, lost, row_of(index, lost))
+        yield TrackedFrame(None, lost, track_row(index, lost))
+
+
+def print_summary(video: Video, statistics: RunStatistics, words: str, files: Iterable[Path], out: TextIO) -> None:
+    """Print what a run did.
+
+    Parameters
+    ----------
+    video : Video
+        The source; its warnings go to stderr.
+    statistics : RunStatistics
+        The counts of the run.
+    words : str
+        What took the time, "tracking".
+    files : iterable of Path
+        What was written.
+    out : file
+        stdout, or stderr if stdout carries JSON.
+    """
+    for warning in video.warnings:
+        print("note: " + warning, file=sys.stderr)
+    if not statistics.frames:
+        return
+    share = 100.0 * statistics.found / statistics.frames
+    print(f"found in {statistics.found} of {statistics.frames} frames ({share:.1f} %)", file=out)
+    for reason, count in statistics.reasons.most_common(5):
+        print(f"  {count:6d}  {reason}", file=out)
+    if statistics.seconds:
+        print(f"{words} took {statistics.median_ms:.2f} ms of computing a frame (median)", file=out)
+    for path in files:
+        print(f"  {path}", file=out)

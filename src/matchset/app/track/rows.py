@@ -1,23 +1,28 @@
-"""What is written down for one frame: `Row`."""
+"""`tracks.csv`: one row for each frame, as it is written (`TrackRow`, `track_columns`) and read (`read_tracks`)."""
 
 import math
+import operator
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
 
+from matchset.app.tables import Cell, Column, CsvLine, RowWriter, read_csv
 from matchset.tracking.track import Lost, Track
 
-_DECIMALS = 4
+_DECIMALS = 4  # format: 1e-4 px, far below the noise of any camera
+_STD = "_std"
 
 
-class Row(msgspec.Struct, frozen=True):
+class TrackRow(msgspec.Struct, frozen=True):
     """The answer for one frame, as tables hold it.
 
     Parameters
     ----------
     frame : int
-        Its place in the video, from 0, in decode order.
+        Its index in the video, from 0, in decode order.
     time : float
         When it was taken, s.
     shape : dict of str to float, or None
@@ -44,12 +49,12 @@ class Row(msgspec.Struct, frozen=True):
 
     @property
     def brief(self) -> str:
-        """The shape in a few words, for a line that changes all the time; empty where it was not found."""
+        """The shape in a few words, for the status line; empty where it was not found."""
         named = list((self.shape or {}).items())[:3]
         return "  ".join(f"{'r' if name == 'radius' else name} {value:6.1f}" for name, value in named)
 
 
-def row_of(frame: int, answer: Track[Any] | Lost[Any]) -> Row:
+def track_row(frame: int, answer: Track[Any] | Lost[Any]) -> TrackRow:
     """Turn a tracker's answer into the row of its frame.
 
     Parameters
@@ -61,14 +66,14 @@ def row_of(frame: int, answer: Track[Any] | Lost[Any]) -> Row:
 
     Returns
     -------
-    Row
-        With numbers rounded to 1e-4 px, far below any camera's noise.
+    TrackRow
+        With numbers rounded to 1e-4 px.
     """
     if isinstance(answer, Lost):
-        return Row(frame, answer.time, reason=answer.reason)
+        return TrackRow(frame, answer.time, reason=answer.reason)
     names = answer.shape.parameters
     variances = np.diagonal(answer.covariance)
-    return Row(
+    return TrackRow(
         frame=frame,
         time=answer.time,
         shape={name: round(float(getattr(answer.shape, name)), _DECIMALS) for name in names},
@@ -78,4 +83,94 @@ def row_of(frame: int, answer: Track[Any] | Lost[Any]) -> Row:
             if math.isfinite(variance) and variance >= 0.0
         },
         support=round(float(answer.support), _DECIMALS),
+    )
+
+
+def track_columns(parameters: Sequence[str]) -> list[Column]:
+    """Return the columns of `tracks.csv` for a shape with these parameters."""
+
+    def value_of(name: str) -> Column:
+        return Column(name, lambda row: (row.shape or {}).get(name))
+
+    def std_of(name: str) -> Column:
+        return Column(name + _STD, lambda row: (row.std or {}).get(name))
+
+    return [
+        *frame_columns(),
+        *map(value_of, parameters),
+        *map(std_of, parameters),
+        Column("support", operator.attrgetter("support")),
+        Column("reason", operator.attrgetter("reason")),
+    ]
+
+
+def frame_columns() -> list[Column]:
+    """Return the first columns of every table of frames: frame, time, found."""
+
+    def seconds(row: Any) -> Cell:
+        return round(float(row.time), 6)
+
+    def found(row: Any) -> Cell:
+        return int(row.found)
+
+    return [Column("frame", operator.attrgetter("frame")), Column("time", seconds), Column("found", found)]
+
+
+def track_table(csv_path: Path, parameters: Sequence[str], jsonl_path: Path | None = None) -> RowWriter[TrackRow]:
+    """Begin a `tracks.csv`.
+
+    Parameters
+    ----------
+    csv_path : Path
+        The table to write.
+    parameters : sequence of str
+        The names of the shape's parameters.
+    jsonl_path : Path, optional
+        Where to write the same rows as JSON lines.
+    """
+    return RowWriter(csv_path, track_columns(parameters), jsonl_path)
+
+
+def read_tracks(path: str | Path) -> list[TrackRow]:
+    """Read a `tracks.csv`, of this program or another's.
+
+    Parameters
+    ----------
+    path : str or Path
+        A CSV file with the columns ``frame,found`` and a shape's parameters; ``time``, standard
+        deviations, ``support`` and ``reason`` may be missing.
+
+    Returns
+    -------
+    list of TrackRow
+        In the order of their frames.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or a row is wrong; the message holds the file and the line.
+    """
+    rows: dict[int, TrackRow] = {}
+    for line in read_csv(path, required=("frame", "found", "x", "y", "radius")):
+        row = _row_of(line)
+        if row.frame in rows:
+            raise line.error(f"frame {row.frame} was given before")
+        rows[row.frame] = row
+    return [rows[frame] for frame in sorted(rows)]
+
+
+def _row_of(line: CsvLine) -> TrackRow:
+    frame = line.index("frame")
+    time = line.number("time") if line.text("time") else 0.0
+    if not line.flag("found"):
+        return TrackRow(frame, time, reason=line.text("reason"))
+    others = ("frame", "time", "found", "support", "reason")
+    names = [name for name in line.cells if name not in others and not name.endswith(_STD)]
+    return TrackRow(
+        frame=frame,
+        time=time,
+        shape={name: line.number(name) for name in names},
+        std={name: line.number(name + _STD) for name in names if line.text(name + _STD)},
+        support=line.number("support") if line.text("support") else None,
+        reason=line.text("reason"),
     )

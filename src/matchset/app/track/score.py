@@ -1,19 +1,45 @@
-"""How good a run was: its answers against the truth."""
+"""`matchset score`: answers against the truth (`score`), the truth's file (`read_truth`), and the printed table."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.track.rows import Row
-from matchset.app.track.truth import Truth
+from matchset.app.tables import CsvLine, read_csv
+from matchset.app.track.rows import TrackRow, read_tracks
 
 Circle3 = tuple[float, float, float]
 
+# theorem: a detection is valid when its error, Eq. 10 of Epstein & Feldman, is below 5 px (the paper's definition)
 VALID_BELOW_PX = 5.0
-"""A detection is valid when its error is smaller (Epstein & Feldman, Eq. 10), px."""
+TRUTH_COLUMNS = ("video", "frame", "x", "y", "r", "visible", "method")
+
+
+class TruthRow(msgspec.Struct, frozen=True):
+    """Where the ball is in one frame.
+
+    Parameters
+    ----------
+    frame : int
+        The frame's index in the video, from 0, in decode order.
+    circle : tuple of three floats, or None
+        Center x, y and radius, px; None where the ball is absent.
+    lowconf : bool
+        The circle is known to a few pixels only: it shows that the ball is visible, but no error is measured against
+        it.
+    """
+
+    frame: int
+    circle: tuple[float, float, float] | None
+    lowconf: bool = False
+
+    @property
+    def tight(self) -> bool:
+        """Whether the circle is visible and known well enough to measure an error against."""
+        return self.circle is not None and not self.lowconf
 
 
 class Score(msgspec.Struct, frozen=True):
@@ -63,14 +89,14 @@ class Score(msgspec.Struct, frozen=True):
     jitter_px: float | None
 
 
-def score(answers: Mapping[int, Circle3 | None], truths: Iterable[Truth], start: int = 0) -> Score:
+def score(answers: Mapping[int, Circle3 | None], truths: Iterable[TruthRow], start: int = 0) -> Score:
     """Measure answers against the truth.
 
     Parameters
     ----------
     answers : mapping of int to (x, y, radius) or None
         By frame: the circle found, px, or None; a frame that is missing was not answered.
-    truths : iterable of Truth
+    truths : iterable of TruthRow
         Where the ball is; frames without truth do not count.
     start : int
         The first frame that counts.
@@ -96,20 +122,22 @@ def score(answers: Mapping[int, Circle3 | None], truths: Iterable[Truth], start:
         tight=len(tight),
         absent=len(counted) - len(visible),
         answered=len(offsets),
-        mean_error_px=_of(errors, np.mean),
-        median_error_px=_of(errors, np.median),
-        error_95_px=_of(errors, lambda values: np.percentile(values, 95.0)),
+        mean_error_px=_statistic(errors, np.mean),
+        median_error_px=_statistic(errors, np.median),
+        error_95_px=_statistic(errors, lambda values: np.percentile(values, 95.0)),
         valid=valid,
         valid_percent=_percent(valid, len(tight)),
         lost=lost,
         lost_percent=_percent(lost, len(visible)),
         false_locks=sum(_is_false_lock(answers.get(truth.frame), truth.circle) for truth in counted),
-        trembling_px=_of(_differences(offsets, order=1), lambda steps: np.abs(steps).sum(axis=1).mean()),
-        jitter_px=_of(_differences(offsets, order=2), lambda bends: np.sqrt(np.square(bends).sum(axis=1).mean())),
+        trembling_px=_statistic(_differences(offsets, order=1), lambda steps: np.abs(steps).sum(axis=1).mean()),
+        jitter_px=_statistic(
+            _differences(offsets, order=2), lambda bends: np.sqrt(np.square(bends).sum(axis=1).mean())
+        ),
     )
 
 
-def circles(rows: Iterable[Row]) -> dict[int, Circle3 | None]:
+def circles(rows: Iterable[TrackRow]) -> dict[int, Circle3 | None]:
     """Turn the rows of a table into the answers that `score` takes."""
     return {
         row.frame: None if row.shape is None else (row.shape["x"], row.shape["y"], row.shape["radius"]) for row in rows
@@ -128,7 +156,9 @@ def _is_false_lock(answer: Circle3 | None, truth: Circle3 | None) -> bool:
     return truth is None or math.hypot(answer[0] - truth[0], answer[1] - truth[1]) > truth[2]
 
 
-def _of(values: npt.NDArray[np.float64], statistic: Callable[[npt.NDArray[np.float64]], np.floating]) -> float | None:
+def _statistic(
+    values: npt.NDArray[np.float64], statistic: Callable[[npt.NDArray[np.float64]], np.floating]
+) -> float | None:
     return float(statistic(values)) if len(values) else None
 
 
@@ -139,3 +169,128 @@ def _percent(part: int, whole: int) -> float | None:
 def error_px(answer: Sequence[float], truth: Sequence[float]) -> float:
     """Return the error of one answer, Eq. 10: ``|x - x*| + |y - y*| + |r - r*|``, px."""
     return float(sum(abs(a - b) for a, b in zip(answer, truth, strict=True)))
+
+
+def read_truth(path: str | Path, video: str | None = None) -> list[TruthRow]:
+    """Read a truth file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A CSV file with the columns ``video,frame,x,y,r,visible,method``.
+    video : str, optional
+        Which video's rows to take; needed only if the file holds several.
+
+    Returns
+    -------
+    list of TruthRow
+        One for each row, in the order of their frames.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or a row is wrong; the message holds the file and the line.
+    """
+    rows = read_csv(path, required=("frame", "x", "y", "r", "visible"))
+    videos = sorted({row.text("video") for row in rows})
+    if video is not None and video not in videos:
+        raise ValueError(f"{path} holds no rows of the video {video!r}; it has {', '.join(videos) or 'none'}")
+    if video is None and len(videos) > 1:
+        raise ValueError(f"{path} holds several videos ({', '.join(videos)}): say which")
+    chosen = [row for row in rows if video is None or row.text("video") == video]
+    truths: dict[int, TruthRow] = {}
+    for row in chosen:
+        truth = _truth_of(row)
+        if truth.frame in truths:
+            raise row.error(f"frame {truth.frame} was given before")
+        truths[truth.frame] = truth
+    return [truths[frame] for frame in sorted(truths)]
+
+
+def _truth_of(row: CsvLine) -> TruthRow:
+    frame = row.index("frame")
+    if not row.flag("visible"):
+        return TruthRow(frame, None)
+    circle = row.number("x"), row.number("y"), row.number("r")
+    if circle[2] <= 0.0:
+        raise row.error(f"the radius must be positive, got {row.text('r')}")
+    return TruthRow(frame, circle, lowconf=row.text("method").endswith("|lowconf"))
+
+
+def score_files(tracks: Path, truth: Path, start: int, video: str | None, as_json: bool) -> Score:
+    """Score a table of tracks and print the result.
+
+    Parameters
+    ----------
+    tracks, truth : Path
+        The two tables.
+    start : int
+        The first frame that counts.
+    video : str or None
+        Whose rows of the truth to take, if it holds several videos'.
+    as_json : bool
+        Whether to print one line of JSON.
+
+    Returns
+    -------
+    Score
+        What was printed.
+    """
+    rows, truths = read_tracks(tracks), read_truth(truth, video)
+    result = score(circles(rows), truths, start)
+    if not result.visible + result.absent:
+        raise ValueError(f"{truth} holds no frames from frame {start} on")
+    if as_json:
+        print(msgspec.json.encode(result).decode())
+    else:
+        print_score(result)
+    return result
+
+
+def print_score(result: Score) -> None:
+    """Print a score as a table of figure, value and what it is computed over."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, show_header=False)
+    table.add_column("")
+    table.add_column("", justify="right")
+    table.add_column("", style="dim")
+    for line in score_lines(result):
+        table.add_row(*line)
+    Console(highlight=False).print(table)
+
+
+def score_lines(result: Score) -> list[tuple[str, str, str]]:
+    """Return a score as lines of name, value with its unit, and explanation."""
+    answered = f"of {result.answered} answered frames, |dx| + |dy| + |dr|"
+    return [
+        ("mean error", _px_text(result.mean_error_px), answered),
+        ("median error", _px_text(result.median_error_px), ""),
+        ("95 % of errors below", _px_text(result.error_95_px), ""),
+        (
+            "valid",
+            _percent_text(result.valid_percent),
+            _share_text(result.valid, result.tight, f"error < {VALID_BELOW_PX:g} px"),
+        ),
+        (
+            "lost",
+            _percent_text(result.lost_percent),
+            _share_text(result.lost, result.visible, "ball visible, no answer"),
+        ),
+        ("false locks", str(result.false_locks), f"in {result.visible + result.absent} frames with truth"),
+        ("trembling", _px_text(result.trembling_px), "mean change of the error from frame to frame"),
+        ("jitter", _px_text(result.jitter_px), "rms second difference of the error"),
+    ]
+
+
+def _px_text(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f} px"
+
+
+def _percent_text(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f} %"
+
+
+def _share_text(part: int, whole: int, words: str) -> str:
+    return f"{part} of {whole} frames, {words}"

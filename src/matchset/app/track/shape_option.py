@@ -1,4 +1,4 @@
-"""Which shape is looked for, as the command line says it: `--shape`."""
+"""The option `--shape`: from text to a family of shapes."""
 
 import math
 import re
@@ -21,6 +21,7 @@ _FAMILIES: dict[str, type[Any]] = {
     "rectangle": Rectangle,
     "quadrilateral": Quadrilateral,
 }
+# geometry: number of corners
 _REGULAR = {"triangle": 3, "pentagon": 5, "hexagon": 6, "octagon": 8}
 _POINTS = re.compile(r"\s*(?:-?\d+(?:\.\d+)?,-?\d+(?:\.\d+)?[\s;]+){2,}-?\d+(?:\.\d+)?,-?\d+(?:\.\d+)?\s*")
 NAMES = ", ".join([*_FAMILIES, *_REGULAR])
@@ -33,8 +34,8 @@ def parse_shape(text: str) -> type[Any]:
     ----------
     text : str
         A name ("circle", "ellipse", "rectangle", "quadrilateral", a regular "triangle", "pentagon", "hexagon" or
-        "octagon"); corners, "0,0 4,0 0,3"; or a picture file of an outline, bright inside. Behind a name, corners or
-        file ":affine": it is seen from the side.
+        "octagon"); corners, "0,0 4,0 0,3"; or a picture file of an outline, bright inside. With ":affine" at its end,
+        the shape may be seen from the side (affine motion model).
 
     Returns
     -------
@@ -44,28 +45,28 @@ def parse_shape(text: str) -> type[Any]:
     Raises
     ------
     ValueError
-        If it is none of them.
+        If the text is none of these.
     """
-    what, _, motion = text.partition(":affine")
-    if motion:
+    name_or_file, _, rest = text.partition(":affine")
+    if rest:
         raise ValueError(f"behind ':affine' nothing follows, got --shape {text!r}")
-    affine = text != what
-    name = what.strip().lower()
+    affine = text != name_or_file
+    name = name_or_file.strip().lower()
     if name in _FAMILIES:
         if affine:
             raise ValueError(f"--shape {name} has no ':affine'; choose quadrilateral or ellipse")
         return _FAMILIES[name]
     if name in _REGULAR:
-        turns = [2.0 * math.pi * k / _REGULAR[name] - 0.5 * math.pi for k in range(_REGULAR[name])]
-        return Polygon.of([(math.cos(t), math.sin(t)) for t in turns], "affine" if affine else "similarity")
-    if _POINTS.fullmatch(what):
-        corners = [tuple(map(float, each.split(","))) for each in re.split(r"[\s;]+", what.strip())]
+        angles = [2.0 * math.pi * k / _REGULAR[name] - 0.5 * math.pi for k in range(_REGULAR[name])]
+        return Polygon.of([(math.cos(t), math.sin(t)) for t in angles], "affine" if affine else "similarity")
+    if _POINTS.fullmatch(name_or_file):
+        corners = [tuple(map(float, each.split(","))) for each in re.split(r"[\s;]+", name_or_file.strip())]
         return Polygon.of(corners, "affine" if affine else "similarity")
-    return _outline_in(Path(what), affine)
+    return _outline_of(Path(name_or_file), affine)
 
 
-def _outline_in(path: Path, affine: bool) -> type[Any]:
-    """Read the outline of the bright thing in a picture file."""
+def _outline_of(path: Path, affine: bool) -> type[Any]:
+    """Read the outline of the bright region of a picture file."""
     try:
         packed = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError:

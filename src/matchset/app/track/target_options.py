@@ -1,13 +1,13 @@
-"""What to follow, as the command line says it: `--pick`, `--candidate`, `--color`, `--hsv` or `--gray`."""
+"""What to track: from `--pick`, `--candidate`, `--color`, `--hsv` or `--gray` to a color and a start (`target_for`)."""
 
 import functools
 import operator
 import re
-from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from matchset.app.cli_options import TargetOptions
 from matchset.app.track.frame_picker import ball_like_frame, frame_at, pick_in
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
@@ -18,8 +18,8 @@ _CANDIDATE = re.compile(r"\s*(\d{1,9})\s*(?:@\s*(\d{1,9})\s*)?")
 _HSV = re.compile(r"\s*(\d+),(\d+),(\d+)\s*:\s*(\d+),(\d+),(\d+)\s*")
 
 
-class Target(msgspec.Struct, frozen=True):
-    """What to follow.
+class LearnedTarget(msgspec.Struct, frozen=True):
+    """What to track.
 
     Parameters
     ----------
@@ -36,98 +36,103 @@ class Target(msgspec.Struct, frozen=True):
     frame: int = 0
 
 
-class Wish(msgspec.Struct, frozen=True):
-    """The options that say what to follow, as typed; exactly one of the five is given, or `pick` with `gray`."""
+def check_target_options(options: TargetOptions, source: str) -> None:
+    """Check that exactly one way is given to say what to track, and that it can be read.
 
-    pick: str | None = None
-    candidate: str | None = None
-    colors: tuple[Path, ...] = ()
-    hsv: tuple[str, ...] = ()
-    gray: str | None = None
+    Parameters
+    ----------
+    options : TargetOptions
+        As typed.
+    source : str
+        The video, quoted for a shell, for the error message.
 
-
-def check_wish(wish: Wish, source: str) -> None:
-    """Refuse a wish that is none or several, or does not read (ValueError)."""
-    given = sum(map(bool, (wish.pick is not None, wish.candidate is not None, wish.colors, wish.hsv)))
-    if given + (wish.gray is not None and wish.pick is None) > 1:
+    Raises
+    ------
+    ValueError
+        If none or several are given, or one cannot be read.
+    """
+    choices = (options.pick is not None, options.candidate is not None, options.color, options.hsv)
+    given = sum(map(bool, choices))
+    if given + (options.gray is not None and options.pick is None) > 1:
         raise ValueError("give one of --pick, --candidate, --color, --hsv and --gray, not several")
-    if wish.gray is not None:
-        parse_gray(wish.gray)
+    if options.gray is not None:
+        parse_gray(options.gray)
         return
     if given == 0:
         raise ValueError(
             "say what to follow: --pick X,Y[@FRAME], --candidate N, --color FILE, --hsv LOW:HIGH or --gray dark; "
             f"'matchset learn {source}' shows where the ball is"
         )
-    if wish.pick is not None:
-        parse_pick(wish.pick)
-    if wish.candidate is not None:
-        parse_candidate(wish.candidate)
+    if options.pick is not None:
+        parse_pick(options.pick)
+    if options.candidate is not None:
+        parse_candidate(options.candidate)
 
 
-def known_target(wish: Wish) -> Target | None:
-    """Return the target if no picture is needed to tell it: a color file, HSV ranges, or brightness."""
-    if wish.gray is not None:
-        x, y, index = parse_pick(wish.pick) if wish.pick is not None else (0.0, 0.0, None)
-        return Target(parse_gray(wish.gray), None if wish.pick is None else (x, y), index or 0)
-    models = [ColorModel.load(path) for path in wish.colors] + [parse_hsv(text) for text in wish.hsv]
-    return Target(functools.reduce(operator.or_, models)) if models else None
+def target_without_picture(options: TargetOptions) -> LearnedTarget | None:
+    """Return the target if no picture is needed for it: of a color file, HSV ranges, or brightness; else None."""
+    if options.gray is not None:
+        x, y, index = parse_pick(options.pick) if options.pick is not None else (0.0, 0.0, None)
+        return LearnedTarget(parse_gray(options.gray), None if options.pick is None else (x, y), index or 0)
+    models = [ColorModel.load(path) for path in options.color or ()] + [parse_hsv(text) for text in options.hsv or ()]
+    return LearnedTarget(functools.reduce(operator.or_, models)) if models else None
 
 
-def target_in(video: Video, wish: Wish) -> tuple[Target, Frame]:
+def target_in(video: Video, options: TargetOptions) -> tuple[LearnedTarget, Frame]:
     """Learn the target from a picture of the video.
 
     Parameters
     ----------
     video : Video
-        Not yet read; it is read as far as the picture.
-    wish : Wish
+        Not yet read; it is read up to the picture.
+    options : TargetOptions
         With `pick` or `candidate`.
 
     Returns
     -------
-    tuple of Target and Frame
-        What to follow, and the picture it was learnt from.
+    tuple of LearnedTarget and Frame
+        What to track, and the picture it was learned from.
     """
-    if wish.pick is not None:
-        x, y, index = parse_pick(wish.pick)
+    if options.pick is not None:
+        x, y, index = parse_pick(options.pick)
         frame = frame_at(video, index or 0)
     else:
-        number, index = parse_candidate(wish.candidate or "")
+        number, index = parse_candidate(options.candidate or "")
         if index is None:
             frame, found = ball_like_frame(video)
             x, y = pick_in(frame, number, found)
         else:
             frame = frame_at(video, index)
             x, y = pick_in(frame, number)
-    return Target(ColorModel.pick(frame.image, x, y), (x, y), frame.index), frame
+    return LearnedTarget(ColorModel.pick(frame.image, x, y), (x, y), frame.index), frame
 
 
-def target_for(source: str, video: Video, wish: Wish) -> tuple[Target, tuple[Frame, ...]]:
-    """Find out what to follow in a video that is about to be read.
+def target_for(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, tuple[Frame, ...]]:
+    """Learn what to track in a video that is about to be read.
 
     Parameters
     ----------
     source : str
-        What was opened: a file is opened once more to look at it.
+        What was opened: a file is opened a second time to learn from it.
     video : Video
         Not yet read.
-    wish : Wish
-        What to follow, as typed.
+    options : TargetOptions
+        What to track, as typed.
 
     Returns
     -------
-    tuple of Target and tuple of Frame
-        And the frames that a live source gave away for it, which are to be followed all the same.
+    target : LearnedTarget
+    frames : tuple of Frame
+        Frames that were taken from a live source to learn from; they are to be tracked too.
     """
-    known = known_target(wish)
+    known = target_without_picture(options)
     if known is not None:
         return known, ()
     if video.live:
-        target, frame = target_in(video, wish)
+        target, frame = target_in(video, options)
         return msgspec.structs.replace(target, frame=frame.index), (frame,)
-    with Video(source) as look:
-        target, _ = target_in(look, wish)
+    with Video(source) as second:
+        target, _ = target_in(second, options)
     return target, ()
 
 

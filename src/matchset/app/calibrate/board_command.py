@@ -1,0 +1,133 @@
+"""`matchset calibrate --board`: from pictures of a board to a camera file, and the board itself to print."""
+
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+from matchset.app.calibrate.board_views import BoardViews, look_for_board
+from matchset.app.calibrate.command import BoardOptions
+from matchset.app.calibrate.coverage_picture import coverage_picture
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.run_folder import output_file, output_folder
+from matchset.app.track.learn_command import write_picture
+from matchset.camera.board import Board
+from matchset.camera.calibrate import Calibration, calibrate
+from matchset.camera.calibration_report import Verdict, judge_calibration
+from matchset.camera.view_selection import select_views
+from matchset.image.video import Video
+
+_DPI = 300.0  # format: resolution of the printed board, pixels per inch
+_INCH = 0.0254  # theorem: meters in an inch, by definition
+_MAX_PX = 2e8  # format: pixels of a picture; A0 at 300 pixels per inch has 1.4e8
+
+
+def parse_board(text: str) -> tuple[int, int]:
+    """Read ``COLUMNSxROWS``, inner corners."""
+    columns, cross, rows = text.lower().partition("x")
+    if not (cross and columns.strip().isdecimal() and rows.strip().isdecimal()):
+        raise ValueError(f"--board is COLUMNSxROWS of inner corners, as in 9x6, got {text!r}")
+    return int(columns), int(rows)
+
+
+def board_of(options: BoardOptions) -> Board:
+    """Return the board that the options describe; ValueError if there is none such."""
+    columns, rows = parse_board(options.board or "")
+    dictionary = options.dictionary.upper()
+    return Board(
+        columns=columns, rows=rows, square=options.square or 0.0, marker=options.charuco, dictionary=dictionary
+    )
+
+
+def camera_file(out: Path | None, force: bool) -> Path:
+    """Return the file to write the camera to: the one asked for, or one in a new folder."""
+    if out is None:
+        return output_folder(None, "calibrate") / "camera.toml"
+    if out.suffix.lower() != ".toml":
+        raise ValueError(f"a camera file's name must end in .toml, got {str(out)!r}")
+    return output_file(out, force)
+
+
+def calibrate_board(source: str, board: Board, out: Path | None, force: bool) -> int:
+    """Calibrate with a board.
+
+    Parameters
+    ----------
+    source : str
+        A video, a folder of pictures, or a camera.
+    board : Board
+    out : Path or None
+        The camera file asked for.
+    force : bool
+        Whether it may be overwritten.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    with StopRequest() as stop, Video(source) as video:
+        path = camera_file(out, force)
+        picture = output_file(path.with_name(path.stem + "-coverage.png"), force)
+        seen = look_for_board(video, board, stop)
+        for warning in video.warnings:
+            print("note: " + warning, file=sys.stderr)
+    if stop and not video.live:
+        print("note: stopped; nothing was calibrated", file=sys.stderr)
+        return stop.code
+    if seen.picture is None:
+        print_error(
+            f"no {board} in {seen.frames} frames. Inner corners are counted, not squares: a board of 10 x 7 "
+            "squares is --board 9x6; all of a chessboard must be in the picture, with a white margin"
+        )
+        return NOT_FOUND
+    return _finish(seen, board, (video.width, video.height), path, picture)
+
+
+def _finish(seen: BoardViews, board: Board, size: tuple[int, int], path: Path, picture: Path) -> int:
+    views = select_views(seen.views, size[0])
+    print(f"{board} in {len(seen.views)} of {seen.frames} frames, {len(views)} of them sharp and different")
+    assert seen.picture is not None
+    try:
+        calibration = calibrate(views, *size)
+    except ValueError as error:
+        write_picture(picture, coverage_picture(seen.picture, views, None, str(error)))
+        print_error(f"not calibrated: {error}")
+        print(f"  {picture}")
+        return NOT_FOUND
+    verdict = judge_calibration(calibration)
+    calibration.camera.save(path)
+    write_picture(picture, coverage_picture(seen.picture, calibration.views, verdict))
+    _print_report(calibration, verdict)
+    print(f"  {path}\n  {picture}")
+    return FOUND
+
+
+def _print_report(calibration: Calibration, verdict: Verdict) -> None:
+    camera = calibration.camera
+    print(f"\nThe calibration is {verdict.grade}, for pictures of {camera.width} x {camera.height} px.")
+    for finding in verdict.findings:
+        print(f"  {finding.grade:7s} {finding.name + ':':10s} {finding.words}")
+    print()
+
+
+def draw_board(board: Board, path: Path, force: bool) -> int:
+    """Draw a board into a PNG file, to print.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"the board's picture must end in .png, got {str(path)!r}")
+    square_px = max(round(board.square / _INCH * _DPI), 20)
+    if (board.columns + 3) * (board.rows + 3) * square_px**2 > _MAX_PX:
+        raise ValueError(f"{board} with squares of {board.square} m is too large to draw; --square is in meters")
+    image = board.picture(square_px)
+    dpi = square_px * _INCH / board.square
+    Image.fromarray(image).save(output_file(path, force), dpi=(dpi, dpi))
+    width, height = (side / square_px * board.square * 1000.0 for side in image.shape[1::-1])
+    print(f"  {path}\nPrint it at 100 % ({width:.0f} x {height:.0f} mm with its margin) and glue it to something flat.")
+    print(f"Measure a square: it should be {board.square * 1000.0:.1f} mm; otherwise give --square what it is.")
+    return FOUND

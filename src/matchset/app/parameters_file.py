@@ -1,0 +1,158 @@
+"""Parameters of a tracker as a TOML file: `matchset params` prints them, `--params FILE` reads them.
+
+Both follow the fields of `TrackerParameters` and of the structs inside it, so a new parameter appears by itself. The
+comments are taken from the docstrings.
+"""
+
+import inspect
+import json
+import math
+import re
+import textwrap
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from matchset.tracking.parameters import TrackerParameters
+
+_WIDTH = 100  # format: longest line of a comment
+_MAX_BYTES = 1_000_000  # format: a larger file holds no parameters
+
+
+def tracker_parameters(path: Path | None) -> TrackerParameters:
+    """Read the parameters of a tracker.
+
+    Parameters
+    ----------
+    path : Path or None
+        A TOML file as `parameters_toml` writes it; what is missing in it has its default. None: all have.
+
+    Returns
+    -------
+    TrackerParameters
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, or a key is unknown, or a value has another type or is out of range; the message
+        names file and key.
+    """
+    if path is None:
+        return TrackerParameters()
+    try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise ValueError(f"{path}: too large for a file of parameters")
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ValueError(f"no such file: {path}") from None
+    except OSError as error:
+        raise ValueError(f"cannot read {path}: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise ValueError(f"{path} is not TOML: {error}") from None
+    for problem in _problems(values, TrackerParameters(), ""):
+        raise ValueError(f"{path}: {problem}")
+    try:
+        return msgspec.convert(values, TrackerParameters)
+    except msgspec.ValidationError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def _problems(values: Mapping[str, Any], defaults: msgspec.Struct, table: str) -> Iterator[str]:
+    """Yield what is wrong with the keys and values of a table."""
+    for name, value in values.items():
+        key = f"{table}{name}"
+        if name not in defaults.__struct_fields__:
+            yield f"there is no parameter {key!r}; 'matchset params' prints all"
+            continue
+        default = getattr(defaults, name)
+        if isinstance(default, msgspec.Struct):
+            if isinstance(value, dict):
+                yield from _problems(value, default, f"{key}.")
+            else:
+                yield f"{key} must be a table, got {value!r}"
+        elif (problem := _problem_of(value, default)) is not None:
+            yield f"{key} must be {problem}, got {value!r}"
+
+
+def _problem_of(value: Any, default: Any) -> str | None:
+    """Return what a value must be, if it is something else; numbers have at least the sign of their default."""
+    if isinstance(default, bool):
+        return None if isinstance(value, bool) else "true or false"
+    if not isinstance(default, (int, float)):
+        return None  # its type is checked by msgspec
+    whole = isinstance(default, int)
+    if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
+        return "a whole number" if whole else "a number"
+    if math.isnan(value) or (math.isinf(value) and not math.isinf(default)):
+        return "finite"
+    return "0 or more" if value < 0 <= default else None
+
+
+def parameters_toml(parameters: TrackerParameters) -> str:
+    """Write the parameters of a tracker as TOML, each with its meaning and its default as a comment.
+
+    Parameters
+    ----------
+    parameters : TrackerParameters
+
+    Returns
+    -------
+    str
+        What `tracker_parameters` reads.
+    """
+    return "\n".join(_table(parameters, "")) + "\n"
+
+
+def _table(parameters: msgspec.Struct, name: str) -> Iterator[str]:
+    """Yield the lines of a struct: its own numbers first, then its structs as tables."""
+    doc = inspect.getdoc(type(parameters)) or ""
+    meanings = _meanings(doc)
+    defaults = type(parameters)()
+    yield from _comment(doc.split("\n\n")[0])
+    if name:
+        yield f"[{name.rstrip('.')}]"
+    groups = []
+    explained: dict[str, str] = {}
+    for field in parameters.__struct_fields__:
+        value = getattr(parameters, field)
+        if isinstance(value, msgspec.Struct):
+            groups.append((value, f"{name}{field}."))
+            continue
+        meaning = meanings.get(field, "")
+        first = explained.setdefault(meaning, field)
+        yield ""
+        yield from _comment(meaning if first == field else f"See {first}.")
+        yield f"# Default: {_value(getattr(defaults, field))}"
+        yield f"{field} = {_value(value)}"
+    for value, table in groups:
+        yield ""
+        yield ""
+        yield from _table(value, table)
+
+
+def _meanings(doc: str) -> dict[str, str]:
+    """Return the description of each parameter in a numpydoc docstring."""
+    _, _, section = doc.partition("Parameters\n----------\n")
+    meanings: dict[str, str] = {}
+    for entry in re.split(r"\n(?=\S)", section):
+        head, _, text = entry.partition("\n")
+        names, colon, _ = head.partition(" : ")
+        if colon:
+            meanings |= dict.fromkeys((each.strip() for each in names.split(",")), " ".join(text.split()))
+    return meanings
+
+
+def _comment(text: str) -> list[str]:
+    return [f"# {line}" for line in textwrap.wrap(" ".join(text.split()), _WIDTH - 2)]
+
+
+def _value(value: Any) -> str:
+    """Return a value as TOML."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return json.dumps(value) if isinstance(value, str) else repr(value)

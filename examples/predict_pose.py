@@ -24,7 +24,7 @@ while time < 20.0:
         poses.update(ms.Lost("hidden", time))
         continue
     seen = place(time) + 0.003 * rng.standard_normal(3) * (1.0, 1.0, 3.0)
-    pose = ms.Pose(position=seen, turn=None, covariance=covariance, observed="position", time=time)
+    pose = ms.Pose(position=seen, rotation_matrix=None, covariance=covariance, observed="position", time=time)
     poses.update(pose)
     then = poses.predict(time + AGE)
     if isinstance(then, ms.Pose) and time > 1.0:

@@ -13,7 +13,7 @@ from benchmarks.localization.poses import PINHOLE, facing, learn, observe, place
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
-from matchset.localization.marker_direction import place_marker
+from matchset.localization.attitude import direction_on_ball
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]
@@ -120,10 +120,10 @@ def _blobs(flight: BallFlightClip) -> list[float]:
         track = tracker.update(frame)
         pose = localizer.update(track)
         seen = _largest_blob(frame, track.shape, marker_color) if isinstance(track, ms.Track) else None
-        direction, slopes, error = np.empty(3), np.empty((3, 5)), math.nan
+        error = math.nan
         if seen is not None and isinstance(pose, ms.Pose):
-            reach = target.marker_distance
-            if place_marker(flight.camera.intrinsics, seen[0], seen[1], pose.position, reach, direction, slopes):
+            direction = direction_on_ball(flight.camera, seen, pose.position, target.marker_distance)
+            if direction is not None:
                 true = flight.turn(frame.time).apply((0.0, 0.0, 1.0))
                 error = math.atan2(float(np.linalg.norm(np.cross(true, direction))), float(true @ direction))
         if frame.index > 0:

@@ -58,10 +58,10 @@ class Sight(msgspec.Struct, frozen=True):
 
     def direction_error(self, marker: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> float:
         """Angle between where a marker is and where the answer has it, rad; NaN where that is not observed."""
-        if isinstance(self.pose, ms.Lost) or self.pose.turn is None:
+        if isinstance(self.pose, ms.Lost) or self.pose.rotation_matrix is None:
             return math.nan
         true = self.turn.apply(marker)
-        return math.atan2(*(f(true, self.pose.turn @ marker) for f in (_sine, np.dot)))
+        return math.atan2(*(f(true, self.pose.rotation_matrix @ marker) for f in (_sine, np.dot)))
 
     @property
     def turn_error(self) -> float:

@@ -77,7 +77,11 @@ def errors(preset: str, seed: int, seconds: float) -> tuple[list[float], list[fl
 
 def _stamped(pose: ms.Pose, time: float) -> ms.Pose:
     return ms.Pose(
-        position=pose.position, turn=pose.turn, covariance=pose.covariance, observed=pose.observed, time=time
+        position=pose.position,
+        rotation_matrix=pose.rotation_matrix,
+        covariance=pose.covariance,
+        observed=pose.observed,
+        time=time,
     )
 
 

@@ -30,7 +30,7 @@ class World:
         ball = Rotation.from_euler("y", self.neighbor_yaw).as_matrix() @ TURNS
         return Pose(
             position=turn.T @ (self.neighbor - self.start - state.position),
-            turn=turn.T @ ball,
+            rotation_matrix=turn.T @ ball,
             covariance=SPREAD,
             observed="level",
             time=time,
@@ -126,7 +126,9 @@ def test_a_neighbor_that_turns_back_and_forth_is_followed_closely() -> None:
 def test_before_the_first_sight_and_without_a_marker_it_has_no_answer() -> None:
     follower = Follower()
     assert follower.update(Lost("nothing there", 0.0), 0.1) is None
-    alone = Pose(position=np.array((0.0, 0.0, 2.0)), turn=None, covariance=SPREAD, observed="position", time=0.2)
+    alone = Pose(
+        position=np.array((0.0, 0.0, 2.0)), rotation_matrix=None, covariance=SPREAD, observed="position", time=0.2
+    )
     assert follower.update(alone, 0.3) is None
 
 

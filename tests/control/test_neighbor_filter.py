@@ -19,7 +19,7 @@ SPREAD = np.diag([1e-6] * 3 + [1e-4] * 3)
 
 def seen(place: tuple[float, float, float], time: float, way: float = math.pi) -> Pose:
     turn = Rotation.from_euler("y", way).as_matrix()
-    return Pose(position=np.array(place), turn=turn, covariance=SPREAD, observed="level", time=time)
+    return Pose(position=np.array(place), rotation_matrix=turn, covariance=SPREAD, observed="level", time=time)
 
 
 def numbers(forecast: Forecast) -> Floats:

@@ -19,7 +19,7 @@ def test_a_follower_compiles_in_its_constructor_alone(order: str) -> None:
             turn.flags.writeable = k % 2 == 0
             pose = Pose(
                 position=np.array((0.0, 0.0, 1.5)),
-                turn=turn if k % 3 else None,
+                rotation_matrix=turn if k % 3 else None,
                 covariance=np.array(np.diag([1e-4] * 6), order=order),  # type: ignore[call-overload]
                 observed="level" if k % 3 else "position",
                 time=k / 30,

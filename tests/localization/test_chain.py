@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from matchset.localization.chain import FACING_AWAY, Mount, compose, seen_from_last
-from matchset.localization.pose import UNSEEN, Pose
+from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
@@ -19,7 +19,7 @@ MOUNT = Mount((0.02, 0.19, -0.05))
 def pose(position: Floats, turn: Floats | None, spread: Floats | None = None, time: float = 1.0) -> Pose:
     covariance = np.diag((1e-5, 1e-5, 4e-5, 1e-4, 2e-4, 1e-4)) if spread is None else spread
     observed = "position" if turn is None else "full"
-    return Pose(position=position, turn=turn, covariance=covariance, observed=observed, time=time)  # type: ignore[arg-type]
+    return Pose(position=position, rotation_matrix=turn, covariance=covariance, observed=observed, time=time)  # type: ignore[arg-type]
 
 
 def room(seed: int, count: int = 3) -> list[tuple[Floats, Floats]]:
@@ -52,10 +52,10 @@ def test_two_sights_make_the_sight_of_who_cannot_be_seen(seed: int) -> None:
     composed = compose(sight(cameras[0], balls[1]), sight(cameras[1], balls[2]), MOUNT)
     direct = sight(cameras[0], balls[2])
     assert isinstance(composed, Pose)
-    assert composed.turn is not None
-    assert direct.turn is not None
+    assert composed.rotation_matrix is not None
+    assert direct.rotation_matrix is not None
     np.testing.assert_allclose(composed.position, direct.position, atol=1e-12)
-    np.testing.assert_allclose(composed.turn, direct.turn, atol=1e-12)
+    np.testing.assert_allclose(composed.rotation_matrix, direct.rotation_matrix, atol=1e-12)
 
 
 def test_a_straight_chain_keeps_its_distances() -> None:
@@ -80,7 +80,7 @@ def test_every_camera_of_a_chain_is_where_it_is(seed: int, count: int) -> None:
     for place, (where, turn) in zip(places, cameras, strict=True):
         assert place is not None
         np.testing.assert_allclose(place.position, last_turn.T @ (where - last_place), atol=1e-11)
-        np.testing.assert_allclose(place.turn, last_turn.T @ turn, atol=1e-11)
+        np.testing.assert_allclose(place.rotation_matrix, last_turn.T @ turn, atol=1e-11)
 
 
 def test_the_covariance_is_that_of_random_errors() -> None:
@@ -93,9 +93,9 @@ def test_the_covariance_is_that_of_random_errors() -> None:
     for _ in range(4000):
         tried = compose(_shaken(first, rng), _shaken(second, rng), MOUNT)
         assert isinstance(tried, Pose)
-        assert tried.turn is not None
-        assert exact.turn is not None
-        turned = Rotation.from_matrix(tried.turn @ exact.turn.T).as_rotvec()
+        assert tried.rotation_matrix is not None
+        assert exact.rotation_matrix is not None
+        turned = Rotation.from_matrix(tried.rotation_matrix @ exact.rotation_matrix.T).as_rotvec()
         errors.append(np.concatenate((tried.position - exact.position, turned)))
     seen = np.cov(np.array(errors).T)
     scale = np.sqrt(np.outer(np.diag(exact.covariance), np.diag(exact.covariance)))
@@ -104,8 +104,8 @@ def test_the_covariance_is_that_of_random_errors() -> None:
 
 def _shaken(seen: Pose, rng: np.random.Generator) -> Pose:
     off = rng.multivariate_normal(np.zeros(6), seen.covariance)
-    assert seen.turn is not None
-    return pose(seen.position + off[:3], _turn(off[3:]) @ seen.turn)
+    assert seen.rotation_matrix is not None
+    return pose(seen.position + off[:3], _turn(off[3:]) @ seen.rotation_matrix)
 
 
 def test_what_is_not_known_is_said() -> None:
@@ -119,8 +119,8 @@ def test_what_is_not_known_is_said() -> None:
     assert "not observed" in gap.reason
     end = compose(ahead, blind)
     assert isinstance(end, Pose)
-    assert (end.observed, end.turn, end.time) == ("position", None, 1.0)
-    np.testing.assert_allclose(end.covariance[3:, 3:], UNSEEN * np.eye(3))
+    assert (end.observed, end.rotation_matrix, end.time) == ("position", None, 1.0)
+    np.testing.assert_allclose(end.covariance[3:, 3:], UNOBSERVED_VARIANCE * np.eye(3))
     assert math.isfinite(end.covariance.sum())
     assert [place is None for place in seen_from_last([ahead, lost, ahead])] == [True, True, False]
     assert seen_from_last([]) == []

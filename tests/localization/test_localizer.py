@@ -8,12 +8,13 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, dot, rim, square, track
-from matchset.localization.ball import BallParameters
-from matchset.localization.localizer import LocalizerParameters, assignments
-from matchset.localization.marker_direction import place_marker
-from matchset.localization.pose import UNSEEN
+from matchset.localization.attitude import AttitudeParameters, direction_on_ball
+from matchset.localization.cone import BallParameters
+from matchset.localization.localizer import LocalizerParameters
+from matchset.localization.marker_identification import assignments
+from matchset.localization.pose import UNOBSERVED_VARIANCE
 
-EXACT = LocalizerParameters(ball=BallParameters(edge_shift=0.0))
+EXACT = LocalizerParameters(ball=BallParameters(edge_shift_px=0.0))
 
 
 def seen_at(turn_deg: float, rise_deg: float) -> tuple[float, float, float]:
@@ -69,7 +70,7 @@ def test_without_a_marker_only_the_position_is_observed() -> None:
     assert isinstance(pose, ms.Pose)
     assert (pose.observed, pose.rotation, pose.side, pose.height, pose.heading) == ("position", None, None, None, None)
     np.testing.assert_allclose(pose.position, (0.3, -0.2, 1.5), atol=1e-7)
-    np.testing.assert_allclose(pose.covariance[3:, 3:], UNSEEN * np.eye(3))
+    np.testing.assert_allclose(pose.covariance[3:, 3:], UNOBSERVED_VARIANCE * np.eye(3))
     assert not pose.covariance[3:, :3].any()
     assert pose.yaw == pytest.approx(math.atan2(0.3, 1.5))
     assert pose.distance == pytest.approx(math.sqrt(0.09 + 0.04 + 2.25))
@@ -140,13 +141,15 @@ def test_the_rotation_agrees_with_scipy_s_where_all_directions_weigh_the_same() 
     for each in seen:
         x, y = rng.normal((each.shape.x, each.shape.y), 0.2)
         noisy.append(ms.Track(ms.Circle(x, y, 5.0), each.covariance, 1.0, each.match_set, 0.0))
-    settings_ = LocalizerParameters(ball=BallParameters(edge_shift=0.0), marker_place=1.0)  # swamps the weights
+    settings_ = LocalizerParameters(
+        ball=BallParameters(edge_shift_px=0.0),
+        attitude=AttitudeParameters(marker_sigma=1.0),  # swamps the weights
+    )
     pose = ms.Localizer(PINHOLE, THREE, settings_).update(ball(PINHOLE, position), noisy)
     directions = []
     for each in noisy:
-        direction, slopes = np.empty(3), np.empty((3, 5))
-        x, y = each.shape.x, each.shape.y
-        assert place_marker(PINHOLE.intrinsics, x, y, position, THREE.marker_distance, direction, slopes)
+        direction = direction_on_ball(PINHOLE, (each.shape.x, each.shape.y), position, THREE.marker_distance)
+        assert direction is not None
         directions.append(direction)
     theirs, _ = Rotation.align_vectors(directions, THREE.markers)
     assert angle_deg(pose, theirs) < 0.05
@@ -189,9 +192,8 @@ def test_markers_that_fit_no_rotation_leave_the_position() -> None:
 def test_the_covariance_of_all_six_numbers_is_honest(target: ms.BallTarget) -> None:
     rng = np.random.default_rng(6)
     settings_ = LocalizerParameters(
-        ball=BallParameters(edge_shift=0.0, inflation=1.0, center_floor=1e-6, size_floor=1e-6),
-        marker_place=1e-6,
-        tilt=1e-3,
+        ball=BallParameters(edge_shift_px=0.0, inflation=1.0, center_sigma_px=1e-6, size_sigma_px=1e-6),
+        attitude=AttitudeParameters(marker_sigma=1e-6, tilt_sigma=1e-3),
     )
     position, squares = np.array((0.25, -0.1, 1.3)), []
     for _ in range(300):

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import Floats, square
-from matchset.localization.pose import UNSEEN
+from matchset.localization.pose import UNOBSERVED_VARIANCE
 from matchset.localization.pose_filter import FilterParameters
-from matchset.numeric.kalman import advance, correct
-from matchset.numeric.linalg import rotate, turn_from
+from matchset.numeric.kalman import predict, predict_constant_velocity, update
+from matchset.numeric.rotation import rotate, rotation_vector_between
 
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 
@@ -21,10 +21,10 @@ def at(
     time: float, place: Floats, spread: Floats | None = None, turn: Rotation | None = None, turn_std: float = 0.01
 ) -> ms.Pose:
     own = np.diag((1e-6, 1e-6, 1e-4)) if spread is None else spread
-    angles = UNSEEN * np.eye(3) if turn is None else turn_std**2 * np.eye(3)
+    angles = UNOBSERVED_VARIANCE * np.eye(3) if turn is None else turn_std**2 * np.eye(3)
     return ms.Pose(
         position=place,
-        turn=None if turn is None else turn.as_matrix(),
+        rotation_matrix=None if turn is None else turn.as_matrix(),
         covariance=block_diag(own, angles),
         observed="position" if turn is None else "full",
         time=time,
@@ -44,13 +44,17 @@ def test_the_kernels_agree_with_the_textbook() -> None:
     f = np.block([[np.eye(3), t * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
     noise = q * q * np.kron([[t**3 / 3, t**2 / 2], [t**2 / 2, t]], np.eye(3))
     ahead, wide = f @ state, f @ covariance @ f.T + noise
-    advance(state, covariance, t, q)
+    other_state, other_covariance = state.copy(), covariance.copy()
+    predict(other_state, other_covariance, f, noise)
+    np.testing.assert_allclose(other_state, ahead)
+    np.testing.assert_allclose(other_covariance, wide)
+    predict_constant_velocity(state, covariance, t, q)
     np.testing.assert_allclose(state, ahead)
     np.testing.assert_allclose(covariance, wide)
     seen, r, h = rng.normal(size=3), np.diag((1.0, 2.0, 3.0)), np.eye(3, 6)
     s = h @ wide @ h.T + r
     gain = wide @ h.T @ np.linalg.inv(s)
-    assert correct(state, covariance, seen, r, 1e9) == pytest.approx(square(seen, s))
+    assert update(state, covariance, seen, h, r, 1e9) == pytest.approx(square(seen, s))
     np.testing.assert_allclose(state, ahead + gain @ seen)
     np.testing.assert_allclose(covariance, (np.eye(6) - gain @ h) @ wide, atol=1e-12)
 
@@ -60,7 +64,7 @@ def test_the_kernels_agree_with_the_textbook() -> None:
 def test_turns_agree_with_scipy(one: Floats, other: Floats) -> None:
     first, second = Rotation.from_rotvec(one), Rotation.from_rotvec(other)
     vector = np.empty(3)
-    angle = turn_from(first.as_matrix(), second.as_matrix(), vector)
+    angle = rotation_vector_between(first.as_matrix(), second.as_matrix(), vector)
     theirs = second * first.inv()
     assert angle == pytest.approx(theirs.magnitude(), abs=1e-7)
     turn = first.as_matrix()
@@ -87,7 +91,7 @@ def test_a_steady_flight_is_extrapolated_with_jittering_times() -> None:
 
 def test_the_covariance_of_a_prediction_is_honest() -> None:
     rng = np.random.default_rng(2)
-    own = FilterParameters(acceleration=0.5, lasting=0.0)
+    own = FilterParameters(acceleration=0.5, common_share=0.0)
     squares = []
     for _ in range(60):
         filtered, state, spread = ms.PoseFilter(own), np.zeros(6), np.diag((1e-6, 1e-6, 1e-4))
@@ -156,7 +160,7 @@ def test_a_rotation_that_is_no_longer_observed_is_forgotten() -> None:
         pose = predicted(filtered, k / 30)
         assert (pose.rotation is not None) == (k <= 15)
         assert pose.observed == ("full" if k <= 15 else "position")
-    np.testing.assert_allclose(pose.covariance[3:, 3:], UNSEEN * np.eye(3))
+    np.testing.assert_allclose(pose.covariance[3:, 3:], UNOBSERVED_VARIANCE * np.eye(3))
 
 
 def test_without_a_pose_or_with_an_old_one_it_is_lost() -> None:

@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-MOST = 6  # markers: who is who is found by trying
-LEAST_APART = 0.17  # rad between two markers
+MOST_MARKERS = 6  # format: rows of the workspace; which marker is which is found by trying
+MIN_SEPARATION = 0.17  # geometry: rad between two markers, 10 degrees
 
 
 class BallTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -41,13 +41,13 @@ class BallTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             raise ValueError(
                 f"a marker must be smaller than its ball of {self.diameter} m, got {self.marker_diameter} m"
             )
-        if len(self.markers) > MOST:
-            raise ValueError(f"a ball has at most {MOST} markers, got {len(self.markers)}")
+        if len(self.markers) > MOST_MARKERS:
+            raise ValueError(f"a ball has at most {MOST_MARKERS} markers, got {len(self.markers)}")
         for k, marker in enumerate(self.markers):
             if len(marker) != 3 or not abs(math.hypot(*marker) - 1.0) <= 1e-6:
                 raise ValueError(f"markers must be unit vectors of 3 numbers, got {marker}")
             for other in self.markers[:k]:
-                if math.dist(marker, other) < 2.0 * math.sin(0.5 * LEAST_APART):
+                if math.dist(marker, other) < 2.0 * math.sin(0.5 * MIN_SEPARATION):
                     raise ValueError(f"two markers must be 10 degrees apart or more, got {other} and {marker}")
 
     @property

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.pose import UNSEEN, Pose
+from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
@@ -31,19 +31,19 @@ class Mount(msgspec.Struct, frozen=True):
     lens: tuple[float, float, float] = (0.0, 0.19, -0.05)
 
 
-class Place(msgspec.Struct, frozen=True):
+class CameraPlace(msgspec.Struct, frozen=True):
     """A camera in the frame of a ball.
 
     Parameters
     ----------
     position : ndarray of shape (3,), float64
         m: x is the side, y minus the height, z the heading (Epstein & Feldman, Eq. 6-8).
-    turn : ndarray of shape (3, 3), float64
+    rotation_matrix : ndarray of shape (3, 3), float64
         From the camera frame to that of the ball.
     """
 
     position: Floats
-    turn: Floats
+    rotation_matrix: Floats
 
 
 def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Mount | None = None) -> "Pose | Lost[Pose]":
@@ -72,30 +72,30 @@ def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Moun
     if not isinstance(second, Pose):
         return second
     time = min(first.time, second.time)
-    if first.turn is None:
+    if first.rotation_matrix is None:
         return Lost("how the neighbor is turned is not observed", time)
     mount = mount or Mount()
-    turn = first.turn @ FACING_AWAY
-    arm = first.turn @ np.array(mount.lens) + turn @ second.position
+    turn = first.rotation_matrix @ FACING_AWAY
+    arm = first.rotation_matrix @ np.array(mount.lens) + turn @ second.position
     slope = np.eye(6)
     slope[:3, 3:] = -_cross(arm)
     carried = np.zeros((6, 6))
     carried[:3, :3] = carried[3:, 3:] = turn
     covariance = slope @ first.covariance @ slope.T + carried @ second.covariance @ carried.T
-    if second.turn is None:
+    if second.rotation_matrix is None:
         covariance[3:] = covariance[:, 3:] = 0.0
-        covariance[3:, 3:] = UNSEEN * np.eye(3)
+        covariance[3:, 3:] = UNOBSERVED_VARIANCE * np.eye(3)
     observed = second.observed if second.observed != "full" else first.observed
     return Pose(
         position=first.position + arm,
-        turn=None if second.turn is None else turn @ second.turn,
+        rotation_matrix=None if second.rotation_matrix is None else turn @ second.rotation_matrix,
         covariance=covariance,
         observed=observed,
         time=time,
     )
 
 
-def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = None) -> list[Place | None]:
+def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = None) -> list[CameraPlace | None]:
     """Put every camera of a chain into the frame of the last ball.
 
     Parameters
@@ -106,15 +106,17 @@ def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = N
 
     Returns
     -------
-    list of Place or None
+    list of CameraPlace or None
         One for each camera; None from the last gap of the chain on forward.
     """
-    places: list[Place | None] = []
+    places: list[CameraPlace | None] = []
     reach: Pose | Lost[Pose] | None = None
     for pose in reversed(poses):
         reach = pose if reach is None else compose(pose, reach, mount)
-        known = isinstance(reach, Pose) and reach.turn is not None
-        places.append(Place(-(reach.position @ reach.turn), reach.turn.T) if known else None)  # type: ignore[union-attr,operator]
+        known = isinstance(reach, Pose) and reach.rotation_matrix is not None
+        places.append(
+            CameraPlace(-(reach.position @ reach.rotation_matrix), reach.rotation_matrix.T) if known else None
+        )  # type: ignore[union-attr,operator]
     return places[::-1]
 
 

@@ -1,28 +1,38 @@
 """Where the ball is, from its track and those of its markers: `Localizer`."""
 
-import functools
-import itertools
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
-from matchset.localization import pose_estimation as sighting
-from matchset.localization.ball import NOWHERE, REASONS, BallParameters, outline_of
-from matchset.localization.ball_target import MOST, BallTarget
-from matchset.localization.marker_identification import FULL, LEVEL, NOTHING
+from matchset.localization.attitude import AttitudeParameters
+from matchset.localization.ball_target import MOST_MARKERS, BallTarget
+from matchset.localization.cone import BallParameters, ConeFailure
+from matchset.localization.marker_identification import RotationSource, assignments
 from matchset.localization.pose import Observed, Pose
-from matchset.localization.pose_estimation import COVARIANCE, KNOWN, OUT, RADIUS, TURN, sight
+from matchset.localization.pose_estimation import POSE, estimate_pose
+from matchset.numeric.record import fields, new_block, store
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
-OBSERVED: dict[int, Observed] = {NOTHING: "position", LEVEL: "level", FULL: "full"}
+ANGLES = 2.0 * math.pi * np.arange(48) / 48  # geometry: the points of a circle that stands for a match-set
+UNIT_CIRCLE = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+OBSERVED: dict[int, Observed] = {
+    RotationSource.NONE: "position",
+    RotationSource.LEVEL: "level",
+    RotationSource.FULL: "full",
+}
+REASONS: dict[int, str] = {
+    ConeFailure.TOO_FEW_RAYS: "the lens model has no directions where the ball is seen",
+    ConeFailure.NO_CONE: "the outline is not that of a ball",
+    ConeFailure.TOO_NEAR: "the ball touches the camera",
+}
 
 
 class LocalizerParameters(msgspec.Struct, frozen=True):
@@ -31,29 +41,23 @@ class LocalizerParameters(msgspec.Struct, frozen=True):
     Parameters
     ----------
     ball : BallParameters
-    tilt : float
-        Standard deviation of the tilt of "level" vehicles against each other, rad: what one marker leaves open.
-    marker_place : float
-        Standard deviation of where the markers sit on the ball, rad.
-    lead : float
-        By how much, in squared standard deviations, the best answer to which marker is which must be better than the
-        next one; otherwise the rotation is not told.
-    misfit : float
-        Largest sum of squared deviations of the markers per marker.
+        Of the position.
+    attitude : AttitudeParameters
+        Of the rotation.
     memory : float
-        How long the last rotation helps to tell markers apart, s.
+        How long the previous rotation helps to tell markers apart, s. Chosen by hand;
+        `python -m benchmarks --only localization_markers` would show a change.
     """
 
     ball: BallParameters = BallParameters()
-    tilt: float = 0.1
-    marker_place: float = 0.01
-    lead: float = 3.5
-    misfit: float = 25.0
+    attitude: AttitudeParameters = AttitudeParameters()
     memory: float = 0.5
 
 
 class Localizer:
     """Turns tracks into poses; one localizer per ball, since it remembers which marker was where.
+
+    Its kernels are compiled here; `update` compiles nothing.
 
     Parameters
     ----------
@@ -76,26 +80,24 @@ class Localizer:
     def __init__(self, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters | None = None) -> None:
         self.camera, self.target = camera, target
         self.parameters = parameters or LocalizerParameters()
-        self._bodies = target.directions
-        self._intrinsics = camera.intrinsics.copy()
-        self._camera_covariance = NOWHERE if camera.covariance is None else camera.covariance.copy()
-        self._last, self._since = np.eye(3), -math.inf
-        self._numbers = np.zeros(sighting.NUMBERS)
-        limits = self.parameters
-        self._numbers[RADIUS:KNOWN] = (
-            target.radius,
-            target.marker_distance,
-            limits.marker_place,
-            limits.tilt,
-            limits.lead,
-            limits.misfit,
-        )
-        precompile()
+        limits = self.parameters.ball
+        self._shared = np.diag((limits.center_sigma_px**2, limits.center_sigma_px**2, limits.size_sigma_px**2))
+        self._rotation_time = -math.inf
+        self._block = new_block(POSE)
+        work = fields(self._block, POSE)
+        _describe(work, camera, target, self.parameters)
+        # What every frame reads or writes; an array of NumPy is reached faster than the fields of a record.
+        self._cone, self._attitude = self._block.view(POSE)[0]["cone"], self._block.view(POSE)[0]["attitude"]
+        self._inside, self._shared_covariance = work.cone.inside, work.cone.shared_covariance
+        self._pixels, self._pixel_covariances = work.attitude.pixels, work.attitude.pixel_covariances
+        self._last_rotation, self._rotation = work.attitude.last_rotation, work.attitude.rotation
+        self._position, self._covariance = work.cone.position, work.covariance
+        estimate_pose(self._block, np.empty((0, 2)), *assignments(1, 0))  # compiles
 
     def update(
         self, ball: Track[Circle] | Lost[Circle], markers: Iterable[Track[Circle] | Lost[Circle]] = ()
     ) -> "Pose | Lost[Pose]":
-        """Place the ball.
+        """Estimate the pose of the ball.
 
         Parameters
         ----------
@@ -111,77 +113,59 @@ class Localizer:
         """
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
-        outline, numbers, out = outline_of(ball, self.parameters.ball), self._numbers, np.empty(OUT)
-        numbers[:RADIUS] = outline.numbers
-        numbers[KNOWN] = 0.0 <= ball.time - self._since <= self.parameters.memory
-        seen = [_numbers(marker) for marker in markers if isinstance(marker, Track)] if len(self._bodies) else []
-        miss, kind = sight(
-            self._intrinsics,
-            self._camera_covariance,
-            outline.points,
-            outline.spread,
-            np.array(seen[:MOST]) if seen else NOWHERE,
-            *assignments(min(max(len(seen), 1), MOST), len(self._bodies)),
-            self._bodies,
-            self._last,
-            numbers,
-            out,
-        )
-        if miss:
-            return Lost(REASONS[miss], ball.time)
-        turn: Floats | None = None
-        if kind != NOTHING:
-            turn = out[TURN:].reshape(3, 3)
-            self._last, self._since = turn, ball.time
+        count = self._take_markers(markers)
+        self._attitude["last_known"] = 0.0 <= ball.time - self._rotation_time <= self.parameters.memory
+        ways = assignments(max(count, 1), len(self.target.markers))
+        failure, source = estimate_pose(self._block, self._take_outline(ball), *ways)
+        if failure:
+            return Lost(REASONS[failure], ball.time)
+        rotation: Floats | None = None
+        if source:
+            rotation = self._rotation.copy()
+            self._last_rotation[:], self._rotation_time = rotation, ball.time
         return Pose(
-            position=out[:COVARIANCE],
-            turn=turn,
-            covariance=out[COVARIANCE:TURN].reshape(6, 6),
-            observed=OBSERVED[kind],
+            position=self._position.copy(),
+            rotation_matrix=rotation,
+            covariance=self._covariance.copy(),
+            observed=OBSERVED[source],
             time=ball.time,
         )
 
+    def _take_outline(self, ball: Track[Circle]) -> Floats:
+        """Points of the outline, (n, 2) px; if there are few, of the circle, with its covariance."""
+        circle, points = ball.shape, ball.match_set
+        self._inside[0], self._inside[1] = circle.x, circle.y
+        robust = len(points) >= self.parameters.ball.min_points
+        self._cone["robust"] = robust
+        self._shared_covariance[:] = self._shared if robust else ball.covariance
+        if not robust:
+            return UNIT_CIRCLE * circle.radius + (circle.x, circle.y)
+        if points.dtype != np.float64 or not points.flags.carray:  # to the compiler read-only arrays are another type
+            return np.array(points, np.float64, order="C")
+        return points
 
-def precompile() -> None:
-    """Compile the kernel of a localizer, so that no frame waits for it."""
-    no_points, no_ways = np.empty((0, 2)), (np.empty((0, 1), np.int64), np.zeros(3, np.int64))
-    numbers, out = np.zeros(sighting.NUMBERS), np.empty(OUT)
-    sight(np.ones(9), NOWHERE, no_points, np.eye(3), NOWHERE, *no_ways, np.empty((0, 3)), np.eye(3), numbers, out)
+    def _take_markers(self, markers: Iterable[Track[Circle] | Lost[Circle]]) -> int:
+        """Write the markers' places in the image and their covariances; returns how many count."""
+        count = 0
+        if self.target.markers:
+            for marker in markers:
+                if isinstance(marker, Track) and count < MOST_MARKERS:
+                    self._pixels[count] = marker.shape.x, marker.shape.y
+                    self._pixel_covariances[count] = marker.covariance[:2, :2]
+                    count += 1
+        self._attitude["pixel_count"] = count
+        return count
 
 
-def _numbers(marker: Track[Circle]) -> tuple[float, ...]:
-    """Middle of a marker, px, and the covariance of that."""
-    circle, wide = marker.shape, marker.covariance
-    return circle.x, circle.y, wide.item(0, 0), wide.item(0, 1), wide.item(1, 0), wide.item(1, 1)
-
-
-@functools.cache
-def assignments(seen: int, known: int) -> tuple[Ints, Ints]:
-    """All ways to name up to `seen` directions, a marker each, or -1 where it is none of them.
-
-    As many as possible are named, or one less.
-
-    Parameters
-    ----------
-    seen, known : int
-        How many directions, and how many markers the ball has.
-
-    Returns
-    -------
-    ways : ndarray of shape (c, seen), int64
-    starts : ndarray of shape (seen + 2,), int64
-        The ways to name k directions are rows starts[k] ... starts[k + 1], of which the first k columns count.
-    """
-    ways: list[list[int]] = []
-    starts = [0]
-    for count in range(seen + 1):
-        most = min(count, known)
-        for named in range(max(most - 1, 1), most + 1):
-            for who in itertools.combinations(range(count), named):
-                for names in itertools.permutations(range(known), named):
-                    way = [-1] * seen
-                    for place, name in zip(who, names, strict=True):
-                        way[place] = name
-                    ways.append(way)
-        starts.append(len(ways))
-    return np.array(ways, np.int64).reshape(-1, seen), np.array(starts, np.int64)
+def _describe(work: Any, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters) -> None:
+    """Write what does not change from frame to frame."""
+    cone, attitude, count = work.cone, work.attitude, len(target.markers)
+    store(cone.limits, parameters.ball)
+    store(attitude.limits, parameters.attitude)
+    cone.intrinsics[:] = attitude.intrinsics[:] = camera.intrinsics
+    cone.intrinsics_uncertain = camera.covariance is not None
+    if camera.covariance is not None:
+        cone.intrinsics_covariance[:] = camera.covariance
+    cone.radius, attitude.rim_distance = target.radius, target.marker_distance
+    attitude.body_count = count
+    attitude.bodies[:count] = target.directions

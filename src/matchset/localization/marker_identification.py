@@ -1,249 +1,253 @@
-"""All markers that are seen on the ball at once: which is which, and the rotation with its covariance."""
+"""Which marker is which: assignments of the markers in the image to those of the ball are tried, the best one is kept.
 
+The cost of an assignment is the weighted sum of squares of its rotation, plus what speaks against it: a jump since the
+previous frame (or a tilt, if there is none), markers that are assigned to nothing, and markers that should be in sight
+and are not. If another rotation fits nearly as well, none is told.
+"""
+
+import enum
+import functools
+import itertools
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.attitude import BAD, fit_level, fit_turn, turn_between
-from matchset.localization.marker_direction import place_marker
+from matchset.localization.attitude import fit_level_rotation, fit_rotation, marker_direction, rotation_from_two
 from matchset.numeric.jit import kernel
-from matchset.numeric.linalg import add_spread, apply, invert, turn_from
+from matchset.numeric.linalg import add_propagated_covariance, invert_3x3, transform
+from matchset.numeric.rotation import rotation_vector_between
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-NOTHING, LEVEL, FULL = 0, 1, 2
-STRANGER = 20.0  # cost of a marker that is seen but is none of the ball's
-ABSENT, FACING = 4.0, 0.7  # cost of one that should be seen and is not: cosine to the line of sight above this
-TILT = 0.3  # rad by which vehicles are usually tilted at most, while nothing else speaks
-TURN = 0.2  # rad by which the ball turns at most between two frames
-UNLIKE = 0.15  # rad from which two rotations are different answers
-APART = 0.35  # rad by which the angle between two markers may be wrong for a choice to be tried
+
+class RotationSource(enum.IntEnum):
+    """What a rotation is taken from."""
+
+    NONE = 0
+    LEVEL = 1  # one marker, and both vehicles level
+    FULL = 2  # two markers or more
+
+
+@functools.cache
+def assignments(seen: int, known: int) -> tuple[Ints, Ints]:
+    """All ways to assign up to `seen` directions to markers of the target, or to none (-1).
+
+    As many as possible are assigned, or one less.
+
+    Parameters
+    ----------
+    seen, known : int
+        How many directions, and how many markers the target has.
+
+    Returns
+    -------
+    ways : ndarray of shape (c, seen), int64
+    starts : ndarray of shape (seen + 2,), int64
+        The ways for k directions are rows starts[k] ... starts[k + 1], of which the first k columns count.
+    """
+    ways: list[list[int]] = []
+    starts = [0]
+    for count in range(seen + 1):
+        most = min(count, known)
+        for named in range(max(most - 1, 1), most + 1):
+            for who in itertools.combinations(range(count), named):
+                for names in itertools.permutations(range(known), named):
+                    way = [-1] * seen
+                    for place, name in zip(who, names, strict=True):
+                        way[place] = name
+                    ways.append(way)
+        starts.append(len(ways))
+    return np.array(ways, np.int64).reshape(-1, seen), np.array(starts, np.int64)
 
 
 @kernel
-def _surprise(turn: Floats, bodies: Floats, who: Ints, position: Floats, last: Floats, known: bool) -> float:
-    """Tell what else speaks against an answer: a jump or a tilt, and markers that should be seen and are not."""
-    vector, out = np.empty(3), np.empty(3)
-    if known:
-        cost = (turn_from(last, turn, vector) / TURN) ** 2
+def measure_directions(fit: Any) -> None:
+    """Directions of the markers whose ray meets the ball, with their covariances and weights.
+
+    The covariance is that of the pixel, and of where the marker sits; that of the position is in the Jacobian.
+    """
+    count, jacobian, wide = 0, np.empty((3, 5)), np.empty((3, 3))
+    variance = fit.limits.marker_sigma * fit.limits.marker_sigma
+    for i in range(fit.pixel_count):
+        direction, own, weight = fit.directions[count], fit.covariances[count], fit.weights[count]
+        if not marker_direction(fit, fit.pixels[i, 0], fit.pixels[i, 1], direction, jacobian):
+            continue
+        own[:] = 0.0
+        add_propagated_covariance(jacobian[:, :2].copy(), fit.pixel_covariances[i], own)
+        for j in range(3):
+            for k in range(3):
+                along = direction[j] * direction[k]
+                own[j, k] += variance * ((j == k) - along)
+                wide[j, k] = own[j, k] + along
+                fit.position_jacobians[count, j, k] = jacobian[j, k + 2]
+        if not invert_3x3(wide, weight):
+            continue
+        for j in range(3):
+            for k in range(3):
+                weight[j, k] -= direction[j] * direction[k]
+        count += 1
+    fit.count = count
+
+
+@kernel
+def prior_cost(fit: Any, rotation: Floats, who: Ints) -> float:
+    """Cost of a rotation before its fit: a jump or a tilt, and markers that should be in sight and are not."""
+    limits, position, out = fit.limits, fit.position, np.empty(3)
+    if fit.last_known != 0:
+        cost = (rotation_vector_between(fit.last_rotation[:], rotation, out) / limits.usual_turn) ** 2
     else:
-        cost = (math.acos(min(max(turn[1, 1], -1.0), 1.0)) / TILT) ** 2
+        cost = (math.acos(min(max(rotation[1, 1], -1.0), 1.0)) / limits.usual_tilt) ** 2
     far = math.sqrt(position[0] ** 2 + position[1] ** 2 + position[2] ** 2)
-    for m in range(bodies.shape[0]):
-        apply(turn, bodies[m], out)
-        missing = -(out[0] * position[0] + out[1] * position[1] + out[2] * position[2]) > FACING * far
+    for m in range(fit.body_count):
+        transform(rotation, fit.bodies[m], out)
+        facing = -(out[0] * position[0] + out[1] * position[1] + out[2] * position[2])
+        missing = facing > limits.visible_cosine * far
         for i in range(who.shape[0]):
             missing = missing and who[i] != m
-        cost += ABSENT if missing else 0.0
+        cost += limits.missing_cost if missing else 0.0
     return cost
 
 
 @kernel
-def _fit_choice(
-    who: Ints, bodies: Floats, seen: Floats, weights: Floats, turn: Floats, gains: Floats, free: Floats
-) -> float:
-    """Rotation for one way to name the markers; its cost, `BAD` where it cannot be."""
+def _angle(a: Floats, b: Floats) -> float:
+    """Angle between two unit vectors, rad."""
+    return math.acos(min(max(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], -1.0), 1.0))
+
+
+@kernel
+def _fits_pairwise(fit: Any, who: Ints) -> bool:
+    """Whether all angles between the markers are near those of the target."""
+    for i in range(fit.count):
+        for j in range(i):
+            if who[i] >= 0 and who[j] >= 0:
+                angle = _angle(fit.directions[i], fit.directions[j])
+                if abs(_angle(fit.bodies[who[i]], fit.bodies[who[j]]) - angle) > fit.limits.pair_tolerance:
+                    return False
+    return True
+
+
+@kernel
+def fit_assignment(fit: Any, who: Ints, rotation: Floats) -> float:
+    """Rotation for one assignment; returns its cost, infinite if it is impossible."""
     first = second = -1
-    for i in range(seen.shape[0]):
+    for i in range(fit.count):
         if who[i] >= 0 and first < 0:
             first = i
         elif who[i] >= 0 and second < 0:
             second = i
     cost = 0.0
     if second < 0:
-        if not fit_level(bodies[who[first]], seen[first], turn, gains[first], free):
-            return BAD
+        if not fit_level_rotation(fit, first, who[first], rotation):
+            return math.inf
     else:
-        for i in range(seen.shape[0]):
-            for j in range(i):
-                if who[i] >= 0 and who[j] >= 0:
-                    model = np.dot(bodies[who[i]], bodies[who[j]])
-                    angle = math.acos(min(max(np.dot(seen[i], seen[j]), -1.0), 1.0))
-                    if abs(math.acos(min(max(model, -1.0), 1.0)) - angle) > APART:
-                        return BAD
-        if not turn_between(bodies[who[first]], bodies[who[second]], seen[first], seen[second], turn):
-            return BAD
-        cost = fit_turn(bodies, seen, weights, who, turn, gains)
-    for i in range(seen.shape[0]):
-        cost += STRANGER if who[i] < 0 else 0.0
+        if not _fits_pairwise(fit, who):
+            return math.inf
+        bodies, seen = np.empty((2, 3)), np.empty((2, 3))
+        bodies[0], bodies[1] = fit.bodies[who[first]], fit.bodies[who[second]]
+        seen[0], seen[1] = fit.directions[first], fit.directions[second]
+        if not rotation_from_two(bodies, seen, fit.limits.min_sine_squared, rotation):
+            return math.inf
+        cost = fit_rotation(fit, who, rotation)
+    for i in range(fit.count):
+        cost += fit.limits.unmatched_cost if who[i] < 0 else 0.0
     return cost
 
 
 @kernel
-def identify(
-    choices: Ints,
-    bodies: Floats,
-    seen: Floats,
-    weights: Floats,
-    position: Floats,
-    last: Floats,
-    known: bool,
-    turn: Floats,
-    gains: Floats,
-    free: Floats,
-) -> tuple[int, float, float]:
+def identify_markers(fit: Any, ways: Ints) -> tuple[int, float, float]:
     """Find out which marker is which by trying.
 
     Parameters
     ----------
-    choices : (c, n)
-        What to try: a marker for each direction, -1 for none.
-    bodies, seen, weights, gains
-        See `fit_turn`.
-    position : (3,)
-        The ball's center, camera frame, m.
-    last : (3, 3)
-        The rotation a moment ago.
-    known : bool
-        Whether there is one.
-    turn : (3, 3), written
-        The best rotation.
-    free : (3,), written
-        See `fit_level`; zeros for two markers and more.
+    fit : record of `AttitudeFit`
+        `rotation`, `gains` and `tilt_axis` are written, of the best assignment.
+    ways : (c, n)
+        The assignments to try: a marker of the target for each direction, -1 for none.
 
     Returns
     -------
     best : int
-        The best choice, -1 where none is possible.
+        The best assignment, -1 if none is possible.
     cost : float
-        Sum of weighted squares of the best choice.
-    lead : float
-        By how much the best answer that is really different is worse.
+        Its sum of weighted squares.
+    margin : float
+        By how much the cost of the best different rotation is larger.
     """
-    count, n = choices.shape[0], seen.shape[0]
-    costs, turns, vector = np.full(count, BAD), np.zeros((count, 3, 3)), np.empty(3)
-    best, lead = -1, BAD
+    count, vector = ways.shape[0], np.empty(3)
+    costs, rotations = np.full(count, math.inf), np.zeros((count, 3, 3))
+    best, margin, distinct = -1, math.inf, fit.limits.distinct_angle
     for c in range(count):
-        cost = _fit_choice(choices[c], bodies, seen, weights, turns[c], gains, free)
-        if cost < BAD:
-            costs[c] = cost + _surprise(turns[c], bodies, choices[c], position, last, known)
+        cost = fit_assignment(fit, ways[c], rotations[c])
+        if cost < math.inf:
+            costs[c] = cost + prior_cost(fit, rotations[c], ways[c])
             if best < 0 or costs[c] < costs[best]:
                 best = c
     if best < 0:
         return -1, 0.0, 0.0
     for c in range(count):
-        if costs[c] - costs[best] < lead and turn_from(turns[c], turns[best], vector) > UNLIKE:
-            lead = costs[c] - costs[best]
-    gains[:], free[:] = 0.0, 0.0
-    cost = _fit_choice(choices[best], bodies, seen, weights, turn, gains, free)
-    for i in range(n):
-        cost -= STRANGER if choices[best, i] < 0 else 0.0
-    return best, cost, lead
+        ahead = costs[c] - costs[best]
+        if ahead < margin and rotation_vector_between(rotations[c], rotations[best], vector) > distinct:
+            margin = ahead
+    fit.gains[:] = 0.0
+    fit.tilt_axis[:] = 0.0
+    cost = fit_assignment(fit, ways[best], fit.rotation[:])
+    for i in range(fit.count):
+        cost -= fit.limits.unmatched_cost if ways[best, i] < 0 else 0.0
+    return best, cost, margin
 
 
 @kernel
-def _directions(
-    intrinsics: Floats,
-    pixels: Floats,
-    spreads: Floats,
-    position: Floats,
-    reach: float,
-    loose: float,
-    seen: Floats,
-    weights: Floats,
-    own: Floats,
-    slopes: Floats,
-) -> int:
-    """Directions of the markers that meet the ball, first in the arrays; returns how many there are."""
-    count, slope, wide = 0, np.empty((3, 5)), np.empty((3, 3))
-    for i in range(pixels.shape[0]):
-        if not place_marker(intrinsics, pixels[i, 0], pixels[i, 1], position, reach, seen[count], slope):
-            continue
-        own[count] = 0.0
-        add_spread(slope[:, :2], spreads[i], own[count])
-        for j in range(3):
-            for k in range(3):
-                along = seen[count, j] * seen[count, k]
-                own[count, j, k] += loose * loose * ((j == k) - along)
-                wide[j, k] = own[count, j, k] + along
-                slopes[count, j, k] = slope[j, k + 2]
-        if not invert(wide, weights[count]):
-            continue
-        for j in range(3):
-            for k in range(3):
-                weights[count, j, k] -= seen[count, j] * seen[count, k]
-        count += 1
-    return count
+def _write_covariance(fit: Any, who: Ints, level: bool) -> None:
+    """Covariance of the rotation vector, and with the position: of the directions, of the position, of the tilt."""
+    shared, own, position = np.zeros((3, 3)), np.zeros((3, 3)), fit.position_covariance[:]
+    for i in range(fit.count):
+        if who[i] >= 0:
+            add_propagated_covariance(fit.gains[i], fit.covariances[i], own)
+            for a in range(3):
+                for b in range(3):
+                    for c in range(3):
+                        shared[a, b] += fit.gains[i, a, c] * fit.position_jacobians[i, c, b]
+    add_propagated_covariance(shared, position, own)
+    tilt = fit.limits.tilt_sigma * fit.limits.tilt_sigma if level else 0.0
+    for a in range(3):
+        for b in range(3):
+            fit.rotation_covariance[a, b] = own[a, b] + tilt * fit.tilt_axis[a] * fit.tilt_axis[b]
+            total = 0.0
+            for c in range(3):
+                total += shared[a, c] * position[c, b]
+            fit.cross_covariance[a, b] = total
 
 
 @kernel
-def observe_turn(
-    intrinsics: Floats,
-    pixels: Floats,
-    spreads: Floats,
-    choices: Ints,
-    starts: Ints,
-    bodies: Floats,
-    position: Floats,
-    reach: float,
-    loose: float,
-    tilt: float,
-    lead: float,
-    misfit: float,
-    last: Floats,
-    known: bool,
-    turn: Floats,
-    covariance: Floats,
-) -> int:
-    """Rotation of the ball from the markers that are seen.
+def estimate_rotation(fit: Any, ways: Ints, starts: Ints) -> int:
+    """Rotation of the ball from the markers in the image.
 
     Parameters
     ----------
-    intrinsics : (9,)
-        See `lens.py`.
-    pixels, spreads : (n, 2), (n, 2, 2)
-        Middles of the markers' rims, px, and their covariances.
-    choices, starts : (c, n), (n + 2,)
-        What to try if k <= n of them meet the ball: the first k columns of rows starts[k] ... starts[k + 1], see
-        `identify`.
-    bodies : (m, 3)
-        The markers of the ball, ball frame.
-    position : (3,)
-        The ball's center, camera frame, m.
-    reach : float
-        How far the middle of a rim is from there, m.
-    loose, tilt, lead, misfit : float
-        See `LocalizerParameters`.
-    last, known
-        See `identify`.
-    turn : (3, 3), written
-    covariance : (6, 6), written
-        The block of the position is read, the others are written.
+    fit : record of `AttitudeFit`, written
+    ways, starts : (c, n), (n + 2,)
+        See `assignments`.
 
     Returns
     -------
     int
-        `NOTHING`, `LEVEL` or `FULL`.
+        One of `RotationSource`.
     """
-    n = pixels.shape[0]
-    seen, weights, own, slopes = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((n, 3, 3)), np.empty((n, 3, 3))
-    k = _directions(intrinsics, pixels, spreads, position, reach, loose, seen, weights, own, slopes)
+    measure_directions(fit)
+    k = fit.count
     if k == 0:
-        return NOTHING
-    gains, free, ways = np.zeros((k, 3, 3)), np.zeros(3), choices[starts[k] : starts[k + 1], :k].copy()
-    best, cost, ahead = identify(ways, bodies, seen[:k], weights[:k], position, last, known, turn, gains, free)
-    if best < 0 or ahead < lead:
-        return NOTHING
-    named, shared, own_turn = 0, np.zeros((3, 3)), np.zeros((3, 3))
+        return RotationSource.NONE.value
+    tried = ways[starts[k] : starts[k + 1], :k].copy()
+    best, cost, margin = identify_markers(fit, tried)
+    if best < 0 or margin < fit.limits.min_margin:
+        return RotationSource.NONE.value
+    named = 0
     for i in range(k):
-        if ways[best, i] >= 0:
-            named += 1
-            add_spread(gains[i], own[i], own_turn)
-            for a in range(3):
-                for b in range(3):
-                    for c in range(3):
-                        shared[a, b] += gains[i, a, c] * slopes[i, c, b]
-    if named > 1 and cost > misfit * named:
-        return NOTHING
-    place = covariance[:3, :3].copy()
-    add_spread(shared, place, own_turn)
-    for a in range(3):
-        for b in range(3):
-            covariance[3 + a, 3 + b] = own_turn[a, b] + (tilt * tilt * free[a] * free[b] if named == 1 else 0.0)
-            tie = 0.0
-            for c in range(3):
-                tie += shared[a, c] * place[c, b]
-            covariance[3 + a, b] = covariance[b, 3 + a] = tie
-    return LEVEL if named == 1 else FULL
+        named += 1 if tried[best, i] >= 0 else 0
+    if named > 1 and cost > fit.limits.max_cost * named:
+        return RotationSource.NONE.value
+    _write_covariance(fit, tried[best], named == 1)
+    return RotationSource.LEVEL.value if named == 1 else RotationSource.FULL.value

@@ -1,4 +1,4 @@
-"""Where the ball is, and the camera as the ball sees it: `Pose`."""
+"""Position and rotation of the ball, and the camera as seen from the ball, with covariances: `Pose`."""
 
 import math
 from functools import cached_property
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 Floats = npt.NDArray[np.float64]
 Observed = Literal["position", "level", "full"]
 
-UNSEEN = math.pi**2 / 3.0
+UNOBSERVED_VARIANCE = math.pi**2 / 3.0  # theorem: of an angle that is uniform in -pi ... pi
 """Variance of a rotation about which nothing is known, rad^2 on each axis."""
 
 
 class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
-    """Place and attitude of the ball, and how certain they are.
+    """Position and rotation of the ball, with their covariance.
 
     Camera frame: x right, y down, z forward. Ball frame: z out of the ball through marker 0, y down, x = y cross z.
 
@@ -27,8 +27,8 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
     ----------
     position : ndarray of shape (3,), float64
         The ball's center in the camera frame, m.
-    turn : ndarray of shape (3, 3), float64, or None
-        The matrix that turns vectors of the ball frame into the camera frame; None where it is not observed.
+    rotation_matrix : ndarray of shape (3, 3), float64, or None
+        Turns vectors of the ball frame into the camera frame; None where it is not observed.
     covariance : ndarray of shape (6, 6), float64
         Of the position (m) and of the rotation vector, in the camera frame, that turns `rotation` into the true one
         (rad). Where the rotation is not observed its block is pi^2/3 on the diagonal.
@@ -40,7 +40,7 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
     """
 
     position: Floats
-    turn: Floats | None
+    rotation_matrix: Floats | None
     covariance: Floats
     observed: Observed
     time: float
@@ -72,12 +72,52 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
 
     @cached_property
     def rotation(self) -> "Rotation | None":
-        """`turn` as SciPy's `Rotation`; made when asked for, since that and loading it take a while."""
+        """`rotation_matrix` as SciPy's `Rotation`; made when asked for, since that and loading it take a while."""
         from scipy.spatial.transform import Rotation
 
-        return None if self.turn is None else Rotation.from_matrix(self.turn)
+        return None if self.rotation_matrix is None else Rotation.from_matrix(self.rotation_matrix)
 
     @cached_property
     def _seen_from_ball(self) -> Floats | None:
         """The camera in the ball frame, (3,), m."""
-        return None if self.turn is None else -(self.position @ self.turn)
+        return None if self.rotation_matrix is None else -(self.position @ self.rotation_matrix)
+
+
+def viewpoint_covariance(pose: Pose) -> Floats | None:
+    """Covariance of the camera's position in the ball frame: x is `side`, y minus `height`, z `heading`.
+
+    The position is c = -R' p. An error dp of p and a rotation vector w that is missing from R change it by
+    ``dc = -R' dp - R' [p]x w``, to first order.
+
+    Parameters
+    ----------
+    pose : Pose
+
+    Returns
+    -------
+    ndarray of shape (3, 3), float64, or None
+        m^2; None where the rotation is not observed.
+    """
+    if pose.rotation_matrix is None:
+        return None
+    x, y, z = pose.position.tolist()
+    cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    jacobian = -pose.rotation_matrix.T @ np.hstack((np.eye(3), cross))
+    covariance: Floats = jacobian @ pose.covariance @ jacobian.T
+    return covariance
+
+
+def yaw_variance(pose: Pose) -> float:
+    """Variance of `Pose.yaw`, atan2(X, Z), rad^2.
+
+    Parameters
+    ----------
+    pose : Pose
+
+    Returns
+    -------
+    float
+    """
+    x, _, z = pose.position.tolist()
+    jacobian = np.array((z, 0.0, -x)) / (x * x + z * z)
+    return float(jacobian @ pose.covariance[:3, :3] @ jacobian)

@@ -1,4 +1,4 @@
-"""Poses over time: smoothed, outliers gated, extrapolated to when a command will act: `PoseFilter`."""
+"""A Kalman filter for poses: smooths them, rejects outliers, predicts: `PoseFilter`."""
 
 import math
 
@@ -6,12 +6,16 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.pose import UNSEEN, Observed, Pose
-from matchset.numeric.kalman import advance, correct
-from matchset.numeric.linalg import rotate, turn_from
+from matchset.localization.pose import UNOBSERVED_VARIANCE, Observed, Pose
+from matchset.numeric.kalman import predict_constant_velocity, update
+from matchset.numeric.rotation import rotate, rotation_vector_between
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
+
+
+# geometry: the filter's six numbers are three and their speeds, of which the three are measured
+MEASURED = np.eye(3, 6)
 
 
 class FilterParameters(msgspec.Struct, frozen=True):
@@ -20,68 +24,73 @@ class FilterParameters(msgspec.Struct, frozen=True):
     Parameters
     ----------
     acceleration : float
-        How much the ball accelerates against the camera: root of the spectral density, m/s^2 per root of Hz. About
-        its strength times the root of twice the time it lasts. More follows sooner and smooths less.
-    turning : float
-        The same for its turning, rad/s^2 per root of Hz.
-    speed, spin : float
+        Root of the spectral density of the ball's acceleration against the camera, m/s^2 per root of Hz: about its
+        strength times the root of twice the time it lasts. More follows sooner and smooths less. Chosen by hand for
+        small quadrotors; `python -m benchmarks --only localization_prediction` would show a change, as for the rest.
+    angular_acceleration : float
+        The same for its rotation, rad/s^2 per root of Hz.
+    initial_speed, initial_angular_speed : float
         Standard deviation of a speed that is not known yet, m/s and rad/s.
-    lasting : float
-        Share of a pose's variance that frames have in common (shading, the lens), which no averaging takes away.
+    common_share : float
+        Share of a pose's variance that neighboring frames have in common (shading, the lens): averaging does not
+        reduce it.
     gate : float
-        Largest squared deviation from the prediction, in standard deviations, that is believed: 16.3 leaves out one
-        good pose in a thousand.
+        Largest squared Mahalanobis distance from the prediction of a pose that is used. 16.3 is the quantile 0.999 of
+        chi-squared with three degrees of freedom: it rejects one good pose in a thousand.
     patience : int
-        How many poses in a row may be left out before the next one is believed and all begins anew.
+        How many poses in a row are rejected before the next one initializes the filter again.
     memory : float
-        How long after the last pose it is extrapolated, s.
+        How long after the last pose there is a prediction, s.
     """
 
     acceleration: float = 0.7
-    turning: float = 3.0
-    speed: float = 1.0
-    spin: float = 1.0
-    lasting: float = 0.3
+    angular_acceleration: float = 3.0
+    initial_speed: float = 1.0
+    initial_angular_speed: float = 1.0
+    common_share: float = 0.3
     gate: float = 16.3
     patience: int = 3
     memory: float = 0.5
 
 
 class _Motion:
-    """Three numbers and their speeds at a time."""
+    """State of three numbers and their speeds."""
 
-    def __init__(self, noise: float, speed: float) -> None:
-        self.noise, self.speed = float(noise), float(speed)
-        self.time, self.refused = -math.inf, 0
-        self.state, self.covariance, self.lasting = np.zeros(6), np.zeros((6, 6)), np.zeros((3, 3))
+    def __init__(self, noise: float, initial_speed: float) -> None:
+        self.noise, self.initial_speed = float(noise), float(initial_speed)
+        self.time, self.rejected = -math.inf, 0
+        self.state, self.covariance, self.common = np.zeros(6), np.zeros((6, 6)), np.zeros((3, 3))
 
-    def begin(self, time: float, spread: Floats, start: Floats) -> None:
-        self.time, self.refused = time, 0
-        self.state[:3], self.state[3:] = start, 0.0
+    def initialize(self, time: float, measured: Floats, covariance: Floats) -> None:
+        """Begin with a measurement and no speed."""
+        self.time, self.rejected = time, 0
+        self.state[:3], self.state[3:] = measured, 0.0
         self.covariance[:] = 0.0
-        self.covariance[:3, :3] = spread
-        self.covariance[3:, 3:] = self.speed**2 * np.eye(3)
+        self.covariance[:3, :3] = covariance
+        self.covariance[3:, 3:] = self.initial_speed**2 * np.eye(3)
 
     def at(self, time: float) -> tuple[Floats, Floats]:
         """State and covariance at a later time."""
         state, covariance = self.state.copy(), self.covariance.copy()
-        advance(state, covariance, float(time - self.time), self.noise)
+        predict_constant_velocity(state, covariance, float(time - self.time), self.noise)
         return state, covariance
 
 
 def precompile() -> None:
     """Compile the kernels of a filter, so that no frame waits for them."""
-    state, covariance, turn = np.zeros(6), np.eye(6), np.eye(3)
-    advance(state, covariance, 0.0, 0.0)
-    correct(state, covariance, np.zeros(3), np.eye(3), 1.0)
-    turn_from(turn, turn, state[:3])
-    rotate(turn, state[:3])
+    state, covariance, rotation = np.zeros(6), np.eye(6), np.eye(3)
+    predict_constant_velocity(state, covariance, 0.0, 0.0)
+    update(state, covariance, np.zeros(3), MEASURED, np.eye(3), 1.0)
+    rotation_vector_between(rotation, rotation, state[:3])
+    rotate(rotation, state[:3])
 
 
 class PoseFilter:
-    """Filters the poses of one ball: constant velocity, and constant turning where the rotation is observed.
+    """Kalman filter for the poses of one ball: constant velocity, and constant angular velocity if it is observed.
 
-    Place and rotation are filtered apart; what their errors have in common is left out.
+    Position and rotation are filtered apart; the covariance between them is left out. The state of the rotation is the
+    rotation vector from a reference, which then becomes the estimate (a multiplicative filter). Its kernels are
+    compiled here.
 
     Parameters
     ----------
@@ -90,15 +99,15 @@ class PoseFilter:
 
     def __init__(self, parameters: FilterParameters | None = None) -> None:
         self.parameters = parameters or FilterParameters()
-        self._move = _Motion(self.parameters.acceleration, self.parameters.speed)
-        self._spin = _Motion(self.parameters.turning, self.parameters.spin)
-        self._turn = np.eye(3)
+        self._move = _Motion(self.parameters.acceleration, self.parameters.initial_speed)
+        self._spin = _Motion(self.parameters.angular_acceleration, self.parameters.initial_angular_speed)
+        self._reference = np.eye(3)
         self._observed: Observed = "position"
         self._time = -math.inf
         precompile()
 
     def update(self, pose: "Pose | Lost[Pose]") -> bool:
-        """Take in the next pose.
+        """Correct the filter by the next pose.
 
         Parameters
         ----------
@@ -108,7 +117,7 @@ class PoseFilter:
         Returns
         -------
         bool
-            Whether its position was believed.
+            Whether its position was used.
 
         Raises
         ------
@@ -120,9 +129,9 @@ class PoseFilter:
         self._time = pose.time
         if isinstance(pose, Lost):
             return False
-        if pose.turn is not None:
-            self._take_turn(pose, pose.turn)
-        return self._take_place(pose)
+        if pose.rotation_matrix is not None:
+            self._correct_rotation(pose, np.array(pose.rotation_matrix, np.float64))
+        return self._correct(self._move, pose.time, pose.position, pose.covariance[:3, :3])
 
     def predict(self, now: float) -> "Pose | Lost[Pose]":
         """Pose at a time, with the covariance that it has grown to.
@@ -135,8 +144,8 @@ class PoseFilter:
         Returns
         -------
         Pose or Lost
-            `Lost` before the first pose and when the last is too old. Its rotation is None if that was not observed
-            for so long.
+            `Lost` before the first pose and when the last one is older than `memory`. The rotation is None if it was
+            not observed for so long.
 
         Raises
         ------
@@ -148,46 +157,41 @@ class PoseFilter:
         if not now - self._move.time <= self.parameters.memory:
             never = self._move.time == -math.inf
             return Lost("no pose yet" if never else f"the last pose is {now - self._move.time:.2f} s old", now)
-        state, spread = self._move.at(now)
+        state, predicted = self._move.at(now)
         covariance = np.zeros((6, 6))
-        covariance[:3, :3] = spread[:3, :3] + self._move.lasting
-        turn, observed = None, self._observed
+        covariance[:3, :3] = predicted[:3, :3] + self._move.common
+        rotation, observed = None, self._observed
         if now - self._spin.time <= self.parameters.memory:
-            turned, spread = self._spin.at(now)
-            turn = self._turn.copy()
-            rotate(turn, turned[:3])
-            covariance[3:, 3:] = spread[:3, :3] + self._spin.lasting
+            vector, predicted = self._spin.at(now)
+            rotation = self._reference.copy()
+            rotate(rotation, vector[:3])
+            covariance[3:, 3:] = predicted[:3, :3] + self._spin.common
         else:
-            covariance[3:, 3:], observed = UNSEEN * np.eye(3), "position"
-        return Pose(position=state[:3], turn=turn, covariance=covariance, observed=observed, time=now)
+            covariance[3:, 3:], observed = UNOBSERVED_VARIANCE * np.eye(3), "position"
+        return Pose(position=state[:3], rotation_matrix=rotation, covariance=covariance, observed=observed, time=now)
 
-    def _take_place(self, pose: Pose) -> bool:
-        """Correct the position by a pose, or begin anew with it."""
-        return self._take(self._move, pose.time, pose.position, pose.covariance[:3, :3])
-
-    def _take_turn(self, pose: Pose, turn: Floats) -> None:
-        """Correct the rotation by a pose; its state is the rotation vector from `_turn`, which then takes it up."""
-        spin = self._spin
-        away = np.empty(3)
-        turn_from(self._turn, np.array(turn, np.float64), away)
-        if self._take(spin, pose.time, away, pose.covariance[3:, 3:]):
+    def _correct_rotation(self, pose: Pose, rotation: Floats) -> None:
+        """Correct the rotation by that of a pose."""
+        spin, vector = self._spin, np.empty(3)
+        rotation_vector_between(self._reference, rotation, vector)
+        if self._correct(spin, pose.time, vector, pose.covariance[3:, 3:]):
             self._observed = pose.observed
-        rotate(self._turn, spin.state[:3])
+        rotate(self._reference, spin.state[:3])
         spin.state[:3] = 0.0
 
-    def _take(self, motion: _Motion, time: float, seen: Floats, spread: Floats) -> bool:
-        """Correct a motion by what was seen; False if it was not believed."""
+    def _correct(self, motion: _Motion, time: float, measured: Floats, covariance: Floats) -> bool:
+        """Correct a motion by a measurement, or initialize it; False if the measurement was rejected."""
         limits = self.parameters
-        fresh = (1.0 - limits.lasting) * spread
-        if not time - motion.time <= limits.memory or motion.refused >= limits.patience:
-            motion.begin(time, fresh, seen)
+        if not time - motion.time <= limits.memory or motion.rejected >= limits.patience:
+            motion.initialize(time, measured, (1.0 - limits.common_share) * covariance)
         else:
-            state, covariance = motion.at(time)
-            wide = np.array(spread, np.float64)  # the gate must not shut out what frames have in common
-            if correct(state, covariance, seen - state[:3], wide, float(limits.gate)) > limits.gate:
-                motion.refused += 1
+            state, predicted = motion.at(time)
+            noise = np.array(covariance, np.float64)  # all of it: the gate must pass what frames have in common
+            gate = float(limits.gate)
+            if update(state, predicted, measured - state[:3], MEASURED, noise, gate) > gate:
+                motion.rejected += 1
                 return False
-            motion.state, motion.covariance = state, covariance
-            motion.time, motion.refused = time, 0
-        motion.lasting = limits.lasting * spread
+            motion.state, motion.covariance = state, predicted
+            motion.time, motion.rejected = time, 0
+        motion.common = limits.common_share * covariance
         return True

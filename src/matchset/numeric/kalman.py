@@ -1,88 +1,143 @@
-"""Kernels of the filter: three numbers and their speeds, constant but for white noise in the acceleration."""
+"""The Kalman filter's two steps for any small linear model: `predict` and `update`; and constant velocity."""
+
+import math
 
 import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
-from matchset.numeric.linalg import invert
+from matchset.numeric.linalg import factor_cholesky, solve_cholesky
 
 Floats = npt.NDArray[np.float64]
 
 
 @kernel
-def advance(state: Floats, covariance: Floats, ahead: float, noise: float) -> None:
-    """Extrapolate by `ahead` seconds, in place.
-
-    ``x += v t`` and ``P = F P F^T + Q``, with Q = noise^2 (t^3/3, t^2/2; t^2/2, t) for each of the three.
+def predict(state: Floats, covariance: Floats, transition: Floats, noise: Floats) -> None:
+    """Predict, in place: ``x <- F x``, ``P <- F P F^T + Q``.
 
     Parameters
     ----------
-    state : (6,), written
-        Three numbers, then their speeds per s.
-    covariance : (6, 6), written
-    ahead : float
-        s, not negative.
-    noise : float
-        Square root of the acceleration's spectral density, units/s^2 per root of Hz.
+    state : (n,), written
+        x.
+    covariance : (n, n), written
+        P.
+    transition : (n, n)
+        F; its zeros cost nothing.
+    noise : (n, n)
+        Q, the covariance of the process noise.
     """
-    for j in range(3):
-        state[j] += ahead * state[j + 3]
-    for j in range(3):
-        for k in range(6):
-            covariance[j, k] += ahead * covariance[j + 3, k]
-    for j in range(6):
-        for k in range(3):
-            covariance[j, k] += ahead * covariance[j, k + 3]
-    q = noise * noise
-    for j in range(3):
-        covariance[j, j] += q * ahead**3 / 3.0
-        covariance[j, j + 3] += q * ahead**2 / 2.0
-        covariance[j + 3, j] += q * ahead**2 / 2.0
-        covariance[j + 3, j + 3] += q * ahead
+    n = state.shape[0]
+    before, product = state.copy(), np.zeros((n, n))
+    for i in range(n):
+        state[i] = 0.0
+        for k in range(n):
+            f = transition[i, k]
+            if f != 0.0:
+                state[i] += f * before[k]
+                for j in range(n):
+                    product[i, j] += f * covariance[k, j]
+    for i in range(n):
+        for j in range(n):
+            covariance[i, j] = noise[i, j]
+    for j in range(n):
+        for k in range(n):
+            f = transition[j, k]
+            if f != 0.0:
+                for i in range(n):
+                    covariance[i, j] += product[i, k] * f
 
 
 @kernel
-def correct(state: Floats, covariance: Floats, seen: Floats, spread: Floats, gate: float) -> float:
-    """Take in a measurement of the three numbers unless it lies too far from the prediction.
+def update(
+    state: Floats, covariance: Floats, innovation: Floats, observation: Floats, noise: Floats, gate: float
+) -> float:
+    """Correct by a measurement, in place, unless it lies outside the gate.
+
+    ``S = H P H^T + R``, ``K = P H^T S^-1``, ``x <- x + K y``, ``P <- P - K H P``.
 
     Parameters
     ----------
-    state, covariance
-        See `advance`; written.
-    seen, spread : (3,), (3, 3)
-        The measurement less the prediction, and its covariance.
+    state : (n,), written
+        x.
+    covariance : (n, n), written
+        P.
+    innovation : (m,)
+        y, the measurement less what is predicted of it.
+    observation : (m, n)
+        H; its zeros cost nothing.
+    noise : (m, m)
+        R, the covariance of the measurement.
     gate : float
-        Largest squared distance, in standard deviations, that is believed.
+        Largest squared Mahalanobis distance, ``y^T S^-1 y``, of a measurement that is used.
 
     Returns
     -------
     float
-        The squared distance, infinite for a covariance without inverse; above the gate nothing was changed.
+        The squared distance, infinite if S is singular. Above the gate nothing is changed.
     """
-    innovation, inverse, distance = np.empty((3, 3)), np.empty((3, 3)), 0.0
-    for j in range(3):
-        for k in range(3):
-            innovation[j, k] = covariance[j, k] + spread[j, k]
-    if not invert(innovation, inverse):
-        return np.inf
-    for j in range(3):
-        for k in range(3):
-            distance += seen[j] * inverse[j, k] * seen[k]
+    m, n = observation.shape
+    cross, s, solved = np.zeros((m, n)), np.empty(m * m), np.empty(m)  # H P, the Cholesky factor of S, S^-1 y
+    for i in range(m):
+        for k in range(n):
+            if observation[i, k] != 0.0:
+                for j in range(n):
+                    cross[i, j] += observation[i, k] * covariance[k, j]
+    for i in range(m):
+        for j in range(i + 1):
+            total = noise[i, j]
+            for k in range(n):
+                total += cross[i, k] * observation[j, k]
+            s[i * m + j] = total
+    if not factor_cholesky(s, m, 0.0):
+        return math.inf
+    solve_cholesky(s, innovation, solved, m)
+    distance = 0.0
+    for i in range(m):
+        distance += innovation[i] * solved[i]
     if not distance <= gate:
         return distance
-    columns, gain = covariance[:, :3].copy(), np.zeros((6, 3))
-    for j in range(6):
-        for k in range(3):
-            for m in range(3):
-                gain[j, k] += columns[j, m] * inverse[m, k]
-    for j in range(6):
-        for k in range(3):
-            state[j] += gain[j, k] * seen[k]
-    for j in range(6):
+    gain = np.empty(m)
+    for j in range(n):
+        for i in range(m):
+            state[j] += cross[i, j] * solved[i]
+            gain[i] = cross[i, j]
+        solve_cholesky(s, gain, gain, m)  # row j of K: S is symmetric
         for k in range(j + 1):
             drop = 0.0
-            for m in range(3):
-                drop += gain[j, m] * columns[k, m]
+            for i in range(m):
+                drop += gain[i] * cross[i, k]
             covariance[j, k] -= drop
             covariance[k, j] = covariance[j, k]
     return distance
+
+
+@kernel
+def predict_constant_velocity(state: Floats, covariance: Floats, ahead: float, noise: float) -> None:
+    """Predict numbers and their speeds: constant velocity, white noise in the acceleration.
+
+    ``x += v t`` and ``P = F P F^T + Q``, with Q = noise^2 (t^3/3, t^2/2; t^2/2, t) for each number.
+
+    Parameters
+    ----------
+    state : (2 n,), written
+        The numbers, then their speeds, per s.
+    covariance : (2 n, 2 n), written
+    ahead : float
+        t, s, not negative.
+    noise : float
+        Root of the acceleration's spectral density, units/s^2 per root of Hz.
+    """
+    n, q = state.shape[0] // 2, noise * noise
+    for j in range(n):
+        state[j] += ahead * state[j + n]
+    for j in range(n):
+        for k in range(2 * n):
+            covariance[j, k] += ahead * covariance[j + n, k]
+    for j in range(2 * n):
+        for k in range(n):
+            covariance[j, k] += ahead * covariance[j, k + n]
+    for j in range(n):
+        covariance[j, j] += q * ahead**3 / 3.0
+        covariance[j, j + n] += q * ahead**2 / 2.0
+        covariance[j + n, j] += q * ahead**2 / 2.0
+        covariance[j + n, j + n] += q * ahead

@@ -69,6 +69,13 @@ def fields(block: Block, layout: np.dtype[np.void]) -> Any:
 
 
 def store(record: Any, values: Any) -> None:
-    """Write the fields of an object, a parameters struct for one, to the fields of the same names of a record."""
+    """Write the fields of an object, a parameters struct for one, to the fields of the same names of a record.
+
+    An object within the object goes into the record within the record.
+    """
     for name in record.dtype.names:
-        setattr(record, name, getattr(values, name))
+        value = getattr(values, name)
+        if record.dtype[name].names:
+            store(getattr(record, name), value)
+        else:
+            setattr(record, name, value)

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 
 from matchset.app.locate.rows import PoseRow, pose_row, pose_table, read_poses
-from matchset.localization.pose import UNSEEN, Pose
+from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
 from matchset.tracking.track import Lost
 
 UNTURNED = np.diag((0.01, 0.02, 0.03, 1.0, 1.0, 1.0)) ** 2
@@ -12,11 +12,11 @@ UNTURNED = np.diag((0.01, 0.02, 0.03, 1.0, 1.0, 1.0)) ** 2
 
 def pose(turn: bool) -> Pose:
     covariance = UNTURNED.copy()
-    covariance[3:, 3:] = (0.0001 if turn else UNSEEN) * np.eye(3)
+    covariance[3:, 3:] = (0.0001 if turn else UNOBSERVED_VARIANCE) * np.eye(3)
     matrix = np.diag((-1.0, 1.0, -1.0)) if turn else None
     return Pose(
         position=np.array((0.1, -0.0, 2.0)),
-        turn=matrix,
+        rotation_matrix=matrix,
         covariance=covariance,
         observed="full" if turn else "position",
         time=0.5,

@@ -1,20 +1,50 @@
 import math
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import PINHOLE, Floats
-from matchset.localization.markers.marker_fit import REST, SUMS, WIDTH, _compare, fit_marker
-from matchset.localization.markers.marker_patch import KINDS, gather, lay_out
-from matchset.localization.markers.marker_shape import coverage, ellipse
+from matchset.localization.markers.marker_fit import fit_marker, new_rows, sum_equations
+from matchset.localization.markers.marker_patch import new_patch, read_patch
+from matchset.localization.markers.marker_shape import SoftEllipse, coverage, ellipse_axes
+from matchset.localization.markers.marker_workspace import MARKERS, MarkerFitParameters, MarkerParameters
+from matchset.numeric.jit import kernel
+from matchset.numeric.record import Block, fields, new_block, store
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from naive_marker import Scale, Sight, normal_equations, picture_of_marker
 
 BLUE = ms.ColorModel.hsv((95, 120, 20), (119, 255, 255))
 PURPLE = ms.ColorModel.hsv((132, 110, 20), (165, 255, 255))
 PLACE = np.array((0.1, -0.05, 1.5))
+
+
+@kernel
+def fit_one(image: npt.NDArray[np.uint8], block: Block, which: int) -> None:
+    fit_marker(image, block.view(MARKERS)[0], which)
+
+
+@kernel
+def sum_one(image: npt.NDArray[np.uint8], block: Block, which: int) -> None:
+    work = block.view(MARKERS)[0]
+    span = work.window.span
+    patch = new_patch(span)
+    read_patch(image, work, which, patch)
+    sum_equations(patch, work, new_rows(span * (span + 1)))
+
+
+def workspace(ball: Floats, places: Floats, size: float, depth: float, softness_px: float) -> tuple[Block, Any]:
+    """A block of a ball (x, y, radius) with markers, and its fields."""
+    block = new_block(MARKERS)
+    work = fields(block, MARKERS)
+    store(work.limits, MarkerParameters(fit=MarkerFitParameters(softness_px=softness_px)))
+    work.ball.x, work.ball.y, work.ball.radius = ball
+    work.patch_radius, work.rim_distance, work.count = size, depth, len(places)
+    work.places[: len(places)] = places
+    return block, work
 
 
 def looking(off_deg: float, side_deg: float, place: Floats = PLACE) -> Rotation:
@@ -44,8 +74,8 @@ def errors_deg(preset: str, off_deg: float, side_deg: float, frames: int = 5, se
         assert isinstance(pose, ms.Pose)
         if frame.index > 0:
             assert pose.observed == "level"
-            assert pose.turn is not None
-            cosine = float(pose.turn[:, 2] @ turn.as_matrix()[:, 2])
+            assert pose.rotation_matrix is not None
+            cosine = float(pose.rotation_matrix[:, 2] @ turn.as_matrix()[:, 2])
             found.append(math.degrees(math.acos(min(cosine, 1.0))))
     return found
 
@@ -89,18 +119,15 @@ def test_the_fit_finds_the_ellipse_of_a_patch_to_a_fraction_of_a_pixel(at: tuple
     ball = np.array((60.3, 59.6, 40.0))
     truth = ball[:2] + 40.0 * np.array(at)
     image = picture_of_marker(ball, truth, size, depth)
-    places = (truth + np.array((1.7, -1.2)))[np.newaxis].copy()
-    covariance = np.empty((2, 2))
-    axis = np.array((0.0, 0.0, 1.0 / 120.0, -40.0 / 120.0))  # red rises from 40 to 160
-    ground = np.array((1.0 / 200.0, 0.0, 0.0))  # blue is 200 all over
-    height, noise, explained = fit_marker(
-        image, ball, places, 0, size, depth, 0.4, axis, ground, np.zeros(1), covariance
-    )
-    np.testing.assert_allclose(places[0], truth, atol=0.06)
-    assert height == pytest.approx(1.0, abs=0.2)
-    assert explained > 0.97
-    assert noise < 0.1
-    assert np.linalg.eigvalsh(covariance).min() > 0.0
+    block, work = workspace(ball, (truth + np.array((1.7, -1.2)))[np.newaxis], size, depth, 0.4)
+    work.axis[:] = 0.0, 0.0, 1.0 / 120.0, -40.0 / 120.0  # red rises from 40 to 160
+    work.brightness[:] = 1.0 / 200.0, 0.0, 0.0  # blue is 200 all over
+    fit_one(image, block, 0)
+    np.testing.assert_allclose(work.places[0], truth, atol=0.06)
+    assert work.result.contrast == pytest.approx(1.0, abs=0.2)
+    assert work.result.explained > 0.97
+    assert work.result.noise < 0.1
+    assert np.linalg.eigvalsh(work.result.covariance).min() > 0.0
 
 
 @pytest.mark.parametrize("middle", [(55.2, 63.4), (41.7, 44.1), (4.5, 60.2)])
@@ -111,35 +138,34 @@ def test_the_sums_of_a_fit_agree_with_their_slow_twin(middle: tuple[float, float
     image = picture_of_marker(ball, ball[:2] + 0.2, 0.2, 0.98)
     image = np.clip(image + rng.normal(0.0, 9.0, image.shape), 0, 255).astype(np.uint8)
     scale = Scale(np.array((1e-3, -5e-4, 1.0 / 120.0, -0.5)), np.array((4e-3, 1e-3, 0.0)), np.array((0.8, 2e-3, -3e-3)))
-    ux, uy, ratio = ellipse(at, ball, 0.98)
+    block, work = workspace(ball, middles, 0.2, 0.98, 0.8)
+    ux, uy, ratio = ellipse_axes(at[0] - ball[0], at[1] - ball[1], 0.98 * ball[2], 0.25)
     sight = Sight(ball, at, other, np.array((ux, uy)), ratio, 11.0, 0.8, 18.5)
-    span, pixels, sums = 43, np.zeros((KINDS, 43 * 44), np.float32), np.empty(SUMS)
-    left, top = math.floor(at[0] + 0.5) - span // 2, math.floor(at[1] + 0.5) - span // 2
-    lay_out(span, pixels)
-    gather(image, ball, middles, 1, left, top, scale.axis, scale.ground, scale.shade, pixels)
-    window = np.array((at[0] - left, at[1] - top, ux, uy, ratio, 11.0))
-    left_over = np.empty(43 * 44, np.float32), np.empty(43 * 44, np.float32)
-    work = np.empty(6 * WIDTH, np.float32)
-    _compare(pixels, span + 1, window, 18.5, 0.8, np.array((0.9, 0.05)), 0.3, work, left_over, sums)
+    work.axis[:], work.brightness[:], work.noise_correlation = scale.axis, scale.ground, 0.3
+    window, sums = work.window, work.sums
+    window.span, window.semi_axis, window.reach = 43, 11.0, 18.5
+    window.left, window.top = math.floor(at[0] + 0.5) - 21, math.floor(at[1] + 0.5) - 21
+    window.x, window.y = at[0] - window.left, at[1] - window.top
+    window.axis_x, window.axis_y, window.ratio = ux, uy, ratio
+    window.contrast, window.level, window.shading[:] = 0.9, 0.05, scale.shade
+    sum_one(image, block, 1)
     expected, rest = normal_equations(image, sight, scale, 0.9, 0.05, 0.3)
-    np.testing.assert_allclose(sums[:15], expected[np.tril_indices(5)], rtol=2e-4, atol=2e-3)
-    assert sums[REST] == pytest.approx(rest, rel=1e-4)
+    found = np.concatenate((sums.normal, sums.right_side, (sums.residual_square,)))
+    np.testing.assert_allclose(found, expected[np.tril_indices(5)], rtol=2e-4, atol=2e-3)
+    assert sums.raw_square == pytest.approx(rest, rel=1e-4)
 
 
 def test_the_derivative_of_the_coverage_is_its_change() -> None:
-    ball, rng = np.array((0.0, 0.0, 40.0)), np.random.default_rng(0)
+    rng = np.random.default_rng(0)
+    share_at = coverage.py_func  # type: ignore[attr-defined]
     for _ in range(50):
         place = rng.uniform(-25.0, 25.0, 2)
-        ux, uy, ratio = ellipse(place, ball, 0.977)
+        shape = SoftEllipse(*ellipse_axes(place[0], place[1], 0.977 * 40.0, 0.25), 8.6, 1.0)
         dx, dy = rng.uniform(-10.0, 10.0, 2)
-        share, right, down = coverage(dx, dy, ux, uy, 8.6, ratio, 1.0)
+        share, right, down = share_at(dx, dy, shape)
         assert 0.0 <= share <= 1.0
         numeric = [
-            float(
-                coverage(dx - h, dy - v, ux, uy, 8.6, ratio, 1.0)[0]
-                - coverage(dx + h, dy + v, ux, uy, 8.6, ratio, 1.0)[0]
-            )
-            / 2e-4
+            float(share_at(dx - h, dy - v, shape)[0] - share_at(dx + h, dy + v, shape)[0]) / 2e-4
             for h, v in ((1e-4, 0.0), (0.0, 1e-4))
         ]
         np.testing.assert_allclose(

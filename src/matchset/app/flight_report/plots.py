@@ -122,7 +122,7 @@ def _pose_at_set_place(log: FlightLog) -> Pose:
     """Pose that a follower measures at its set place, looking straight ahead."""
     place = log.setup.parameters.pilot.place
     position = np.array((place.side, place.height, place.heading))
-    return Pose(position=position, turn=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
+    return Pose(position=position, rotation_matrix=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
 
 
 def _draw_path(axes: Axes, number: int, follower: FollowerLog) -> None:

@@ -109,9 +109,9 @@ def _with_std(row: PoseRow, name: str, number: str, deviation: str) -> str:
 
 def draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) -> None:
     """Draw the axes of the ball frame (x red, y green, z blue) into a picture, where the rotation is observed."""
-    if pose.turn is None:
+    if pose.rotation_matrix is None:
         return
-    ends = pose.position + _LENGTH * radius * pose.turn.T
+    ends = pose.position + _LENGTH * radius * pose.rotation_matrix.T
     # Far axes first, so that a nearer one is drawn over them.
     for axis in np.argsort(-ends[:, 2]).tolist():
         line = np.array((pose.position + 0.4 * (ends[axis] - pose.position), ends[axis]))

@@ -9,8 +9,7 @@ import numpy as np
 
 from matchset.app.tables import Column, CsvLine, RowWriter, read_csv
 from matchset.app.track.rows import frame_columns
-from matchset.localization.pose import Pose
-from matchset.localization.pose_spread import seen_spread, yaw_variance
+from matchset.localization.pose import Pose, viewpoint_covariance, yaw_variance
 from matchset.tracking.track import Lost
 
 POSITION = ("x", "y", "z")
@@ -78,7 +77,7 @@ def pose_row(frame: int, pose: "Pose | Lost[Pose]") -> PoseRow:
         return PoseRow(frame, pose.time, reason=pose.reason)
     values = dict(zip(POSITION, pose.position.tolist(), strict=True))
     variances = dict(zip(POSITION, np.diag(pose.covariance)[:3].tolist(), strict=True))
-    relative = seen_spread(pose)
+    relative = viewpoint_covariance(pose)
     if relative is not None:
         for name, value, variance in zip(
             RELATIVE, (pose.side, pose.height, pose.heading), np.diag(relative), strict=False

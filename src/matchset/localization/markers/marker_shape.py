@@ -1,119 +1,116 @@
-"""What a marker looks like: a patch of the sphere, an ellipse in the picture.
+"""What a marker looks like: a patch of the sphere, an ellipse in the image.
 
-At offset o from the middle of the ball (radius r, in the picture) the rim of the patch is an ellipse with semi-axes
-``a = r m`` across and ``a sqrt(1 - |o|^2 / (r k)^2)`` along o; m and k are the radius of the patch and the distance of
-its rim's middle from the ball's center, in ball radii.
+At offset o from the middle of the ball (radius r, in the image) the rim of the patch is an ellipse with semi-axes
+``a = r m`` across and ``a sqrt(1 - |o|^2 / (r k)^2)`` along o; m (`patch_radius`) and k (`rim_distance`) are the radius
+of the patch and the distance of its rim's middle from the ball's center, in ball radii.
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import inlined, kernel
+from matchset.localization.markers.marker_workspace import RIM_POINTS
+from matchset.numeric.jit import helper, kernel
 
 Floats = npt.NDArray[np.float64]
 Number = float | np.float32
 
-EDGE_ON = 0.25  # least ratio of the ellipse's axes that is drawn
-WIDEST = np.float32(3.0)  # half the softnesses from the rim beyond which all is marker, or nothing
-ZERO, ONE, HALF, QUARTER, TINY = np.float32(0.0), np.float32(1.0), np.float32(0.5), np.float32(0.25), np.float32(1e-12)
-T0, T1, T2, T3, T4, T5 = (np.float32(term) for term in (135135.0, 17325.0, 378.0, 62370.0, 3150.0, 28.0))
-VAGUE = 0.05  # standard deviation of a marker's radius, as a share of it
+# theorem: tanh by Lambert's continued fraction, to 1e-6 where the argument is below 3; sums of single precision
+TANH_LIMIT = np.float32(3.0)
+ZERO, ONE, HALF, QUARTER, NO_DIVISION = (np.float32(v) for v in (0.0, 1.0, 0.5, 0.25, 1e-12))  # theorem: as above
+T0, T1, T2, T3, T4, T5 = (np.float32(v) for v in (135135.0, 17325.0, 378.0, 62370.0, 3150.0, 28.0))  # theorem: as above
+TINY = 1e-6  # px: nearer to the ball's middle an ellipse has no direction
 
 
-@kernel
-def ellipse(place: Floats, ball: Floats, depth: float) -> tuple[float, float, float]:
-    """Find the direction of the short axis and the ratio of the axes for a marker.
+class SoftEllipse(NamedTuple):
+    """An ellipse with a soft rim; all numbers of one precision."""
 
-    Parameters
-    ----------
-    place : (2,)
-        Its middle, px.
-    ball : (3,)
-        x, y, radius, px.
-    depth : float
-        k of the file's docstring.
-    """
-    ox, oy = place[0] - ball[0], place[1] - ball[1]
-    far = math.sqrt(ox * ox + oy * oy)
-    share = far / (ball[2] * depth)
-    ratio = math.sqrt(max(1.0 - share * share, EDGE_ON * EDGE_ON))
-    if far < 1e-6:
-        return 1.0, 0.0, ratio
-    return ox / far, oy / far, ratio
+    axis_x: Number  # direction of the short axis
+    axis_y: Number
+    ratio: Number  # of the axes
+    semi_axis: Number  # the long one, px
+    softness: Number  # of the rim, px
 
 
-@inlined
-def coverage(
-    dx: Number, dy: Number, ux: Number, uy: Number, a: Number, ratio: Number, soft: Number
-) -> tuple[Number, Number, Number]:
-    """Softened ellipse at (dx, dy) from its middle; all numbers of one precision.
+@kernel(refcount=False)
+def ellipse_axes(dx: float, dy: float, limb: float, min_ratio: float) -> tuple[float, float, float]:
+    """Direction of the short axis, and ratio of the axes, of a marker's ellipse.
 
     Parameters
     ----------
     dx, dy : float
-        px.
-    ux, uy, ratio : float
-        See `ellipse`.
-    a : float
-        Long semi-axis, px.
-    soft : float
-        Softness of the rim, px.
+        Its middle, from that of the ball, px.
+    limb : float
+        r k of the file's docstring: offset of a marker that is seen from its edge, px.
+    min_ratio : float
+        Least ratio.
+    """
+    far = math.sqrt(dx * dx + dy * dy)
+    share = far / limb
+    ratio = math.sqrt(max(1.0 - share * share, min_ratio * min_ratio))
+    if far < TINY:
+        return 1.0, 0.0, ratio
+    return dx / far, dy / far, ratio
+
+
+@helper
+def coverage(dx: Number, dy: Number, shape: SoftEllipse) -> tuple[Number, Number, Number]:
+    """Softened ellipse at (dx, dy) px from its middle.
 
     Returns
     -------
     tuple of 3 floats
-        Share of marker, ``1 / (1 + exp(-z))`` where z is the distance from the rim in units of `soft`, and how that
-        grows as the ellipse moves to the right and down, per px.
+        Share of marker, ``1 / (1 + exp(-z))`` where z is the distance from the rim in units of the softness, and its
+        derivatives as the ellipse moves to the right and down, per px.
     """
-    narrow = ONE / ratio
+    ux, uy, narrow = shape.axis_x, shape.axis_y, ONE / shape.ratio
     along, across = (dx * ux + dy * uy) * narrow, dy * ux - dx * uy
     gx, gy = along * ux * narrow - across * uy, along * uy * narrow + across * ux
-    far = math.sqrt(along * along + across * across + TINY)
-    flat = ONE / (soft * math.sqrt(gx * gx + gy * gy + TINY))
-    half = HALF * (a - far) * far * flat
-    square = half * half  # tanh(z / 2), by Lambert's continued fraction: to 1e-6
+    far = math.sqrt(along * along + across * across + NO_DIVISION)
+    flat = ONE / (shape.softness * math.sqrt(gx * gx + gy * gy + NO_DIVISION))
+    half = HALF * (shape.semi_axis - far) * far * flat
+    square = half * half  # tanh(z / 2)
     above = half * (T0 + square * (T1 + square * (T2 + square)))
     below = T0 + square * (T3 + square * (T4 + square * T5))
     turn = HALF * above / below
     steep = (QUARTER - turn * turn) * flat
-    turn = turn if half < WIDEST else HALF
-    turn = turn if half > -WIDEST else -HALF
+    turn = turn if half < TANH_LIMIT else HALF
+    turn = turn if half > -TANH_LIMIT else -HALF
     steep = steep if turn * turn < QUARTER else ZERO
     return HALF + turn, steep * gx, steep * gy
 
 
-@kernel
-def describe(
-    place: Floats, ball: Floats, size: float, depth: float, covariance: Floats, spread: float, rim: Floats, wide: Floats
-) -> float:
-    """Describe a marker as a circle: the radius of its ellipse's area, px.
+@kernel(refcount=False)
+def describe_marker(work: Any, k: int, row: int) -> None:
+    """Describe marker k as a circle of its ellipse's area, with its rim and covariance, in a row of what is found.
 
     Parameters
     ----------
-    place, ball, depth
-        See `ellipse`.
-    size : float
-        m of the file's docstring.
-    covariance : (2, 2)
-        Of its place, px^2.
-    spread : float
-        Variance of the ball's radius, px^2.
-    rim : (k, 2), written
-        Points of the ellipse, px.
-    wide : (3, 3), written
-        Covariance of x, y and the radius, px^2.
+    work : record of `MarkerWork`, written
+    k, row : int
     """
-    ux, uy, ratio = ellipse(place, ball, depth)
-    a = size * ball[2]
-    for k in range(rim.shape[0]):
-        turn = 2.0 * math.pi * k / rim.shape[0]
+    ball, fit = work.ball, work.limits.fit
+    x, y, a = work.places[k, 0], work.places[k, 1], work.patch_radius * ball.radius
+    ux, uy, ratio = ellipse_axes(x - ball.x, y - ball.y, ball.radius * work.rim_distance, fit.min_axis_ratio)
+    for point in range(RIM_POINTS):
+        turn = 2.0 * math.pi * point / RIM_POINTS
         along, across = a * ratio * math.cos(turn), a * math.sin(turn)
-        rim[k, 0] = place[0] + along * ux - across * uy
-        rim[k, 1] = place[1] + along * uy + across * ux
+        work.rim[row, point, 0] = x + along * ux - across * uy
+        work.rim[row, point, 1] = y + along * uy + across * ux
     radius = a * math.sqrt(ratio)
-    wide[:] = 0.0
-    wide[:2, :2] = covariance
-    wide[2, 2] = (radius / ball[2]) ** 2 * spread + (VAGUE * radius) ** 2
-    return float(radius)
+    floor = work.limits.min_sigma_px * work.limits.min_sigma_px
+    for p in range(2):
+        for q in range(2):
+            own = work.limits.inflation * work.result.covariance[p, q]
+            work.covariance[row, p, q] = own + (floor if p == q else 0.0)
+        work.covariance[row, p, 2] = work.covariance[row, 2, p] = 0.0
+    share = radius / ball.radius
+    work.covariance[row, 2, 2] = share * share * ball.radius_variance + (fit.size_sigma * radius) ** 2
+    work.middle[row, 0], work.middle[row, 1], work.radius[row], work.explained[row] = (
+        x,
+        y,
+        radius,
+        work.result.explained,
+    )

@@ -8,13 +8,17 @@ from scipy.optimize import least_squares
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, rim, square, track
-from matchset.localization.ball import BallParameters
-from matchset.localization.cone import fit_cone
+from matchset.localization.cone import CONE, BallParameters, ConeFailure, fit_cone
 from matchset.localization.localizer import LocalizerParameters
+<<<<<<< HEAD:tests/localization/test_ball.py
 from matchset.sim.clips.truth import sphere_outline
+=======
+from matchset.numeric.record import fields, new_block, store
+from matchset.sim.clips.outline import sphere_outline
+>>>>>>> a373ce3 (Localization: records with named fields, every number a parameter; one linear algebra, one Kalman filter, no function above six parameters):tests/localization/test_cone.py
 
-EXACT = BallParameters(edge_shift=0.0)
-BARE = BallParameters(edge_shift=0.0, inflation=1.0, center_floor=1e-6, size_floor=1e-6)
+EXACT = BallParameters(edge_shift_px=0.0)
+BARE = BallParameters(edge_shift_px=0.0, inflation=1.0, center_sigma_px=1e-6, size_sigma_px=1e-6)
 cameras = st.sampled_from([PINHOLE, BARREL])
 places = st.tuples(st.floats(-0.55, 0.55), st.floats(-0.4, 0.4), st.floats(0.7, 6.0)).map(
     lambda p: np.array((p[0] * p[2], p[1] * p[2], p[2]))
@@ -76,12 +80,13 @@ def test_the_kernel_agrees_with_its_slow_twin_on_noisy_points(camera: ms.CameraM
     place = np.array((0.5, -0.25, 1.3))
     for _ in range(3):
         points = camera.project(rim(place)) + rng.normal(0.0, 0.2, (64, 2))
-        position, covariance = np.empty(3), np.empty((3, 3))
-        x, y = points.mean(axis=0)
-        args = (x, y, 0.0, False, np.zeros((3, 3)), 1.0, 0.1, 0.14, position, covariance)
-        assert fit_cone(camera.intrinsics, np.empty((0, 0)), points, *args)[0] == 0
+        block = new_block(CONE)
+        fit = fields(block, CONE)
+        store(fit.limits, BARE)
+        fit.intrinsics[:], fit.inside[:], fit.radius = camera.intrinsics, points.mean(axis=0), 0.14
+        assert fit_cone(block.view(CONE)[0], points) == ConeFailure.NONE
         slow = slow_position(camera, points, place)
-        np.testing.assert_allclose(position, slow, atol=2e-4 * 1.3)
+        np.testing.assert_allclose(fit.position, slow, atol=2e-4 * 1.3)
 
 
 @pytest.mark.parametrize("camera", [PINHOLE, BARREL])
@@ -146,7 +151,7 @@ def test_an_outline_that_lies_outside_its_edge_points_is_moved_outward() -> None
     outline = PINHOLE.project(rim(truth))
     middle = outline.mean(axis=0)
     inward = outline - 0.1 * (outline - middle) / np.hypot(*(outline - middle).T)[:, np.newaxis]
-    position, _ = located(PINHOLE, track(inward), BallParameters(edge_shift=0.1))
+    position, _ = located(PINHOLE, track(inward), BallParameters(edge_shift_px=0.1))
     np.testing.assert_allclose(position, truth, atol=1e-6)
 
 

@@ -10,12 +10,8 @@ import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, rim, square, track
 from matchset.localization.cone import CONE, BallParameters, ConeFailure, fit_cone
 from matchset.localization.localizer import LocalizerParameters
-<<<<<<< HEAD:tests/localization/test_ball.py
-from matchset.sim.clips.truth import sphere_outline
-=======
 from matchset.numeric.record import fields, new_block, store
-from matchset.sim.clips.outline import sphere_outline
->>>>>>> a373ce3 (Localization: records with named fields, every number a parameter; one linear algebra, one Kalman filter, no function above six parameters):tests/localization/test_cone.py
+from matchset.sim.clips.truth import sphere_outline
 
 EXACT = BallParameters(edge_shift_px=0.0)
 BARE = BallParameters(edge_shift_px=0.0, inflation=1.0, center_sigma_px=1e-6, size_sigma_px=1e-6)

@@ -103,7 +103,9 @@ class NeighborFilter:
         self._ball[:], self._pose_covariance[:], self._ego[:] = pose.position, pose.covariance, ego.block
         if pose.rotation_matrix is not None:
             self._ball_rotation[:] = pose.rotation_matrix
-        accepted = update(self._block, pose.time - self.time, pose.time - self.yaw_time, pose.rotation_matrix is not None)
+        accepted = update(
+            self._block, pose.time - self.time, pose.time - self.yaw_time, pose.rotation_matrix is not None
+        )
         if accepted & POSITION_ACCEPTED:
             self.time = pose.time
         if accepted & YAW_ACCEPTED:

@@ -1,7 +1,7 @@
-"""From what each of a chain sees of the next one to one frame for all: `compose`, `seen_from_last`.
+"""Poses composed along a chain of vehicles into one frame for all: `compose`, `seen_from_last`.
 
-A vehicle carries its camera and its ball rigidly, so what it sees can be told from its ball. Composing along the chain
-gives every camera's place in the frame of the last ball.
+A vehicle carries its camera and its ball rigidly, so a pose in its camera frame is known in the frame of its ball.
+Composing along the chain gives the position of every camera in the frame of the last ball.
 """
 
 from collections.abc import Sequence
@@ -15,12 +15,12 @@ from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
 
-FACING_AWAY = np.diag((-1.0, 1.0, -1.0))
+FACING_AWAY = np.diag((-1.0, 1.0, -1.0))  # geometry: half a turn about the vertical
 """From a forward camera to the frame of a ball whose marker looks backward: half a turn about the vertical."""
 
 
 class Mount(msgspec.Struct, frozen=True):
-    """How a vehicle carries its camera, seen from its own ball; the camera looks where the marker does not.
+    """Where a vehicle carries its camera, in the frame of its own ball; the camera looks away from the marker.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class CameraPlace(msgspec.Struct, frozen=True):
 
 
 def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Mount | None = None) -> "Pose | Lost[Pose]":
-    """Express what a neighbor sees in the camera frame of who sees the neighbor.
+    """Express the pose that a neighbor sees in the camera frame of the vehicle that sees the neighbor.
 
     With p1, R1 the neighbor's ball as seen, m and M its camera in the frame of its ball, p2, R2 what it sees itself:
     ``p = p1 + R1 (m + M p2)``, ``R = R1 M R2``. Errors dp1, w1 of the first move it by ``dp1 + w1 x (p - p1)`` and
@@ -110,13 +110,14 @@ def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = N
         One for each camera; None from the last gap of the chain on forward.
     """
     places: list[CameraPlace | None] = []
-    reach: Pose | Lost[Pose] | None = None
+    last: Pose | Lost[Pose] | None = None
     for pose in reversed(poses):
-        reach = pose if reach is None else compose(pose, reach, mount)
-        known = isinstance(reach, Pose) and reach.rotation_matrix is not None
-        places.append(
-            CameraPlace(-(reach.position @ reach.rotation_matrix), reach.rotation_matrix.T) if known else None
-        )  # type: ignore[union-attr,operator]
+        last = pose if last is None else compose(pose, last, mount)
+        rotation = last.rotation_matrix if isinstance(last, Pose) else None
+        if isinstance(last, Pose) and rotation is not None:
+            places.append(CameraPlace(-(last.position @ rotation), rotation.T))
+        else:
+            places.append(None)
     return places[::-1]
 
 

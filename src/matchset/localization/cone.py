@@ -223,7 +223,7 @@ def reweight(rays: OutlineRays, limits: Any, absolute: bool) -> float:
     residual, weight, count = rays.residual, rays.weight, rays.residual.shape[0]
     # 1.4826 = 1 / Phi^-1(3/4) makes the median absolute deviation consistent for normal errors.
     sigma = 1.4826 * float(np.median(rays.distance)) * math.sqrt(count / (count - 3.0))
-    sigma = max(sigma, limits.min_sigma_px)
+    sigma = max(sigma, float(limits.min_sigma_px))
     unit = 1.0 / (limits.biweight_cutoff * sigma)
     if absolute:
         for place in range(count):

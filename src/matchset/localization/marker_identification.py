@@ -95,7 +95,7 @@ def measure_directions(fit: Any) -> None:
 @kernel
 def prior_cost(fit: Any, rotation: Floats, who: Ints) -> float:
     """Cost of a rotation before its fit: a jump or a tilt, and markers that should be in sight and are not."""
-    limits, position, out = fit.limits, fit.position, np.empty(3)
+    limits, position, out, cost = fit.limits, fit.position, np.empty(3), 0.0
     if fit.last_known != 0:
         cost = (rotation_vector_between(fit.last_rotation[:], rotation, out) / limits.usual_turn) ** 2
     else:

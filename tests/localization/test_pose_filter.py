@@ -42,7 +42,7 @@ def test_the_kernels_agree_with_the_textbook() -> None:
     half = rng.normal(size=(6, 6))
     state, covariance, t, q = rng.normal(size=6), half @ half.T, 0.04, 0.7
     f = np.asarray(np.block([[np.eye(3), t * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]]), np.float64)
-    noise = q * q * np.kron([[t**3 / 3, t**2 / 2], [t**2 / 2, t]], np.eye(3))
+    noise = np.asarray(q * q * np.kron([[t**3 / 3, t**2 / 2], [t**2 / 2, t]], np.eye(3)), np.float64)
     ahead, wide = f @ state, f @ covariance @ f.T + noise
     other_state, other_covariance = state.copy(), covariance.copy()
     predict(other_state, other_covariance, f, noise)

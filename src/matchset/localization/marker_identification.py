@@ -95,11 +95,10 @@ def measure_directions(fit: Any) -> None:
 @kernel
 def prior_cost(fit: Any, rotation: Floats, who: Ints) -> float:
     """Cost of a rotation before its fit: a jump or a tilt, and markers that should be in sight and are not."""
-    limits, position, out, cost = fit.limits, fit.position, np.empty(3), 0.0
+    limits, position, out = fit.limits, fit.position, np.empty(3)
+    cost = (math.acos(min(max(rotation[1, 1], -1.0), 1.0)) / float(limits.usual_tilt)) ** 2
     if fit.last_known != 0:
-        cost = (rotation_vector_between(fit.last_rotation[:], rotation, out) / limits.usual_turn) ** 2
-    else:
-        cost = (math.acos(min(max(rotation[1, 1], -1.0), 1.0)) / limits.usual_tilt) ** 2
+        cost = (rotation_vector_between(fit.last_rotation[:], rotation, out) / float(limits.usual_turn)) ** 2
     far = math.sqrt(position[0] ** 2 + position[1] ** 2 + position[2] ** 2)
     for m in range(fit.body_count):
         transform(rotation, fit.bodies[m], out)
@@ -107,7 +106,7 @@ def prior_cost(fit: Any, rotation: Floats, who: Ints) -> float:
         missing = facing > limits.visible_cosine * far
         for i in range(who.shape[0]):
             missing = missing and who[i] != m
-        cost += limits.missing_cost if missing else 0.0
+        cost += float(limits.missing_cost) if missing else 0.0
     return cost
 
 

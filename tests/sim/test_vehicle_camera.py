@@ -4,7 +4,8 @@ import pytest
 from balls import BARREL, PINHOLE
 from matchset.camera.camera_model import CameraModel
 from matchset.sim.clips.balloon import Balloon
-from matchset.sim.rendering.background import FastScene, Pinhole, packed
+from matchset.sim.rendering.background import FastScene, packed
+from matchset.sim.rendering.coverage import Pinhole
 from matchset.sim.rendering.surface import Surface
 from matchset.sim.vehicle import VehiclePose
 from matchset.sim.vehicle_camera import Appearance, VehicleCamera

@@ -9,23 +9,24 @@ from matchset.sim.vehicle import VehicleParameters
 
 Floats = npt.NDArray[np.float64]
 
-X, Y, Z = np.eye(3)
-BODY, ARM, BLADE, ROPE = (48, 44, 42), (70, 66, 64), (120, 118, 116), (150, 170, 180)  # BGR
+X, Y, Z = np.eye(3)  # geometry: axes of the body
+BODY, ARM, BLADE, ROPE = (48, 44, 42), (70, 66, 64), (120, 118, 116), (150, 170, 180)  # format: BGR
 
 
 def airframe(vehicle: VehicleParameters, rope: float = 0.0) -> list[Surface]:
-    """Build the visible parts in the body frame: x right, y down, z forward, origin in the center of mass.
+    """Build the visible parts in the body frame: x right, y down, z forward, origin at the center of mass.
 
     Parameters
     ----------
     vehicle : VehicleParameters
-        Gives the places of the rotors.
+        Gives the positions of the rotors.
     rope : float
         Length of a rope above the ball, m; 0 for none.
 
     Returns
     -------
     list of Surface
+        The body first, then arms, motors and rotors, then the rope.
     """
     parts = _box(np.array((0.045, 0.018, 0.055)), BODY)
     reach = vehicle.arm / np.sqrt(2.0)
@@ -44,11 +45,12 @@ def airframe(vehicle: VehicleParameters, rope: float = 0.0) -> list[Surface]:
 
 
 def _plain(color: tuple[int, int, int]) -> npt.NDArray[np.uint8]:
+    """Texture of one color."""
     return np.array([[(*color, 255)]], np.uint8)
 
 
 def _disc() -> npt.NDArray[np.uint8]:
-    """Paint a turning rotor: a disc, every other texel of which lets light through."""
+    """Picture of a turning rotor: a disc, every other texel of which is transparent."""
     square = np.zeros((33, 33, 4), np.uint8)
     square[..., :3] = BLADE
     cv2.circle(square, (16, 16), 16, (*BLADE, 255), -1)
@@ -57,7 +59,7 @@ def _disc() -> npt.NDArray[np.uint8]:
 
 
 def _box(half: Floats, color: tuple[int, int, int]) -> list[Surface]:
-    """Six faces around the origin, shaded by where they look."""
+    """Six faces around the origin, shaded by the direction of their normal."""
     axes = half * np.eye(3)
     faces = []
     for k in range(3):

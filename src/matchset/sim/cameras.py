@@ -1,5 +1,6 @@
 """Pictures of a `World`: what each vehicle's camera delivers after the analog link; `WorldCameras`."""
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -15,13 +16,34 @@ from matchset.sim.vehicle_camera import Appearance, VehicleCamera
 from matchset.sim.world import RATE, World, camera_position
 
 Floats = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
 
-QUIET = 2.0  # s at the beginning in which nothing is hidden
-FIELD = 4  # steps from the middle of a frame to that of a field
+FIELD = 4  # format: steps from the middle of a frame to that of a field
+
+
+class HidingParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """When a board hides the ball from a camera.
+
+    Parameters
+    ----------
+    duration : float
+        How long at a time, s; 0: never.
+    period : float
+        From one time to the next, s.
+    begin : float
+        Time in which nothing is hidden, from the beginning, s: so that every flight begins with a ball in view.
+    shift : float
+        Share of the period by which each camera is later than the one behind it: not all are blind at once.
+    """
+
+    duration: float = 0.0
+    period: float = 1.0
+    begin: float = 2.0
+    shift: float = 0.37
 
 
 class WorldCameras:
-    """Draws what the cameras of a world see.
+    """Draws what the cameras of a world see. Its kernels are compiled in the constructor.
 
     Parameters
     ----------
@@ -33,7 +55,7 @@ class WorldCameras:
     """
 
     def __init__(self, world: World, camera: CameraModel, preset: str) -> None:
-        self.world, self._camera, self._link = world, camera, PRESETS[preset]
+        self.world, self._model, self._link = world, camera, PRESETS[preset]
         vehicle, chain = world.parameters.vehicle, world.parameters
         scale = np.array((world.room_scale, 1.0, world.room_scale))
         surfaces = Scene.room(world.seed, clutter=True).surfaces
@@ -42,71 +64,71 @@ class WorldCameras:
             for each in surfaces
         ]
         balloon = Balloon(radius=vehicle.ball_radius)
-        self._eye = VehicleCamera(camera, FastScene(room), balloon, self._link.interlaced)
-        flying, hung = (
-            Appearance(FastScene(airframe(vehicle))),
-            Appearance(FastScene(airframe(vehicle, rope=1.0)), above=1.2),
-        )
-        self._looks = [flying] * (chain.vehicles - 1) + [hung]
-        self._hidden, self._every = 0.0, 1.0
+        self._camera = VehicleCamera(camera, FastScene(room), balloon, self._link.interlaced)
+        flying = Appearance(FastScene(airframe(vehicle)))
+        hanging = Appearance(FastScene(airframe(vehicle, rope=1.0)), above=1.2)
+        self._appearances = [flying] * (chain.vehicles - 1) + [hanging]
+        self._hiding, self._board = HidingParameters(), _board()
+        degrade(self._camera.frame(), self._link, 0, work=self._camera.planes())
 
     def hide_balls(self, duration: float, every: float) -> None:
         """Hide the ball from each camera for so long, so often, s; each at times of its own."""
-        self._hidden, self._every = duration, every
+        self._hiding = HidingParameters(duration=duration, period=every)
 
-    def image(self, who: int, step: int) -> npt.NDArray[np.uint8]:
+    def image(self, who: int, step: int) -> Bytes:
         """Take the picture of a camera whose exposure has its middle at a step, BGR, uint8."""
-        frame = self._eye.frame()
-        for field in range(self._eye.fields):
-            at = step + FIELD * (2 * field - 1) * (self._eye.fields - 1)
-            sights = self.world.poses(at)
-            self._expose(field, sights[who], who, sights, at, frame)
+        frame, fields = self._camera.frame(), self._camera.fields
+        for field in range(fields):
+            self._expose(field, who, step + FIELD * (2 * field - 1) * (fields - 1), frame)
         seed = (self.world.seed * 64 + who) * 1_000_003 + step
-        return degrade(frame, self._link, seed, work=self._eye.planes())
+        return degrade(frame, self._link, seed, work=self._camera.planes())
 
-    def held_ball(self, who: int) -> npt.NDArray[np.uint8]:
+    def held_ball(self, who: int) -> Bytes:
         """Take a picture of a ball that is held 1 m before a camera, the marker toward it."""
         me = self.world.poses(0)[who]
-        lens = camera_position(me)
-        ball = lens + me.rotation[:, 2]
+        position = camera_position(me)
+        ball = position + me.rotation[:, 2]
         held = VehiclePose(ball, me.rotation, ball)
-        frame = self._eye.frame()
-        for field in range(self._eye.fields):
-            self._eye.expose(field, lens, me.rotation, [(held, Appearance())], frame)
+        frame = self._camera.frame()
+        for field in range(self._camera.fields):
+            self._camera.expose(field, position, me.rotation, [(held, Appearance())], frame)
         return degrade(frame, self._link, self.world.seed * 64 + who)
 
     def shows_ball(self, who: int, step: int) -> bool:
-        """Whether the next one's ball has its middle in a camera's picture at a step, and nothing is held before it."""
-        sights = self.world.poses(step)
-        place = sights[who].rotation.T @ (sights[who + 1].ball - camera_position(sights[who]))
-        return not self._is_hidden(who, step / RATE) and bool(self._camera.visible(place[np.newaxis])[0])
+        """Whether the next one's ball has its middle in a camera's picture at a step, and no board is before it."""
+        poses = self.world.poses(step)
+        ball = poses[who].rotation.T @ (poses[who + 1].ball - camera_position(poses[who]))
+        return not self._is_hidden(who, step / RATE) and bool(self._model.visible(ball[np.newaxis])[0])
 
-    def _expose(
-        self, field: int, me: VehiclePose, who: int, sights: list[VehiclePose], step: int, frame: npt.NDArray[np.uint8]
-    ) -> None:
-        lens = camera_position(me)
-        others = [(sight, self._looks[k]) for k, sight in enumerate(sights) if k != who]
+    def _expose(self, field: int, who: int, step: int, frame: Bytes) -> None:
+        """Draw a field of a camera as it is at a step."""
+        poses = self.world.poses(step)
+        me, position = poses[who], camera_position(poses[who])
+        others = [(pose, self._appearances[k]) for k, pose in enumerate(poses) if k != who]
         if self._is_hidden(who, step / RATE):
-            middle = lens + 0.5 * (sights[who + 1].ball - lens)
-            others.append((VehiclePose(middle, me.rotation, middle), _BOARD))
-        self._eye.expose(field, lens, me.rotation, others, frame)
+            middle = position + 0.5 * (poses[who + 1].ball - position)
+            others.append((VehiclePose(middle, me.rotation, middle), self._board))
+        self._camera.expose(field, position, me.rotation, others, frame)
 
     def _is_hidden(self, who: int, time: float) -> bool:
-        return time > QUIET and (time + 0.37 * self._every * who) % self._every < self._hidden
+        """Whether a board is before a camera at a time, s."""
+        hiding = self._hiding
+        return time > hiding.begin and (time + hiding.shift * hiding.period * who) % hiding.period < hiding.duration
 
 
-_BOARD = Appearance(
-    FastScene(
-        [
-            Surface(
-                origin=np.array((-0.2, -0.2, 0.0)),
-                u=np.array((0.4, 0.0, 0.0)),
-                v=np.array((0.0, 0.4, 0.0)),
-                texture=np.array([[(96, 110, 120, 255)]], np.uint8),
-            )
-        ]
-    ),
-    below=0.3,
-    ball=False,
-)
-"""A board that is held half way between a camera and a ball."""
+def _board() -> Appearance:
+    """Make a board that is held half way between a camera and a ball."""
+    return Appearance(
+        FastScene(
+            [
+                Surface(
+                    origin=np.array((-0.2, -0.2, 0.0)),
+                    u=np.array((0.4, 0.0, 0.0)),
+                    v=np.array((0.0, 0.4, 0.0)),
+                    texture=np.array([[(96, 110, 120, 255)]], np.uint8),
+                )
+            ]
+        ),
+        below=0.3,
+        ball=False,
+    )

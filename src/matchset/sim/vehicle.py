@@ -11,7 +11,7 @@ from matchset.sim.toml_settings import read_settings
 
 Floats = npt.NDArray[np.float64]
 
-BACKWARD = np.array((0.0, 0.0, -1.0))  # where a vehicle's marker looks, body frame
+BACKWARD = np.array((0.0, 0.0, -1.0))  # geometry: where a vehicle's marker looks, body frame
 
 
 class VehicleParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

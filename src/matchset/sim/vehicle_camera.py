@@ -1,13 +1,13 @@
-"""What the camera of a vehicle sees: `VehicleCamera` draws the room, the others and their balls, field by field.
+"""What the camera of a vehicle sees: `VehicleCamera` draws the room, the other vehicles and their balls.
 
-A field is a picture of its own with half the lines: an interlaced sensor adds up pairs of lines. The room is drawn with
-half the pixels along a line, about what an analog link lets through; vehicles and balls are drawn with all of them, in
-a window around them. Then the lens bends both.
+It draws field by field. A field is a picture of its own with half the lines: an interlaced sensor adds up pairs of
+lines. The room is drawn with half the pixels along a line, about what an analog link lets through; vehicles and balls
+are drawn with all of them, in a window around them. Then both are warped by the lens.
 """
 
 import math
 import threading
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -15,15 +15,24 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.numeric.jit import kernel
+from matchset.numeric.record import Block
 from matchset.sim.clips.balloon import Balloon
-from matchset.sim.rendering.background import FastScene, PackedPixels
-from matchset.sim.rendering.coverage import draw_sphere_on_words
+from matchset.sim.rendering.background import FastScene
+from matchset.sim.rendering.coverage import SHADING, PackedPixels, Pinhole, draw_sphere_fast
 from matchset.sim.rendering.lens_warp import FastLensWarp, widen
-from matchset.sim.rendering.renderer import Light, Picture, appearance
+from matchset.sim.rendering.renderer import Light, Picture, ball_shading
 from matchset.sim.vehicle import VehiclePose
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
+Box = tuple[int, int, int, int]
+
+FRAME_RADIUS = 0.2  # geometry: m, radius of the sphere that a vehicle without its ball fills
+MARGIN = 4  # geometry: px around a window
+NEAREST = 0.12  # geometry: m, nothing nearer to the camera than that is drawn of vehicles
+BALL_HEIGHT = 0.19  # geometry: m from a center of mass to its ball's, along which `Appearance.above` is measured
+TOP_RADIUS = 0.05  # geometry: m, radius of the sphere at the upper end of what is above a ball
+BALL_DISTANCE = 0.05  # geometry: m, a ball must be so far before the camera to be drawn
 
 
 class Appearance(msgspec.Struct, frozen=True):
@@ -45,30 +54,58 @@ class Appearance(msgspec.Struct, frozen=True):
     ball: bool = True
 
 
+class Viewpoint(NamedTuple):
+    """Where a camera is: its position in the room, (3,), m, and the rotation from the room to it, (3, 3)."""
+
+    position: Floats
+    from_room: Floats
+
+
+class VisibleVehicles(NamedTuple):
+    """Positions and centers of the balls of vehicles, (n, 3) each, m; how far they reach above and below, (n, 2), m."""
+
+    positions: Floats
+    balls: Floats
+    extents: Floats
+
+
 class VehicleCamera:
     """A camera on a vehicle.
+
+    Its kernels are compiled in the constructor.
 
     Parameters
     ----------
     camera : CameraModel
         With its lens.
-    backdrop : FastScene
-        The room.
+    room : FastScene
     balloon : Balloon
         What the balls look like.
     interlaced : bool
         Two fields a frame.
+
+    Attributes
+    ----------
+    fields : int
+        Fields of a frame: 1 or 2.
     """
 
-    def __init__(self, camera: CameraModel, backdrop: FastScene, balloon: Balloon, interlaced: bool) -> None:
-        self.camera, self.backdrop, self.balloon = camera, backdrop, balloon
+    def __init__(self, camera: CameraModel, room: FastScene, balloon: Balloon, interlaced: bool) -> None:
+        self.camera, self.room, self.balloon = camera, room, balloon
         self._kept = threading.local()
         self.fields = 2 if interlaced else 1
         self._lenses = [FastLensWarp(camera, self.fields, k) for k in range(self.fields)]
-        self._looks = appearance(balloon, Light(), np.array((0.0, 0.0, 1.0)))
+        self._shading = ball_shading(balloon, Light(), np.array((0.0, 0.0, 1.0)))
+        ahead = np.array((0.0, 0.0, 1.0))
+        self.expose(0, np.zeros(3), np.eye(3), [(VehiclePose(ahead, np.eye(3), ahead), Appearance())], self.frame())
 
     def expose(
-        self, field: int, place: Floats, turn: Floats, others: list[tuple[VehiclePose, Appearance]], frame: Bytes
+        self,
+        field: int,
+        position: Floats,
+        rotation: Floats,
+        others: list[tuple[VehiclePose, Appearance]],
+        frame: Bytes,
     ) -> None:
         """Draw one field into its lines of a frame.
 
@@ -76,26 +113,25 @@ class VehicleCamera:
         ----------
         field : int
             0 or 1.
-        place, turn : (3,), (3, 3)
-            Of the camera in the room.
+        position, rotation : (3,), (3, 3)
+            Of the camera in the room, m.
         others : list of (VehiclePose, Appearance)
             Whom it may see.
         frame : ndarray of shape (h, w, 3), uint8
             BGR; lines field, field + `fields`, ... are written.
         """
-        lens, back = self._lenses[field], np.ascontiguousarray(turn.T)
+        lens, view = self._lenses[field], Viewpoint(position, np.ascontiguousarray(rotation.T))
         shape = lens.height, lens.width // 2
         room, spread = self._buffer("room", shape, np.uint32), self._buffer("spread", shape, np.uint64)
         room[:] = 0
-        self.backdrop.draw(room, lens.half, back, -back @ place, lens.columns)
-        lens.bend(room, spread, frame)
-        box = self._window(lens, others, place, back)
-        if box is not None:
-            left, top, right, bottom = box.tolist()
-            patch = np.empty((bottom - top, right - left), np.uint32)
-            widen(room, left, top, patch)
-            self._draw(patch, lens, left, top, others, place, back)
-            lens.bend_patch(patch, left, top, frame)
+        self.room.draw(room, lens.half, view.from_room, -view.from_room @ position, lens.columns)
+        lens.warp(room, spread, frame)
+        left, top, right, bottom = self._window(lens, others, view)
+        if right > left:
+            window = np.empty((bottom - top, right - left), np.uint32)
+            widen(room, left, top, window)
+            self._draw(window, lens.full._replace(cx=lens.full.cx - left, cy=lens.full.cy - top), others, view)
+            lens.warp_window(window, left, top, frame)
 
     def frame(self) -> Bytes:
         """Memory for a frame, of this thread: what is drawn there is valid until the next one."""
@@ -114,173 +150,133 @@ class VehicleCamera:
             kept[name] = np.zeros(shape, kind)
         return kept[name]
 
-    def _window(
-        self, lens: FastLensWarp, others: list[tuple[VehiclePose, Appearance]], place: Floats, back: Floats
-    ) -> npt.NDArray[np.int64] | None:
-        """Tell which part of the pinhole's picture shows vehicles, on even columns; None if none."""
+    def _window(self, lens: FastLensWarp, others: list[tuple[VehiclePose, Appearance]], view: Viewpoint) -> Box:
+        """Left, top, right, bottom of the part of the pinhole's picture that shows vehicles; all 0 if none."""
         if not others:
-            return None
-        box = np.empty(4, np.int64)
-        places, balls = np.array([each.position for each, _ in others]), np.array([each.ball for each, _ in others])
-        reaches = np.array([(look.above, look.below) for _, look in others])
-        radius, size = self.balloon.radius, np.array((lens.width, lens.height))
-        seen = window_of(places, balls, reaches, radius, np.array(lens.full), place, back, size, box)
-        return box if seen else None
+            return 0, 0, 0, 0
+        vehicles = VisibleVehicles(
+            np.array([pose.position for pose, _ in others]),
+            np.array([pose.ball for pose, _ in others]),
+            np.array([(appearance.above, appearance.below) for _, appearance in others]),
+        )
+        return _window_of(vehicles, self.balloon.radius, lens.full, view, (lens.width, lens.height))
 
     def _draw(
         self,
-        patch: PackedPixels,
-        lens: FastLensWarp,
-        left: int,
-        top: int,
+        window: PackedPixels,
+        pinhole: Pinhole,
         others: list[tuple[VehiclePose, Appearance]],
-        place: Floats,
-        back: Floats,
+        view: Viewpoint,
     ) -> None:
         """Draw frames and balls into a window, the farthest first."""
-        window = lens.full._replace(cx=lens.full.cx - left, cy=lens.full.cy - top)
-        pinhole = np.array(window)
         things: list[tuple[float, VehiclePose, FastScene | None]] = []
-        for sight, look in others:
-            if look.parts is not None:
-                things.append((math.dist(sight.position, place), sight, look.parts))
-            if look.ball:
-                things.append((math.dist(sight.ball, place), sight, None))
-        for _, sight, parts in sorted(things, key=lambda thing: -thing[0]):
+        for pose, appearance in others:
+            if appearance.parts is not None:
+                things.append((math.dist(pose.position, view.position), pose, appearance.parts))
+            if appearance.ball:
+                things.append((math.dist(pose.ball, view.position), pose, None))
+        for _, pose, parts in sorted(things, key=lambda thing: -thing[0]):
             if parts is not None:
-                parts.draw(patch, window, back @ sight.rotation, back @ (sight.position - place))
+                back = view.from_room
+                parts.draw(window, pinhole, back @ pose.rotation, back @ (pose.position - view.position))
             else:
-                radius = self.balloon.radius
-                draw_ball(patch, pinhole, place, back, sight.ball, sight.rotation, radius, self._looks)
-
-
-Ints = npt.NDArray[np.int64]
-
-REACH = 0.2  # m, radius of the sphere that a vehicle without its ball fills
-MARGIN = 4  # px around a window
-NEAREST = 0.12  # m, nothing nearer to the lens than that is drawn of vehicles
-TALL = 0.19  # m from a vehicle's center of mass to its ball's, along which `Look.above` is measured
-TOP = 0.05  # m, radius of the sphere at the upper end of what is above a ball
-BESIDE = 0.05  # m, a ball must be so far before the lens to be drawn
-MARKER, BETWEEN, EYE_DEPTH = 6, 16, 19  # places in `matchset.sim.rendering.renderer.appearance`
-LIGHT = 10
+                _draw_ball(window, pinhole, view, pose.ball, pose.rotation, self._shading)
 
 
 @kernel
-def window_of(
-    places: Floats,
-    balls: Floats,
-    looks: Floats,
-    radius: float,
-    lens: Floats,
-    place: Floats,
-    back: Floats,
-    size: Ints,
-    box: Ints,
-) -> bool:
-    """Write left, top, right, bottom of the part of a picture that shows vehicles, on even columns; False if none.
+def _window_of(vehicles: VisibleVehicles, radius: float, lens: Pinhole, view: Viewpoint, size: tuple[int, int]) -> Box:
+    """Left, top, right, bottom of the part of a picture that shows vehicles, on even columns; all 0 if none.
 
     Parameters
     ----------
-    places, balls : (n, 3)
-        Of the vehicles, m, in the room.
-    looks : (n, 2)
-        How far they reach above the ball and below the center of mass, m.
+    vehicles : VisibleVehicles
     radius : float
         Of the balls, m.
-    lens : (4,)
-        fx, fy, cx, cy of the pinhole, px.
-    place, back : (3,), (3, 3)
-        Where the camera is, and the rotation from the room to it.
-    size : (2,)
+    lens : Pinhole
+    view : Viewpoint
+    size : (int, int)
         Width and height of its picture, px.
-    box : (4,), written
     """
-    ends = np.array((math.inf, math.inf, -math.inf, -math.inf))
+    box = np.array((math.inf, math.inf, -math.inf, -math.inf))
+    positions, balls, extents = vehicles
     center = np.empty(3)
-    for k in range(places.shape[0]):
-        above, below = looks[k, 0], looks[k, 1]
-        _take_in(places[k], max(REACH, below), lens, place, back, ends)
-        _take_in(balls[k], radius, lens, place, back, ends)
+    for k in range(positions.shape[0]):
+        above, below = extents[k, 0], extents[k, 1]
+        _include(positions[k], max(FRAME_RADIUS, below), lens, view, box)
+        _include(balls[k], radius, lens, view, box)
         if above > 0.0:
             for j in range(3):
-                center[j] = balls[k, j] + above / TALL * (balls[k, j] - places[k, j])
-            _take_in(center, TOP, lens, place, back, ends)
-    if not (ends[2] >= ends[0] and ends[3] >= ends[1]):
-        return False
-    for j in range(2):
-        low, high = min(max(ends[j], -1e6), 1e6), min(max(ends[2 + j], -1e6), 1e6)
-        box[j] = max(math.floor(low) - MARGIN, 0)
-        box[2 + j] = min(math.ceil(high) + MARGIN, size[j])
-    box[0] -= box[0] % 2
-    box[2] -= box[2] % 2
-    wide, tall = box[2] - box[0] > 2, box[3] - box[1] > 2
-    return bool(wide and tall)
+                center[j] = balls[k, j] + above / BALL_HEIGHT * (balls[k, j] - positions[k, j])
+            _include(center, TOP_RADIUS, lens, view, box)
+    if not (box[2] >= box[0] and box[3] >= box[1]):
+        return 0, 0, 0, 0
+    left, right = _widened(box[0], box[2], size[0])
+    top, bottom = _widened(box[1], box[3], size[1])
+    left -= left % 2
+    right -= right % 2
+    return (left, top, right, bottom) if right - left > 2 and bottom - top > 2 else (0, 0, 0, 0)
+
+
+@kernel(refcount=False)
+def _widened(low: float, high: float, size: int) -> tuple[int, int]:
+    """First pixel of a range and the one after the last, with a margin, within the picture."""
+    low, high = min(max(low, -1e6), 1e6), min(max(high, -1e6), 1e6)
+    return max(math.floor(low) - MARGIN, 0), min(math.ceil(high) + MARGIN, size)
 
 
 @kernel
-def _take_in(center: Floats, radius: float, lens: Floats, place: Floats, back: Floats, ends: Floats) -> None:
-    """Widen the ends (left, top, right, bottom) of a window by a sphere, unless it is behind the camera."""
+def _include(center: Floats, radius: float, lens: Pinhole, view: Viewpoint, box: Floats) -> None:
+    """Widen a box (left, top, right, bottom) by a sphere, unless it is behind the camera."""
     away = np.empty(3)
     for j in range(3):
         away[j] = 0.0
         for i in range(3):
-            away[j] += back[j, i] * (center[i] - place[i])
+            away[j] += view.from_room[j, i] * (center[i] - view.position[i])
     z = away[2]
     if z < NEAREST:
         return
     reach = radius / max(z - radius, NEAREST)
-    for j in range(2):
-        at, wide = lens[2 + j] + lens[j] * (away[j] / z), lens[j] * reach * (1.0 + abs(away[j] / z))
-        ends[j], ends[2 + j] = min(ends[j], at - wide), max(ends[2 + j], at + wide)
+    x, half_x = lens.cx + lens.fx * (away[0] / z), lens.fx * reach * (1.0 + abs(away[0] / z))
+    y, half_y = lens.cy + lens.fy * (away[1] / z), lens.fy * reach * (1.0 + abs(away[1] / z))
+    box[0], box[2] = min(box[0], x - half_x), max(box[2], x + half_x)
+    box[1], box[3] = min(box[1], y - half_y), max(box[3], y + half_y)
 
 
 @kernel
-def draw_ball(
-    patch: PackedPixels,
-    lens: Floats,
-    place: Floats,
-    back: Floats,
-    ball: Floats,
-    turn: Floats,
-    radius: float,
-    looks: Floats,
+def _draw_ball(
+    window: PackedPixels, lens: Pinhole, view: Viewpoint, ball: Floats, rotation: Floats, template: Block
 ) -> None:
     """Draw a vehicle's ball, its marker backward, over a picture.
 
     Parameters
     ----------
-    patch : (h, w), written
-        Pixels as words, B in the lowest byte.
-    lens : (4,)
-        fx, fy, cx, cy of the pinhole, px.
-    place, back : (3,), (3, 3)
-        Where the camera is, and the rotation from the room to it.
-    ball, turn : (3,), (3, 3)
+    window : (h, w), written
+    lens : Pinhole
+    view : Viewpoint
+    ball, rotation : (3,), (3, 3)
         Center of the ball in the room, and the rotation of its vehicle to the room.
-    radius : float
-        m.
-    looks : (20,)
-        `matchset.sim.rendering.renderer.appearance` of the ball, but for what depends on where it is.
+    template : block
+        `matchset.sim.rendering.coverage.BallShading` but for what depends on where the ball is.
     """
-    center, marker, look = np.zeros(3), np.zeros(3), looks.copy()
+    center, marker = np.zeros(3), np.zeros(3)
+    shading = template.copy().view(SHADING)[0]
     for j in range(3):
         for i in range(3):
-            center[j] += back[j, i] * (ball[i] - place[i])
-            marker[j] -= back[j, i] * turn[i, 2]
-    if center[2] < radius + BESIDE:
+            center[j] += view.from_room[j, i] * (ball[i] - view.position[i])
+            marker[j] -= view.from_room[j, i] * rotation[i, 2]
+    if center[2] < shading.radius + BALL_DISTANCE:
         return  # beside or behind the camera
     far, long = _length(center), _length(marker)
     for j in range(3):
-        look[MARKER + j] = marker[j] / long
-        look[BETWEEN + j] = look[LIGHT + j] - center[j] / far
-    between = max(_length(look[BETWEEN : BETWEEN + 3]), 1e-9)
+        shading.marker[j] = marker[j] / long
+        shading.halfway[j] = shading.light[j] - center[j] / far
+    between = max(_length(shading.halfway), 1e-9)
     for j in range(3):
-        look[BETWEEN + j] /= between
-    look[EYE_DEPTH] = center[2] / far
-    draw_sphere_on_words(patch, lens, center, radius, look)
+        shading.halfway[j] /= between
+    shading.facing = center[2] / far
+    draw_sphere_fast(window, lens, center, shading)
 
 
-@kernel
+@kernel(refcount=False)
 def _length(v: Floats) -> float:
     return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

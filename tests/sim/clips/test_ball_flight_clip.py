@@ -24,7 +24,7 @@ def white_ball(camera: ms.CameraModel, place: Floats) -> Floats:
     plain = Balloon(color=(0.0, 0.0, 0.0), marker_radius=0.0)
     picture[:] = 255.0
     draw_balloon(picture, view.pinhole, plain, [place])
-    return np.asarray(view.bend(picture)[..., 0], np.float64)
+    return np.asarray(view.warp(picture)[..., 0], np.float64)
 
 
 def test_a_lens_puts_the_outline_where_the_camera_model_projects_it() -> None:
@@ -42,7 +42,7 @@ def test_a_pinhole_camera_bends_nothing() -> None:
     view = ExactLensWarp(PINHOLE)
     picture = np.random.default_rng(0).random((480, 640, 3)).astype(np.float32)
     assert view.pinhole is PINHOLE
-    assert view.bend(picture) is picture
+    assert view.warp(picture) is picture
 
 
 def test_the_same_flight_gives_the_same_bytes() -> None:

@@ -101,7 +101,7 @@ class BallFlightClip(msgspec.Struct, frozen=True, kw_only=True):
                 first, *others = (tuple(each / np.linalg.norm(each)) for each in self._directions(time))
                 balloon = msgspec.structs.replace(balloon, marker=first, more_markers=tuple(others))
             draw_balloon(picture, view.pinhole, balloon, self.place(time)[np.newaxis])
-            pictures.append(view.bend(picture))
+            pictures.append(view.warp(picture))
         for field in range(1, len(pictures)):
             pictures[0][field :: len(pictures)] = pictures[field][field :: len(pictures)]
         return pictures[0]

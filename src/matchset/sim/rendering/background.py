@@ -1,4 +1,4 @@
-"""Flat surfaces for a camera that moves: `FastScene`, the same surfaces as `Scene`, many times faster and less smooth.
+"""The room as a moving camera sees it: `FastScene`, the fast one of two renderers; `Scene` is the exact one.
 
 One ray a pixel, no interpolation between texels, and a texel either hides what is behind it or does not: an analog
 picture shows no more.
@@ -11,25 +11,35 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
+from matchset.sim.rendering.coverage import PackedPixels, Pinhole
 from matchset.sim.rendering.surface import Surface, span
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
-PackedPixels = npt.NDArray[np.uint32]
 Depth = npt.NDArray[np.float32]
 
-OPAQUE = np.uint32(0x80000000)  # little-endian: alpha, the last byte, is the highest
-NEAR = 0.03  # m, nothing closer is drawn
+# format: least word of a pixel with an opacity of 128: little-endian, opacity is the highest byte
+OPAQUE = np.uint32(0x80000000)
+NEAR = 0.03  # geometry: m, nothing nearer to the camera is drawn
 
 
-class Pinhole(NamedTuple):
-    """A part of a pinhole camera's picture: pixel (x, y) sees along ((x - cx) / fx, (y - cy) / fy, 1)."""
+class PackedSurfaces(NamedTuple):
+    """Surfaces in three arrays.
 
-    fx: float
-    fy: float
-    cx: float
-    cy: float
+    Parameters
+    ----------
+    corners : (n, 3, 3)
+        Columns: sides u and v, and origin of each surface.
+    sizes : (n, 3)
+        Rows and columns of its texture, and where that begins.
+    texels : (m,)
+        BGRA of all textures.
+    """
+
+    corners: Floats
+    sizes: Ints
+    texels: PackedPixels
 
 
 class FastScene:
@@ -45,15 +55,21 @@ class FastScene:
         self._kept = threading.local()
         # Small things mostly stand before large ones: drawn first, they spare the work of drawing what they hide.
         order = sorted(surfaces, key=lambda each: float(np.linalg.norm(np.cross(each.u, each.v))))
-        self._corners = np.array([np.column_stack((each.u, each.v, each.origin)) for each in order])
+        corners = np.array([np.column_stack((each.u, each.v, each.origin)) for each in order])
         shapes = [each.texture.shape[:2] for each in order]
         starts = np.concatenate(([0], np.cumsum([h * w for h, w in shapes])[:-1]))
-        self._sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
+        sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
         texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
-        self._texels: PackedPixels = np.concatenate(texels).view(np.uint32)[:, 0].copy()
+        packed_texels: PackedPixels = np.concatenate(texels).view(np.uint32)[:, 0].copy()
+        self._surfaces = PackedSurfaces(corners, sizes, packed_texels)
 
     def draw(
-        self, picture: PackedPixels, window: Pinhole, turn: Floats, place: Floats, columns: Ints | None = None
+        self,
+        picture: PackedPixels,
+        pinhole: Pinhole,
+        rotation: Floats,
+        translation: Floats,
+        columns: Ints | None = None,
     ) -> None:
         """Draw what a camera sees over a picture, in place.
 
@@ -61,21 +77,21 @@ class FastScene:
         ----------
         picture : ndarray of shape (h, w), uint32
             BGRA in one word, see `packed`; where nothing is it keeps what it shows.
-        window : Pinhole
+        pinhole : Pinhole
             Where its pixels look.
-        turn : ndarray of shape (3, 3)
+        rotation : ndarray of shape (3, 3)
             Turns vectors of the surfaces' frame into that of the camera.
-        place : ndarray of shape (3,)
+        translation : ndarray of shape (3,)
             Origin of the surfaces' frame in that of the camera, m.
         columns : ndarray of shape (h, 2), int64, optional
             First and last column of each row that is wanted; all by default.
         """
         nearest = self._depth(picture.shape)
-        turn = np.ascontiguousarray(turn)
+        pose = np.ascontiguousarray(rotation), translation
         if columns is None:
             columns = np.zeros((picture.shape[0], 2), np.int64)
             columns[:, 1] = picture.shape[1] - 1
-        draw_flat(picture, nearest, self._corners, turn, place, *window, self._sizes, self._texels, columns)
+        draw_surfaces_fast(picture, nearest, self._surfaces, pose, pinhole, columns)
 
     def _depth(self, shape: tuple[int, ...]) -> Depth:
         """Depth buffer that each thread keeps: fresh pages cost more than drawing on them."""
@@ -88,24 +104,25 @@ class FastScene:
 
 
 def packed(picture: Bytes) -> PackedPixels:
-    """See a picture of shape (h, w, 4), uint8, BGRA, as one of words, (h, w)."""
+    """View a picture of shape (h, w, 4), uint8, BGRA, as packed pixels, (h, w)."""
     return picture.view(np.uint32)[..., 0]
 
 
 @kernel
-def seen_from(corner: Floats, turn: Floats, place: Floats, m: Floats) -> None:
-    """Write sides and origin of a surface as the camera sees them: the columns of m, (3, 3)."""
+def _to_camera(corner: Floats, pose: tuple[Floats, Floats], m: Floats) -> None:
+    """Write sides and origin of a surface in the camera's frame: the columns of m, (3, 3)."""
+    rotation, translation = pose
     for j in range(3):
         for k in range(3):
             total = 0.0
             for i in range(3):
-                total += turn[j, i] * corner[i, k]
+                total += rotation[j, i] * corner[i, k]
             m[j, k] = total
-        m[j, 2] += place[j]
+        m[j, 2] += translation[j]
 
 
 @kernel
-def rows_of(m: Floats, lens: Floats, height: int, width: int) -> tuple[int, int]:
+def _rows_of(m: Floats, lens: Pinhole, height: int, width: int) -> tuple[int, int]:
     """First row that may show a surface, and the one after the last; a pixel more on either side than need be."""
     left, right, top, bottom, before = width + 1.0, -2.0, height + 1.0, -2.0, 0
     for corner in range(4):
@@ -115,8 +132,8 @@ def rows_of(m: Floats, lens: Floats, height: int, width: int) -> tuple[int, int]
             continue
         before += 1
         z = max(z, 1e-9)
-        x = lens[2] + lens[0] * (m[0, 2] + s * m[0, 0] + t * m[0, 1]) / z
-        y = lens[3] + lens[1] * (m[1, 2] + s * m[1, 0] + t * m[1, 1]) / z
+        x = lens.cx + lens.fx * (m[0, 2] + s * m[0, 0] + t * m[0, 1]) / z
+        y = lens.cy + lens.fy * (m[1, 2] + s * m[1, 0] + t * m[1, 1]) / z
         left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
     if before == 0:
         return 0, 0
@@ -128,7 +145,7 @@ def rows_of(m: Floats, lens: Floats, height: int, width: int) -> tuple[int, int]
 
 
 @kernel
-def homography(m: Floats, lens: Floats, h: Floats) -> bool:
+def _homography(m: Floats, lens: Pinhole, h: Floats) -> bool:
     """Write the map from pixels (x, y, 1) to (s, t, 1) / depth of a surface; False if it is seen from its edge.
 
     With u, v and o the surface's sides and origin seen from the camera, the columns of m, its rows are v x o, o x u and
@@ -144,25 +161,19 @@ def homography(m: Floats, lens: Floats, h: Floats) -> bool:
     if abs(det) < 1e-9:
         return False
     for k in range(3):
-        h[k, 0] = rows[k, 0] / (det * lens[0])
-        h[k, 1] = rows[k, 1] / (det * lens[1])
-        h[k, 2] = (rows[k, 2] - rows[k, 0] * lens[2] / lens[0] - rows[k, 1] * lens[3] / lens[1]) / det
+        h[k, 0] = rows[k, 0] / (det * lens.fx)
+        h[k, 1] = rows[k, 1] / (det * lens.fy)
+        h[k, 2] = (rows[k, 2] - rows[k, 0] * lens.cx / lens.fx - rows[k, 1] * lens.cy / lens.fy) / det
     return True
 
 
 @kernel
-def draw_flat(
+def draw_surfaces_fast(
     picture: PackedPixels,
     nearest: Depth,
-    corners: Floats,
-    turn: Floats,
-    place: Floats,
-    fx: float,
-    fy: float,
-    cx: float,
-    cy: float,
-    sizes: Ints,
-    texels: PackedPixels,
+    surfaces: PackedSurfaces,
+    pose: tuple[Floats, Floats],
+    lens: Pinhole,
     columns: Ints,
 ) -> None:
     """Draw surfaces into a picture and its depth buffer.
@@ -172,45 +183,30 @@ def draw_flat(
     picture : (h, w), written
     nearest : (h, w), written
         1/depth of what is drawn already.
-    corners : (n, 3, 3)
-        Columns: sides u and v, and origin of each surface.
-    turn, place : (3, 3), (3,)
-        From their frame to the camera's.
-    fx, fy, cx, cy : float
-        See `Pinhole`.
-    sizes : (n, 3)
-        Rows and columns of its texture, and where that begins.
-    texels : (m,)
-        BGRA of all textures.
+    surfaces : PackedSurfaces
+    pose : (3, 3), (3,)
+        Rotation and translation from their frame to the camera's.
+    lens : Pinhole
     columns : (h, 2)
         First and last column of each row that is wanted.
     """
-    height, width = picture.shape[0], picture.shape[1]
-    h, m, lens = np.empty((3, 3)), np.empty((3, 3)), np.array((fx, fy, cx, cy))
+    height, width, corners, sizes = picture.shape[0], picture.shape[1], surfaces.corners, surfaces.sizes
+    h, m = np.empty((3, 3)), np.empty((3, 3))
     places, inverse = np.empty(width, np.int32), np.empty(width)
     for k in range(corners.shape[0]):
-        seen_from(corners[k], turn, place, m)
-        top, bottom = rows_of(m, lens, height, width)
-        if top >= bottom or not homography(m, lens, h):
+        _to_camera(corners[k], pose, m)
+        top, bottom = _rows_of(m, lens, height, width)
+        if top >= bottom or not _homography(m, lens, h):
             continue
         tall, wide = np.int32(sizes[k, 0]), np.int32(sizes[k, 1])
-        texture = texels[sizes[k, 2] : sizes[k, 2] + sizes[k, 0] * sizes[k, 1]]
-        slope_s, slope_t, slope_w = h[0, 0] * wide, h[1, 0] * tall, h[2, 0]
+        texture = surfaces.texels[sizes[k, 2] : sizes[k, 2] + sizes[k, 0] * sizes[k, 1]]
         for y in range(top, bottom):
             first, last = span(h, float(y), width)
             first, last = max(first, columns[y, 0]), min(last, columns[y, 1])
             if first > last:
                 continue
-            start_s, start_t = (h[0, 1] * y + h[0, 2]) * wide, (h[1, 1] * y + h[1, 2]) * tall
-            start_w = h[2, 1] * y + h[2, 2]
             line, depth = picture[y, first : last + 1], nearest[y, first : last + 1]
-            for x in range(line.shape[0]):  # several pixels at a time
-                at = float(first + x)
-                w = slope_w * at + start_w
-                unit = 1.0 / w
-                i = max(min(np.int32((slope_t * at + start_t) * unit), tall - np.int32(1)), np.int32(0))
-                j = max(min(np.int32((slope_s * at + start_s) * unit), wide - np.int32(1)), np.int32(0))
-                places[x], inverse[x] = np.int32(i * wide) + j, w
+            _find_texels(h, (first, y), (tall, wide), places[: line.shape[0]], inverse)
             for x in range(line.shape[0]):
                 w = inverse[x]
                 if w <= depth[x] or w > 1.0 / NEAR:
@@ -219,3 +215,25 @@ def draw_flat(
                 if texel >= OPAQUE:
                     depth[x] = w
                     line[x] = texel
+
+
+@kernel(refcount=False)
+def _find_texels(
+    h: Floats, start: tuple[int, int], size: tuple[np.int32, np.int32], places: npt.NDArray[np.int32], inverse: Floats
+) -> None:
+    """Write which texel each pixel of a row shows, counted through, and 1/depth there; several pixels at a time.
+
+    `start` is the first pixel, (x, y); `size` are rows and columns of the texture.
+    """
+    first, y = start
+    tall, wide = size
+    slope_s, slope_t, slope_w = h[0, 0] * wide, h[1, 0] * tall, h[2, 0]
+    start_s, start_t = (h[0, 1] * y + h[0, 2]) * wide, (h[1, 1] * y + h[1, 2]) * tall
+    start_w = h[2, 1] * y + h[2, 2]
+    for x in range(places.shape[0]):
+        at = float(first + x)
+        w = slope_w * at + start_w
+        unit = 1.0 / w
+        i = max(min(np.int32((slope_t * at + start_t) * unit), tall - np.int32(1)), np.int32(0))
+        j = max(min(np.int32((slope_s * at + start_s) * unit), wide - np.int32(1)), np.int32(0))
+        places[x], inverse[x] = np.int32(i * wide) + j, w

@@ -1,31 +1,66 @@
-"""What a lens that distorts makes of a picture: `ExactLensWarp`."""
+"""What a lens that distorts makes of a pinhole camera's picture: `ExactLensWarp` and `FastLensWarp`.
+
+The exact one averages nine samples of a finer picture for each pixel. The fast one works on a field of packed pixels:
+the room is warped as OpenCV's ``remap`` does it, bilinear with places in 1/32 px, bit for bit, but three colors at
+once: B, G and R of a pixel lie 20 bits apart in one word of 64 bits, so that one product weighs all of them.
+"""
 
 import math
+from typing import NamedTuple
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.numeric.jit import kernel
-from matchset.sim.rendering.background import PackedPixels, Pinhole
+from matchset.sim.rendering.coverage import PackedPixels, Pinhole
 from matchset.sim.rendering.renderer import Picture
 
-_FINER = 2.0  # the pinhole picture has so many pixels for one of the camera's, along x and along y
-_SAMPLES = 3  # places per pixel, along x and along y
-_WIDEST = 1.5  # largest |X / Z| that is rendered
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int64]
+Longs = npt.NDArray[np.uint64]
+Singles = npt.NDArray[np.float32]
+
+# format: fixed-point numbers of `FastLensWarp`: a byte, the lower 5 bits of a share; 1 and 1/2 of 32 * 32 = 1024
+_BYTE, _FRACTION = np.uint64(0xFF), np.uint64(31)
+# format: as above
+_ONE, _HALF = np.uint64(32), np.uint64(512 | 512 << 20 | 512 << 40)
+# format: two bytes of a packed pixel at once, and 2 in each, to round quarters
+_PAIR, _TWOS = np.uint32(0x00FF00FF), np.uint32(0x00020002)
+
+
+class ExactWarpParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How finely a picture is rendered before it is warped.
+
+    Parameters
+    ----------
+    finer : float
+        Pixels of the pinhole's picture for one of the camera's, along x and along y. More: sharper, slower.
+    samples : int
+        Samples for each pixel, along x and along y. Chosen by hand with `finer`: an outline through a lens is that of
+        the camera model to less than 2 px, `test_ball_flight_clip`.
+    widest : float
+        Largest slope |X / Z| of a ray that is rendered. More: wider lenses, larger pictures.
+    """
+
+    finer: float = 2.0
+    samples: int = 3
+    widest: float = 1.5
 
 
 class ExactLensWarp:
-    """Sees a scene through a camera's lens: rendered by a finer and wider pinhole camera, then bent.
+    """Warp a picture as a lens does, exactly: it is rendered by a finer and wider pinhole camera, then averaged.
 
     Every pixel is the mean of 3 x 3 bilinear samples of the pinhole picture. Where the lens has no direction the
-    picture is black. Without distortion the pinhole camera is the camera, and nothing is bent.
+    picture is black. Without distortion the pinhole camera is the camera, and nothing is warped.
 
     Parameters
     ----------
     camera : CameraModel
         Whose lens it is.
+    parameters : ExactWarpParameters, optional
 
     Attributes
     ----------
@@ -33,25 +68,27 @@ class ExactLensWarp:
         The camera to render with.
     """
 
-    def __init__(self, camera: CameraModel) -> None:
-        self.camera, self.pinhole = camera, camera
+    def __init__(self, camera: CameraModel, parameters: ExactWarpParameters | None = None) -> None:
+        self.camera, self.pinhole, self._parameters = camera, camera, parameters or ExactWarpParameters()
         self._maps: list[tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]] = []
         if any(camera.distortion):
-            self._plan()
+            self._make_maps()
 
-    def _plan(self) -> None:
+    def _make_maps(self) -> None:
+        """Choose the pinhole camera, and compute where each sample of each pixel lies in its picture."""
+        samples = self._parameters.samples
         shape = self.camera.height, self.camera.width
         rows, columns = np.indices(shape).reshape(2, -1).astype(np.float64)
         rays = self.camera.rays(np.column_stack((columns, rows)))
         with np.errstate(invalid="ignore"):
             slopes = [(rays[:, k] / rays[:, 2]).reshape(shape) for k in range(2)]
-        right, below = (min(float(np.nanmax(np.abs(slope))), _WIDEST) for slope in slopes)
-        focal = _FINER * self.camera.fx
+        right, below = (min(float(np.nanmax(np.abs(slope))), self._parameters.widest) for slope in slopes)
+        focal = self._parameters.finer * self.camera.fx
         width, height = 2 * math.ceil(focal * right) + 8, 2 * math.ceil(focal * below) + 8
         self.pinhole = CameraModel(
             width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0
         )
-        shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+        shifts = (np.arange(samples) + 0.5) / samples - 0.5
         bends = [np.gradient(slope) for slope in slopes]
         for down in shifts:
             for across in shifts:
@@ -62,8 +99,8 @@ class ExactLensWarp:
                 maps = [np.nan_to_num(place, nan=-1e4).astype(np.float32) for place in places]
                 self._maps.append((maps[0], maps[1]))
 
-    def bend(self, picture: Picture) -> Picture:
-        """Bend a picture of the pinhole camera.
+    def warp(self, picture: Picture) -> Picture:
+        """Warp a picture of the pinhole camera.
 
         Parameters
         ----------
@@ -83,18 +120,25 @@ class ExactLensWarp:
         return np.asarray(total / np.float32(len(self._maps)), np.float32)
 
 
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int64]
-Longs = npt.NDArray[np.uint64]
-Singles = npt.NDArray[np.float32]
+class WindowMaps(NamedTuple):
+    """Where each pixel of a field looks in the full picture of its pinhole, px.
 
-_BYTE, _FRACTION = np.uint64(0xFF), np.uint64(31)
-_ONE, _HALF = np.uint64(32), np.uint64(512 | 512 << 20 | 512 << 40)  # of 32 * 32 = 1024
-_PAIR, _TWOS = np.uint32(0x00FF00FF), np.uint32(0x00020002)
+    Parameters
+    ----------
+    across, down : (h, w)
+        Column and row.
+    row_range, column_range : (h, 2), (w, 2)
+        Least and largest row of each line, and column of each column.
+    """
+
+    across: Singles
+    down: Singles
+    row_range: Singles
+    column_range: Singles
 
 
 class FastLensWarp:
-    """The pinhole that draws a field, in full and with half the columns, and how its picture is bent.
+    """Warp a field as a lens does, fast: a pinhole camera draws it, in full and with half the columns.
 
     Line r of the field is line ``fields r + field`` of the frame.
 
@@ -128,17 +172,17 @@ class FastLensWarp:
         self.full = Pinhole(fx, fy, cx, cy)
         self.half = Pinhole(0.5 * fx, fy, 0.5 * (cx - 0.5), cy)
         x, y = fx * slopes[0] + cx, fy * slopes[1] + cy
-        self._x, self._y = x.astype(np.float32), y.astype(np.float32)
-        whole, shares = cv2.convertMaps(((x - 0.5) / 2.0).astype(np.float32), self._y, cv2.CV_16SC2)
+        across, down = x.astype(np.float32), y.astype(np.float32)
+        whole, shares = cv2.convertMaps(((x - 0.5) / 2.0).astype(np.float32), down, cv2.CV_16SC2)
         places = whole.astype(np.int64)
         self._places = (places[..., 1] * (self.width // 2) + places[..., 0]).astype(np.uint32)
         self._shares = shares.astype(np.uint32)
         self.columns = _columns(places, self.height, self.width // 2)
-        self._row_reach = np.column_stack((self._y.min(axis=1), self._y.max(axis=1)))
-        self._column_reach = np.column_stack((self._x.min(axis=0), self._x.max(axis=0)))
+        rows_seen = np.column_stack((down.min(axis=1), down.max(axis=1)))
+        self._maps = WindowMaps(across, down, rows_seen, np.column_stack((across.min(axis=0), across.max(axis=0))))
 
-    def bend(self, room: PackedPixels, spread: Longs, frame: Bytes) -> None:
-        """Bend a picture with half the columns, and widen it, into the field's lines of a frame.
+    def warp(self, room: PackedPixels, spread: Longs, frame: Bytes) -> None:
+        """Warp a picture with half the columns, and widen it, into the field's lines of a frame.
 
         Parameters
         ----------
@@ -148,12 +192,11 @@ class FastLensWarp:
         frame : ndarray of shape (h, w, 3), uint8
             BGR; written.
         """
-        bend(room, spread, self._places, self._shares, frame, self._field, self._fields)
+        _warp(room, spread, self._places, self._shares, frame, (self._field, self._fields))
 
-    def bend_patch(self, patch: PackedPixels, left: int, top: int, frame: Bytes) -> None:
-        """Bend a part of the full picture, whose upper left pixel is (left, top), into the field's lines of a frame."""
-        maps = self._x, self._y, self._row_reach, self._column_reach
-        bend_patch(patch, left, top, *maps, frame, self._field, self._fields)
+    def warp_window(self, window: PackedPixels, left: int, top: int, frame: Bytes) -> None:
+        """Warp a part of the full picture, whose upper left pixel is (left, top), into the field's lines of a frame."""
+        _warp_window(window, (left, top), self._maps, frame, (self._field, self._fields))
 
 
 def _columns(places: Ints, height: int, width: int) -> Ints:
@@ -167,28 +210,23 @@ def _columns(places: Ints, height: int, width: int) -> Ints:
 
 
 @kernel
-def spread_word(word: np.uint64) -> np.uint64:
+def _spread_word(word: np.uint64) -> np.uint64:
     """Move B, G and R of a pixel 20 bits apart."""
     green, red = (word & np.uint64(0xFF00)) << np.uint64(12), (word & np.uint64(0xFF0000)) << np.uint64(24)
     return (word & _BYTE) | green | red
 
 
 @kernel
-def bend(
-    room: PackedPixels,
-    spread: Longs,
-    places: PackedPixels,
-    shares: PackedPixels,
-    frame: Bytes,
-    start: int,
-    step: int,
+def _warp(
+    room: PackedPixels, spread: Longs, places: PackedPixels, shares: PackedPixels, frame: Bytes, rows: tuple[int, int]
 ) -> None:
-    """Write lines start, start + step, ... of a frame: the room at places (px, counted through) and shares."""
+    """Write some rows (first, step) of a frame: the room at places (px, counted through) and shares."""
+    start, step = rows
     height, width = room.shape
     for y in range(height):
         line, out = room[y], spread[y]
         for x in range(width):
-            out[x] = spread_word(np.uint64(line[x]))
+            out[x] = _spread_word(np.uint64(line[x]))
     flat, next_line = spread.reshape(height * width), np.uint64(width)
     one = np.uint64(1)
     for r in range(places.shape[0]):
@@ -204,10 +242,10 @@ def bend(
 
 
 @kernel
-def widen(room: PackedPixels, left: int, top: int, patch: PackedPixels) -> None:
+def widen(room: PackedPixels, left: int, top: int, window: PackedPixels) -> None:
     """Write a part of the full picture, from an even column on, that shows the room's: 3/4 and 1/4 of neighbors."""
-    for y in range(patch.shape[0]):
-        line, out = room[top + y, left // 2 : (left + patch.shape[1]) // 2], patch[y]
+    for y in range(window.shape[0]):
+        line, out = room[top + y, left // 2 : (left + window.shape[1]) // 2], window[y]
         last = line.shape[0] - 1
         for m in range(line.shape[0]):
             here, before, after = line[m], line[max(m - 1, 0)], line[min(m + 1, last)]
@@ -225,39 +263,27 @@ def _quarter(other: np.uint32, here: np.uint32) -> np.uint32:
 
 
 @kernel
-def bend_patch(
-    patch: PackedPixels,
-    left: int,
-    top: int,
-    across: Singles,
-    down: Singles,
-    row_reach: Singles,
-    column_reach: Singles,
-    frame: Bytes,
-    start: int,
-    step: int,
+def _warp_window(
+    window: PackedPixels, corner: tuple[int, int], maps: WindowMaps, frame: Bytes, rows: tuple[int, int]
 ) -> None:
-    """Write what a part of the full picture shows into lines start, start + step, ... of a frame.
-
-    `across` and `down` tell where each pixel looks in the full picture, `row_reach` and `column_reach` the least and
-    the most of them in each line and column.
-    """
-    right, bottom = left + patch.shape[1] - 1, top + patch.shape[0] - 1
-    first, last = column_reach.shape[0], -1
-    for x in range(column_reach.shape[0]):
-        if column_reach[x, 1] >= left and column_reach[x, 0] < right:
+    """Write what a part of the full picture shows into some rows (first, step) of a frame."""
+    (left, top), (start, step) = corner, rows
+    right, bottom = left + window.shape[1] - 1, top + window.shape[0] - 1
+    first, last = maps.column_range.shape[0], -1
+    for x in range(maps.column_range.shape[0]):
+        if maps.column_range[x, 1] >= left and maps.column_range[x, 0] < right:
             first, last = min(first, x), x
-    for r in range(row_reach.shape[0]):
-        if row_reach[r, 1] < top or row_reach[r, 0] >= bottom:
+    for r in range(maps.row_range.shape[0]):
+        if maps.row_range[r, 1] < top or maps.row_range[r, 0] >= bottom:
             continue
         for x in range(first, last + 1):
-            at_x, at_y = across[r, x], down[r, x]
+            at_x, at_y = maps.across[r, x], maps.down[r, x]
             if at_x < left or at_x >= right or at_y < top or at_y >= bottom:
                 continue
             j, i = int(at_x), int(at_y)
             p, q = at_x - np.float32(j), at_y - np.float32(i)
             j, i = j - left, i - top
-            above, below, line = patch[i], patch[i + 1], frame[start + r * step, x]
+            above, below, line = window[i], window[i + 1], frame[start + r * step, x]
             for k in range(3):
                 shift = np.uint32(8 * k)
                 one = _level(above[j], shift) + p * (_level(above[j + 1], shift) - _level(above[j], shift))

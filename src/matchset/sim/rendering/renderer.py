@@ -1,4 +1,4 @@
-"""The ray-caster: draws a `Balloon` and an `Occluder` over a picture with exact coverage at every outline.
+"""Draw a `Balloon` and an `Occluder` over a picture, with exact coverage at every outline.
 
 Pixels are blended in display values: half covered is half way between the two colors.
 """
@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
+from matchset.numeric.record import Block, fields, new_block
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import Occluder
-from matchset.sim.rendering.coverage import draw_bars, draw_sphere
+from matchset.sim.rendering.coverage import BAR, SHADING, SPHERE, Pinhole, draw_bars, draw_sphere
 from matchset.sim.rendering.shutter import ALL_ROWS, Rows
 
 Picture = npt.NDArray[np.float32]
@@ -77,27 +78,28 @@ def draw_balloon(
         raise ValueError(f"positions must have shape (n, 3), got {centers.shape}")
     if not (np.isfinite(centers).all() and centers[:, 2].min() > balloon.radius):
         raise ValueError(f"a balloon must lie in front of the camera, got {centers.tolist()}")
-    paint_balloon(picture, (camera.fx, camera.fy, camera.cx, camera.cy), balloon, centers, light, rows)
+    _draw_at(picture, Pinhole(camera.fx, camera.fy, camera.cx, camera.cy), balloon, centers, light, rows)
 
 
-def paint_balloon(
+def _draw_at(
     picture: Picture,
-    window: tuple[float, float, float, float],
+    window: Pinhole,
     balloon: Balloon,
     centers: Array,
     light: Light | None = None,
     rows: Rows = ALL_ROWS,
 ) -> None:
-    """Draw a balloon over any part of a pinhole's picture: `window` is fx, fy, cx, cy; the rest as `draw_balloon`."""
-    look = appearance(balloon, light if light is not None else Light(), centers.mean(axis=0))
-    lens = np.array(window)
+    """Draw a balloon over a part of a pinhole camera's picture; otherwise as `draw_balloon`."""
+    shading = ball_shading(balloon, light if light is not None else Light(), centers.mean(axis=0))
     square = (centers**2).sum(axis=1)
-    tangent_sq = square - balloon.radius**2
+    tangent_square = square - balloon.radius**2
+    spheres = np.empty(len(centers), SPHERE)
+    spheres["center"], spheres["distance_square"], spheres["tangent_square"] = centers, square, tangent_square
     # Within this much of the outline (3 px or more on either side) a pixel may be covered in part.
-    band = 4.0 * balloon.radius * np.sqrt(tangent_sq) / min(window[0], window[1])
-    spheres = np.column_stack((centers, square, tangent_sq, band, balloon.radius / np.sqrt(tangent_sq)))
+    spheres["band"] = 4.0 * balloon.radius * np.sqrt(tangent_square) / min(window.fx, window.fy)
+    spheres["slope"] = balloon.radius / np.sqrt(tangent_square)
     more = np.array(balloon.more_markers, np.float64).reshape(-1, 3)
-    draw_sphere(picture, lens, spheres, balloon.radius, look, more, rows.start, rows.step)
+    draw_sphere(picture, (rows.start, rows.step), window, spheres, shading, more)
 
 
 def draw_occluder(picture: Picture, occluders: list[Occluder], rows: Rows = ALL_ROWS) -> None:
@@ -112,33 +114,27 @@ def draw_occluder(picture: Picture, occluders: list[Occluder], rows: Rows = ALL_
     rows : Rows
         Which rows to draw.
     """
-    places = np.array(
-        [[o.x, o.y, o.half_length, o.half_width, math.cos(o.angle), math.sin(o.angle)] for o in occluders]
+    bars = np.array(
+        [(o.x, o.y, o.half_length, o.half_width, math.cos(o.angle), math.sin(o.angle)) for o in occluders], BAR
     )
-    draw_bars(picture, places, np.array(occluders[0].color, dtype=np.float64), rows.start, rows.step)
+    draw_bars(picture, bars, np.array(occluders[0].color, dtype=np.float64), (rows.start, rows.step))
 
 
-def appearance(balloon: Balloon, light: Light, center: Array) -> Array:
-    """Pack what the kernels that draw a sphere need of its looks into one array: `center` is (3,), m, camera frame."""
-    to_eye = -center / np.linalg.norm(center)
+def ball_shading(balloon: Balloon, light: Light, center: Array) -> Block:
+    """Make the block of `BallShading` of a balloon; `center` is (3,), camera frame, m."""
+    block = new_block(SHADING)
+    shading = fields(block, SHADING)
+    to_camera = -center / np.linalg.norm(center)
     to_light = np.array(light.direction) / math.hypot(*light.direction)
-    between = to_light + to_eye
-    marker = to_eye if balloon.marker is None else np.array(balloon.marker)
-    half_angle = math.asin(balloon.marker_radius / balloon.radius)
-    return np.array(
-        [
-            *balloon.color,
-            *balloon.marker_color,
-            *marker,
-            half_angle,
-            *to_light,
-            light.ambient,
-            light.highlight,
-            math.cos(min(half_angle * 1.5 + 0.3, math.pi)),
-            *(between / max(float(np.linalg.norm(between)), 1e-9)),
-            -float(to_eye[2]),
-        ]
-    )
+    between = to_light + to_camera
+    shading.radius, shading.color[:], shading.marker_color[:] = balloon.radius, balloon.color, balloon.marker_color
+    shading.marker[:] = to_camera if balloon.marker is None else np.array(balloon.marker)
+    shading.half_angle = math.asin(balloon.marker_radius / balloon.radius)
+    shading.near_cosine = math.cos(min(shading.half_angle * 1.5 + 0.3, math.pi))
+    shading.light[:], shading.ambient, shading.highlight = to_light, light.ambient, light.highlight
+    shading.halfway[:] = between / max(float(np.linalg.norm(between)), 1e-9)
+    shading.facing = -float(to_camera[2])
+    return block
 
 
 def _check(picture: Picture, camera: CameraModel) -> None:

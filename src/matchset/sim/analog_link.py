@@ -1,4 +1,4 @@
-"""The analog link: `AnalogLink` degrades a picture as a camera, a transmitter and a PAL receiver do."""
+"""The analog link: `degrade` makes of a picture what a camera, a transmitter and a PAL receiver make of it."""
 
 import math
 
@@ -7,14 +7,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.line_filter import expose, receive, transmit
+from matchset.sim.line_filter import Noise, expose, receive, transmit
 from matchset.sim.rendering.renderer import Picture
 
-_PIXEL_TIME = 81e-9  # s, of the 640 px that span the 52 us of an active PAL line
+PIXEL_TIME = 81e-9  # format: s, of the 640 px that span the 52 us of an active PAL line (ITU-R BT.470)
 
 
 class AnalogLink(msgspec.Struct, frozen=True, kw_only=True):
-    """What the way from the lens to the picture in memory does to a frame.
+    """What lens, sensor, transmitter and receiver do to a frame.
 
     All filters have zero phase: a receiver's group delay is the same for every line and is calibrated out.
 
@@ -86,7 +86,7 @@ PRESETS = {"clean": CLEAN, "typical": TYPICAL, "bad": BAD}
 
 def degrade(
     picture: Picture | npt.NDArray[np.uint8],
-    pal: AnalogLink,
+    link: AnalogLink,
     seed: int,
     gain: tuple[float, float, float] = (1.0, 1.0, 1.0),
     work: Picture | None = None,
@@ -97,8 +97,7 @@ def degrade(
     ----------
     picture : ndarray of shape (h, w, 3), float32 or uint8
         BGR, 0 ... 255; unchanged.
-    pal : AnalogLink
-        The link.
+    link : AnalogLink
     seed : int
         Decides the noise, the jitter and the lost lines; not negative. The same seed gives the same bytes.
     gain : tuple of 3 floats
@@ -116,24 +115,24 @@ def degrade(
         raise ValueError(f"a picture must be float32 or uint8 of shape (h, w, 3), got {kind}")
     height, width = picture.shape[:2]
     rng = np.random.default_rng((seed, 0x9A1))
-    shift = np.asarray(rng.standard_normal(height) * pal.line_jitter)
-    lost = np.asarray(rng.random(height) < pal.lost_lines)
+    shift = np.asarray(rng.standard_normal(height) * link.line_jitter)
+    lost = np.asarray(rng.random(height) < link.lost_lines)
     counter = rng.integers(0, 2**32, dtype=np.uint32)
-    if pal.blur > 0.0:
-        picture = _blurred(picture.astype(np.float32, copy=False), pal.blur)
+    if link.blur > 0.0:
+        picture = _blurred(picture.astype(np.float32, copy=False), link.blur)
     out = np.empty((height, width, 3), np.uint8)
-    if not _is_analog(pal):
-        expose(picture, np.array(gain), pal.sensor_noise, counter, out)
+    if not _is_analog(link):
+        expose(picture, np.array(gain), link.sensor_noise, counter, out)
         return out
-    if pal.sensor_noise > 0.0:
+    if link.sensor_noise > 0.0:
         raise ValueError("sensor_noise of an analog link is a part of luma_noise and chroma_noise: leave it 0")
-    luma, chroma = pole(pal.luma_bandwidth, width), pole(pal.chroma_bandwidth, width)
-    lines = math.sqrt(0.375) if pal.chroma_lines else 1.0
-    noise = (pal.luma_noise / noise_gain(luma), pal.chroma_noise / (noise_gain(chroma) * lines))
+    luma, chroma = pole(link.luma_bandwidth, width), pole(link.chroma_bandwidth, width)
+    lines = math.sqrt(0.375) if link.chroma_lines else 1.0
+    noise = Noise(link.luma_noise / noise_gain(luma), link.chroma_noise / (noise_gain(chroma) * lines), counter)
     planes = np.empty((height, 3, width), np.float32) if work is None else work
-    transmit(picture, np.array(gain), shift, noise[0], noise[1], counter, planes)
-    neighbor = 0 if not pal.chroma_lines else 2 if pal.interlaced else 1
-    receive(planes, luma, chroma, neighbor, lost, counter, out)
+    transmit(picture, np.array(gain), shift, noise, planes)
+    neighbor = 0 if not link.chroma_lines else 2 if link.interlaced else 1
+    receive(planes, (luma, chroma), neighbor, lost, counter, out)
     return out
 
 
@@ -154,7 +153,7 @@ def pole(bandwidth: float, width: int) -> float:
     float
         p, 0 ... 1.
     """
-    omega = 2.0 * math.pi * bandwidth * _PIXEL_TIME * 640.0 / width
+    omega = 2.0 * math.pi * bandwidth * PIXEL_TIME * 640.0 / width
     if not 0.0 < omega < math.pi:
         return 0.0
     half = (math.sqrt(2.0) - math.cos(omega)) / (math.sqrt(2.0) - 1.0)
@@ -179,18 +178,19 @@ def noise_gain(p: float) -> float:
     return (1.0 - p) / (1.0 + p) * math.sqrt((1.0 + p * p) / (1.0 - p * p))
 
 
-def _is_analog(pal: AnalogLink) -> bool:
+def _is_analog(link: AnalogLink) -> bool:
+    """Whether anything but blur and the sensor's noise is to be done."""
     return (
         max(
-            pal.luma_bandwidth,
-            pal.chroma_bandwidth,
-            pal.luma_noise,
-            pal.chroma_noise,
-            pal.line_jitter,
-            pal.lost_lines,
+            link.luma_bandwidth,
+            link.chroma_bandwidth,
+            link.luma_noise,
+            link.chroma_noise,
+            link.line_jitter,
+            link.lost_lines,
         )
         > 0.0
-        or pal.chroma_lines
+        or link.chroma_lines
     )
 
 

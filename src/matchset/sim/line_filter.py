@@ -1,6 +1,10 @@
-"""The kernels of the analog link: noise, line jitter, and low-pass filters along the lines."""
+"""The kernels of the analog link: noise, line jitter, and low-pass filters along the lines.
+
+Every random number is a hash of a counter and of the pixel's place: lines can be worked on in any order.
+"""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,8 +14,26 @@ from matchset.numeric.jit import kernel
 Array = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.float32]
 AnyPicture = Picture | npt.NDArray[np.uint8]
-_BLOCK = 8
+
+_BLOCK = 8  # geometry: lines that are filtered at once
+# theorem: 1 / the standard deviation of the sum of four independent uniform bytes, each of variance (256^2 - 1) / 12
 _DEVIATION = 1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0)
+
+
+class Noise(NamedTuple):
+    """White noise that is added before the filters.
+
+    Parameters
+    ----------
+    luma, chroma : float
+        Standard deviation in Y, and in Cb and Cr, display units (0 ... 255).
+    counter : numpy.uint32
+        Where the random numbers begin.
+    """
+
+    luma: float
+    chroma: float
+    counter: np.uint32
 
 
 @kernel
@@ -34,6 +56,7 @@ def _normal(bits: np.uint32) -> np.float32:
 
 @kernel
 def _to_byte(value: np.float32) -> np.uint8:
+    """Round to 0 ... 255."""
     return np.uint8(np.int32(min(max(value + np.float32(0.5), np.float32(0.0)), np.float32(255.0))))
 
 
@@ -54,21 +77,13 @@ def expose(picture: AnyPicture, gain: Array, sigma: float, counter: np.uint32, o
 
 
 @kernel
-def transmit(
-    picture: AnyPicture,
-    gain: Array,
-    shift: Array,
-    luma_noise: float,
-    chroma_noise: float,
-    counter: np.uint32,
-    planes: Picture,
-) -> None:
+def transmit(picture: AnyPicture, gain: Array, shift: Array, noise: Noise, planes: Picture) -> None:
     """Write Y, Cb, Cr (without offset) of gain * picture, each line shifted by `shift` px, plus white noise.
 
     A line that is shifted to the right shows at x what was at x - shift, linear between pixels.
     """
     height, width = picture.shape[0], picture.shape[1]
-    luma_sigma, chroma_sigma, top = np.float32(luma_noise), np.float32(chroma_noise), np.float32(255.0)
+    luma_sigma, chroma_sigma, top = np.float32(noise.luma), np.float32(noise.chroma), np.float32(255.0)
     line = np.empty((3, width + 1), np.float32)
     for y in range(height):
         whole = math.floor(-shift[y])
@@ -79,15 +94,21 @@ def transmit(
             for x in range(width):
                 channel[x] = min(level * (channel[x] + part * (channel[x + 1] - channel[x])), top)
         luma, blue, red = planes[y, 0], planes[y, 1], planes[y, 2]
-        for x in range(width):
-            gray = np.float32(0.114) * line[0, x] + np.float32(0.587) * line[1, x] + np.float32(0.299) * line[2, x]
-            luma[x] = gray
-            blue[x] = np.float32(0.564) * (line[0, x] - gray)
-            red[x] = np.float32(0.713) * (line[2, x] - gray)
-        start = np.uint32(counter + np.uint32(3 * y * width))
+        _to_ycc(line, luma, blue, red)
+        start = np.uint32(noise.counter + np.uint32(3 * y * width))
         _add_noise(luma, luma_sigma, start)
         _add_noise(blue, chroma_sigma, np.uint32(start + np.uint32(width)))
         _add_noise(red, chroma_sigma, np.uint32(start + np.uint32(2 * width)))
+
+
+@kernel
+def _to_ycc(line: Picture, luma: Picture, blue: Picture, red: Picture) -> None:
+    """Write Y, Cb and Cr, without offset, of one line of B, G and R (ITU-R BT.601)."""
+    for x in range(luma.shape[0]):
+        gray = np.float32(0.114) * line[0, x] + np.float32(0.587) * line[1, x] + np.float32(0.299) * line[2, x]
+        luma[x] = gray
+        blue[x] = np.float32(0.564) * (line[0, x] - gray)
+        red[x] = np.float32(0.713) * (line[2, x] - gray)
 
 
 @kernel
@@ -106,13 +127,14 @@ def _move(row: AnyPicture, whole: int, line: Picture) -> None:
 
 @kernel
 def _add_noise(line: Picture, sigma: np.float32, start: np.uint32) -> None:
+    """Add white noise to a line."""
     for x in range(line.shape[0]):
         line[x] += sigma * _normal(_hash(np.uint32(start + np.uint32(x))))
 
 
 @kernel
 def _smooth(lines: Picture, poles: Picture) -> None:
-    """Filter lines forward and back, in place: zero phase; many at once, for the processor to overlap."""
+    """Filter lines forward and back, in place, which shifts no phase; many at once, which is faster."""
     count, width = lines.shape
     for x in range(1, width):
         for k in range(count):
@@ -125,14 +147,17 @@ def _smooth(lines: Picture, poles: Picture) -> None:
 @kernel
 def receive(
     planes: Picture,
-    luma_pole: float,
-    chroma_pole: float,
+    filters: tuple[float, float],
     neighbor: int,
     lost: npt.NDArray[np.bool_],
     counter: np.uint32,
     out: npt.NDArray[np.uint8],
 ) -> None:
-    """Average chroma over lines y - neighbor, y, y + neighbor (1/4, 1/2, 1/4), filter, write BGR."""
+    """Average chroma over lines y - neighbor, y, y + neighbor (1/4, 1/2, 1/4), filter, write BGR.
+
+    `filters` are the poles of the low-pass filters of luma and of chroma.
+    """
+    luma_pole, chroma_pole = filters
     height, width = planes.shape[0], planes.shape[2]
     lines = np.empty((3 * _BLOCK, width), np.float32)
     poles = np.empty(3 * _BLOCK, np.float32)

@@ -1,4 +1,4 @@
-"""A scripted sequence with exact truth: `Clip`, an iterable of (Frame, ClipTruth)."""
+"""A balloon in a room with exact truth in px: `Clip`, an iterable of (Frame, ClipTruth)."""
 
 import math
 from collections.abc import Iterator
@@ -20,6 +20,7 @@ from matchset.sim.scene.scene import Scene, viewpoint
 
 __all__ = ["Clip", "ClipTruth"]
 
+# format: accepted ranges of parameters
 _LIMITS = {
     "exposure": (0.0, 1.0),
     "occluder": (0.0, 0.8),
@@ -250,6 +251,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def _path(self) -> BallTrajectory:
+        """The way of the ball."""
         return BallTrajectory(
             camera=self.camera,
             ball_radius=self.balloon.radius,
@@ -277,6 +279,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         return any(begin <= index < end for begin, end in self.hidden)
 
     def _draw_ball(self, picture: Picture, rows: Rows, time: float, index: int) -> None:
+        """Draw the ball and what hides it, over one exposure."""
         begin, end = self._outline(time - self.exposure / 2.0), self._outline(time + self.exposure / 2.0)
         smear = math.hypot(end.x - begin.x, end.y - begin.y) + abs(end.a - begin.a)
         times = sub_exposures(time, self.exposure, smear)

@@ -1,4 +1,4 @@
-"""A scripted sequence of a flat convex thing with exact truth: `ShapeClip`, an iterable of (Frame, outline)."""
+"""A flat convex shape in a room with exact truth in px: `ShapeClip`, an iterable of (Frame, outline)."""
 
 import math
 from collections.abc import Iterator
@@ -19,14 +19,33 @@ from matchset.sim.scene.scene import Scene, viewpoint
 
 Array = npt.NDArray[np.float64]
 
-SKIN = (120.0, 150.0, 196.0)  # color of what hides a part, BGR
-FINGERS = 0.0, 1.1, 2.6, 4.2  # directions from which they reach in, rad
-TIP = 0.5  # how near to the center, in half-widths
-SHADE = 0.12  # by how much one side of the thing is lighter than its middle
+
+class HandParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """Fingers that hold a shape, and the light on it.
+
+    Parameters
+    ----------
+    color : tuple of 3 floats
+        Of the fingers, BGR.
+    directions : tuple of floats
+        From which each finger reaches in, rad. Chosen by hand: uneven, so that no two sides are hidden alike.
+    tip : float
+        Distance of a finger's tip from the center, in half-widths.
+    shading : float
+        Share by which one side of the shape is lighter than its middle.
+    """
+
+    color: tuple[float, float, float] = (120.0, 150.0, 196.0)
+    directions: tuple[float, ...] = (0.0, 1.1, 2.6, 4.2)
+    tip: float = 0.5
+    shading: float = 0.12
+
+
+HAND = HandParameters()
 
 
 class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
-    """A flat convex thing that moves, turns and grows before a room: `for frame, outline in ShapeClip(...)`.
+    """A flat convex shape that moves, turns and grows before a room: `for frame, outline in ShapeClip(...)`.
 
     The outline is the truth, (k, 2) px, at the middle of the frame's exposure. The same clip gives the same bytes.
 
@@ -56,7 +75,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
     spin : float
         Fastest turn in the picture, rad per frame.
     tilt : float
-        How far it turns out of the picture's plane, rad: 0 keeps it parallel.
+        Largest angle out of the picture's plane, rad: 0 keeps it parallel.
     hidden : float
         Share of the outline behind four fingers that hold it, 0 ... 0.6.
     exposure : float
@@ -143,13 +162,13 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         outline = _dense(self.outline(time))
         off = outline - outline.mean(axis=0)
         found = []
-        for turn in FINGERS:
+        for turn in HAND.directions:
             angle = self.seed + turn + 0.3 * math.sin(0.05 * time + turn)
             along, across = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
             ahead = off @ along > 0.0
             wide = np.sort(np.abs(off[ahead] @ across))
-            half = float(wide[min(round(self.hidden / len(FINGERS) * len(off)), len(wide) - 1)])
-            tip = TIP * float((off @ along).max())
+            half = float(wide[min(round(self.hidden / len(HAND.directions) * len(off)), len(wide) - 1)])
+            tip = HAND.tip * float((off @ along).max())
             bend = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 15)
             round_tip = np.column_stack((tip + half * (1.0 - np.cos(bend)), half * np.sin(bend)))
             corners = np.vstack(((900.0, -half), round_tip, (900.0, half)))[::-1]
@@ -165,6 +184,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def _reach(self) -> float:
+        """Largest distance of the outline from its center, for an area of pi."""
         return float(np.hypot(*self._unit.T).max())
 
     @property
@@ -184,19 +204,20 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         )
 
     def _draw(self, picture: Picture, rows: Rows, time: float) -> None:
+        """Draw the shape and what hides it, over one exposure."""
         begin, end = self.outline(time - 0.5 * self.exposure), self.outline(time + 0.5 * self.exposure)
         times = sub_exposures(time, self.exposure, float(np.abs(end - begin).max()))
         outlines = [self.outline(t) for t in times]
         draw_polygon(picture, outlines, self._look(outlines[len(outlines) // 2]), rows)
         if self.hidden > 0.0:
             for each in zip(*(self.fingers(t) for t in times), strict=True):
-                draw_polygon(picture, list(each), SKIN, rows)
+                draw_polygon(picture, list(each), HAND.color, rows)
 
     def _look(self, outline: Array) -> Picture:
-        """Color of the thing, a little lighter on one side."""
+        """Color of the shape, a little lighter on one side."""
         middle, size = outline.mean(axis=0), float(np.ptp(outline, axis=0).max())
         x, y = np.arange(self.width, dtype=np.float32), np.arange(self.height, dtype=np.float32)[:, None]
-        light = 1.0 + SHADE * np.clip((0.6 * (x - middle[0]) - 0.8 * (y - middle[1])) / size, -1.0, 1.0)
+        light = 1.0 + HAND.shading * np.clip((0.6 * (x - middle[0]) - 0.8 * (y - middle[1])) / size, -1.0, 1.0)
         look: Picture = np.minimum(light[:, :, None].astype(np.float32) * np.array(self.color, np.float32), 255.0)
         return look
 

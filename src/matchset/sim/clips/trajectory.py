@@ -1,4 +1,4 @@
-"""Where the ball of a clip is at any time: `BallTrajectory`, a smooth random walk through the picture."""
+"""Where the ball of a clip is at any time: `BallTrajectory`, a smooth random path through the picture."""
 
 import functools
 import math
@@ -10,9 +10,28 @@ import numpy.typing as npt
 from matchset.camera.camera_model import CameraModel
 
 Array = npt.NDArray[np.float64]
-_SHARES = np.array([0.82, 0.18])  # of two waves: together they reach 1, their steps stay close to the larger one's
-_RATIOS = np.array([1.0, 2.3])
-_CROSSING = 24.0  # frames that the ball takes to leave the picture or to come back
+
+
+class WaveParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """The two sine waves of a smooth random path, and how a ball leaves the picture.
+
+    Parameters
+    ----------
+    shares : tuple of 2 floats
+        Amplitudes; they add up to 1. The second is small, so that steps stay close to those of the first. Chosen by
+        hand, `test_clip` states the resulting steps and radii.
+    ratios : tuple of 2 floats
+        Frequencies, relative to each other; no whole number, so that the path does not repeat itself soon.
+    crossing : float
+        Frames that the ball takes to leave the picture or to come back.
+    """
+
+    shares: tuple[float, float] = (0.82, 0.18)
+    ratios: tuple[float, float] = (1.0, 2.3)
+    crossing: float = 24.0
+
+
+WAVES = WaveParameters()
 
 
 class BallTrajectory(msgspec.Struct, frozen=True, kw_only=True):
@@ -96,6 +115,7 @@ class BallTrajectory(msgspec.Struct, frozen=True, kw_only=True):
         return x + self._away_share(time) * (outside - x), y, r
 
     def _radius(self, time: float, phases: Array) -> float:
+        """Planned radius, px."""
         low, high = self.radii
         if self.shrink_to is not None:
             share = min(max(time / max(self.frames - 1, 1), 0.0), 1.0)
@@ -104,20 +124,23 @@ class BallTrajectory(msgspec.Struct, frozen=True, kw_only=True):
         return low + half + (half * _wave(time, self.radius_step / half, phases) if half > 0.0 else 0.0)
 
     def _away_share(self, time: float) -> float:
+        """Share of the way out of the picture, 0 ... 1."""
         share = 0.0
         for begin, end in self.away:
             distance = max(begin - time, time - (end - 1), 0.0)
-            near = max(1.0 - distance / _CROSSING, 0.0)
+            near = max(1.0 - distance / WAVES.crossing, 0.0)
             share = max(share, near * near * (3.0 - 2.0 * near))
         return share
 
 
 @functools.lru_cache(maxsize=256)
 def _phases(seed: int) -> Array:
+    """Phases of x, y and r, two each, rad."""
     return np.random.default_rng((seed, 0xBA11)).uniform(0.0, 2.0 * math.pi, (3, 2))
 
 
 def _wave(time: float, pace: float, phases: Array) -> float:
     """Value in -1 ... 1 whose change per frame is at most `pace`."""
-    pace /= float(_SHARES @ _RATIOS)
-    return float(_SHARES @ np.sin(pace * _RATIOS * time + phases))
+    shares, ratios = np.array(WAVES.shares), np.array(WAVES.ratios)
+    pace /= float(shares @ ratios)
+    return float(shares @ np.sin(pace * ratios * time + phases))

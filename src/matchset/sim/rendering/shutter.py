@@ -1,13 +1,32 @@
-"""What the camera of a clip does in time: fields, sub-exposures, brightness."""
+"""What the camera of a clip does in time: fields, sub-exposures for motion blur, gain."""
 
 import math
 
 import msgspec
 
-_SWING_PERIOD = 4.0  # s
-_DRIFT_PERIOD = 9.0
-_STEP_PX = 1.5
-_MOST = 16
+
+class ShutterParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How a clip's brightness changes, and how finely motion blur is sampled.
+
+    Parameters
+    ----------
+    swing_period, drift_period : float
+        Periods of the swing of brightness and of the drift of white balance, s. Chosen by hand: no multiples of each
+        other, and slow against a frame, as automatic exposure is.
+    step_px : float
+        Motion between two sub-exposures, px. Less: smoother blur, slower. Chosen by hand: less than two pixels, so that
+        no sub-exposure shows as an edge of its own.
+    most : int
+        Most sub-exposures of an exposure.
+    """
+
+    swing_period: float = 4.0
+    drift_period: float = 9.0
+    step_px: float = 1.5
+    most: int = 16
+
+
+PARAMETERS = ShutterParameters()
 
 
 class Rows(msgspec.Struct, frozen=True):
@@ -57,14 +76,14 @@ def sub_exposures(time: float, exposure: float, smear: float) -> list[float]:
     exposure : float
         Its length, frames.
     smear : float
-        How far the ball moves in it, px: one sub-exposure per 1.5 px, at most 16.
+        Motion of the ball in it, px: one sub-exposure per 1.5 px, at most 16.
 
     Returns
     -------
     list of float
         Frames.
     """
-    count = min(max(math.ceil(smear / _STEP_PX), 1), _MOST)
+    count = min(max(math.ceil(smear / PARAMETERS.step_px), 1), PARAMETERS.most)
     return [time + exposure * ((i + 0.5) / count - 0.5) for i in range(count)]
 
 
@@ -85,6 +104,6 @@ def channel_gain(seconds: float, swing: float, drift: float) -> tuple[float, flo
     tuple of 3 floats
         1 is unchanged.
     """
-    level = swing ** (0.5 * math.sin(2.0 * math.pi * seconds / _SWING_PERIOD))
-    tint = drift * math.sin(2.0 * math.pi * seconds / _DRIFT_PERIOD)
+    level = swing ** (0.5 * math.sin(2.0 * math.pi * seconds / PARAMETERS.swing_period))
+    tint = drift * math.sin(2.0 * math.pi * seconds / PARAMETERS.drift_period)
     return level * (1.0 + tint), level, level * (1.0 - tint)

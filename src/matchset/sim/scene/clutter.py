@@ -3,6 +3,7 @@
 import math
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -10,8 +11,24 @@ from matchset.sim.rendering.surface import Surface
 from matchset.sim.scene.room import BACK, HALF_WIDTH
 from matchset.sim.scene.textures import Random, Texture
 
-TRIES = 12  # places tried for a thing before it is left out
-CLEAR = 1.1  # share of the two half-widths that must lie between a hoop and anything else
+
+class ClutterParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """Where blue things may hang.
+
+    Parameters
+    ----------
+    tries : int
+        Positions tried for a thing before it is left out.
+    clear : float
+        Distance between a hoop and anything else, in sums of their half-widths. More than 1: no hoop is filled by a
+        card behind it, which would be a blue disc, and so a false target.
+    """
+
+    tries: int = 12
+    clear: float = 1.1
+
+
+PARAMETERS = ClutterParameters()
 
 
 def clutter(rng: Random) -> list[Surface]:
@@ -26,7 +43,7 @@ def clutter(rng: Random) -> list[Surface]:
     -------
     list of Surface
         From far to near; their pictures have transparent parts. Nothing hangs before or behind a hoop: a hoop filled
-        with a card is a blue disc to the eye, and there is to be none.
+        with a card is a blue disc in the picture, and there is to be none.
     """
     things: list[tuple[Texture, float, bool]] = []
     for kind, most in ((_card, 7), (_bar, 5), (_rim, 5)):
@@ -36,7 +53,7 @@ def clutter(rng: Random) -> list[Surface]:
     hung: list[tuple[Surface, bool]] = []
     for i, depth in zip(order, depths, strict=True):
         picture, size, is_rim = things[i]
-        for _ in range(TRIES):
+        for _ in range(PARAMETERS.tries):
             surface = _hang(rng, (picture, size), float(depth))
             if not any((is_rim or was_rim) and _overlap(surface, other) for other, was_rim in hung):
                 hung.append((surface, is_rim))
@@ -52,7 +69,7 @@ def _overlap(one: Surface, other: Surface) -> bool:
         half = 0.5 * float(np.linalg.norm(surface.v))
         places.append((middle[:2] / middle[2], half / middle[2]))
     (a, reach), (b, more) = places
-    return bool(np.linalg.norm(a - b) < CLEAR * (reach + more))
+    return bool(np.linalg.norm(a - b) < PARAMETERS.clear * (reach + more))
 
 
 def _hang(rng: Random, thing: tuple[Texture, float], depth: float) -> Surface:
@@ -76,6 +93,7 @@ def _ground(rng: Random, pixels: int) -> Texture:
 
 
 def _stamp(square: Texture, corners: npt.ArrayLike) -> None:
+    """Make a polygon of a transparent square opaque."""
     alpha = np.zeros(square.shape[:2], np.uint8)
     cv2.fillPoly(alpha, [np.round(np.asarray(corners) * 16.0).astype(np.int32)], 255, cv2.LINE_AA, 4)
     square[..., 3] = np.maximum(square[..., 3], alpha)

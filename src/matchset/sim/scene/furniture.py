@@ -10,7 +10,7 @@ from matchset.sim.rendering.surface import Surface
 from matchset.sim.scene.textures import PAINTS, Picture, Random, books, cloud, framed, leaves, plain, texture, wood
 
 Array = npt.NDArray[np.float64]
-_TO_LIGHT = np.array([-0.48, -0.72, -0.5])
+_TO_LIGHT = np.array([-0.48, -0.72, -0.5])  # geometry: direction to the room's light
 
 
 def shade(normal: Array) -> float:
@@ -74,17 +74,21 @@ def cuboid(
     return faces
 
 
-FLOOR = 1.75  # m below the eye
+FLOOR = 1.75  # geometry: m below the origin of the room frame, a camera at rest
+# format: colors, BGR
 _FABRICS: tuple[Color, ...] = ((64, 142, 186), (92, 124, 96), (128, 134, 138), (84, 92, 150), (166, 186, 198))
+# format: colors, BGR
 _WOODS: tuple[Color, ...] = ((84, 124, 164), (58, 86, 118), (150, 186, 212), (196, 206, 212))
 Place = tuple[float, float]
 
 
 def _fabric(rng: Random) -> Color:
+    """Choose the color of a fabric."""
     return _FABRICS[rng.integers(len(_FABRICS))]
 
 
 def _timber(rng: Random) -> Color:
+    """Choose the color of a wood."""
     return _WOODS[rng.integers(len(_WOODS))]
 
 
@@ -157,7 +161,7 @@ def cartons(rng: Random, place: Place) -> list[Surface]:
 
 
 def plant(rng: Random, place: Place) -> list[Surface]:
-    """Potted plant; its leaves are one upright surface that faces the eye."""
+    """Potted plant; its leaves are one upright surface that faces the camera."""
     x, z = place
     pot = plain(30, 30, PAINTS[int(rng.integers(0, 3))]) * np.float32(0.8)
     parts = cuboid((x, FLOOR, z), (0.34, 0.36, 0.34), 0.3, pot)

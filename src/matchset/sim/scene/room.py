@@ -11,8 +11,9 @@ from matchset.sim.scene.furniture import FLOOR
 from matchset.sim.scene.textures import Picture, Random, cloud, plain, planks, plaster, poster, texture, window
 
 Array = npt.NDArray[np.float64]
-HALF_WIDTH, BACK, BEHIND = 2.8, 6.4, -2.0  # m from the eye
+HALF_WIDTH, BACK, BEHIND = 2.8, 6.4, -2.0  # geometry: m from the origin, a camera at rest
 _DEPTH = BACK - BEHIND
+# format: colors, BGR
 _WALLS: tuple[Color, ...] = (
     (196, 216, 226),
     (178, 204, 196),
@@ -22,12 +23,13 @@ _WALLS: tuple[Color, ...] = (
     (178, 182, 218),
     (142, 166, 172),
 )
+# format: colors, BGR
 _FLOORS: tuple[Color, ...] = ((96, 140, 178), (66, 98, 132), (128, 164, 190), (126, 132, 136))
-_SCALE = 100  # px of texture per m
+_SCALE = 100  # geometry: px of texture per m
 
 
 def room(rng: Random) -> list[Surface]:
-    """Build a room around the eye, which looks along +z.
+    """Build a room around a camera that looks along +z.
 
     Parameters
     ----------
@@ -37,7 +39,7 @@ def room(rng: Random) -> list[Surface]:
     Returns
     -------
     list of Surface
-        Room frame: origin at the eye, x right, y down, z forward, m. No color in it is the balloon's blue.
+        Room frame: origin at the camera, x right, y down, z forward, m. No color in it is the balloon's blue.
     """
     feet, things = _furnish(rng)
     return [*_shell(rng, feet), *_decorate(rng), *things]
@@ -63,6 +65,7 @@ def _glow(picture: Picture, x: float, y: float, reach: float, level: float) -> P
 
 
 def _wall(rng: Random, length: float, color: Color) -> Picture:
+    """Wall with a skirting board; `length` in m."""
     height, width = int(2 * FLOOR * _SCALE), int(length * _SCALE)
     wall = plaster(rng, height, width, color)
     skirting = int(0.11 * _SCALE)
@@ -72,6 +75,7 @@ def _wall(rng: Random, length: float, color: Color) -> Picture:
 
 
 def _floor(rng: Random, feet: list[tuple[float, float, float, float]]) -> Picture:
+    """Floor with the shadows of what stands on it."""
     height, width = int(_DEPTH * _SCALE), int(2 * HALF_WIDTH * _SCALE)
     floor = planks(rng, height, width, _FLOORS[rng.integers(len(_FLOORS))], int(0.16 * _SCALE))
     if rng.random() < 0.7:
@@ -96,6 +100,7 @@ def _floor_light(feet: list[tuple[float, float, float, float]]) -> Picture:
 
 
 def _rug(rng: Random, floor: Picture) -> None:
+    """Lay a rug on a floor."""
     height, width = floor.shape[:2]
     rows, columns = int(0.24 * height), int(0.5 * width)
     colors = np.array(((70, 84, 158), (136, 160, 178), (90, 116, 104)), np.float32)
@@ -108,6 +113,7 @@ def _rug(rng: Random, floor: Picture) -> None:
 
 
 def _shell(rng: Random, feet: list[tuple[float, float, float, float]]) -> list[Surface]:
+    """Walls, floor and ceiling."""
     color = _WALLS[rng.integers(len(_WALLS))]
     accent = color if rng.random() < 0.5 else _WALLS[rng.integers(len(_WALLS))]
     x, y, width = np.array([2 * HALF_WIDTH, 0, 0]), np.array([0, 2 * FLOOR, 0]), 2 * HALF_WIDTH
@@ -151,6 +157,7 @@ def _decorate(rng: Random) -> list[Surface]:
 
 
 def _hang(rng: Random, at: Array, along: Array, tall: float) -> list[Surface]:
+    """Hang a poster with its upper left corner at a position; `tall` in m."""
     wide = float(np.abs(along).sum())
     print_ = poster(rng, int(150 * tall), int(150 * wide))
     return [Surface(origin=at, u=along, v=np.array([0.0, tall, 0.0]), texture=texture(print_ * np.float32(0.92)))]

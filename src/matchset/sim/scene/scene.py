@@ -1,4 +1,4 @@
-"""The world behind the ball: `Scene`, a room that a camera can look into from anywhere."""
+"""The room behind the ball: `Scene`, the exact one of two renderers of a room; `FastScene` is the fast one."""
 
 import msgspec
 import numpy as np
@@ -10,11 +10,11 @@ from matchset.sim.scene.clutter import clutter as blue_things
 from matchset.sim.scene.room import room as furnished_room
 
 Array = npt.NDArray[np.float64]
-_SMOOTH_WIDTH = 1280  # px; up to this width a pixel gets four rays
+SMOOTH_WIDTH = 1280  # geometry: px; up to this width a pixel gets four rays
 
 
 class Scene(msgspec.Struct, frozen=True):
-    """Surfaces in the room frame: x right, y down, z forward (m), origin at the eye of a camera at rest.
+    """Surfaces in the room frame: x right, y down, z forward (m), origin at a camera at rest.
 
     Parameters
     ----------
@@ -71,21 +71,22 @@ class Scene(msgspec.Struct, frozen=True):
             BGR, 0 ... 255.
         """
         if samples is None:
-            samples = 2 if camera.width <= _SMOOTH_WIDTH else 1
+            samples = 2 if camera.width <= SMOOTH_WIDTH else 1
         if samples < 1:
             raise ValueError(f"a pixel needs at least one ray, got {samples}")
         turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
-        eye = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
-        if turn.shape != (3, 3) or eye.shape != (3,):
-            raise ValueError(f"a camera's pose is a (3, 3) rotation and a (3,) position, got {turn.shape}, {eye.shape}")
-        # Small things stand before large ones: drawn first, they spare the work of drawing what they hide.
+        at = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
+        if turn.shape != (3, 3) or at.shape != (3,):
+            raise ValueError(f"a camera's pose is a (3, 3) rotation and a (3,) position, got {turn.shape}, {at.shape}")
+        # Small things stand before large ones: drawn first, they save the work of drawing what they hide.
         solid = sorted((s for s in self.surfaces if s.opaque), key=_area)
         clear = [s for s in self.surfaces if not s.opaque]
-        clear.sort(key=lambda s: -float(np.linalg.norm(s.origin + 0.5 * (s.u + s.v) - eye)))
-        return draw_surfaces(solid + clear, camera, turn, eye, samples)
+        clear.sort(key=lambda s: -float(np.linalg.norm(s.origin + 0.5 * (s.u + s.v) - at)))
+        return draw_surfaces(solid + clear, camera, turn, at, samples)
 
 
 def _area(surface: Surface) -> float:
+    """Area of a surface, m^2."""
     return float(np.linalg.norm(np.cross(surface.u, surface.v)))
 
 

@@ -10,7 +10,7 @@ Random = np.random.Generator
 Picture = npt.NDArray[np.float32]
 Texture = npt.NDArray[np.uint8]
 
-# BGR; the balloon's blue and the marker's purple are left out on purpose.
+# format: colors, BGR; the balloon's blue and the marker's purple are left out on purpose
 PAINTS: tuple[Color, ...] = (
     (38, 62, 196),
     (44, 120, 226),

@@ -13,7 +13,7 @@ from emulator import HZ, Board
 from matchset.links.arduino.serial_port import SerialPort
 
 SLICE = HZ // 500  # cycles
-PATIENCE = 10.0  # s of real time that the kernel may take to move some bytes
+TRANSFER_TIMEOUT = 10.0  # s of real time that the kernel may take to move some bytes
 
 
 class CountingPort(SerialPort):
@@ -60,7 +60,7 @@ class Cable:
             except BlockingIOError:
                 if self._taken >= at_least:
                     return
-                assert select.select([self._end], [], [], PATIENCE)[0], "the kernel lost bytes"
+                assert select.select([self._end], [], [], TRANSFER_TIMEOUT)[0], "the kernel lost bytes"
 
     def to_host(self, port: CountingPort | None = None) -> None:
         """Hand on what the board has said; with a port, waits until it is there."""
@@ -69,7 +69,7 @@ class Cable:
             return
         expected = len(data) + (port.waiting if port else 0)
         os.write(self._end, data)
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TRANSFER_TIMEOUT
         while port and port.waiting < expected and time.monotonic() < deadline:
             time.sleep(0)
 

@@ -1,8 +1,8 @@
-"""A model of the quadcopter's receiver: it binds, hops, keeps the last sticks, and stops its motors alone.
+"""Model of the quadcopter's receiver: it binds, hops between channels, keeps the last sticks, and has a timeout.
 
-It hears a packet only if its own radio would: right channel, address, rate, CRC and size, and tuned in time. Its
-clock is its own and wrong by `clock_ppm`. How long a real X5C waits in silence before its motors stop is not known;
-`patience` is a guess that no test relies on.
+It receives a packet only if a real radio would: right channel, address, rate, CRC and size, and tuned in time. Its
+clock has an error of `clock_ppm`. How long a real X5C waits for packets before its motors stop is not known;
+`motor_timeout` is a guess that no test relies on.
 """
 
 from collections.abc import Sequence
@@ -16,38 +16,38 @@ HZ = US * 1_000_000
 
 
 class Quadcopter:
-    """Listens to packets in the order of their time.
+    """Receives packets in the order of their time.
 
     Parameters
     ----------
     fourth_bind_channel : int
-        Batches disagree: 0x20, or 0x09 as one was captured.
+        Differs between series: 0x20, or 0x09 as one was captured.
     clock_ppm : float
         Error of its clock.
-    patience : float
-        Silence after which the motors stop, s.
-    deaf_to : sequence of int
-        Channels on which it hears nothing, e.g. for a neighbor's Wi-Fi.
+    motor_timeout : float
+        Time without a packet after which the motors stop, s.
+    blocked_channels : sequence of int
+        Channels on which it receives nothing, e.g. because of Wi-Fi.
 
     Attributes
     ----------
     id : bytes or None
-        What it is bound to.
+        The address it is bound to.
     heard, missed : int
-        Data packets heard, and slots that passed without one since the first.
+        Data packets received, and slots without one since the first.
     last : Sticks or None
-        What the last packet said.
+        Sticks of the last packet.
     """
 
     def __init__(
         self,
         fourth_bind_channel: int = 0x20,
         clock_ppm: float = 0.0,
-        patience: float = 1.0,
-        deaf_to: Sequence[int] = (),
+        motor_timeout: float = 1.0,
+        blocked_channels: Sequence[int] = (),
     ) -> None:
         self.bind_channels = [0x4B, 0x30, 0x40, fourth_bind_channel]
-        self.patience, self.deaf_to = patience, set(deaf_to)
+        self.motor_timeout, self.blocked_channels = motor_timeout, set(blocked_channels)
         self._slot = round(SLOT * (1 + clock_ppm * 1e-6))
         self.id: bytes | None = None
         self.heard = self.missed = 0
@@ -64,7 +64,7 @@ class Quadcopter:
 
     def motors(self, time: float) -> int:
         """Throttle in force at a time, 0 ... 255."""
-        if self.last is None or time - self.last_time > self.patience:
+        if self.last is None or time - self.last_time > self.motor_timeout:
             return 0
         return self.last.throttle
 
@@ -94,7 +94,7 @@ class Quadcopter:
         address = BIND_ADDRESS if self.id is None else self.id
         return (
             packet.channel == self.channels[self._place]
-            and packet.channel not in self.deaf_to
+            and packet.channel not in self.blocked_channels
             and packet.address == address
             and (packet.rate_kbit, packet.crc_bytes, len(packet.payload)) == (250, 2, 10)
         )

@@ -25,7 +25,7 @@ def test_it_binds_and_hears_nearly_every_packet(fourth: int, clock_ppm: float) -
 
 @pytest.mark.parametrize("fourth", [0x20, 0x09])
 def test_it_binds_even_where_only_the_fourth_channel_is_heard(fourth: int) -> None:
-    quad = Quadcopter(fourth, deaf_to=[0x4B, 0x30, 0x40])
+    quad = Quadcopter(fourth, blocked_channels=[0x4B, 0x30, 0x40])
     quad.bind_channels = [fourth] * 4
     with Board() as board:
         quad.listen(board.run(BOUND))
@@ -34,7 +34,7 @@ def test_it_binds_even_where_only_the_fourth_channel_is_heard(fourth: int) -> No
 
 def test_it_follows_on_three_channels_when_the_fourth_is_jammed() -> None:
     with flying_board() as board:
-        quad = Quadcopter(deaf_to=[20])
+        quad = Quadcopter(blocked_channels=[20])
         quad.listen(board.packets)
         quad.listen(fly(board, 2.0))
         assert 0.2 < quad.missed / (quad.heard + quad.missed) < 0.3
@@ -43,15 +43,15 @@ def test_it_follows_on_three_channels_when_the_fourth_is_jammed() -> None:
 
 def test_its_motors_stop_when_the_cable_is_pulled_and_when_the_board_dies() -> None:
     with flying_board() as board:
-        quad = Quadcopter(patience=1.0)
+        quad = Quadcopter(motor_timeout=1.0)
         quad.listen(board.packets)
         assert quad.motors(board.time) == 255
         quad.listen(board.run(0.25))
         assert quad.motors(board.time) == 0  # the firmware said so
     with flying_board() as board:
-        quad = Quadcopter(patience=1.0)
+        quad = Quadcopter(motor_timeout=1.0)
         quad.listen(board.packets)
-        assert quad.motors(board.time + 1.1) == 0  # no board at all: its own patience ends
+        assert quad.motors(board.time + 1.1) == 0  # no board at all: its own motor_timeout ends
 
 
 def test_a_neighbor_with_another_id_is_not_heard() -> None:

@@ -1,4 +1,4 @@
-"""The sticks of one moment: what a pilot's thumbs would do."""
+"""Stick positions: `Command`."""
 
 import math
 
@@ -6,12 +6,12 @@ import msgspec
 
 
 class Command(msgspec.Struct, frozen=True):
-    """Positions of the sticks; the vehicle's own electronics turn them into angles and thrust.
+    """Stick positions; the flight controller of the vehicle turns them into angles and thrust.
 
     Attributes
     ----------
     roll : float
-        -1 ... 1, to the right. Commands an angle: full stick is the vehicle's largest tilt.
+        -1 ... 1, to the right. Commands an angle: 1 is the largest tilt of the vehicle.
     pitch : float
         -1 ... 1, forward. Commands an angle, as roll.
     yaw : float
@@ -22,7 +22,7 @@ class Command(msgspec.Struct, frozen=True):
     Raises
     ------
     ValueError
-        If a position is not finite or out of its range: such a command cannot exist, so none can be sent.
+        If a position is not finite or out of range: such a command cannot exist, so none can be sent.
     """
 
     roll: float = 0.0

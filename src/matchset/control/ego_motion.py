@@ -118,9 +118,10 @@ class _State:
 STATE = record_dtype(_State)
 STATE_SIZE = STATE.itemsize // 8  # format: numbers of a state
 TIME = 0  # format: a state begins with its time
-_PLACES = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
-_VELOCITY = slice(_PLACES["velocity"], _PLACES["velocity"] + 3)
-_POSITION = slice(_PLACES["position"], _PLACES["position"] + 3)
+# format: index of the first number of each field of a state
+_INDEX = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
+_VELOCITY = slice(_INDEX["velocity"], _INDEX["velocity"] + 3)
+_POSITION = slice(_INDEX["position"], _INDEX["position"] + 3)
 
 
 class _Work:
@@ -149,17 +150,17 @@ class EgoState:
     @property
     def roll(self) -> float:
         """Tilt to the right, rad."""
-        return self.block.item(_PLACES["tilt"])
+        return self.block.item(_INDEX["tilt"])
 
     @property
     def pitch(self) -> float:
         """Tilt forward, rad."""
-        return self.block.item(_PLACES["tilt"] + 1)
+        return self.block.item(_INDEX["tilt"] + 1)
 
     @property
     def yaw(self) -> float:
         """Rotation to the right since the beginning, rad."""
-        return self.block.item(_PLACES["yaw"])
+        return self.block.item(_INDEX["yaw"])
 
     @property
     def velocity(self) -> Floats:

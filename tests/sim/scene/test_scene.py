@@ -2,6 +2,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from scipy.spatial.transform import Rotation
 
 from matchset.camera.camera_model import CameraModel
 from matchset.sim.rendering.surface import Surface
@@ -41,6 +42,16 @@ def test_the_camera_can_move() -> None:
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
     behind = scene.render(CAMERA, np.diag([-1.0, 1.0, -1.0]), samples=1)
     assert (behind.sum(axis=2) > 0.0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_viewpoint_turns_to_the_side_and_nods_as_scipy_says(seed: int) -> None:
+    rotation, _ = viewpoint(seed)
+    yaw, pitch, roll = Rotation.from_matrix(rotation).as_euler("YXZ")
+    assert abs(yaw) <= 0.3
+    assert abs(pitch) <= 0.06
+    assert roll == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(rotation, Rotation.from_euler("YX", (yaw, pitch)).as_matrix(), atol=1e-12)
 
 
 def test_a_surface_lands_where_the_camera_projects_it() -> None:

@@ -56,7 +56,7 @@ def read_flight(path: Path) -> FlightParameters:
     camera = CameraModel.load(path.parent / file.camera)
     world = file.flight.world
     if (camera.width, camera.height) != (world.width, world.height):
-        line = next((k for k, words in enumerate(text.splitlines(), 1) if words.strip().startswith("camera")), 0)
+        line = next((k for k, each in enumerate(text.splitlines(), 1) if each.strip().startswith("camera")), 0)
         raise ValueError(
             f"{path}, line {line}: camera is for {camera.width} x {camera.height} px, but width and height are "
             f"{world.width} x {world.height}"

@@ -41,8 +41,8 @@ class FlightPicture:
         self._setup = setup
         self._columns = _columns(setup.followers + 1)
         camera = setup.cameras[0]
-        wide = min(camera.width, widest // self._columns) // 2 * 2
-        self._cell = wide, round(wide * camera.height / camera.width) // 2 * 2
+        width = min(camera.width, widest // self._columns) // 2 * 2
+        self._cell = width, round(width * camera.height / camera.width) // 2 * 2
         rows = math.ceil((setup.followers + 1) / self._columns)
         self.size = self._cell[0] * self._columns, self._cell[1] * rows
         self._map = TopView(setup, self._cell)
@@ -52,10 +52,10 @@ class FlightPicture:
         cells = [self._fitted(picture) for picture in self._annotated(chain_step)]
         cells.append(self._map.draw(chain_step))
         whole = np.full((self.size[1], self.size[0], 3), EMPTY, np.uint8)
-        wide, high = self._cell
+        width, height = self._cell
         for number, cell in enumerate(cells):
             row, column = divmod(number, self._columns)
-            whole[row * high : (row + 1) * high, column * wide : (column + 1) * wide] = cell
+            whole[row * height : (row + 1) * height, column * width : (column + 1) * width] = cell
         return whole
 
     def _annotated(self, chain_step: ChainStep) -> list[Picture]:

@@ -40,8 +40,8 @@ def paths_png(log: FlightLog) -> bytes:
         [place.position for place in seen_from_last([_pose_at_set_place(log)] * len(log.followers)) if place]
     )
     right.plot(goals[:, 2], goals[:, 0], "+", color=INK, markersize=14, markeredgewidth=1.6)
-    words = "in the level frame of the last ball: dots as the chain sees it, line the truth, + set places"
-    right.set_title(words, loc="left", color=INK, fontsize=11)
+    title = "in the level frame of the last ball: dots as the chain sees it, line the truth, + set places"
+    right.set_title(title, loc="left", color=INK, fontsize=11)
     for axes, across in ((left, "x, m (right)"), (right, "side of the last ball, m")):
         axes.set_ylabel(across)
         axes.set_aspect("equal", adjustable="datalim")
@@ -68,8 +68,8 @@ def coordinates_png(log: FlightLog, number: int) -> bytes:
         _mark_losses(axes, follower)
         axes.set_ylabel(NAMES[axis])
     rows[0].legend(frameon=False, fontsize=9, labelcolor=INK, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98))
-    words = f"{number + 1} beside {number + 2}; ticks below: the ball was not found"
-    rows[0].set_title(words, loc="left", color=INK, fontsize=11)
+    title = f"{number + 1} beside {number + 2}; ticks below: the ball was not found"
+    rows[0].set_title(title, loc="left", color=INK, fontsize=11)
     rows[-1].set_xlabel("time, s")
     return _png(figure)
 
@@ -109,8 +109,8 @@ def times_png(log: FlightLog) -> bytes:
     spent = [1e6 * follower.processing for follower in log.followers]
     most = max((float(np.nanpercentile(each, 98)) for each in spent if np.isfinite(each).any()), default=1.0)
     _histogram(right, log, lambda k: np.minimum(spent[k], most), np.linspace(0.0, most, BARS + 1))
-    words = "computing from picture to command (longest 2 % in the last bar)"
-    right.set_title(words, loc="left", color=INK, fontsize=11)
+    title = "computing from picture to command (longest 2 % in the last bar)"
+    right.set_title(title, loc="left", color=INK, fontsize=11)
     right.set_xlabel("µs")
     right.set_ylabel("share of the frames, %")
     for axes in (left, right):
@@ -138,10 +138,10 @@ def _histogram(axes: Axes, log: FlightLog, values: Callable[[int], Floats], edge
         some = values(number)
         some = some[np.isfinite(some)]
         share = np.full(len(some), 100.0 / max(len(some), 1))
-        words = f"{_label(number)}: median {_brief(float(np.median(some)))}" if len(some) else _label(number)
+        label = f"{_label(number)}: median {_brief(float(np.median(some)))}" if len(some) else _label(number)
         color = _color(number)
         axes.hist(some, edges.tolist(), weights=share, histtype="stepfilled", color=color, alpha=0.25)
-        axes.hist(some, edges.tolist(), weights=share, histtype="step", color=color, linewidth=1.2, label=words)
+        axes.hist(some, edges.tolist(), weights=share, histtype="step", color=color, linewidth=1.2, label=label)
 
 
 def _mark_losses(axes: Axes, follower: FollowerLog, height: float = 0.02, color: str = PINK) -> None:

@@ -20,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 
 # format: BGR of the background, its lines, the text and vehicles, and the lines of sight
 PAPER, GRID, INK, PALE = (252, 252, 252), (236, 236, 236), (70, 70, 70), (160, 160, 160)
-TRAIL = 120  # format: steps that a path shows, 4 s
+PATH_LENGTH = 120  # format: steps that a path shows, 4 s
 # geometry: m, free space before the first and behind the last vehicle, and beside the widest swing of the chain
 MARGIN, SIDE_MARGIN = 0.65, 0.25
 # geometry: m, radius of a drawn ball, of the ring around an estimated position, half a side of the cross at a set place
@@ -41,19 +41,19 @@ class TopView:
     def __init__(self, setup: FlightSetup, size: tuple[int, int]) -> None:
         self._setup, self._size = setup, size
         self._place = setup.parameters.pilot.place
-        self._trails = [deque[Floats](maxlen=TRAIL) for _ in range(setup.followers + 1)]
+        self._paths = [deque[Floats](maxlen=PATH_LENGTH) for _ in range(setup.followers + 1)]
         self._scale, self._middle = 1.0, np.zeros(2)
 
     def draw(self, chain_step: ChainStep) -> Picture:
         """Draw a step; steps must come in their order."""
-        if not self._trails[0]:
+        if not self._paths[0]:
             self._fit(chain_step)
-        for trail, vehicle in zip(self._trails, chain_step.truth_at_exposure, strict=True):
-            trail.append(vehicle.ball[[2, 0]])
+        for path, vehicle in zip(self._paths, chain_step.truth_at_exposure, strict=True):
+            path.append(vehicle.ball[[2, 0]])
         image = np.full((self._size[1], self._size[0], 3), PAPER, np.uint8)
         self._draw_grid(image)
         for number in range(len(chain_step.truth_at_exposure)):
-            self._draw_trail(image, number)
+            self._draw_path(image, number)
         for me, other in itertools.pairwise(chain_step.truth_at_exposure):
             self._line(image, camera_position(me)[[2, 0]], other.ball[[2, 0]], PALE)
         for number, vehicle in enumerate(chain_step.truth_at_exposure):
@@ -90,24 +90,25 @@ class TopView:
     def _draw_grid(self, image: Picture) -> None:
         """Lines every half meter."""
         half = np.array(self._size) / self._scale / 2.0
-        for way in range(2):
-            low, high = self._middle[way] - half[way], self._middle[way] + half[way]
+        for axis in range(2):
+            low, high = self._middle[axis] - half[axis], self._middle[axis] + half[axis]
             for value in 0.5 * np.arange(np.ceil(2.0 * low), np.floor(2.0 * high) + 1):
                 a, b = self._middle - half, self._middle + half
-                a[way] = b[way] = value
+                a[axis] = b[axis] = value
                 self._line(image, a, b, GRID)
 
-    def _draw_trail(self, image: Picture, number: int) -> None:
-        trail, color = list(self._trails[number]), np.array(bgr(vehicle_rgb(number)), float)
-        for k, (a, b) in enumerate(itertools.pairwise(trail)):
-            share = 0.75 * (k + 1) / len(trail)
+    def _draw_path(self, image: Picture, number: int) -> None:
+        """Draw the true path of the last seconds, older parts paler."""
+        path, color = list(self._paths[number]), np.array(bgr(vehicle_rgb(number)), float)
+        for k, (a, b) in enumerate(itertools.pairwise(path)):
+            share = 0.75 * (k + 1) / len(path)
             shade = tuple(int(part) for part in share * color + (1.0 - share) * np.array(PAPER))
             self._line(image, a, b, shade, 2)  # type: ignore[arg-type]
 
     def _draw_set_place(self, image: Picture, number: int, other: VehiclePose) -> None:
         """Draw the set place of a follower's camera, a cross."""
-        goal = other.ball + level_ball_frame(other) @ (self._place.side, -self._place.height, self._place.heading)
-        at, color = goal[[2, 0]], bgr(vehicle_rgb(number))
+        place = other.ball + level_ball_frame(other) @ (self._place.side, -self._place.height, self._place.heading)
+        at, color = place[[2, 0]], bgr(vehicle_rgb(number))
         arms = (np.array((CROSS, 0.0)), np.array((0.0, CROSS)))
         for shade, wide in ((PAPER, 4), (color, 2)):
             for arm in arms:
@@ -117,13 +118,13 @@ class TopView:
         """Draw the arms, the ball at its true size, and a nose that points forward."""
         color, at = bgr(vehicle_rgb(number)), vehicle.ball[[2, 0]]
         ahead, right = vehicle.rotation[[2, 0], 2], vehicle.rotation[[2, 0], 0]
-        for way in (ahead + right, ahead - right):
-            self._line(image, at - 0.15 * way, at + 0.15 * way, INK, 2)
+        for arm in (ahead + right, ahead - right):
+            self._line(image, at - 0.15 * arm, at + 0.15 * arm, INK, 2)
         self._line(image, at, at + 0.3 * ahead, color, 3)
         self._circle(image, at, BALL, color, cv2.FILLED)
-        words, size = str(number + 1), max(self._size[1] // 24, 11)
+        name, size = str(number + 1), max(self._size[1] // 24, 11)
         x, y = (part / (1 << SHIFT) for part in self._px(at - 0.27 * ahead))
-        draw_text(image, words, (x - text_width(words, size) / 2.0, y), size, INK)
+        draw_text(image, name, (x - text_width(name, size) / 2.0, y), size, INK)
 
     def _draw_estimates(self, image: Picture, chain_step: ChainStep) -> None:
         """Draw rings at the positions of the cameras as estimated along the chain, from the last ball on."""

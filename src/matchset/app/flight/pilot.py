@@ -176,6 +176,7 @@ class Pilot:
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._safety = SafetyState()
         self._frame_time = self._seen_time = -math.inf
+        self._pixel(np.array((0.0, 0.0, 1.0)))  # compiles what it calls
 
     def arm(self) -> None:
         """Fly from the next step on, as soon as the ball is seen."""
@@ -257,9 +258,16 @@ class Pilot:
         expected = self._follower.expected(pose.time)
         if self._rejected_poses % self.parameters.association.rejected_poses or expected is None:
             return
-        if self.camera.model.visible(expected[np.newaxis])[0]:
-            x, y = self.camera.model.project(expected[np.newaxis])[0]
-            self._tracker = Tracker(Circle, self._colors.ball, start=(float(x), float(y)))
+        pixel = self._pixel(expected)
+        if pixel is not None:
+            self._tracker = Tracker(Circle, self._colors.ball, start=pixel)
+
+    def _pixel(self, position: npt.NDArray[np.float64]) -> tuple[float, float] | None:
+        """Project a position in the camera frame, (3,), m, to the picture, px; None if it is not visible there."""
+        if not self.camera.model.visible(position[np.newaxis])[0]:
+            return None
+        x, y = self.camera.model.project(position[np.newaxis])[0]
+        return float(x), float(y)
 
 
 def learn_colors(sample: Frame) -> Colors:

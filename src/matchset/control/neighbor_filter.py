@@ -28,6 +28,7 @@ from matchset.control.neighbor_model import (
 )
 from matchset.localization.pose import Pose
 from matchset.numeric.jit import helper, kernel
+from matchset.numeric.kalman import add_prediction, correct_by_scalar
 from matchset.numeric.record import Block, fields, new_block, record_dtype, store
 
 Floats = npt.NDArray[np.float64]
@@ -57,6 +58,7 @@ class _Work:
     transition: Annotated[Floats, (ORDER, ORDER), "f8"]
     predicted: Annotated[Floats, (AXES, ORDER), "f8"]
     predicted_covariance: Annotated[Floats, (AXES, ORDER, ORDER), "f8"]
+    cross: Annotated[Floats, (AXES, ORDER), "f8"]  # covariance of the prediction with its measurement
     forecast: Annotated[Floats, (AXES, VALUES), "f8"]
 
 
@@ -242,13 +244,7 @@ def correct_axes(work: Any, axes: Any, since: float) -> bool:
     write_oscillation_transition(parameters, since, work.transition)
     rejected = False
     for axis in range(axes.first, axes.end):
-        predict(work, axes, axis, since)
-        innovation = work.measured[axis] - work.predicted[axis, 0] - work.predicted[axis, 3]
-        if axis == YAW:
-            innovation -= 2.0 * math.pi * math.floor(innovation / (2.0 * math.pi) + 0.5)
-        spread = work.predicted_covariance[axis]
-        variance = spread[0, 0] + 2.0 * spread[0, 3] + spread[3, 3] + work.variance[axis]
-        work.innovation[axis], work.innovation_variance[axis] = innovation, variance
+        innovation, variance = predict(work, axes, axis, since)
         rejected = rejected or not innovation * innovation <= parameters.gate**2 * variance
     if rejected:
         axes.rejected += 1
@@ -274,31 +270,29 @@ def initialize(work: Any, axes: Any, axis: int) -> None:
 
 
 @helper
-def predict(work: Any, axes: Any, axis: int, since: float) -> None:
-    """Write ``x' = F x`` and ``P' = F P F^T + Q`` of an axis; F is the transition in the block."""
-    f, state, p = work.transition, work.estimate[axis], work.covariance[axis]
-    after, spread = work.predicted[axis], work.predicted_covariance[axis]
+def predict(work: Any, axes: Any, axis: int, since: float) -> tuple[float, float]:
+    """Predict an axis; the innovation of its measurement, the sum of drift and oscillation, and its variance."""
+    predicted, spread, cross = work.predicted[axis], work.predicted_covariance[axis], work.cross[axis]
     write_noise(work.parameters, axes, axis, since, spread)
+    add_prediction(work.estimate[axis], work.covariance[axis], work.transition, predicted, spread)
+    innovation = work.measured[axis] - predicted[0] - predicted[3]
+    if axis == YAW:
+        innovation -= 2.0 * math.pi * math.floor(innovation / (2.0 * math.pi) + 0.5)
     for j in range(ORDER):
-        after[j] = 0.0
-        for k in range(ORDER):
-            after[j] += f[j, k] * state[k]
-            product = 0.0  # (F P)[j, k]
-            for m in range(ORDER):
-                product += f[j, m] * p[m, k]
-            for m in range(ORDER):
-                spread[j, m] += product * f[m, k]
+        cross[j] = spread[j, 0] + spread[j, 3]
+    work.innovation[axis], work.innovation_variance[axis] = innovation, cross[0] + cross[3] + work.variance[axis]
+    return innovation, work.innovation_variance[axis]
 
 
 @helper
 def correct(work: Any, axis: int) -> None:
-    """Write ``x = x' + K y`` and ``P = (1 - K h) P'`` of an axis: h adds drift and oscillation."""
-    spread = work.predicted_covariance[axis]
+    """Correct the prediction of an axis, and make it the estimate."""
+    state, covariance = work.estimate[axis], work.covariance[axis]
     for j in range(ORDER):
-        gain = (spread[j, 0] + spread[j, 3]) / work.innovation_variance[axis]
-        work.estimate[axis, j] = work.predicted[axis, j] + gain * work.innovation[axis]
+        state[j] = work.predicted[axis, j]
         for k in range(ORDER):
-            work.covariance[axis, j, k] = spread[j, k] - gain * (spread[0, k] + spread[3, k])
+            covariance[j, k] = work.predicted_covariance[axis, j, k]
+    correct_by_scalar(state, covariance, work.cross[axis], work.innovation[axis], work.innovation_variance[axis])
 
 
 @helper

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import kernel
+from matchset.numeric.jit import helper, kernel
 from matchset.numeric.linalg import factor_cholesky, solve_cholesky
 
 Floats = npt.NDArray[np.float64]
@@ -141,3 +141,52 @@ def predict_constant_velocity(state: Floats, covariance: Floats, ahead: float, n
         covariance[j, j + n] += q * ahead**2 / 2.0
         covariance[j + n, j] += q * ahead**2 / 2.0
         covariance[j + n, j + n] += q * ahead
+
+
+@helper
+def add_prediction(
+    state: Floats, covariance: Floats, transition: Floats, predicted: Floats, predicted_covariance: Floats
+) -> None:
+    """Predict without arrays of its own: ``x' = F x``, ``P' += F P F^T``.
+
+    Parameters
+    ----------
+    state, covariance : (n,), (n, n)
+        x, P.
+    transition : (n, n)
+        F.
+    predicted : (n,), written
+        x'.
+    predicted_covariance : (n, n), written
+        P'; it holds Q, the covariance of the process noise, before.
+    """
+    n = state.shape[0]
+    for j in range(n):
+        predicted[j] = 0.0
+        for k in range(n):
+            predicted[j] += transition[j, k] * state[k]
+            product = 0.0  # (F P)[j, k]
+            for m in range(n):
+                product += transition[j, m] * covariance[m, k]
+            for m in range(n):
+                predicted_covariance[j, m] += product * transition[m, k]
+
+
+@helper
+def correct_by_scalar(state: Floats, covariance: Floats, cross: Floats, innovation: float, variance: float) -> None:
+    """Correct by one number, in place: ``x <- x + c y / S``, ``P <- P - c c^T / S``.
+
+    Parameters
+    ----------
+    state, covariance : (n,), (n, n), written
+        x, P.
+    cross : (n,)
+        c = P h, the covariance of the state with what is measured.
+    innovation, variance : float
+        y, the measurement less what is predicted of it; S = h c + R, its variance.
+    """
+    for j in range(state.shape[0]):
+        gain = cross[j] / variance
+        state[j] += gain * innovation
+        for k in range(state.shape[0]):
+            covariance[j, k] -= gain * cross[k]

@@ -161,7 +161,7 @@ def pole(bandwidth: float, width: int) -> float:
 
 
 def noise_gain(p: float) -> float:
-    """Tell how much of white noise of deviation 1 the filter of `pole` leaves, forward and back.
+    """Compute the standard deviation that the filter of `pole`, forward and back, leaves of white noise of deviation 1.
 
     The response is h_n = (1 - p)/(1 + p) p^|n|, so the gain is sqrt(sum h_n^2).
 

@@ -125,7 +125,7 @@ def fly(chain: Block, states: Floats, kicks: Floats, past: Floats, past_offsets:
 def write_poses(
     chain: Block, states: Floats, offset: Floats, time: float, poses: tuple[Floats, Floats, Floats]
 ) -> None:
-    """Write where everyone is at a time, s, and how turned, from states and the rope's offset then.
+    """Write positions and rotations of all vehicles at a time, s, from their states and the rope's offset then.
 
     `poses` are positions, rotations and centers of the balls, (n, 3), (n, 3, 3), (n, 3).
     """

@@ -67,7 +67,7 @@ class WakeParameters(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     reach : float
         How far below a rotor disc its wake ends, m. Longer: more vehicles are pushed down. Chosen by hand: a chain is
-        flown at one height, its vehicles pass below each other by accident only; `test_quadrotor` shows a change.
+        flown at one height, so vehicles are seldom below each other; `test_quadrotor` shows a change.
     spread : float
         How much the radius of the wake grows per meter below the disc. A round turbulent jet grows by about 0.1 (Pope,
         Turbulent Flows, section 5.1).

@@ -1,4 +1,4 @@
-"""Vehicles in a room that watch each other: `World`, in lock-step time, deterministic, with the truth of everything."""
+"""A chain of vehicles in a room: `World`, deterministic, in steps of 1/480 s, with the true pose of every vehicle."""
 
 import math
 
@@ -107,7 +107,7 @@ class World:
     ----------
     parameters : ChainParameters
     seed : int
-        Decides biases, the battery, the swing, where each begins.
+        Decides biases, the state of the batteries, the swing of the rope and the start positions.
 
     Attributes
     ----------
@@ -168,7 +168,7 @@ class World:
             self._fly(min([step, *(when - 1 for when in due)]))
 
     def poses(self, step: int) -> list[VehiclePose]:
-        """Tell where everyone was at a step of the last second.
+        """Poses of all vehicles at a step of the last second.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class World:
         return self._block[start : start + layout.itemsize // self._block.itemsize]
 
     def _begin(self, rng: np.random.Generator) -> Floats:
-        """Put everyone at the set place, but for `start_off` with signs from the seed."""
+        """Put every vehicle at its setpoint, but for `start_off` with signs from the seed."""
         parameters, vehicle = self.parameters, self.parameters.vehicle
         states, yaw = np.zeros((parameters.vehicles, STATE_SIZE)), self.rope.yaw(0.0)
         states[-1] = state_at_rest(self.rope.position, yaw, 0.0)
@@ -237,7 +237,7 @@ class World:
         self.poses(self.step)
 
     def _receive(self, step: int) -> list[int]:
-        """Let commands act that have arrived by a step; tells when the next of each arrives."""
+        """Let commands act that have arrived by a step; return the steps at which further ones arrive."""
         due = []
         for who, queue in enumerate(self._sent):
             while queue and queue[0][0] <= step:
@@ -259,7 +259,7 @@ class World:
                 self._note_crashes()
 
     def _note_crashes(self) -> None:
-        """End the flight of whoever hit something."""
+        """End the flight of vehicles that hit something."""
         for who, hit in enumerate(self.motion.hits[: self.parameters.vehicles].tolist()):
             if hit != NOTHING:
                 self.motion.crashed[who] = 1
@@ -275,7 +275,7 @@ def _what(hit: int) -> str:
 
 
 def camera_position(vehicle: VehiclePose) -> Floats:
-    """Tell where a vehicle's camera is, (3,), room frame, m."""
+    """Position of a vehicle's camera, (3,), room frame, m."""
     position: Floats = vehicle.position + CAMERA_AHEAD * vehicle.rotation[:, 2]
     return position
 

@@ -1,4 +1,4 @@
-"""A balloon that flies and turns as it is told: `BallFlightClip`, an iterable of frames whose truth is in meters."""
+"""A balloon on a given path, its truth in meters: `BallFlightClip`, an iterable of frames."""
 
 import functools
 from collections.abc import Callable, Iterator
@@ -28,16 +28,16 @@ class BallFlightClip(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     camera : CameraModel
-        What films it.
+        It films the balloon.
     place : callable
         From a time, s, to the center of the ball in the camera frame, (3,), m.
     turn : callable, optional
         From a time, s, to the `Rotation` from the ball frame to the camera frame; without it the first marker always
-        looks at the camera.
+        faces the camera.
     markers : tuple of (float, float, float)
         Unit vectors to the markers in the ball frame.
     balloon : Balloon
-        Its looks; its own directions of markers do not count.
+        Its size and colors; its own directions of markers are ignored.
     frames : int
         Length.
     fps : float
@@ -82,7 +82,7 @@ class BallFlightClip(msgspec.Struct, frozen=True, kw_only=True):
             yield Frame(image, index / self.fps, index)
 
     def _pose(self, time: float) -> Array:
-        """Numbers that decide what the balloon looks like at a time."""
+        """Numbers that decide the balloon's picture at a time: position and directions to the markers."""
         return np.concatenate((self.place(time), np.ravel(self._directions(time))))
 
     def _directions(self, time: float) -> list[Array]:

@@ -1,4 +1,4 @@
-"""What the camera looks for: `Balloon`, a blue sphere with purple markers."""
+"""The target: `Balloon`, a blue sphere with purple markers."""
 
 import math
 

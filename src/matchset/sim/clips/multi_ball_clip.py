@@ -19,16 +19,16 @@ Array = npt.NDArray[np.float64]
 
 
 class MultiBallClip(msgspec.Struct, frozen=True, kw_only=True):
-    """Balloons on paths before a camera at rest, the nearer before the farther: `for frame in MultiBallClip(...)`.
+    """Balloons on given paths before a camera at rest; the nearer hide the farther: `for frame in MultiBallClip(...)`.
 
     Parameters
     ----------
     camera : CameraModel
-        What films them, a pinhole.
+        It films them; without distortion.
     paths : sequence of callables
         From a time, s, to the center of each balloon in the camera frame, m, or None while it is away.
     marked : sequence of bool, optional
-        Which of them carry a marker that looks at the camera; all do by default.
+        Which of them carry a marker that always faces the camera; all do by default.
     frames : int
         Length.
     fps : float
@@ -51,19 +51,19 @@ class MultiBallClip(msgspec.Struct, frozen=True, kw_only=True):
         link = PRESETS[self.preset]
         background = Scene.room(self.seed).render(self.camera, *viewpoint(self.seed))
         for index in range(self.frames):
-            parts = [self._draw(background, time / self.fps) for _, time in fields(index, link.interlaced)]
-            for field in range(1, len(parts)):
-                parts[0][field :: len(parts)] = parts[field][field :: len(parts)]
-            yield Frame(degrade(parts[0], link, 1_000_003 * self.seed + index), index / self.fps, index)
+            pictures = [self._draw(background, time / self.fps) for _, time in fields(index, link.interlaced)]
+            for field in range(1, len(pictures)):
+                pictures[0][field :: len(pictures)] = pictures[field][field :: len(pictures)]
+            yield Frame(degrade(pictures[0], link, 1_000_003 * self.seed + index), index / self.fps, index)
 
     def _draw(self, background: Picture, time: float) -> Picture:
-        """Draw everyone who is there at a time, the farthest first."""
+        """Draw all balloons that are there at a time, s, the farthest first."""
         picture = background.copy()
         marked = self.marked or [True] * len(self.paths)
-        places = [(path(time), has) for path, has in zip(self.paths, marked, strict=True)]
-        there = [(np.array(place, np.float64), has) for place, has in places if place is not None]
-        for place, has in sorted(there, key=lambda each: -float(each[0][2])):
-            x, y, z = (-place / np.linalg.norm(place)).tolist()
+        positions = [(path(time), has) for path, has in zip(self.paths, marked, strict=True)]
+        there = [(np.array(position, np.float64), has) for position, has in positions if position is not None]
+        for position, has in sorted(there, key=lambda each: -float(each[0][2])):
+            x, y, z = (-position / np.linalg.norm(position)).tolist()
             balloon = Balloon(marker=(x, y, z), marker_radius=0.03 if has else 0.0)
-            draw_balloon(picture, self.camera, balloon, place[np.newaxis])
+            draw_balloon(picture, self.camera, balloon, position[np.newaxis])
         return picture

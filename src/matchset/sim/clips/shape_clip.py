@@ -52,8 +52,8 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     corners : tuple of (float, float)
-        The outline when it is seen upright, any unit, about its center, in the order in which x turns to y. A smooth
-        outline is given by many.
+        The outline upright, any unit, relative to its center, in the order in which x turns to y. A smooth outline is
+        given by many corners.
     frames : int
         Length.
     width, height : int
@@ -107,7 +107,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
             yield self.render(index, room), self.outline(float(index))
 
     def room(self) -> Picture:
-        """Picture of what is behind it, (h, w, 3), float32."""
+        """Picture of the background, (h, w, 3), float32."""
         if self.background is not None:
             return np.full((self.height, self.width, 3), self.background, np.float32)
         return Scene.room(self.seed).render(self._camera, *viewpoint(self.seed))
@@ -120,7 +120,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         index : int
             Which frame.
         room : ndarray of shape (h, w, 3), float32
-            What is behind it; unchanged.
+            The background; unchanged.
         """
         picture, link = room.copy(), PRESETS[self.preset]
         for rows, time in fields(index, link.interlaced):
@@ -136,7 +136,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def first_click(self) -> tuple[float, float]:
-        """Where one would click in the first frame: in its middle, px."""
+        """A pixel on the shape in the first frame: its middle, px."""
         x, y = self.outline(0.0).mean(axis=0).tolist()
         return x, y
 
@@ -158,7 +158,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
         return np.column_stack((camera.cx + camera.fx * (cx + u) / z, camera.cy + camera.fy * (cy + v) / z))
 
     def fingers(self, time: float) -> list[Array]:
-        """Outlines of what hides a part of it, (k, 2) px each: four fingers that reach in from the rim."""
+        """Outlines of the four fingers that hide a part of the shape, (k, 2) px each; they reach in from its rim."""
         outline = _dense(self.outline(time))
         off = outline - outline.mean(axis=0)
         found = []

@@ -158,9 +158,9 @@ class ClipTruth(msgspec.Struct, frozen=True, kw_only=True):
         The frame's index.
     circle : Circle or None
         Least-squares circle to the exact outline, px; interlaced: the mean of the two fields' circles. None
-        where nothing of the ball can be seen.
+        where nothing of the ball is visible.
     visible : bool
-        Some of the ball can be seen.
+        Some of the ball is visible.
     share : float
         Share of the disc that lies in the picture and behind nothing, 0 ... 1, good to 0.01.
     outline : SphereOutline or None

@@ -19,7 +19,7 @@ class Scene(msgspec.Struct, frozen=True):
     Parameters
     ----------
     surfaces : list of Surface
-        What there is.
+        The surfaces.
     """
 
     surfaces: list[Surface]
@@ -74,15 +74,17 @@ class Scene(msgspec.Struct, frozen=True):
             samples = 2 if camera.width <= SMOOTH_WIDTH else 1
         if samples < 1:
             raise ValueError(f"a pixel needs at least one ray, got {samples}")
-        turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
+        turned = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
         at = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
-        if turn.shape != (3, 3) or at.shape != (3,):
-            raise ValueError(f"a camera's pose is a (3, 3) rotation and a (3,) position, got {turn.shape}, {at.shape}")
+        if turned.shape != (3, 3) or at.shape != (3,):
+            raise ValueError(
+                f"a camera's pose is a (3, 3) rotation and a (3,) position, got {turned.shape}, {at.shape}"
+            )
         # Small things stand before large ones: drawn first, they save the work of drawing what they hide.
         solid = sorted((s for s in self.surfaces if s.opaque), key=_area)
         clear = [s for s in self.surfaces if not s.opaque]
         clear.sort(key=lambda s: -float(np.linalg.norm(s.origin + 0.5 * (s.u + s.v) - at)))
-        return draw_surfaces(solid + clear, camera, turn, at, samples)
+        return draw_surfaces(solid + clear, camera, turned, at, samples)
 
 
 def _area(surface: Surface) -> float:
@@ -91,7 +93,7 @@ def _area(surface: Surface) -> float:
 
 
 def viewpoint(seed: int) -> tuple[Array, Array]:
-    """Choose where a camera at rest stands in a room and where it looks.
+    """Choose the pose of a camera at rest in a room.
 
     Parameters
     ----------

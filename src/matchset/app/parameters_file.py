@@ -6,7 +6,6 @@ comments are taken from the docstrings.
 
 import inspect
 import json
-import math
 import re
 import textwrap
 import tomllib
@@ -20,6 +19,7 @@ from matchset.tracking.parameters import TrackerParameters
 
 _WIDTH = 100  # format: longest line of a comment
 _MAX_BYTES = 1_000_000  # format: a larger file holds no parameters
+_MAX = 1e6  # format: largest number in a file; no length, time or count of a tracker is larger
 
 
 def tracker_parameters(path: Path | None) -> TrackerParameters:
@@ -78,7 +78,7 @@ def _problems(values: Mapping[str, Any], defaults: msgspec.Struct, table: str) -
 
 
 def _problem_of(value: Any, default: Any) -> str | None:
-    """Return what a value must be, if it is something else; numbers have at least the sign of their default."""
+    """Return what a value must be, if it is something else; no number is negative whose default is not."""
     if isinstance(default, bool):
         return None if isinstance(value, bool) else "true or false"
     if not isinstance(default, (int, float)):
@@ -86,8 +86,10 @@ def _problem_of(value: Any, default: Any) -> str | None:
     whole = isinstance(default, int)
     if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
         return "a whole number" if whole else "a number"
-    if math.isnan(value) or (math.isinf(value) and not math.isinf(default)):
-        return "finite"
+    if value != value or (abs(value) > _MAX and value != default):
+        return f"a number up to {_MAX:g}"
+    if whole and value < 1 <= default:
+        return "1 or more"
     return "0 or more" if value < 0 <= default else None
 
 

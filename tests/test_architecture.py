@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "matchset"
 PAGES = ("ARCHITECTURE.md", "docs/finding_your_way.md")
+GUIDES = [path for path in sorted((ROOT / "docs").glob("*.md")) if path.name != "log.md"]  # the log: paths of their day
 PATH = re.compile(r"[\w./-]+\.(?:py|c|h|md|toml)")
 NAME = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 WORDS = {"True", "False", "None", "blue", "purple"}
@@ -57,6 +58,12 @@ def quoted(page: str) -> set[str]:
 def test_every_path_exists(page: str) -> None:
     paths = {word for word in quoted(page) if PATH.fullmatch(word)}
     assert len(paths) > 10
+    assert not sorted(path for path in paths if not ((PACKAGE / path).exists() or (ROOT / path).exists()))
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", *(f"docs/{path.name}" for path in GUIDES)])
+def test_every_path_with_a_folder_exists(page: str) -> None:
+    paths = {word for word in quoted(page) if PATH.fullmatch(word) and "/" in word}
     assert not sorted(path for path in paths if not ((PACKAGE / path).exists() or (ROOT / path).exists()))
 
 

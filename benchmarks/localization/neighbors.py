@@ -10,7 +10,7 @@ import numpy as np
 import matchset as ms
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
-from matchset.localization.neighbors.ball_search import Newcomers
+from matchset.localization.neighbors.ball_search import BallSearch
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
@@ -41,7 +41,7 @@ def watcher(seed: int) -> ms.Neighbors:
 class _Timed:
     """A search for newcomers that notes how long it takes."""
 
-    def __init__(self, search: Newcomers) -> None:
+    def __init__(self, search: BallSearch) -> None:
         self.search = search
         self.ns: list[int] = []
 
@@ -57,8 +57,8 @@ class _Contender:
 
     def __init__(self, paths: list[PositionFunction], frames: int, seed: int) -> None:
         self.neighbors = watcher(seed)
-        self.search = _Timed(self.neighbors._newcomers)
-        vars(self.neighbors)["_newcomers"] = self.search
+        self.search = _Timed(self.neighbors._search)
+        vars(self.neighbors)["_search"] = self.search
         self.frames = list(MultiBallClip(camera=CAMERA, paths=paths, frames=frames, seed=seed))
         self.ns: list[int] = []
 

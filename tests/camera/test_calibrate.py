@@ -7,8 +7,8 @@ import matchset as ms
 from boards import BoardCamera, Floats, exact_view, poses
 from matchset.camera.board import Board, BoardFinder, View
 from matchset.camera.calibrate import Calibration, calibrate
-from matchset.camera.calibration_report import judge_calibration
-from matchset.camera.view_selection import select_views
+from matchset.camera.calibration_report import grade_calibration
+from matchset.camera.view_selection import ViewParameters, select_views
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=452.0, cx=323.0, cy=236.0, distortion=(-0.3, 0.11, 0.001, -0.0005, -0.01)
@@ -69,7 +69,7 @@ def test_a_view_that_does_not_fit_is_left_out() -> None:
     calibration = calibrate(views, 640, 480)
     assert [view.index for view in calibration.left_out] == [bad.index]
     assert calibration.camera.fx == pytest.approx(450.0, abs=3.0)
-    assert "1 left out" in judge_calibration(calibration).findings[1].words
+    assert "1 left out" in grade_calibration(calibration).findings[1].words
 
 
 def facing(offsets: list[tuple[float, float, float]]) -> list[View]:
@@ -120,27 +120,27 @@ def test_views_of_a_video_are_thinned() -> None:
     assert len(chosen) >= 17
     assert all(view.index < 1000 and view.index % 4 == 0 for view in chosen)
     assert [view.index for view in chosen] == sorted(view.index for view in chosen)
-    assert len(select_views(views, 640, most=7)) == 7
+    assert len(select_views(views, 640, ViewParameters(max_views=7))) == 7
     assert select_views([], 640) == []
     around = msgspec.structs.replace(views[0], pixels=views[0].pixels[::-1], index=1)
     assert len(select_views([views[0], around], 640)) == 1
 
 
 def grades(calibration: Calibration) -> dict[str, str]:
-    return {finding.name: finding.grade for finding in judge_calibration(calibration).findings}
+    return {finding.name: finding.grade for finding in grade_calibration(calibration).findings}
 
 
 def test_the_verdict_says_what_to_do() -> None:
     good = calibrate(exact_views(20, 13), 640, 480)
     assert grades(good) == dict.fromkeys(("error", "views", "coverage", "tilt", "numbers"), "good")
-    assert judge_calibration(good).grade == "good"
+    assert grade_calibration(good).grade == "good"
     left = [view for view in exact_views(60, 2) if view.pixels[:, 0].max() < 420.0][:8]
-    verdict = judge_calibration(calibrate(left, 640, 480))
-    words = {finding.name: finding.words for finding in verdict.findings}
-    assert verdict.grade in ("usable", "poor")
+    report = grade_calibration(calibrate(left, 640, 480))
+    words = {finding.name: finding.words for finding in report.findings}
+    assert report.grade in ("usable", "poor")
     assert "hold the board at the" in words["coverage"]
     assert "right" in words["coverage"]
     assert "12 are better" in words["views"]
-    noisy = judge_calibration(calibrate(exact_views(20, 4, noise=0.9), 640, 480))
+    noisy = grade_calibration(calibrate(exact_views(20, 4, noise=0.9), 640, 480))
     assert noisy.findings[0].grade == "poor"
     assert "hold the board still" in noisy.findings[0].words

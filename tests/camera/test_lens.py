@@ -103,7 +103,7 @@ def test_no_lens_makes_a_ray_that_is_none(
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
 def test_the_fold_is_the_first_root_of_the_slope(k1: float, k2: float, k3: float) -> None:
     s = np.linspace(0.0, 100.0, 20_001)
-    flat = np.flatnonzero(1.0 - lens.LEAST_SLOPE + 3.0 * k1 * s + 5.0 * k2 * s**2 + 7.0 * k3 * s**3 < 0.0)
+    flat = np.flatnonzero(1.0 - lens.MIN_SLOPE + 3.0 * k1 * s + 5.0 * k2 * s**2 + 7.0 * k3 * s**3 < 0.0)
     found = lens.fold(k1, k2, k3)
     if len(flat):
         assert found <= s[flat[0]]

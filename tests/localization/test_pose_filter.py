@@ -2,8 +2,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
@@ -11,10 +9,6 @@ import matchset as ms
 from balls import Floats, square
 from matchset.localization.pose import UNOBSERVED_VARIANCE
 from matchset.localization.pose_filter import FilterParameters
-from matchset.numeric.kalman import predict, predict_constant_velocity, update
-from matchset.numeric.rotation import rotate, rotation_vector_between
-
-vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 
 
 def at(
@@ -35,41 +29,6 @@ def predicted(filtered: ms.PoseFilter, now: float) -> ms.Pose:
     pose = filtered.predict(now)
     assert isinstance(pose, ms.Pose)
     return pose
-
-
-def test_the_kernels_agree_with_the_textbook() -> None:
-    rng = np.random.default_rng(0)
-    half = rng.normal(size=(6, 6))
-    state, covariance, t, q = rng.normal(size=6), half @ half.T, 0.04, 0.7
-    f = np.asarray(np.block([[np.eye(3), t * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]]), np.float64)
-    noise = np.asarray(q * q * np.kron([[t**3 / 3, t**2 / 2], [t**2 / 2, t]], np.eye(3)), np.float64)
-    ahead, wide = f @ state, f @ covariance @ f.T + noise
-    other_state, other_covariance = state.copy(), covariance.copy()
-    predict(other_state, other_covariance, f, noise)
-    np.testing.assert_allclose(other_state, ahead)
-    np.testing.assert_allclose(other_covariance, wide)
-    predict_constant_velocity(state, covariance, t, q)
-    np.testing.assert_allclose(state, ahead)
-    np.testing.assert_allclose(covariance, wide)
-    seen, r, h = rng.normal(size=3), np.diag((1.0, 2.0, 3.0)), np.eye(3, 6)
-    s = h @ wide @ h.T + r
-    gain = wide @ h.T @ np.linalg.inv(s)
-    assert update(state, covariance, seen, h, r, 1e9) == pytest.approx(square(seen, s))
-    np.testing.assert_allclose(state, ahead + gain @ seen)
-    np.testing.assert_allclose(covariance, (np.eye(6) - gain @ h) @ wide, atol=1e-12)
-
-
-@given(vectors, vectors)
-@settings(deadline=None)
-def test_turns_agree_with_scipy(one: Floats, other: Floats) -> None:
-    first, second = Rotation.from_rotvec(one), Rotation.from_rotvec(other)
-    vector = np.empty(3)
-    angle = rotation_vector_between(first.as_matrix(), second.as_matrix(), vector)
-    theirs = second * first.inv()
-    assert angle == pytest.approx(theirs.magnitude(), abs=1e-7)
-    turn = first.as_matrix()
-    rotate(turn, vector)
-    np.testing.assert_allclose(turn, second.as_matrix(), atol=1e-7)
 
 
 def test_a_steady_flight_is_extrapolated_with_jittering_times() -> None:

@@ -1,4 +1,4 @@
-"""The focal length from the ball itself, held at a few known distances."""
+"""Estimates the focal length from the ball itself, held at a few known distances."""
 
 import math
 
@@ -13,28 +13,52 @@ Floats = npt.NDArray[np.float64]
 
 
 class BallFocalParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """How well things are known before the ball is looked at; one sigma each.
+    """What is known before the ball is measured (one sigma each), and what is demanded of the measurement.
+
+    All were chosen by hand; tests/camera/test_ball_focal_length.py would show a change.
 
     Parameters
     ----------
-    tape : float, default 0.004
-        Error of a taped distance, m, each on its own. Larger trusts the distances less, and the result says so.
-    pupil : float, default 0.01
-        How far from where the tape begins the camera's center of projection may lie, m: it is somewhere in the lens. It
-        is found along with the focal length, the better the more the distances differ.
-    edge_px : float, default 0.25
-        How far all edges may be shifted outward or inward, px: blur and the color table move them alike.
-    center : float, default 0.02
-        How far off the middle of the picture the principal point may lie, in widths.
-    lens : float, default 0.1
-        What k1 may be: a ball says nothing of the lens.
+    tape_sigma : float, default 0.004
+        Error of a taped distance, m, independent of the others. Larger trusts the distances less, and the result says
+        so.
+    pupil_sigma : float, default 0.01
+        Distance of the camera's center of projection from where the tape begins, m: it is somewhere in the lens. It is
+        estimated along with the focal length, the better the more the distances differ.
+    edge_sigma_px : float, default 0.25
+        Common shift of all edges, outward or inward: blur and the color table move them alike.
+    center_sigma : float, default 0.02
+        Distance of the principal point from the middle of the image, in widths.
+    k1_sigma : float, default 0.1
+        Radial distortion k1: a ball tells nothing about the lens.
+    point_sigma_px : float, default 0.05
+        Error of a half-angle that remains however many outlines there are.
+    min_distance_ratio : float, default 1.3
+        Least ratio of the largest to the smallest distance.
+    min_distance_radii : float, default 1.05
+        Least distance of the ball's center, in its radii.
+    max_misfit : float, default 0.08
+        Largest difference between the ball's size in the image and the expected one, as a share.
+    max_outlines : int, default 10
+        Outlines of one distance that are used: more of them have the same error.
+    min_points : int, default 8
+        Least number of points of an outline.
+    outlier_ratio : float, default 4.0
+        Points whose residual is above this many medians are left out.
     """
 
-    tape: float = 0.004
-    pupil: float = 0.01
-    edge_px: float = 0.25
-    center: float = 0.02
-    lens: float = 0.1
+    tape_sigma: float = 0.004
+    pupil_sigma: float = 0.01
+    edge_sigma_px: float = 0.25
+    center_sigma: float = 0.02
+    k1_sigma: float = 0.1
+    point_sigma_px: float = 0.05
+    min_distance_ratio: float = 1.3
+    min_distance_radii: float = 1.05
+    max_misfit: float = 0.08
+    max_outlines: int = 10
+    min_points: int = 8
+    outlier_ratio: float = 4.0
 
 
 class HeldBall(msgspec.Struct, frozen=True):
@@ -53,7 +77,7 @@ class HeldBall(msgspec.Struct, frozen=True):
 
 
 class BallFocal(msgspec.Struct, frozen=True):
-    """A camera whose focal length a ball told.
+    """A camera whose focal length was estimated from a ball.
 
     Parameters
     ----------
@@ -73,7 +97,7 @@ class BallFocal(msgspec.Struct, frozen=True):
 def focal_from_ball(
     held: list[HeldBall], radius: float, width: int, height: int, parameters: BallFocalParameters | None = None
 ) -> BallFocal:
-    """Find the focal length with which a ball looks as large as it must.
+    """Estimate the focal length from the apparent size of a ball at known distances.
 
     The rays of its outline form a cone of half-angle alpha, sin(alpha) = R / distance (Epstein & Feldman, Eq. 5,
     exact). Least squares over the focal length, the place of the center of projection and a shift of all edges. An
@@ -99,12 +123,12 @@ def focal_from_ball(
         In words, if the distances are too few or too similar, or do not fit the ball.
     """
     known = parameters or BallFocalParameters()
-    _check(held, radius)
+    _check(held, radius, known)
     fit = _Fit(held, radius, width, height, known)
     middle = np.array([(width - 1) / 2.0, (height - 1) / 2.0, 0.0])
     found, covariance, misfits = fit.solve(middle, fit.guess())
-    # What is not seen may be otherwise, and the focal length with it.
-    spread = np.array([known.center * width, known.center * width, known.lens])
+    # Principal point and distortion are not observed; their uncertainty goes into that of the focal length.
+    spread = np.array([known.center_sigma * width, known.center_sigma * width, known.k1_sigma])
     slope = np.array(
         [(fit.solve(middle + step, found)[0][0] - found[0]) / step.sum() for step in np.diag(0.5 * spread)]
     )
@@ -126,26 +150,21 @@ def focal_from_ball(
     return BallFocal(camera, float(found[1]), misfits)
 
 
-_LEAST_RATIO = 1.3  # of the largest to the smallest distance
-_WORST_MISFIT = 0.08
-_MOST_OUTLINES = 10  # of one distance; more of them say the same
-
-
-def _check(held: list[HeldBall], radius: float) -> None:
+def _check(held: list[HeldBall], radius: float, known: BallFocalParameters) -> None:
     if not 0.0 < radius < math.inf:
         raise ValueError(f"a ball's radius must be positive, in m, got {radius}")
     distances = [ball.distance for ball in held]
     for distance in distances:
-        if not 1.05 * radius < distance < math.inf:
+        if not known.min_distance_radii * radius < distance < math.inf:
             raise ValueError(f"the ball's center must be farther away than its radius of {radius} m, got {distance} m")
-    if len(distances) < 2 or max(distances) < _LEAST_RATIO * min(distances):
+    if len(distances) < 2 or max(distances) < known.min_distance_ratio * min(distances):
         given = ", ".join(f"{distance:.2f}" for distance in distances) or "none"
         raise ValueError(
-            f"hold the ball at two or more distances, the largest at least {_LEAST_RATIO} times the smallest; "
-            f"its center was at {given} m"
+            "hold the ball at two or more distances, the largest at least "
+            f"{known.min_distance_ratio} times the smallest; its center was at {given} m"
         )
     for ball in held:
-        if not any(len(outline) >= 8 for outline in ball.outlines):
+        if not any(len(outline) >= known.min_points for outline in ball.outlines):
             raise ValueError(f"the ball was not seen at {ball.distance:.2f} m")
 
 
@@ -163,7 +182,7 @@ class _Fit:
 
     def solve(self, lens: Floats, start: Floats) -> tuple[Floats, Floats, list[float]]:
         """Find log f, pupil (m) and edge shift (px) for cx, cy, k1; with their covariance, and the misfits."""
-        scale = np.array([0.01, self.known.pupil, self.known.edge_px])
+        scale = np.array([0.01, self.known.pupil_sigma, self.known.edge_sigma_px])
 
         def residual(step: Floats) -> Floats:
             return self._residual(start + step * scale, lens)
@@ -175,7 +194,7 @@ class _Fit:
         seen, must = self._angles(found, lens)
         misfits = [float(value) for value in seen[0] / must - 1.0]
         worst = int(np.argmax(np.abs(misfits)))
-        if not abs(misfits[worst]) <= _WORST_MISFIT:
+        if not abs(misfits[worst]) <= self.known.max_misfit:
             raise ValueError(
                 f"the distances do not fit the ball: at {self._distances[worst]:.2f} m it looks "
                 f"{abs(100.0 * misfits[worst]):.0f} % too {'large' if misfits[worst] > 0.0 else 'small'}. Are they, "
@@ -185,8 +204,8 @@ class _Fit:
 
     def _residual(self, numbers: Floats, lens: Floats) -> Floats:
         (seen, spread), must = self._angles(numbers, lens)
-        tape = np.tan(must) / self._distances * self.known.tape
-        prior = numbers[1:] / (self.known.pupil, self.known.edge_px)
+        tape = np.tan(must) / self._distances * self.known.tape_sigma
+        prior = numbers[1:] / (self.known.pupil_sigma, self.known.edge_sigma_px)
         return np.concatenate(((seen - must) / np.hypot(spread, tape), prior))
 
     def _angles(self, numbers: Floats, lens: Floats) -> tuple[tuple[Floats, Floats], Floats]:
@@ -201,29 +220,31 @@ class _Fit:
             cy=float(lens[1]),
             distortion=(float(lens[2]), 0.0, 0.0, 0.0, 0.0),
         )
-        seen = np.array([_half_angle(camera, ball.outlines, shift) for ball in self.held])
+        seen = np.array([_half_angle(camera, ball.outlines, shift, self.known) for ball in self.held])
         ratio = self.radius / np.maximum(self._distances + pupil, 1.001 * self.radius)
         return (seen[:, 0], seen[:, 1]), np.arcsin(ratio)
 
 
-def _half_angle(camera: CameraModel, outlines: list[Floats], shift: float) -> tuple[float, float]:
+def _half_angle(
+    camera: CameraModel, outlines: list[Floats], shift: float, known: BallFocalParameters
+) -> tuple[float, float]:
     """Mean half-angle of the cones through some outlines, and its standard error."""
     angles = []
-    for outline in outlines[:: -(-len(outlines) // _MOST_OUTLINES)]:
-        if len(outline) < 8:
+    for outline in outlines[:: -(-len(outlines) // known.max_outlines)]:
+        if len(outline) < known.min_points:
             continue
         away = outline - outline.mean(axis=0)
         rays = camera.rays(outline - shift * away / np.linalg.norm(away, axis=1, keepdims=True).clip(1.0))
         rays = rays[rays[:, 2] > 0.0]
         # The cone: ray . axis = cos(alpha); with n = axis / cos(alpha) it is linear, ray . n = 1.
         off = np.abs(rays @ _plane(rays) - 1.0)
-        slope = float(np.linalg.norm(_plane(rays[off <= 4.0 * np.median(off) + 1e-12])))
+        slope = float(np.linalg.norm(_plane(rays[off <= known.outlier_ratio * np.median(off) + 1e-12])))
         angles.append(math.acos(min(1.0 / max(slope, 1.0), 1.0)))
     if not angles:
         return 0.0, 1.0
-    # Frames of a ball held still err alike: more than ten of them count as ten.
-    spread = float(np.std(angles)) / math.sqrt(min(len(angles), 10)) if len(angles) > 1 else 0.0
-    return float(np.median(angles)), math.hypot(spread, 0.05 / camera.fx)
+    # The errors of a ball held still are correlated: more frames than `max_outlines` count as these.
+    spread = float(np.std(angles)) / math.sqrt(min(len(angles), known.max_outlines)) if len(angles) > 1 else 0.0
+    return float(np.median(angles)), math.hypot(spread, known.point_sigma_px / camera.fx)
 
 
 def _plane(rays: Floats) -> Floats:

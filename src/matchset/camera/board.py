@@ -1,4 +1,4 @@
-"""Calibration boards: chessboard and ChArUco, found in pictures to a fraction of a pixel."""
+"""Calibration boards: chessboard and ChArUco, found in images to a fraction of a pixel."""
 
 from typing import Any
 
@@ -16,9 +16,6 @@ Image = npt.NDArray[np.uint8]
 DICTIONARIES = {name.removeprefix("DICT_").upper(): name for name in dir(cv2.aruco) if name.startswith("DICT_")}
 """The marker dictionaries that OpenCV has, by the names that `Board` takes."""
 
-_FEWEST_CORNERS = 8
-_UNTIL = cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-4
-_WINDOW = 0.4  # of the way to the next corner: as far as only two edges are seen
 _QUICK = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
 
 
@@ -92,6 +89,31 @@ class Board(msgspec.Struct, frozen=True, kw_only=True):
         return np.pad(inner, square_px, constant_values=255)
 
 
+class BoardParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How a board is found.
+
+    All were chosen by hand; tests/camera/test_board.py would show a change.
+
+    Parameters
+    ----------
+    min_corners : int, default 8
+        With fewer the board counts as not seen.
+    window : float, default 0.4
+        Half the window in which a corner is refined, in distances to the next corner: it must see only two edges.
+    min_window_px : float, default 2.0
+        The same is at least this.
+    iterations : int, default 50
+    tolerance_px : float, default 1e-4
+        The refinement ends after so many steps, or with a step as short as this.
+    """
+
+    min_corners: int = 8
+    window: float = 0.4
+    min_window_px: float = 2.0
+    iterations: int = 50
+    tolerance_px: float = 1e-4
+
+
 class View(msgspec.Struct, frozen=True):
     """A board in one picture.
 
@@ -122,10 +144,11 @@ class BoardFinder:
     Parameters
     ----------
     board : Board
+    parameters : BoardParameters, optional
     """
 
-    def __init__(self, board: Board) -> None:
-        self.board = board
+    def __init__(self, board: Board, parameters: BoardParameters | None = None) -> None:
+        self.board, self.parameters = board, parameters or BoardParameters()
         column, row = np.meshgrid(np.arange(board.columns), np.arange(board.rows))
         places = np.column_stack((column.ravel(), row.ravel(), np.zeros(column.size)))
         self._places = np.asarray(places * board.square, np.float64)
@@ -149,7 +172,7 @@ class BoardFinder:
         image = frame.image if frame.image.ndim == 2 else np.asarray(cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY))
         image = np.ascontiguousarray(image, np.uint8)
         found = self._chessboard(image) if self.board.marker is None else self._charuco(image)
-        if found is None or len(found[0]) < _FEWEST_CORNERS:
+        if found is None or len(found[0]) < self.parameters.min_corners:
             return Lost(f"no {self.board} in the picture", frame.time)
         corners, pixels = found
         return View(corners, self._places[corners], pixels, blur_at(image, pixels), frame.index)
@@ -163,31 +186,31 @@ class BoardFinder:
             found, pixels = cv2.findChessboardCornersSB(image, size, flags=cv2.CALIB_CB_EXHAUSTIVE)
         if not found:
             return None
-        return np.arange(len(self._places)), _refined(image, np.asarray(pixels, np.float64).reshape(-1, 2))
+        return np.arange(len(self._places)), self._refined(image, np.asarray(pixels, np.float64).reshape(-1, 2))
 
     def _charuco(self, image: Image) -> tuple[npt.NDArray[np.int64], Floats] | None:
         for detector in self._detectors:
             pixels, corners, _, _ = detector.detectBoard(image)
-            if corners is not None and len(corners) >= _FEWEST_CORNERS:
+            if corners is not None and len(corners) >= self.parameters.min_corners:
                 self._detectors = [detector]
                 return np.asarray(corners, np.int64).ravel(), np.asarray(pixels, np.float64).reshape(-1, 2)
         return None
 
+    def _refined(self, image: Image, pixels: Floats) -> Floats:
+        """Refine corners by the gradients around them (`cv2.cornerSubPix`): three times as exact as detected.
 
-def _refined(image: Image, pixels: Floats) -> Floats:
-    """Corners where the gradients around them say they are: three times as exact as the detectors leave them.
-
-    Not for ChArUco boards: their markers have edges of their own in the window, and the corners would get worse.
-    """
-    distance = np.linalg.norm(pixels[:, None] - pixels[None], axis=2)
-    np.fill_diagonal(distance, np.inf)
-    refined = pixels.copy()
-    for i, reach in enumerate(np.maximum(_WINDOW * distance.min(axis=1), 2.0)):
-        corner = pixels[i].astype(np.float32).reshape(1, 1, 2)
-        moved = cv2.cornerSubPix(image, corner, (int(reach), int(reach)), (-1, -1), _UNTIL).reshape(2)
-        if np.isfinite(moved).all() and np.abs(moved - pixels[i]).max() < reach:
-            refined[i] = moved
-    return refined
+        Not for ChArUco boards: their markers have edges of their own in the window, and the corners would get worse.
+        """
+        distance = np.linalg.norm(pixels[:, None] - pixels[None], axis=2)
+        np.fill_diagonal(distance, np.inf)
+        refined, limits = pixels.copy(), self.parameters
+        criteria = cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, limits.iterations, limits.tolerance_px
+        for i, reach in enumerate(np.maximum(limits.window * distance.min(axis=1), limits.min_window_px)):
+            corner = pixels[i].astype(np.float32).reshape(1, 1, 2)
+            moved = cv2.cornerSubPix(image, corner, (int(reach), int(reach)), (-1, -1), criteria).reshape(2)
+            if np.isfinite(moved).all() and np.abs(moved - pixels[i]).max() < reach:
+                refined[i] = moved
+        return refined
 
 
 def blur_at(image: Image, pixels: Floats) -> float:
@@ -204,7 +227,7 @@ def blur_at(image: Image, pixels: Floats) -> float:
     float
         Standard deviation of the Gaussian, px; median over the points.
     """
-    half = 6
+    half = 6  # px around a corner
     wide = cv2.copyMakeBorder(image, half, half, half, half, cv2.BORDER_REPLICATE)
     values = []
     for x, y in np.rint(pixels).astype(int):

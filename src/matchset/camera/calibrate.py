@@ -1,4 +1,4 @@
-"""A camera from views of a board (Zhang's method, as OpenCV has it), with the uncertainty of its numbers."""
+"""Calibrates a camera from views of a board (Zhang's method, in OpenCV), with the covariance of its numbers."""
 
 import cv2
 import msgspec
@@ -12,29 +12,37 @@ Floats = npt.NDArray[np.float64]
 
 
 class CalibrationParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """What is asked of a calibration.
+    """What is demanded of a calibration.
+
+    All were chosen by hand; tests/camera/test_calibrate.py would show a change.
 
     Parameters
     ----------
-    fewest_views : int, default 6
-        Below this it is refused. Three would do in theory; more average out how the board was held.
-    least_tilt : float, default 0.2
-        The board's directions must differ by this, rad. Facing the camera always, a board that is twice as large at
-        twice the distance looks the same, and the focal length is anything.
-    largest_error : float, default 2.0
-        Rms distance of the corners from where the camera says they are, px. Above, it is no calibration: a bent board,
-        wrong corners, a fisheye lens, a moving board before a rolling shutter.
-    most_uncertain_focal : float, default 0.03
-        Standard deviation of the focal length, as a share of it; a range is as uncertain as this.
-    outlier : float, default 3.0
-        A view with an error of this many times the median is left out. Less throws away good views.
+    min_views : int, default 6
+        With fewer it is refused. Three would do in theory; more average out how the board was held.
+    min_tilt : float, default 0.2
+        The board's normals must differ by this, rad. A board that always faces the camera looks the same if it is twice
+        as large at twice the distance: the focal length is not observable.
+    max_error_px : float, default 2.0
+        Largest rms reprojection error: above, the board is bent, corners are wrong, the lens is a fisheye, or the board
+        moved before a rolling shutter.
+    max_focal_sigma : float, default 0.03
+        Largest standard deviation of the focal length, as a share of it; a range is as uncertain as this.
+    outlier_ratio : float, default 3.0
+        A view whose error is above this many medians is left out. Less throws away good views.
+    min_outlier_px : float, default 0.1
+        That median is at least this.
+    outlier_rounds : int, default 3
+        How often views are left out at most.
     """
 
-    fewest_views: int = 6
-    least_tilt: float = 0.2
-    largest_error: float = 2.0
-    most_uncertain_focal: float = 0.03
-    outlier: float = 3.0
+    min_views: int = 6
+    min_tilt: float = 0.2
+    max_error_px: float = 2.0
+    max_focal_sigma: float = 0.03
+    outlier_ratio: float = 3.0
+    min_outlier_px: float = 0.1
+    outlier_rounds: int = 3
 
 
 class Calibration(msgspec.Struct, frozen=True):
@@ -101,8 +109,8 @@ def calibrate(
     wanted = parameters or CalibrationParameters()
     _check_count(len(views), wanted)
     kept, solution = list(views), _solve(views, width, height)
-    for _ in range(3):
-        good = solution.errors <= wanted.outlier * max(float(np.median(solution.errors)), 0.1)
+    for _ in range(wanted.outlier_rounds):
+        good = solution.errors <= wanted.outlier_ratio * max(float(np.median(solution.errors)), wanted.min_outlier_px)
         if good.all():
             break
         kept = [view for view, fits in zip(kept, good, strict=True) if fits]
@@ -112,14 +120,14 @@ def calibrate(
     _check_tilt(normals, wanted)
     weights = np.array([len(view.corners) for view in kept])
     error = float(np.sqrt(np.average(solution.errors**2, weights=weights)))
-    if not error <= wanted.largest_error:
+    if not error <= wanted.max_error_px:
         raise ValueError(
             f"the corners are {error:.1f} px from where any camera would see them: is the board flat, held still, "
             "and of as many corners as was said? A fisheye lens cannot be calibrated"
         )
     camera = _camera(kept, solution, width, height)
     uncertain = float(np.sqrt(np.diag(np.array(camera.intrinsics_covariance))[:2]).max()) / camera.fx
-    if not uncertain <= wanted.most_uncertain_focal:
+    if not uncertain <= wanted.max_focal_sigma:
         raise ValueError(
             f"the views are too similar: the focal length is uncertain by {100.0 * uncertain:.1f} %. "
             "Tilt the board more, in every direction, and bring it closer"
@@ -129,16 +137,16 @@ def calibrate(
 
 
 def _check_count(count: int, wanted: CalibrationParameters, which: str = "") -> None:
-    if count < wanted.fewest_views:
+    if count < wanted.min_views:
         raise ValueError(
-            f"{count} different view{'s' * (count != 1)} of the board{which}: at least {wanted.fewest_views} are "
+            f"{count} different view{'s' * (count != 1)} of the board{which}: at least {wanted.min_views} are "
             "needed. Move it all over the picture and tilt it differently each time"
         )
 
 
 def _check_tilt(normals: Floats, wanted: CalibrationParameters) -> None:
     widest = float(np.arccos(np.clip(normals @ normals.T, -1.0, 1.0)).max())
-    if widest < wanted.least_tilt:
+    if widest < wanted.min_tilt:
         raise ValueError(
             f"the views are too similar: the board's tilt differs by {np.rad2deg(widest):.0f} degrees only, and the "
             "focal length cannot be told from the distance. Tilt it by 20 to 40 degrees, left, right, up and down"

@@ -1,4 +1,4 @@
-"""What a calibration is worth, in words."""
+"""How good a calibration is, in words: `grade_calibration`."""
 
 from typing import Literal
 
@@ -13,14 +13,43 @@ from matchset.camera.lens import INTRINSICS
 
 Grade = Literal["good", "usable", "poor"]
 
-_RANKS: dict[Grade, int] = {"good": 0, "usable": 1, "poor": 2}
-_CELLS = 24, 18  # of the grid on which coverage is counted
-_CORNER = 0.2  # of the width and height: what counts as a corner of the picture
+_RANKS: dict[Grade, int] = {"good": 0, "usable": 1, "poor": 2}  # format: the grades, best first
+_CELLS = 24, 18  # geometry: of the grid on which coverage is counted
+_CORNER = 0.2  # geometry: share of the width and height that counts as a corner of the image
 _CORNERS = "upper left", "upper right", "lower left", "lower right"
 
 
+class GradeParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """From what value on a calibration is good, or usable.
+
+    All were chosen by hand, after the calibrations of docs/log.md ("Calibration"); docs/camera.md has the table.
+
+    Parameters
+    ----------
+    error_px : tuple of 2 float
+        Largest rms reprojection error that is good, and that is usable.
+    views : tuple of 2 int
+        Least number of different views.
+    coverage : tuple of 2 float
+        Least share of the image in which the board was seen.
+    missing_corners : tuple of 2 int
+        Most corners of the image in which it was not.
+    tilt_deg : tuple of 2 float
+        Least range of the board's tilt, the smaller of both directions.
+    focal_sigma : tuple of 2 float
+        Largest standard deviation of the focal length, as a share of it.
+    """
+
+    error_px: tuple[float, float] = (0.4, 1.0)
+    views: tuple[int, int] = (12, 6)
+    coverage: tuple[float, float] = (0.6, 0.35)
+    missing_corners: tuple[int, int] = (0, 2)
+    tilt_deg: tuple[float, float] = (40.0, 20.0)
+    focal_sigma: tuple[float, float] = (0.003, 0.01)
+
+
 class Finding(msgspec.Struct, frozen=True):
-    """One thing that was looked at.
+    """One property of a calibration.
 
     Parameters
     ----------
@@ -37,8 +66,8 @@ class Finding(msgspec.Struct, frozen=True):
     words: str
 
 
-class Verdict(msgspec.Struct, frozen=True):
-    """What a calibration is worth.
+class CalibrationReport(msgspec.Struct, frozen=True):
+    """How good a calibration is.
 
     Parameters
     ----------
@@ -52,29 +81,25 @@ class Verdict(msgspec.Struct, frozen=True):
     findings: list[Finding]
 
 
-def judge_calibration(calibration: Calibration) -> Verdict:
-    """Say what a calibration is worth.
+def grade_calibration(calibration: Calibration, parameters: GradeParameters | None = None) -> CalibrationReport:
+    """Grade a calibration by its error, views, coverage, tilt and focal length.
 
     Parameters
     ----------
     calibration : Calibration
+    parameters : GradeParameters, optional
 
     Returns
     -------
-    Verdict
+    CalibrationReport
     """
-    findings = [
-        _error(calibration),
-        _views(calibration),
-        _coverage(calibration),
-        _tilt(calibration),
-        _focal(calibration),
-    ]
-    return Verdict(max((finding.grade for finding in findings), key=_RANKS.__getitem__), findings)
+    limits = parameters or GradeParameters()
+    findings = [rule(calibration, limits) for rule in (_error, _views, _coverage, _tilt, _focal)]
+    return CalibrationReport(max((finding.grade for finding in findings), key=_RANKS.__getitem__), findings)
 
 
-def covered(views: list[View], width: int, height: int) -> npt.NDArray[np.bool_]:
-    """Where in the picture the board was.
+def covered_cells(views: list[View], width: int, height: int) -> npt.NDArray[np.bool_]:
+    """Cells of the image in which the board was seen.
 
     Parameters
     ----------
@@ -85,7 +110,7 @@ def covered(views: list[View], width: int, height: int) -> npt.NDArray[np.bool_]
     Returns
     -------
     ndarray of shape (18, 24), bool
-        Cells of the picture that lay within the board's corners in some view.
+        Cells that lay within the board's corners in some view.
     """
     cells = np.zeros(_CELLS[::-1], np.uint8)
     scale = np.array(_CELLS) / (width, height)
@@ -116,54 +141,62 @@ def unseen_corners(views: list[View], width: int, height: int) -> list[str]:
     return [name for name, there in zip(_CORNERS, seen, strict=True) if not there]
 
 
-def _graded(value: float, good: float, usable: float) -> Grade:
-    """Grade what should be small; of what should be large, hand in negative numbers."""
+def _at_most(value: float, limits: tuple[float, float]) -> Grade:
+    """Grade what should be small."""
+    good, usable = limits
     return "good" if value <= good else "usable" if value <= usable else "poor"
+
+
+def _at_least(value: float, limits: tuple[float, float]) -> Grade:
+    """Grade what should be large."""
+    return _at_most(-value, (-limits[0], -limits[1]))
 
 
 def _with_advice(grade: Grade, figure: str, advice: str) -> str:
     return figure if grade == "good" else f"{figure}: {advice}"
 
 
-def _error(calibration: Calibration) -> Finding:
-    grade = _graded(calibration.error, 0.4, 1.0)
+def _error(calibration: Calibration, limits: GradeParameters) -> Finding:
+    grade = _at_most(calibration.error, limits.error_px)
     advice = "hold the board still and keep it flat; more light, shorter exposure"
     return Finding("error", grade, _with_advice(grade, f"corners are {calibration.error:.2f} px off (rms)", advice))
 
 
-def _views(calibration: Calibration) -> Finding:
+def _views(calibration: Calibration, limits: GradeParameters) -> Finding:
     count = len(calibration.views)
-    grade = _graded(-count, -12, -6)
+    grade = _at_least(count, limits.views)
     figure = f"{count} different views"
     if calibration.left_out:
         figure += f", {len(calibration.left_out)} left out that did not fit"
     return Finding("views", grade, _with_advice(grade, figure, "12 are better"))
 
 
-def _coverage(calibration: Calibration) -> Finding:
+def _coverage(calibration: Calibration, limits: GradeParameters) -> Finding:
     size = calibration.camera.width, calibration.camera.height
-    share = float(covered(calibration.views, *size).mean())
+    share = float(covered_cells(calibration.views, *size).mean())
     unseen = unseen_corners(calibration.views, *size)
-    grade = max(_graded(-share, -0.6, -0.35), _graded(len(unseen), 0, 2), key=_RANKS.__getitem__)
+    grade = max(
+        _at_least(share, limits.coverage), _at_most(len(unseen), limits.missing_corners), key=_RANKS.__getitem__
+    )
     figure = f"{100.0 * share:.0f} % of the picture, {4 - len(unseen)} of its 4 corners"
     where = f"hold the board at the {', '.join(unseen)}" if unseen else "hold it nearer to the edges of the picture"
     return Finding("coverage", grade, _with_advice(grade, figure, where + "; there the lens is extrapolated"))
 
 
-def _tilt(calibration: Calibration) -> Finding:
+def _tilt(calibration: Calibration, limits: GradeParameters) -> Finding:
     normals = calibration.normals
     sideways = float(np.rad2deg(np.ptp(np.arctan2(normals[:, 0], normals[:, 2]))))
     upward = float(np.rad2deg(np.ptp(np.arctan2(normals[:, 1], normals[:, 2]))))
-    grade = _graded(-min(sideways, upward), -40.0, -20.0)
+    grade = _at_least(min(sideways, upward), limits.tilt_deg)
     figure = f"turned by {sideways:.0f} degrees left to right, {upward:.0f} up and down"
     return Finding("tilt", grade, _with_advice(grade, figure, "40 in both are better"))
 
 
-def _focal(calibration: Calibration) -> Finding:
+def _focal(calibration: Calibration, limits: GradeParameters) -> Finding:
     camera = calibration.camera
     spread = np.zeros(9) if camera.covariance is None else np.sqrt(np.diag(camera.covariance))
     share = float(max(spread[0] / camera.fx, spread[1] / camera.fy))
-    grade = _graded(share, 0.003, 0.01)
+    grade = _at_most(share, limits.focal_sigma)
     numbers = zip(INTRINSICS, camera.intrinsics, spread, strict=True)
     figure = ", ".join(f"{name} {value:.{_digits(step)}f} ± {step:.{_digits(step)}f}" for name, value, step in numbers)
     return Finding(

@@ -249,8 +249,8 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             raise ValueError(f"the picture is {sizes}: calibrate at the size that is used")
 
 
-_LARGEST = 1_000_000  # px; more is a slip of the pen
-_STRONGEST = 1.0e9  # of a distortion coefficient
+_LARGEST = 1_000_000  # format: px; a larger width or height is a typing error
+_STRONGEST = 1.0e9  # format: largest distortion coefficient
 
 
 def _number(name: str, value: object) -> float:

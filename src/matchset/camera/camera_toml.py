@@ -16,7 +16,7 @@ Keys = dict[str, str]
 _SIZES = "width", "height"
 _MODEL = "distortion_model"
 _PLUMB_BOB = "plumb_bob"
-_LARGEST_BYTES = 1_000_000
+_LARGEST_BYTES = 1_000_000  # format: a longer file is no camera
 _MEANING = {
     "width": "px",
     "height": "px",

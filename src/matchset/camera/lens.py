@@ -1,4 +1,4 @@
-"""From pixels to rays and back: OpenCV's five-coefficient lens, for the few points that are asked for.
+"""OpenCV's five-coefficient lens: from pixels to rays and back, for single points.
 
 A point (X, Y, Z) of the camera frame has x = X / Z, y = Y / Z, s = x^2 + y^2. The lens moves it to
 
@@ -21,18 +21,17 @@ Floats = npt.NDArray[np.float64]
 INTRINSICS = "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"
 """What the nine numbers are, in their order."""
 
-LEAST_SLOPE = 0.01
-"""Below this d r' / d r the lens counts as folded: one px of noise would be a hundred px of direction."""
-_WIDEST = 1.0e6  # largest s: 89.9 degrees off the axis
-_ROUNDS = 60
-_NEAR = 1.0e-6  # an error of x' and y' from which one step of Newton's leads below 1e-10
-_ROUGH = 1.0e-2  # the same where two unknowns are solved for afterwards
+MIN_SLOPE = 0.01  # geometry: below this d r' / d r the lens counts as folded: 1 px of noise is 100 px of direction
+_WIDEST = 1.0e6  # geometry: largest s = x^2 + y^2, 89.9 degrees off the axis
+_ITERATIONS = 60  # theorem: as many halvings leave nothing of an interval in double precision
+_NEAR = 1.0e-6  # theorem: Newton's step squares an error: from this one to below 1e-10
+_ROUGH = 1.0e-2  # theorem: the same where two unknowns are solved for afterwards
 
 
 @kernel
 def _slope(s: float, k1: float, k2: float, k3: float) -> float:
     """Radial slope d r' / d r = 1 + 3 k1 s + 5 k2 s^2 + 7 k3 s^3, less what counts as folded."""
-    return 1.0 - LEAST_SLOPE + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3))
+    return 1.0 - MIN_SLOPE + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3))
 
 
 @kernel
@@ -63,7 +62,7 @@ def fold(k1: float, k2: float, k3: float) -> float:
         if high <= low:
             continue
         if _slope(high, k1, k2, k3) < 0.0:
-            for _ in range(_ROUNDS):
+            for _ in range(_ITERATIONS):
                 half = 0.5 * (low + high)
                 if _slope(half, k1, k2, k3) < 0.0:
                     high = half
@@ -86,7 +85,7 @@ def _radial(target: float, widest: float, near: float, k1: float, k2: float, k3:
         return -1.0
     t = target * target  # the first terms of the inverse series
     r = max(0.0, min(target * (1.0 + t * (t * (3.0 * k1 * k1 - k2) - k1)), 0.98 * widest))
-    for _ in range(_ROUNDS):
+    for _ in range(_ITERATIONS):
         s = r * r
         error = r * (1.0 + s * (k1 + s * (k2 + s * k3))) - target
         slope = 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3))
@@ -152,7 +151,7 @@ def undistort(intrinsics: Floats, widest: float, u: float, v: float) -> tuple[fl
             x, y = seen_x * (r / target), seen_y * (r / target)
     if p1 == 0.0 and p2 == 0.0:
         return x, y, True
-    for _ in range(_ROUNDS):
+    for _ in range(_ITERATIONS):
         s = x * x + y * y
         if not s <= widest:
             break
@@ -161,7 +160,7 @@ def undistort(intrinsics: Floats, widest: float, u: float, v: float) -> tuple[fl
         error_y = y * gain + p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y - seen_y
         xx, xy, yy = bend(intrinsics, x, y)
         area = xx * yy - xy * xy
-        if not area > LEAST_SLOPE * LEAST_SLOPE:
+        if not area > MIN_SLOPE * MIN_SLOPE:
             break
         x -= (yy * error_x - xy * error_y) / area
         y -= (xx * error_y - xy * error_x) / area

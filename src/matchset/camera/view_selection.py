@@ -1,19 +1,37 @@
-"""Which views of a board are worth calibrating with: the sharp ones that differ from each other."""
+"""Chooses the views of a board to calibrate with: sharp ones that differ from each other."""
 
+import msgspec
 import numpy as np
 
 from matchset.camera.board import View
 
-TOO_ALIKE = 0.02
-"""Two views count as one if their corners lie closer than this, in widths of the picture. Less keeps more views of a
-video and takes longer; more throws away what a patient hand has shown."""
-TOO_BLURRED = 1.7
-"""Blurred by more than this, in units of the sharper half's median, a view is left out. Less demands a stiller hand."""
-MOST = 40
-"""As many views are used at most; the time of a calibration grows with them, its accuracy hardly."""
+
+class ViewParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """Which views of a board are used.
+
+    All were chosen by hand; tests/camera/test_calibrate.py would show a change.
+
+    Parameters
+    ----------
+    min_difference : float, default 0.02
+        Two views are the same if their corners lie closer than this, in widths of the image. Less keeps more views of a
+        video and takes longer; more throws away views that do differ.
+    max_blur : float, default 1.7
+        A view is left out if its blur is above this, in units of the quarter that is sharpest. Less demands a stiller
+        hand.
+    min_blur_px : float, default 0.5
+        That unit is at least this: below it blur is not measured well.
+    max_views : int, default 40
+        The time of a calibration grows with the views, its accuracy hardly.
+    """
+
+    min_difference: float = 0.02
+    max_blur: float = 1.7
+    min_blur_px: float = 0.5
+    max_views: int = 40
 
 
-def select_views(views: list[View], width: int, most: int = MOST) -> list[View]:
+def select_views(views: list[View], width: int, parameters: ViewParameters | None = None) -> list[View]:
     """Choose the views to calibrate with.
 
     Parameters
@@ -22,8 +40,7 @@ def select_views(views: list[View], width: int, most: int = MOST) -> list[View]:
         All that were found.
     width : int
         Of the picture, px.
-    most : int, default 40
-        How many at most.
+    parameters : ViewParameters, optional
 
     Returns
     -------
@@ -32,13 +49,14 @@ def select_views(views: list[View], width: int, most: int = MOST) -> list[View]:
     """
     if not views:
         return []
+    limits = parameters or ViewParameters()
     sharpest = sorted(views, key=lambda view: view.blur)
-    limit = TOO_BLURRED * max(sharpest[(len(sharpest) - 1) // 4].blur, 0.5)
+    limit = limits.max_blur * max(sharpest[(len(sharpest) - 1) // 4].blur, limits.min_blur_px)
     kept: list[View] = []
     for view in sharpest:
-        if view.blur <= limit and all(difference(view, other) > TOO_ALIKE * width for other in kept):
+        if view.blur <= limit and all(difference(view, other) > limits.min_difference * width for other in kept):
             kept.append(view)
-    return sorted(_spread(kept, most), key=lambda view: view.index)
+    return sorted(_most_different(kept, limits.max_views), key=lambda view: view.index)
 
 
 def difference(one: View, other: View) -> float:
@@ -62,7 +80,7 @@ def difference(one: View, other: View) -> float:
     return float(min(straight, turned))
 
 
-def _spread(views: list[View], most: int) -> list[View]:
+def _most_different(views: list[View], most: int) -> list[View]:
     """Take the view that differs most from those taken, again and again."""
     if len(views) <= most:
         return views

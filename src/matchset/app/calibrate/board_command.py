@@ -13,7 +13,7 @@ from matchset.app.run_folder import output_file, output_folder
 from matchset.app.track.learn_command import write_picture
 from matchset.camera.board import Board
 from matchset.camera.calibrate import Calibration, calibrate
-from matchset.camera.calibration_report import Verdict, judge_calibration
+from matchset.camera.calibration_report import CalibrationReport, grade_calibration
 from matchset.camera.view_selection import select_views
 from matchset.image.video import Video
 
@@ -95,18 +95,18 @@ def _finish(seen: BoardViews, board: Board, size: tuple[int, int], path: Path, p
         print_error(f"not calibrated: {error}")
         print(f"  {picture}")
         return NOT_FOUND
-    verdict = judge_calibration(calibration)
+    report = grade_calibration(calibration)
     calibration.camera.save(path)
-    write_picture(picture, coverage_picture(seen.picture, calibration.views, verdict))
-    _print_report(calibration, verdict)
+    write_picture(picture, coverage_picture(seen.picture, calibration.views, report))
+    _print_report(calibration, report)
     print(f"  {path}\n  {picture}")
     return FOUND
 
 
-def _print_report(calibration: Calibration, verdict: Verdict) -> None:
+def _print_report(calibration: Calibration, report: CalibrationReport) -> None:
     camera = calibration.camera
-    print(f"\nThe calibration is {verdict.grade}, for pictures of {camera.width} x {camera.height} px.")
-    for finding in verdict.findings:
+    print(f"\nThe calibration is {report.grade}, for pictures of {camera.width} x {camera.height} px.")
+    for finding in report.findings:
         print(f"  {finding.grade:7s} {finding.name + ':':10s} {finding.words}")
     print()
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from matchset.app.exit_codes import StopRequest
 from matchset.app.progress import InstructionLine, progress_bar
 from matchset.camera.board import Board, BoardFinder, View
-from matchset.camera.calibration_report import covered, unseen_corners
+from matchset.camera.calibration_report import covered_cells, unseen_corners
 from matchset.camera.view_selection import select_views
 from matchset.image.video import Video
 
@@ -110,7 +110,7 @@ def instruction(views: list[View], width: int, height: int) -> tuple[str, bool]:
         One line for the display, and whether it is enough.
     """
     different = select_views(views, width)
-    share = float(covered(different, width, height).mean())
+    share = float(covered_cells(different, width, height).mean())
     unseen = unseen_corners(different, width, height)
     if unseen and views:
         words = f"hold the board at the {unseen[0]}"

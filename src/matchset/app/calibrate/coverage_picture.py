@@ -6,7 +6,7 @@ import numpy.typing as npt
 
 from matchset.app.drawing.text import draw_text, text_width
 from matchset.camera.board import View
-from matchset.camera.calibration_report import Verdict, covered
+from matchset.camera.calibration_report import CalibrationReport, covered_cells
 
 Picture = npt.NDArray[np.uint8]
 
@@ -19,7 +19,9 @@ _WHITE, _PALE, _PAPER = (255, 255, 255), (170, 170, 170), (32, 32, 32)
 _LINE_PX, _MIN_WIDTH_PX, _MAX_SIDE_PX = 22, 900, 1280
 
 
-def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | None, refused: str = "") -> Picture:
+def coverage_picture(
+    picture: Picture, views: list[View], report: CalibrationReport | None, refused: str = ""
+) -> Picture:
     """Draw the board's corners over a darkened picture, with the report below.
 
     Parameters
@@ -28,7 +30,7 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
         One of the pictures.
     views : list of View
         Those that were used.
-    verdict : Verdict or None
+    report : CalibrationReport or None
         The report on the calibration; None if it was refused.
     refused : str
         Why, if it was.
@@ -43,7 +45,7 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
     size = round(width * scale), round(height * scale)
     gray = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY))
     back = cv2.cvtColor(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), cv2.COLOR_GRAY2BGR)
-    shade = cv2.resize(covered(views, width, height).astype(np.float32), size, interpolation=cv2.INTER_NEAREST)
+    shade = cv2.resize(covered_cells(views, width, height).astype(np.float32), size, interpolation=cv2.INTER_NEAREST)
     drawn = 0.25 * back.astype(np.float32) + shade[..., None] * np.array((28.0, 60.0, 20.0))
     image = np.ascontiguousarray(np.clip(drawn, 0, 255).astype(np.uint8))
     for number, view in enumerate(views):
@@ -51,16 +53,16 @@ def coverage_picture(picture: Picture, views: list[View], verdict: Verdict | Non
         color = tuple(int(part) for part in cv2.cvtColor(hue, cv2.COLOR_HSV2BGR)[0, 0])
         for x, y in (view.pixels + 0.5) * scale - 0.5:
             cv2.circle(image, (round(x * 16), round(y * 16)), 40, color, cv2.FILLED, cv2.LINE_AA, 4)
-    return np.vstack((image, _report_lines(size[0], len(views), verdict, refused)))
+    return np.vstack((image, _report_lines(size[0], len(views), report, refused)))
 
 
-def _report_lines(width: int, views: int, verdict: Verdict | None, refused: str) -> Picture:
+def _report_lines(width: int, views: int, report: CalibrationReport | None, refused: str) -> Picture:
     """Draw the lines of text below the picture, each marked with the color of its grade."""
     lines = [("", f"Corners of the board in {views} view{'s' * (views != 1)}; shaded: where it was", _WHITE)]
-    if verdict is None:
+    if report is None:
         lines += [("refused", refused, _RED)]
     else:
-        lines += [(finding.name, finding.words, _GRADES[finding.grade]) for finding in verdict.findings]
+        lines += [(finding.name, finding.words, _GRADES[finding.grade]) for finding in report.findings]
     wrapped: list[tuple[str, str, tuple[int, int, int]]] = []
     for name, words, color in lines:
         for part in _wrap(words, width - 130):

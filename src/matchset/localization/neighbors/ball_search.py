@@ -1,4 +1,4 @@
-"""Who has come into view? A search of the picture, a strip in each frame: `Newcomers`."""
+"""Detects balls that nobody follows yet, in one strip of the image per frame: `BallSearch`."""
 
 import math
 from collections.abc import Sequence
@@ -14,44 +14,55 @@ from matchset.tracking.look import Look
 from matchset.tracking.matcher import Matcher
 from matchset.tracking.voting import Searcher
 
-HOPELESS = 0.25  # agreement below which a candidate is given up at once
-STRIPS = 3  # each half as high as the picture, each overlapping the next by half
+STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
 
 
-class NewcomerParameters(msgspec.Struct, frozen=True):
-    """How newcomers are looked for.
+class BallSearchParameters(msgspec.Struct, frozen=True):
+    """How balls that nobody follows are detected.
+
+    All were chosen by hand; `python -m benchmarks --only localization_neighbors` would show a change.
 
     Parameters
     ----------
     points : int
         Lines across the outline of a candidate.
     candidates : int
-        How many places of a strip are looked at closely in one frame: more finds faster in a crowd and takes longer.
-    smallest : float
-        Least radius of a newcomer, px: smaller ones are mostly noise.
+        How many candidates of a strip are fitted in one frame: more finds faster in a crowd and takes longer.
+    min_radius_px : float
+        Least radius of a new ball: smaller ones are mostly noise.
+    min_score : float
+        MSAC score below which the fit of a candidate is given up at once. The same as in the tracker's own search.
+    range_cells, range_radii : float
+        Search range around a candidate's outline, the larger of the two: in cells of the grid, in radii.
+    same_distance : float
+        Circles whose centers are nearer than this, in radii of the larger one, are the same ball.
     """
 
     points: int = 64
     candidates: int = 4
-    smallest: float = 6.0
+    min_radius_px: float = 6.0
+    min_score: float = 0.25
+    range_cells: float = 2.0
+    range_radii: float = 0.2
+    same_distance: float = 0.7
 
 
-class Newcomers:
-    """Looks for balls that nobody follows yet; the whole picture takes three frames.
+class BallSearch:
+    """Detects balls that nobody follows yet; the whole image takes three frames.
 
-    A strip is searched on its coarse grid alone; what it proposes is fitted in the picture itself, so a ball may be
-    larger than its strip. The strips overlap by half, so every ball's middle is well inside one of them.
+    A strip is searched on its coarse grid alone; its candidates are fitted in the image itself, so a ball may be larger
+    than its strip. The strips overlap by half, so every ball's center is well inside one of them.
 
     Parameters
     ----------
     color : ColorModel
         Of the balls.
-    parameters : NewcomerParameters, optional
+    parameters : BallSearchParameters, optional
     """
 
-    def __init__(self, color: ColorModel, parameters: NewcomerParameters | None = None) -> None:
+    def __init__(self, color: ColorModel, parameters: BallSearchParameters | None = None) -> None:
         self.color = color
-        self.parameters = parameters or NewcomerParameters()
+        self.parameters = parameters or BallSearchParameters()
         self._matcher: Matcher[Circle] = Matcher(Circle, self.parameters.points)
         self._judge = Judge()
         self._searcher: Searcher | None = None
@@ -64,7 +75,7 @@ class Newcomers:
         ----------
         frame : Frame
         known : sequence of Circle
-            What is followed already, or expected.
+            Balls that are followed already, or expected.
 
         Returns
         -------
@@ -79,26 +90,27 @@ class Newcomers:
         top = self._strip * (height - size[1]) // (STRIPS - 1)
         self._strip = (self._strip + 1) % STRIPS
         found: list[Circle] = []
-        looks = 0
+        limits, fitted = self.parameters, 0
         for x, y, radius, _ in self._searcher.candidates(image[top : top + size[1]], self.color).tolist():
             rough = Circle(x, y + top, radius)
-            if covered(rough, [*known, *found]) or looks == self.parameters.candidates:
+            if self._is_known(rough, [*known, *found]) or fitted == limits.candidates:
                 continue
-            looks += 1
-            reach = max(2.0 * self._searcher.stride, 0.2 * radius)
-            if not self._matcher.settle(image, self.color, rough.state, Look(reach, least=HOPELESS)):
+            fitted += 1
+            reach = max(limits.range_cells * self._searcher.stride, limits.range_radii * radius)
+            if not self._matcher.settle(image, self.color, rough.state, Look(reach, least=limits.min_score)):
                 continue
-            if self._matcher.size < self.parameters.smallest or self._judge.first_sight(self._matcher):
+            if self._matcher.size < limits.min_radius_px or self._judge.first_sight(self._matcher):
                 continue
             circle = Circle.from_state(self._matcher.state)
-            if not covered(circle, [*known, *found]):
+            if not self._is_known(circle, [*known, *found]):
                 found.append(circle)
         self._matcher.forget()
         return found
 
-
-def covered(circle: Circle, others: Sequence[Circle]) -> bool:
-    """Whether a circle is one of the others, or inside one, or around one."""
-    return any(
-        math.hypot(circle.x - other.x, circle.y - other.y) < 0.7 * max(circle.radius, other.radius) for other in others
-    )
+    def _is_known(self, circle: Circle, others: Sequence[Circle]) -> bool:
+        """Whether a circle is one of the others, or inside one, or around one."""
+        return any(
+            math.hypot(circle.x - other.x, circle.y - other.y)
+            < self.parameters.same_distance * max(circle.radius, other.radius)
+            for other in others
+        )

@@ -1,51 +1,67 @@
-"""Everything in view at once: `Neighbors` (step 5 of the paper's pipeline)."""
+"""All balls in view at once: `Neighbors` (step 5 of the paper's pipeline)."""
 
 import math
 
 import msgspec
-import numpy as np
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
-from matchset.localization.neighbors.ball_search import Newcomers
-from matchset.localization.neighbors.ball_track import Member, Neighbor
+from matchset.localization.neighbors.ball_search import BallSearch, BallSearchParameters
+from matchset.localization.neighbors.ball_track import BallTrack, BallTrackParameters, BallTrackSetup, Neighbor
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
-MIXED = 0.07  # change of size, as a logarithm, of a ball that touches another: their outlines were mixed up
 
-HALF_SEEN = 0.55  # support below which a ball beside a nearer one cannot be placed: its outline ends in the other's
-WELL_SEEN = 0.8  # support from which the size of a ball that touches another is believed
+class NeighborsParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How neighbors are told apart (data association).
 
-
-class NeighborsParameters(msgspec.Struct, frozen=True):
-    """How neighbors are kept apart.
+    Where nothing else is said they were chosen by hand; `python -m benchmarks --only localization_neighbors` would show
+    a change.
 
     Parameters
     ----------
-    points : int
-        Lines across a ball's outline, see `Tracker`.
     memory : float
         How long a ball that is not seen keeps its identity, s.
-    marked : float
+    marker_memory : float
         How long a ball counts as a neighbor after its marker was last seen, s.
-    hidden : float
-        Share of its radius that a ball must reach out from behind a nearer one to be looked for.
-    wander : float
-        How far from where it is expected a ball may turn up again and keep its identity: px per second unseen, in
-        radii.
-    most : int
-        How many are followed at once.
+    min_visible : float
+        Share of its radius that a ball must reach out from behind a nearer one to be tracked.
+    max_count : int
+        How many balls are followed at once.
+    gate_radii, gate_speed : float
+        Largest distance of a detection from the prediction of a lost ball with which it is associated: the first, and
+        the second times the seconds that it was lost, both in its radii.
+    gate_log_radius, gate_log_radius_rate : float
+        The same for the change of its radius, as a logarithm: at once, and per second.
+    max_log_radius : float
+        Change of radius, as a logarithm, from which a ball that touches a nearer one is that one's outline.
+    same_distance, same_radius : float
+        Distance and difference of radii, in radii of the nearer ball, below which two circles are the same ball.
+    min_support : float
+        Support below which a ball that touches a nearer one is not placed: its outline ends in the other's.
+    clear_support : float
+        Support from which the radius of a ball that touches another is used.
+    search : BallSearchParameters
+    track : BallTrackParameters
     """
 
-    points: int = 64
     memory: float = 2.0
-    marked: float = 1.0
-    hidden: float = 0.35
-    wander: float = 4.0
-    most: int = 16
+    marker_memory: float = 1.0
+    min_visible: float = 0.35
+    max_count: int = 16
+    gate_radii: float = 0.7
+    gate_speed: float = 4.0
+    gate_log_radius: float = 0.2
+    gate_log_radius_rate: float = 0.8
+    max_log_radius: float = 0.07
+    same_distance: float = 0.4
+    same_radius: float = 0.25
+    min_support: float = 0.55
+    clear_support: float = 0.8
+    search: BallSearchParameters = BallSearchParameters()
+    track: BallTrackParameters = BallTrackParameters()
 
 
 class Neighbors:
@@ -88,16 +104,16 @@ class Neighbors:
         parameters: NeighborsParameters | None = None,
     ) -> None:
         self.parameters = parameters or NeighborsParameters()
-        self._make = camera, target, ball_color, marker_color, self.parameters.points
         self._camera = camera
-        self._newcomers = Newcomers(ball_color)
-        self._members: list[Member] = []
+        self._setup = BallTrackSetup(camera, target, ball_color, marker_color, self.parameters.track)
+        self._search = BallSearch(ball_color, self.parameters.search)
+        self._tracks: list[BallTrack] = []
         self._hidden: set[int] = set()
         self._count = 0
-        Member(0, *self._make, Circle(0.0, 0.0, 1.0), Frame(np.zeros((1, 1), np.uint8)))  # compiles what newcomers need
+        BallTrack(0, self._setup, Circle(0.0, 0.0, 1.0), 0.0)  # compiles what new balls need
 
     def update(self, frame: Frame) -> list[Neighbor]:
-        """Follow everyone into a frame and search a strip of it for newcomers.
+        """Track all balls in a frame, and search a strip of it for new ones.
 
         Parameters
         ----------
@@ -116,82 +132,88 @@ class Neighbors:
         """
         self._camera.check(frame.image)
         balls = self._follow(frame)
-        self._welcome(frame, balls)
-        kept = [each for each in self._members if frame.time - each.time <= self.parameters.memory]
-        self._members = kept
-        return [each.tell(frame, balls[each.identity], self.parameters.marked) for each in kept]
+        self._associate(frame, balls)
+        kept = [each for each in self._tracks if frame.time - each.time <= self.parameters.memory]
+        self._tracks = kept
+        return [each.report(frame, balls[each.identity], self.parameters.marker_memory) for each in kept]
 
     def _follow(self, frame: Frame) -> dict[int, Track[Circle] | Lost[Circle]]:
-        """Follow everyone who can be in sight, nearest first; no two may end on the same ball."""
+        """Track every ball that can be in sight, nearest first; no two may end on the same one."""
         balls: dict[int, Track[Circle] | Lost[Circle]] = {}
-        taken: list[tuple[int, Circle]] = []
-        for member in sorted(self._members, key=lambda each: -each.circle.radius):
-            place, name = member.expected(frame.time), member.identity
-            behind = self._behind(place, taken)
-            if behind is not None:
-                self._hidden.add(name)
-                balls[name] = Lost(f"hidden behind neighbor {behind}", frame.time, place)
-                continue
-            ball = member.follow(frame, name in self._hidden)
-            self._hidden.discard(name)
+        nearer: list[tuple[int, Circle]] = []
+        for each in sorted(self._tracks, key=lambda track: -track.circle.radius):
+            name = each.identity
+            ball = balls[name] = self._follow_one(each, frame, nearer)
             if isinstance(ball, Track):
-                same = next((other for other, circle in taken if _mistaken(ball, member.usual, circle)), None)
-                if same is not None:
-                    self._hidden.add(name)
-                    ball = Lost(f"hidden behind neighbor {same}", frame.time, place)
-                else:
-                    touches = any(_touch(ball.shape, circle) for _, circle in taken)
-                    member.take_in(ball, not touches or ball.support > WELL_SEEN)
-                    taken.append((name, ball.shape))
+                touches = any(_touch(ball.shape, circle) for _, circle in nearer)
+                each.correct(ball, not touches or ball.support > self.parameters.clear_support)
+                nearer.append((name, ball.shape))
+                self._hidden.discard(name)
             else:
                 self._hidden.add(name)
-            balls[name] = ball
         return balls
 
-    def _behind(self, place: Circle, nearer: list[tuple[int, Circle]]) -> int | None:
-        """Who hides a ball that should be here, or None."""
+    def _follow_one(
+        self, track: BallTrack, frame: Frame, nearer: list[tuple[int, Circle]]
+    ) -> Track[Circle] | Lost[Circle]:
+        """Track one ball, unless a nearer one hides it; where its outline is a nearer one's it is hidden too."""
+        predicted = track.predict(frame.time)
+        hider = self._hider(predicted, nearer)
+        if hider is None:
+            ball = track.follow(frame, track.identity in self._hidden)
+            if isinstance(ball, Lost):
+                return ball
+            hider = next((name for name, circle in nearer if self._is_mistaken(ball, track, circle)), None)
+            if hider is None:
+                return ball
+        return Lost(f"hidden behind neighbor {hider}", frame.time, predicted)
+
+    def _hider(self, predicted: Circle, nearer: list[tuple[int, Circle]]) -> int | None:
+        """Which of the nearer balls hides a ball that should be here, or None."""
         for name, circle in nearer:
-            far = math.hypot(place.x - circle.x, place.y - circle.y)
-            if far + place.radius < circle.radius + self.parameters.hidden * place.radius:
+            far = math.hypot(predicted.x - circle.x, predicted.y - circle.y)
+            if far + predicted.radius < circle.radius + self.parameters.min_visible * predicted.radius:
                 return name
         return None
 
-    def _welcome(self, frame: Frame, balls: dict[int, Track[Circle] | Lost[Circle]]) -> None:
-        """Search a strip; who turns up is one of the lost, or new."""
-        seen = [each.circle for each in self._members if isinstance(balls[each.identity], Track)]
-        for circle in self._newcomers.update(frame, seen):
-            lost = [each for each in self._members if isinstance(balls[each.identity], Lost)]
-            known = min(lost, key=lambda each: self._off(each, circle, frame.time), default=None)
-            if known is not None and self._off(known, circle, frame.time) < 1.0:
-                known.meet(circle, frame.time)
+    def _is_mistaken(self, ball: Track[Circle], track: BallTrack, nearer: Circle) -> bool:
+        """Whether the outline of a ball is really a nearer one's, mixed with it, or half behind it."""
+        circle, limits = ball.shape, self.parameters
+        if not _touch(circle, nearer):
+            return False
+        far = math.hypot(circle.x - nearer.x, circle.y - nearer.y)
+        other_radius = abs(circle.radius - nearer.radius)
+        same = far < limits.same_distance * nearer.radius and other_radius < limits.same_radius * nearer.radius
+        change = abs(math.log(circle.radius / track.typical_radius))
+        return same or change > limits.max_log_radius or ball.support < limits.min_support
+
+    def _associate(self, frame: Frame, balls: dict[int, Track[Circle] | Lost[Circle]]) -> None:
+        """Search a strip; a detection is one of the lost balls, or a new one."""
+        seen = [each.circle for each in self._tracks if isinstance(balls[each.identity], Track)]
+        for circle in self._search.update(frame, seen):
+            lost = [each for each in self._tracks if isinstance(balls[each.identity], Lost)]
+            known = min(lost, key=lambda each: self._distance(each, circle, frame.time), default=None)
+            if known is not None and self._distance(known, circle, frame.time) < 1.0:
+                known.reacquire(circle, frame.time)
                 self._hidden.discard(known.identity)
                 balls[known.identity] = Lost("seen again, to be confirmed by the next frame", frame.time, circle)
-            elif any(_touch(circle, each.expected(frame.time)) for each in lost):
-                continue  # who is behind whom will be clear when they have parted
-            elif len(self._members) < self.parameters.most:
-                new = Member(self._count, *self._make, circle, frame)
+            elif any(_touch(circle, each.predict(frame.time)) for each in lost):
+                continue  # which of them is behind will be clear when they have parted
+            elif len(self._tracks) < self.parameters.max_count:
+                new = BallTrack(self._count, self._setup, circle, frame.time)
                 self._count += 1
-                self._members.append(new)
+                self._tracks.append(new)
                 balls[new.identity] = new.follow(frame, False)
 
-    def _off(self, member: Member, circle: Circle, time: float) -> float:
-        """How far a sighting is from a lost ball, in what it may be off: above 1 it is another one."""
-        place = member.expected(time)
-        room = place.radius * (0.7 + self.parameters.wander * (time - member.time))
-        change = abs(math.log(circle.radius / place.radius)) / (0.2 + 0.8 * (time - member.time))
-        return max(math.hypot(circle.x - place.x, circle.y - place.y) / room, change)
+    def _distance(self, track: BallTrack, circle: Circle, time: float) -> float:
+        """Distance of a detection from a lost ball, in the size of the gate: above 1 it is another ball."""
+        predicted, gone, limits = track.predict(time), time - track.time, self.parameters
+        gate = predicted.radius * (limits.gate_radii + limits.gate_speed * gone)
+        change = abs(math.log(circle.radius / predicted.radius))
+        far = math.hypot(circle.x - predicted.x, circle.y - predicted.y)
+        return max(far / gate, change / (limits.gate_log_radius + limits.gate_log_radius_rate * gone))
 
 
 def _touch(one: Circle, other: Circle) -> bool:
     """Whether two circles overlap."""
     return math.hypot(one.x - other.x, one.y - other.y) < one.radius + other.radius
-
-
-def _mistaken(ball: Track[Circle], usual: float, nearer: Circle) -> bool:
-    """Whether a ball of a usual radius is really a nearer one, mixed up with its outline, or half behind it."""
-    circle = ball.shape
-    if not _touch(circle, nearer):
-        return False
-    far = math.hypot(circle.x - nearer.x, circle.y - nearer.y)
-    same = far < 0.4 * nearer.radius and abs(circle.radius - nearer.radius) < 0.25 * nearer.radius
-    return same or abs(math.log(circle.radius / usual)) > MIXED or ball.support < HALF_SEEN

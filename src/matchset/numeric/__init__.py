@@ -1,5 +1,5 @@
 """Compiled code and the mathematics that has nothing to do with images.
 
-Read `jit` first (how functions are compiled), then `record` (named fields in a block of floats, for kernels and Python).
-`linalg` has small matrices, `rotation` rotation matrices and vectors, `kalman` the steps of a Kalman filter.
+Read `jit` first (how functions are compiled), then `record` (named fields in a block of floats, for kernels and for
+Python). `linalg` has small matrices, `rotation` rotation matrices and vectors, `kalman` the steps of a Kalman filter.
 """

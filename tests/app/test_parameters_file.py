@@ -131,3 +131,9 @@ def test_the_printed_parameters_change_nothing_and_a_changed_number_changes_trac
     assert len(other) == len(plain)
     assert other != plain
     assert np.all([row.found for row in plain])
+
+
+def test_a_search_of_one_candidate_finds_one_ball(matchset: Matchset, ball_video: Path) -> None:
+    Path("one.toml").write_text("[search]\ncandidates = 1\n")
+    assert matchset("track", ball_video, "--hsv", "100,100,50:130,255,255", "--params", "one.toml", "-o", "out") == 0
+    assert all(row.found for row in read_tracks("out/tracks.csv"))

@@ -68,7 +68,7 @@ class Searcher:
         half = (rows + 1) // 2, (columns + 1) // 2
         self.near, self.far = ([np.zeros(shape, np.float32) for _ in range(3)] for shape in ((rows, columns), half))
         self.edges = np.zeros((max(rows * columns // 3, 64), 4))
-        self.peaks = np.zeros((self.parameters.candidates // 2, 5))
+        self.peaks = np.zeros((max(self.parameters.candidates // 2, 1), 5))
         self.longest = int(0.6 * max(rows, columns))
 
     def candidates(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Floats:

@@ -17,7 +17,7 @@ from matchset.links.simulated import FPS, SimulationParameters
 Picture = npt.NDArray[np.uint8]
 
 SEED, DURATION, BEGIN = 104, 14.0, 4.0  # s; the picture begins where the start is over
-EVERY = 3  # ticks
+EVERY = 3  # steps
 CELL, MAP = (420, 315), (840, 330)  # px
 QUALITY, METHOD = 42, 3
 LARGEST = 3_000_000  # bytes
@@ -27,7 +27,7 @@ def scene(chain_step: ChainStep, setup: FlightSetup, top: TopView) -> Picture:
     """Put the two cameras side by side, and the chain from above below."""
     cells = []
     for number, (step, camera) in enumerate(zip(chain_step.steps, setup.cameras, strict=True), 1):
-        picture = annotate_step(step, number, camera, setup.radius, words=False)
+        picture = annotate_step(step, number, camera, setup.radius, captions=False)
         cell = np.asarray(cv2.resize(picture, CELL, interpolation=cv2.INTER_AREA), np.uint8)
         draw_text(cell, f"camera of {number}", (10, 16), 15)
         cells.append(cell)

@@ -1,4 +1,4 @@
-"""A short flight of a chain of three, and ticks made of it: what the tests of everything that reads ticks look at."""
+"""A short flight of a chain of three, and steps made of it: for the tests of all that reads `ChainStep`s."""
 
 import math
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from matchset.links.simulated import SimulationParameters
 from matchset.tracking.track import Lost
 
 DURATION, CABLE = 0.7, 0.5
-"""s; the cables are pulled before the end, so that some ticks lack pictures."""
+"""s; the cables are pulled before the end, so that some steps lack pictures."""
 SEED = 11
 
 
@@ -39,13 +39,13 @@ def lost(step: PilotStep, reason: str = "covered") -> PilotStep:
 
 
 def descending(step: PilotStep) -> PilotStep:
-    """Make the same step with no answer and on the way down."""
+    """Make the same step without control, while the vehicle descends."""
     safety = SafetyState("descending", "no new frame for 0.3 s", step.now, command=Command())
     return msgspec.structs.replace(step, control=None, safety=safety, age=math.inf)
 
 
 def with_step(chain_step: ChainStep, number: int, step: PilotStep) -> ChainStep:
-    """Put another step into a tick, for a follower from 0."""
+    """Put another step of a follower, from 0, into a step of the chain."""
     steps = list(chain_step.steps)
     steps[number] = step
     return msgspec.structs.replace(chain_step, steps=tuple(steps))

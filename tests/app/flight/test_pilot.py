@@ -59,7 +59,7 @@ def test_a_ball_out_of_sight_for_half_a_second_is_flown_through() -> None:
     assert sum(score.losses) >= 1
 
 
-def test_the_truth_of_a_tick_is_what_the_pictures_show() -> None:
+def test_the_truth_of_a_step_is_what_the_pictures_show() -> None:
     errors = []
     with Flight(flight(1.0, seed=104, vehicles=2)) as flown:
         for chain_step in flown:

@@ -65,7 +65,7 @@ def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
     assert min(throttles[-1]) > 0.3
 
 
-def test_a_flight_is_judged_by_its_ticks(flown: Flown) -> None:
+def test_a_flight_is_scored_by_its_steps(flown: Flown) -> None:
     scorer = FlightScorer(flown.setup.parameters)
     for chain_step in flown.chain_steps:
         scorer.add(chain_step)

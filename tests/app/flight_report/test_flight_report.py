@@ -20,7 +20,7 @@ def log_of(flown: Flown) -> FlightLog:
     return log
 
 
-def test_the_log_holds_what_the_ticks_said(flown: Flown) -> None:
+def test_the_log_holds_the_numbers_of_the_steps(flown: Flown) -> None:
     log = log_of(flown)
     first = log.followers[0]
     steps = [chain_step.steps[0] for chain_step in flown.chain_steps]

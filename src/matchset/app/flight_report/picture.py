@@ -76,7 +76,7 @@ def _columns(cells: int) -> int:
     return cells if cells <= 3 else math.ceil(math.sqrt(cells))
 
 
-def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: float, words: bool = True) -> Picture:
+def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: float, captions: bool = True) -> Picture:
     """Draw a step of a follower's loop into a copy of its picture.
 
     Parameters
@@ -88,7 +88,7 @@ def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: flo
         Model of the camera that took it.
     radius : float
         Of the ball, m.
-    words : bool
+    captions : bool
         Whether to write the follower, the phase of the safety filter and the estimated position below.
 
     Returns
@@ -99,7 +99,7 @@ def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: flo
     """
     image = _picture(step, camera)
     draw_located(image, step.ball, step.markers, step.pose, camera, radius)
-    if words:
+    if captions:
         _write(image, step, number)
     return image
 

@@ -56,7 +56,7 @@ def _integers(option: str, text: str, counts: tuple[int, ...]) -> tuple[int, ...
 
 
 def _axes(text: str) -> tuple[str, ...]:
-    words = [] if text == "none" else text.split(",")
-    if unknown := set(words) - set(AXES):
+    axes = [] if text == "none" else text.split(",")
+    if unknown := set(axes) - set(AXES):
         raise ValueError(f"--reverse takes {', '.join(AXES)} or none, got {', '.join(sorted(unknown))!r}")
-    return tuple(axis for axis in AXES if axis in words)
+    return tuple(axis for axis in AXES if axis in axes)

@@ -18,7 +18,8 @@ UNOBSERVED_VARIANCE = math.pi**2 / 3.0  # theorem: of an angle that is uniform i
 """Variance of a rotation about which nothing is known, rad^2 on each axis."""
 
 
-class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True):
+# format: a recording calls the rotation "turn"
+class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotation_matrix": "turn"}):
     """Position and rotation of the ball, with their covariance.
 
     Camera frame: x right, y down, z forward. Ball frame: z out of the ball through marker 0, y down, x = y cross z.

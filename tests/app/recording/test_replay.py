@@ -65,6 +65,23 @@ def test_every_step_comes_out_bit_for_bit(flown: Flown, recording: Path) -> None
                 np.testing.assert_array_equal(one.frame.image, other.frame.image)
 
 
+def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) -> None:
+    messages: dict[str, dict[str, Any]] = {}
+    for topic, data in McapReader(recording):
+        messages.setdefault(topic, msgspec.msgpack.decode(data))
+    step, truth = messages["/follower/1/step"], messages["/truth"]
+    assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras"]
+    assert list(messages["/configuration"]["parameters"]) == ["duration", "together", "stagger", "world", "pilot"]
+    assert list(messages["/follower/1/sample"]) == list(messages["/follower/2/frame"]) == ["index", "time", "png"]
+    assert list(step) == ["tick", "armed", "frame", "now", "command", "spent", "outcome"]
+    assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
+    assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
+    assert list(step["outcome"]["ball"]) == ["shape", "covariance", "support", "match_set", "time"]
+    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (9, 7)
+    assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]
+    assert list(truth["truth"][0]) == ["place", "turn", "ball"]
+
+
 def test_a_pixel_that_changed_is_noticed(flown: Flown, tmp_path: Path) -> None:
     chain_steps = list(flown.chain_steps[:8])
     frame = chain_steps[5].steps[1].frame

@@ -156,17 +156,15 @@ def _outline(circle: Circle, n: int) -> tuple[Floats, Floats]:
     return outline, 0.88 * np.sqrt((np.arange(n) * 0.6180339887) % 1.0)
 
 
-def grid_edges(smooth: npt.NDArray[np.int32]) -> Floats:
+def grid_edges(smooth: npt.NDArray[np.int16]) -> Floats:
     """Boundary of the positive region of a grid: x, y and outward normal, (n, 4)."""
     edges = np.zeros((smooth.size, 4))
     return edges[: voting.find_edges(smooth, edges)]
 
 
 def votes_for_centers(
-    smooth: npt.NDArray[np.int32], edges: Floats, nearest: int, farthest: int
+    smooth: npt.NDArray[np.int16], edges: Floats, nearest: int, farthest: int
 ) -> npt.NDArray[np.float32]:
     """Votes for each cell of a grid to be a center, as they fall and summed over 5 x 5 cells."""
-    votes, runs, total = (np.zeros(smooth.shape, np.float32) for _ in range(3))
-    voting.vote(smooth, edges, len(edges), nearest, farthest, 1, votes)
-    voting.spread_votes(votes, runs, total)
-    return np.stack((votes, total))
+    votes = voting.count_votes(smooth, edges, (nearest, farthest), 1, voting.SearchParameters())
+    return np.stack((votes, voting.sum_votes(votes)))

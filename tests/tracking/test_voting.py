@@ -5,12 +5,14 @@ import numpy.typing as npt
 import pytest
 
 from kernels import grid_edges, votes_for_centers
+from matchset.image.color import ColorModel
+from matchset.tracking import voting
 
 
-def grid_of_a_disc(x: float, y: float, radius: float) -> npt.NDArray[np.int32]:
+def grid_of_a_disc(x: float, y: float, radius: float) -> npt.NDArray[np.int16]:
     rows, columns = np.indices((60, 80))
     inside = radius - np.hypot(columns - x, rows - y)
-    grid: npt.NDArray[np.int32] = np.rint(1000.0 * np.clip(inside, -1.0, 1.0)).astype(np.int32)
+    grid: npt.NDArray[np.int16] = np.rint(1000.0 * np.clip(inside, -1.0, 1.0)).astype(np.int16)
     return grid
 
 
@@ -51,4 +53,37 @@ def test_only_wanted_distances_vote() -> None:
 
 def test_a_grid_of_one_kind_has_no_boundary() -> None:
     for value in (-5, 0, 5):
-        assert len(grid_edges(np.full((9, 12), value, np.int32))) == 0
+        assert len(grid_edges(np.full((9, 12), value, np.int16))) == 0
+
+
+def test_circles_are_fitted_to_the_boundary() -> None:
+    smooth = grid_of_a_disc(33.3, 28.6, 12.0)
+    edges, limits = grid_edges(smooth), voting.SearchParameters()
+    circles = voting.find_circles(smooth, edges, (1, 20), 1, limits)
+    assert np.abs(circles[0, :3] - (33.3, 28.6, 12.0)).max() < 2.0
+    for _ in range(limits.rounds):
+        voting.fit_circles(edges, circles, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
+    np.testing.assert_allclose(circles[0, :3], (33.3, 28.6, 12.0), atol=0.3)
+    assert circles[0, 3] == pytest.approx(1.0, abs=0.3)
+
+
+def test_of_near_peaks_the_stronger_one_is_kept() -> None:
+    total = np.zeros((20, 30), np.float32)
+    total[5, 5], total[6, 7], total[15, 20], total[0, 0], total[10, 10] = 9.0, 10.0, 4.0, 99.0, 1.0
+    np.testing.assert_array_equal(voting.pick_peaks(total, 2.0, 3.0, 6), [(7.0, 6.0), (20.0, 15.0)])
+    np.testing.assert_array_equal(voting.pick_peaks(total, 2.0, 3.0, 1), [(7.0, 6.0)])
+    assert voting.pick_peaks(np.zeros((9, 9), np.float32), 2.0, 3.0, 6).shape == (0, 2)
+
+
+@pytest.mark.parametrize("stride", [2, 3, 8])
+@pytest.mark.parametrize("channels", [1, 3])
+def test_a_cell_sums_the_scores_of_two_pixels(stride: int, channels: int) -> None:
+    rng = np.random.default_rng(0)
+    image = rng.integers(0, 256, (40, 56, channels), np.uint8)
+    color = ColorModel(rng.normal(0.0, 2.0, 32768 if channels == 3 else 256).astype(np.float32))
+    scores = color.scores(image if channels == 3 else image[:, :, 0]).astype(int)
+    grid = np.zeros((40 // stride, 56 // stride), np.int16)
+    voting.sample_grid(image, color.table, stride, grid)
+    rows = scores[stride // 2 :: stride][: len(grid)]
+    both = [rows[:, offset::stride][:, : grid.shape[1]] for offset in (0, stride // 2)]
+    np.testing.assert_array_equal(grid, both[0] + both[1])

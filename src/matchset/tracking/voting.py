@@ -2,7 +2,9 @@
 
 The paper tries every circle and keeps the one with the largest match-set. Here each boundary point of the coarse grid
 votes for the centers it could belong to, along its inward normal, with weight 1/distance, so that every full circle
-collects about 2 pi whatever its size; only the winners are then matched in the picture itself.
+collects about 2 pi whatever its size; only the winners are then matched in the picture itself. Other shapes begin at
+the regions of the grid instead. Filters, maxima and small matrices are left to OpenCV and NumPy; what goes from cell to
+cell or from point to point is compiled, since NumPy takes several times as long for it (decision 080).
 """
 
 import math
@@ -14,23 +16,26 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.numeric.jit import kernel
+from matchset.numeric.linalg import invert
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
-Cells = npt.NDArray[np.int32]
-MOST_EDGES = 1500  # boundary cells that may vote; more are thinned out evenly
-BORDER = 12  # cells of radius up to which votes are counted finely
-LEAST = 4.0  # area of a region that is worth a look, cells
+Scores = npt.NDArray[np.int16]
+Bytes = npt.NDArray[np.uint8]
+
+X, Y, RADIUS, SHARE = range(4)  # geometry: columns of candidates
+TINY = 1e-9
 
 
 class SearchParameters(msgspec.Struct, frozen=True):
     """How the whole frame is searched.
 
+    Chosen by hand; ``python -m benchmarks --only false_locks`` and ``--only reacquisition`` would show a change.
+
     Parameters
     ----------
     whole_frame : bool
-        Whether a tracker searches the whole frame while it follows nothing; without, something else must find the shape
-        and `start` the tracker.
+        Whether a tracker searches the whole frame for a shape that it lost; without it nothing of a search is compiled.
     cells : int
         The grid has about this many columns, of 2 to 8 px each: more finds smaller shapes and takes longer.
     votes : float
@@ -39,6 +44,29 @@ class SearchParameters(msgspec.Struct, frozen=True):
         Least share of a candidate's outline that boundary cells must confirm.
     candidates : int
         How many candidates are looked at in the picture itself.
+    voters : int
+        About how many boundary cells vote at most; where there are more, every second, third, ... one votes.
+    fine_radius : int
+        Radius up to which votes are counted in single cells, cells; larger circles are counted in 2 x 2 cells, since
+        votes from far away scatter more.
+    largest_share : float
+        Largest radius, as a share of the grid's longer side.
+    gap, gap_growth : float
+        Cells of background that a vote may cross on its way to the center: some at once, more per cell of distance.
+        More finds targets with marks and highlights, and lets neighbors vote for each other.
+    aim_rough, aim_fine : float
+        Cosine of the angle between a boundary cell's normal and the direction from the center beyond which the cell
+        does not count: where the radius is estimated, and where the circle is fitted.
+    band, band_growth : float
+        Width of the robust fit of a circle to its boundary cells: in cells, and per cell of radius.
+    rounds : int
+        Steps of that fit.
+    damping : float
+        Weight, in boundary cells, with which that fit keeps the circle as it is: where few cells hold it.
+    apart : float
+        Of peaks nearer to each other than this, in cells of their votes, only the strongest is kept.
+    region : float
+        Least area of a region that a shape may begin at, cells.
     """
 
     whole_frame: bool = True
@@ -46,10 +74,23 @@ class SearchParameters(msgspec.Struct, frozen=True):
     votes: float = 1.6
     share: float = 0.25
     candidates: int = 12
+    voters: int = 1500
+    fine_radius: int = 12
+    largest_share: float = 0.6
+    gap: float = 2.0
+    gap_growth: float = 0.3
+    aim_rough: float = 0.8
+    aim_fine: float = 0.7
+    band: float = 1.0
+    band_growth: float = 0.15
+    rounds: int = 3
+    damping: float = 0.1
+    apart: float = 3.0
+    region: float = 4.0
 
 
 class Searcher:
-    """The grids of a search, made once per picture size.
+    """Coarse search of pictures of one size.
 
     Parameters
     ----------
@@ -64,14 +105,11 @@ class Searcher:
         self.stride = min(max(width // self.parameters.cells, 2), 8)
         rows, columns = max(height // self.stride, 3), max(width // self.stride, 3)
         self.fits = height >= 3 * self.stride and width >= 3 * self.stride
-        self.grid, self.sums, self.smooth = (np.zeros((rows, columns), np.int32) for _ in range(3))
-        half = (rows + 1) // 2, (columns + 1) // 2
-        self.near, self.far = ([np.zeros(shape, np.float32) for _ in range(3)] for shape in ((rows, columns), half))
-        self.edges = np.zeros((max(rows * columns // 3, 64), 4))
-        self.peaks = np.zeros((max(self.parameters.candidates // 2, 1), 5))
-        self.longest = int(0.6 * max(rows, columns))
+        self._grid = np.zeros((rows, columns), np.int16)
+        self._edges = np.zeros((max(rows * columns // 3, 64), 4))
+        self._longest = int(self.parameters.largest_share * max(rows, columns))
 
-    def candidates(self, image: npt.NDArray[np.uint8], color: ColorModel) -> Floats:
+    def candidates(self, image: Bytes, color: ColorModel) -> Floats:
         """Rough circles, most of whose outline is confirmed first.
 
         Parameters
@@ -84,20 +122,24 @@ class Searcher:
         ndarray of shape (k, 4), float64
             x, y, radius, px; share of the outline that boundary cells confirm.
         """
-        if not self._look(image, color):
+        if not self.fits:
             return np.zeros((0, 4))
-        count = find_edges(self.smooth, self.edges)
-        near = self._peaks(count, self.near, 1, BORDER, 1)
-        far = self._peaks(count, self.far, BORDER - 3, self.longest, 2)
+        limits, fine = self.parameters, self.parameters.fine_radius
+        smooth = self._smooth_grid(image, color)
+        edges = self._edges[: find_edges(smooth, self._edges)]
+        near = find_circles(smooth, edges, (1, fine), 1, limits)
+        far = find_circles(smooth, edges, (fine - 3, self._longest), 2, limits)
         rough = np.concatenate((near, far))
-        rough = rough[rough[:, 3] >= self.parameters.share]
-        rough = rough[np.argsort(-rough[:, 3], kind="stable")]
-        rough[:, :3] *= self.stride
-        rough[:, 0] += 0.25 * self.stride
-        rough[:, 1] += 0.5 * self.stride
+        for _ in range(limits.rounds):
+            fit_circles(edges, rough, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
+        rough = rough[rough[:, SHARE] >= limits.share]
+        rough = rough[np.argsort(-rough[:, SHARE], kind="stable")]
+        rough[:, :SHARE] *= self.stride
+        rough[:, X] += 0.25 * self.stride
+        rough[:, Y] += 0.5 * self.stride
         return rough
 
-    def hulls(self, image: npt.NDArray[np.uint8], color: ColorModel) -> list[Floats]:
+    def hulls(self, image: Bytes, color: ColorModel) -> list[Floats]:
         """Rough convex outlines of the regions that look like the target, largest first.
 
         Parameters
@@ -110,43 +152,290 @@ class Searcher:
         list of ndarray of shape (m, 2), float64
             px.
         """
-        if not self._look(image, color):
+        if not self.fits:
             return []
-        return region_hulls(self.smooth, self.stride, self.parameters.candidates)
+        return region_hulls(self._smooth_grid(image, color), self.stride, self.parameters)
 
-    def _look(self, image: npt.NDArray[np.uint8], color: ColorModel) -> bool:
-        """Fill the smoothed grid with what a picture shows; False if the picture is too small for one."""
-        if self.fits:
-            sample_grid(image, color.table, self.stride, self.grid)
-            smooth_grid(self.grid, self.sums, self.smooth)
-            smooth_grid(self.smooth, self.sums, self.grid)
-            self.smooth, self.grid = self.grid, self.smooth
-        return self.fits
-
-    def _peaks(
-        self, count: int, grids: list[npt.NDArray[np.float32]], nearest: int, farthest: int, fold: int
-    ) -> Floats:
-        """Candidates with radii between two numbers of cells: x, y, radius (cells), share."""
-        votes, runs, spread = grids
-        votes[:] = 0.0
-        vote(self.smooth, self.edges, count, nearest, farthest, fold, votes)
-        spread_votes(votes, runs, spread)
-        least = self.parameters.votes
-        found = pick_peaks(spread, self.edges, count, farthest, least, fold, self.peaks)
-        return self.peaks[:found, :4].copy()
+    def _smooth_grid(self, image: Bytes, color: ColorModel) -> Scores:
+        """Scores of the cells, each summed twice over 3 x 3 cells; beyond the picture the border repeats."""
+        sample_grid(image, color.table, self.stride, self._grid)
+        smooth: Scores = self._grid
+        for _ in range(2):
+            smooth = np.asarray(
+                cv2.boxFilter(smooth, -1, (3, 3), normalize=False, borderType=cv2.BORDER_REPLICATE), np.int16
+            )
+        return smooth
 
 
-def region_hulls(smooth: npt.NDArray[np.int32], stride: int, most: int) -> list[Floats]:
+@kernel
+def sample_grid(image: Bytes, table: npt.NDArray[np.int8], stride: int, grid: Scores) -> None:
+    """Sum of the scores of two pixels in every cell of `stride` x `stride` pixels.
+
+    Parameters
+    ----------
+    image : (h, w, channels) uint8
+    table : (32768,) or (256,) int8
+        See `ColorModel`.
+    stride : int
+        px.
+    grid : (rows, columns) int16, written
+    """
+    half = stride // 2
+    for i in range(grid.shape[0]):
+        row = np.uintp(i * stride + half)
+        for j in range(grid.shape[1]):
+            total = 0
+            for offset in (0, half):
+                column = np.uintp(j * stride + offset)
+                cell = np.uint32(image[row, column, 0])
+                if table.size > 256:
+                    g, r = np.uint32(image[row, column, 1]), np.uint32(image[row, column, 2])
+                    cell = (
+                        (cell >> np.uint32(3)) << np.uint32(10)
+                        | (g >> np.uint32(3)) << np.uint32(5)
+                        | r >> np.uint32(3)
+                    )
+                total += table[np.uintp(cell)]
+            grid[i, j] = total
+
+
+@kernel
+def find_edges(smooth: Scores, edges: Floats) -> int:
+    """Boundary of the positive region of a smoothed grid.
+
+    Parameters
+    ----------
+    smooth : (rows, columns) int16
+    edges : (most, 4), written
+        x, y and outward normal of each boundary point, cells; the normal is that of Sobel's gradient.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    height, width = smooth.shape
+    count = 0
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            here, left, right = smooth[i, j], smooth[i, j - 1], smooth[i, j + 1]
+            above, below = smooth[i - 1, j], smooth[i + 1, j]
+            if here <= 0 or (left > 0 and right > 0 and above > 0 and below > 0):
+                continue
+            falling, rising = smooth[i + 1, j + 1] - smooth[i - 1, j - 1], smooth[i - 1, j + 1] - smooth[i + 1, j - 1]
+            gx = 2.0 * (right - left) + (falling + rising)
+            gy = 2.0 * (below - above) + (falling - rising)
+            slope = math.sqrt(gx * gx + gy * gy)
+            if slope > 0.0 and count < edges.shape[0]:
+                nx, ny = -gx / slope, -gy / slope
+                beyond = 8.0 * here / slope  # Sobel's stencil weighs 8: to where the score is 0
+                if beyond > 1.0:
+                    beyond = 1.0
+                edges[count, 0], edges[count, 1] = j + beyond * nx, i + beyond * ny
+                edges[count, 2], edges[count, 3] = nx, ny
+                count += 1
+    return count
+
+
+def find_circles(
+    smooth: Scores, edges: Floats, distances: tuple[int, int], fold: int, limits: SearchParameters
+) -> Floats:
+    """Circles that the boundary votes for.
+
+    Parameters
+    ----------
+    smooth : ndarray of shape (rows, columns), int16
+    edges : ndarray of shape (n, 4), float64
+        See `find_edges`.
+    distances : tuple of int
+        Least and largest radius, cells.
+    fold : int
+        Side of the square of cells that share one count of votes.
+    limits : SearchParameters
+
+    Returns
+    -------
+    ndarray of shape (k, 4), float64
+        x, y, radius, cells; 0.
+    """
+    votes = count_votes(smooth, edges, distances, fold, limits)
+    peaks = pick_peaks(sum_votes(votes), limits.votes, limits.apart, limits.candidates // 2)
+    circles = np.zeros((len(peaks), 4))
+    circles[:, :RADIUS] = fold * (peaks + 0.5) - 0.5
+    find_radii(edges, circles, distances[1], limits.aim_rough)
+    return circles
+
+
+def count_votes(
+    smooth: Scores, edges: Floats, distances: tuple[int, int], fold: int, limits: SearchParameters
+) -> Singles:
+    """Votes for each cell to be a center; see `find_circles`."""
+    every = 1 + len(edges) // limits.voters
+    distance = np.arange(distances[1] + 1)
+    weights = every / (distance + 0.5)
+    weights[: distances[0]] = 0.0
+    gaps = np.asarray(limits.gap + limits.gap_growth * distance, np.float64)
+    votes = np.zeros([-(-cells // fold) for cells in smooth.shape], np.float32)
+    vote(smooth, edges if every == 1 else edges[::every].copy(), weights, gaps, fold, votes)
+    return votes
+
+
+@kernel
+def vote(smooth: Scores, edges: Floats, weights: Floats, gaps: Floats, fold: int, votes: Singles) -> None:
+    """Add a weight along the inward normal of every boundary point, as long as the way is mostly target.
+
+    Parameters
+    ----------
+    smooth : (rows, columns) int16
+    edges : (n, 4)
+        See `find_edges`.
+    weights : (m,)
+        Of a vote, by its distance in cells.
+    gaps : (m,)
+        Cells of background that are allowed up to that distance.
+    fold : int
+        Side of the square of cells that share one count.
+    votes : float32, written
+    """
+    height, width = smooth.shape
+    for i in range(edges.shape[0]):
+        x, y, nx, ny = edges[i, 0], edges[i, 1], edges[i, 2], edges[i, 3]
+        foreign = 0
+        for distance in range(1, weights.shape[0]):
+            column, row = int(x - nx * distance + 0.5), int(y - ny * distance + 0.5)
+            if column < 0 or row < 0 or column >= width or row >= height:
+                break
+            foreign += smooth[row, column] <= 0
+            if foreign > gaps[distance]:
+                break
+            if weights[distance] > 0.0:
+                votes[row // fold, column // fold] += weights[distance]
+
+
+def sum_votes(votes: Singles) -> Singles:
+    """Votes summed over 5 x 5 cells: normals on a coarse grid are off by a few degrees."""
+    return np.asarray(cv2.boxFilter(votes, -1, (5, 5), normalize=False, borderType=cv2.BORDER_CONSTANT), np.float32)
+
+
+def pick_peaks(total: Singles, least: float, apart: float, most: int) -> Floats:
+    """Strongest maxima of the votes; of two that are near to each other the stronger one.
+
+    Parameters
+    ----------
+    total : ndarray of shape (rows, columns), float32
+    least : float
+        Votes of a peak.
+    apart : float
+        Distance in x or y that two peaks must have.
+    most : int
+        How many at most.
+
+    Returns
+    -------
+    ndarray of shape (k, 2), float64
+        x and y, strongest first.
+    """
+    width, flat = total.shape[1], total.ravel()
+    high = np.flatnonzero(flat >= least)
+    rows, columns = np.divmod(high, width)
+    high = high[(rows > 0) & (rows < total.shape[0] - 1) & (columns > 0) & (columns < width - 1)]
+    votes = flat[high]
+    highest = (votes >= flat[high - 1]) & (votes >= flat[high - width])
+    highest &= (votes > flat[high + 1]) & (votes > flat[high + width])
+    peaks: list[tuple[float, float]] = []
+    for place in high[highest][np.argsort(-votes[highest], kind="stable")].tolist():
+        y, x = divmod(place, width)
+        if all(abs(x - px) >= apart or abs(y - py) >= apart for px, py in peaks):
+            peaks.append((x, y))
+            if len(peaks) == most:
+                break
+    return np.array(peaks, np.float64).reshape(-1, 2)
+
+
+@kernel
+def find_radii(edges: Floats, circles: Floats, longest: int, aim: float) -> None:
+    """Write the radius at which the share of the circle that boundary points confirm is largest.
+
+    Parameters
+    ----------
+    edges : (n, 4)
+        See `find_edges`.
+    circles : (k, 4), written
+        x, y are read, the radius is written, cells.
+    longest : int
+        Largest radius, cells.
+    aim : float
+        See `SearchParameters`.
+    """
+    votes = np.zeros(longest + 3)
+    for k in range(circles.shape[0]):
+        for m in range(longest + 3):
+            votes[m] = 0.0
+        for i in range(edges.shape[0]):
+            dx, dy = edges[i, 0] - circles[k, 0], edges[i, 1] - circles[k, 1]
+            distance = math.sqrt(dx * dx + dy * dy)
+            if distance < longest and dx * edges[i, 2] + dy * edges[i, 3] > aim * distance:
+                votes[int(distance + 0.5)] += 1.0 / (distance + 0.5)
+        best, most = 1, 0.0
+        for m in range(1, longest + 1):
+            near = votes[m - 1] + votes[m] + votes[m + 1]
+            if near > most:
+                most, best = near, m
+        circles[k, 2] = best
+
+
+@kernel
+def fit_circles(edges: Floats, circles: Floats, aim: float, band: float, growth: float, damping: float) -> None:
+    """Take one step of a robust fit of circles to the boundary points near them, with Tukey's weights.
+
+    Parameters
+    ----------
+    edges : (n, 4)
+        See `find_edges`.
+    circles : (k, 4), written
+        x, y, radius, cells; share of the circle that boundary points confirm.
+    aim, band, growth, damping : float
+        See `SearchParameters`.
+    """
+    sums, inverse = np.empty((3, 4)), np.empty((3, 3))
+    for k in range(circles.shape[0]):
+        for a in range(3):
+            for b in range(4):
+                sums[a, b] = 0.0
+        width = band + growth * circles[k, 2]
+        for i in range(edges.shape[0]):
+            dx, dy = edges[i, 0] - circles[k, 0], edges[i, 1] - circles[k, 1]
+            distance = math.sqrt(dx * dx + dy * dy) + TINY
+            off = (distance - circles[k, 2]) / width
+            if off * off >= 1.0 or dx * edges[i, 2] + dy * edges[i, 3] < aim * distance:
+                continue
+            weight = (1.0 - off * off) ** 2
+            row = dx / distance, dy / distance, 1.0, off * width
+            for a in range(3):
+                for b in range(a, 4):
+                    sums[a, b] += weight * row[a] * row[b]
+        confirmed = sums[2, 2]
+        for a in range(3):
+            sums[a, a] += damping
+        if invert(sums, inverse):
+            for a in range(3):
+                for b in range(3):
+                    circles[k, a] += inverse[a, b] * sums[b, 3]
+        radius = circles[k, 2] if circles[k, 2] > 0.7 else 0.7  # half the diagonal of a cell
+        circles[k, 2] = radius
+        circles[k, 3] = confirmed / (2.0 * math.pi * (radius if radius > 1.0 else 1.0))
+
+
+def region_hulls(smooth: Scores, stride: int, limits: SearchParameters) -> list[Floats]:
     """Find the regions of a grid of scores that are positive.
 
     Parameters
     ----------
-    smooth : ndarray of shape (rows, columns), int32
-        Scores, see `smooth_grid`.
+    smooth : ndarray of shape (rows, columns), int16
+        Scores.
     stride : int
         Size of a cell, px.
-    most : int
-        How many at most.
+    limits : SearchParameters
 
     Returns
     -------
@@ -155,10 +444,10 @@ def region_hulls(smooth: npt.NDArray[np.int32], stride: int, most: int) -> list[
     """
     contours, _ = cv2.findContours((smooth > 0).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     areas = [cv2.contourArea(contour) + 0.5 * len(contour) for contour in contours]
-    order = sorted(range(len(contours)), key=lambda k: -areas[k])[:most]
+    order = sorted(range(len(contours)), key=lambda k: -areas[k])[: limits.candidates]
     found = []
     for k in order:
-        if areas[k] < LEAST or len(contours[k]) < 3:
+        if areas[k] < limits.region or len(contours[k]) < 3:
             continue
         hull = cv2.convexHull(contours[k])[:, 0, :].astype(np.float64)
         if len(hull) < 3:
@@ -172,201 +461,3 @@ def region_hulls(smooth: npt.NDArray[np.int32], stride: int, most: int) -> list[
         turns = float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
         found.append(hull if turns > 0.0 else np.ascontiguousarray(hull[::-1]))
     return found
-
-
-@kernel
-def sample_grid(image: npt.NDArray[np.uint8], table: npt.NDArray[np.int8], stride: int, grid: Cells) -> None:
-    """Sum of the scores of two pixels in every cell of `stride` x `stride` pixels."""
-    half = stride // 2
-    color = table.size > 256
-    for i in range(grid.shape[0]):
-        row = np.uintp(i * stride + half)
-        for j in range(grid.shape[1]):
-            total = 0
-            for offset in (0, half):
-                column = np.uintp(j * stride + offset)
-                cell = np.uint32(image[row, column, 0])
-                if color:
-                    g, r = np.uint32(image[row, column, 1]), np.uint32(image[row, column, 2])
-                    cell = (
-                        (cell >> np.uint32(3)) << np.uint32(10)
-                        | (g >> np.uint32(3)) << np.uint32(5)
-                        | r >> np.uint32(3)
-                    )
-                total += table[np.uintp(cell)]
-            grid[i, j] = total
-
-
-@kernel
-def smooth_grid(grid: Cells, rows: Cells, smooth: Cells) -> None:
-    """Sum over 3 x 3 cells; beyond the picture the border repeats."""
-    height, width = grid.shape
-    for i in range(height):
-        rows[i, 0] = 2 * grid[i, 0] + grid[i, 1]
-        for j in range(1, width - 1):
-            rows[i, j] = grid[i, j - 1] + grid[i, j] + grid[i, j + 1]
-        rows[i, width - 1] = grid[i, width - 2] + 2 * grid[i, width - 1]
-    for i in range(height):
-        above, below = max(i - 1, 0), min(i + 1, height - 1)
-        for j in range(width):
-            smooth[i, j] = rows[above, j] + rows[i, j] + rows[below, j]
-
-
-@kernel
-def find_edges(smooth: Cells, edges: Floats) -> int:
-    """Boundary of the positive region: x, y and outward normal, in cells; returns how many there are."""
-    height, width = smooth.shape
-    count = 0
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            s = smooth[i, j]
-            if s <= 0 or (
-                smooth[i, j - 1] > 0 and smooth[i, j + 1] > 0 and smooth[i - 1, j] > 0 and smooth[i + 1, j] > 0
-            ):
-                continue
-            gx = float(smooth[i, j + 1] - smooth[i, j - 1]) * 2.0
-            gx += float(smooth[i - 1, j + 1] - smooth[i - 1, j - 1] + smooth[i + 1, j + 1] - smooth[i + 1, j - 1])
-            gy = float(smooth[i + 1, j] - smooth[i - 1, j]) * 2.0
-            gy += float(smooth[i + 1, j - 1] - smooth[i - 1, j - 1] + smooth[i + 1, j + 1] - smooth[i - 1, j + 1])
-            steep = math.sqrt(gx * gx + gy * gy)
-            if steep <= 0.0 or count >= edges.shape[0]:
-                continue
-            nx, ny = -gx / steep, -gy / steep
-            beyond = min(8.0 * s / steep, 1.0)
-            edges[count, 0], edges[count, 1] = j + beyond * nx, i + beyond * ny
-            edges[count, 2], edges[count, 3] = nx, ny
-            count += 1
-    return count
-
-
-@kernel
-def vote(smooth: Cells, edges: Floats, count: int, nearest: int, farthest: int, fold: int, votes: Singles) -> None:
-    """Add 1/distance along the inward normal of every boundary point, as long as the way is mostly target.
-
-    Only distances from `nearest` to `farthest` (cells) vote; `fold` cells of the grid share one of the votes, since far
-    votes are spread wider.
-    """
-    height, width = smooth.shape
-    every = 1 + count // MOST_EDGES
-    for i in range(0, count, every):
-        x, y, nx, ny = edges[i, 0], edges[i, 1], edges[i, 2], edges[i, 3]
-        foreign = 0
-        for distance in range(1, farthest + 1):
-            column, row = int(x - nx * distance + 0.5), int(y - ny * distance + 0.5)
-            if column < 0 or row < 0 or column >= width or row >= height:
-                break
-            foreign += smooth[row, column] <= 0
-            if foreign > 2 + 0.3 * distance:
-                break
-            if distance >= nearest:
-                votes[row // fold, column // fold] += every / np.float32(distance + 0.5)
-
-
-@kernel
-def spread_votes(votes: Singles, rows: Singles, total: Singles) -> None:
-    """Sum the votes over 5 x 5 cells: normals on a coarse grid are off by a few degrees."""
-    height, width = votes.shape
-    for i in range(height):
-        run = np.float32(0.0)
-        for j in range(min(2, width)):
-            run += votes[i, j]
-        for j in range(width):
-            if j + 2 < width:
-                run += votes[i, j + 2]
-            if j > 2:
-                run -= votes[i, j - 3]
-            rows[i, j] = run
-    for i in range(height):
-        for j in range(width):
-            total[i, j] = np.float32(0.0)
-        for k in range(max(i - 2, 0), min(i + 3, height)):
-            for j in range(width):
-                total[i, j] += rows[k, j]
-
-
-@kernel
-def pick_peaks(total: Singles, edges: Floats, count: int, longest: int, least: float, fold: int, peaks: Floats) -> int:
-    """Strongest maxima of the votes, each with the circle its boundary points agree on; returns how many.
-
-    A row of `peaks` is x, y, radius (cells), the share of the circle that boundary points confirm, the votes.
-    """
-    height, width = total.shape
-    found = 0
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            v = total[i, j]
-            if v < least or v < total[i, j - 1] or v < total[i - 1, j] or v <= total[i, j + 1] or v <= total[i + 1, j]:
-                continue
-            found = _insert(peaks, found, fold * (j + 0.5) - 0.5, fold * (i + 0.5) - 0.5, v, 3.0 * fold)
-    for k in range(found):
-        _radius(edges, count, peaks, k, longest)
-        for _ in range(3):
-            _circle(edges, count, peaks, k)
-    return found
-
-
-@kernel
-def _insert(peaks: Floats, found: int, x: float, y: float, v: float, apart: float) -> int:
-    """Keep the peaks sorted by votes; of peaks less than `apart` cells from each other only the strongest."""
-    for k in range(found):
-        if abs(peaks[k, 0] - x) < apart and abs(peaks[k, 1] - y) < apart:
-            if v <= peaks[k, 4]:
-                return found
-            for m in range(k, found - 1):
-                peaks[m, 0], peaks[m, 1], peaks[m, 4] = peaks[m + 1, 0], peaks[m + 1, 1], peaks[m + 1, 4]
-            found -= 1
-            break
-    if found == peaks.shape[0] and v <= peaks[found - 1, 4]:
-        return found
-    found = min(found + 1, peaks.shape[0])
-    k = found - 1
-    while k > 0 and v > peaks[k - 1, 4]:
-        peaks[k, 0], peaks[k, 1], peaks[k, 4] = peaks[k - 1, 0], peaks[k - 1, 1], peaks[k - 1, 4]
-        k -= 1
-    peaks[k, 0], peaks[k, 1], peaks[k, 4] = x, y, v
-    return found
-
-
-@kernel
-def _radius(edges: Floats, count: int, peaks: Floats, k: int, longest: int) -> None:
-    """Distance at which the share of the circle that boundary points confirm is largest."""
-    x, y = peaks[k, 0], peaks[k, 1]
-    votes = np.zeros(longest + 3)
-    for i in range(count):
-        dx, dy = edges[i, 0] - x, edges[i, 1] - y
-        distance = math.sqrt(dx * dx + dy * dy)
-        if distance < longest and dx * edges[i, 2] + dy * edges[i, 3] > 0.8 * distance:
-            votes[int(distance + 0.5)] += 1.0 / (distance + 0.5)
-    best, share = 1, 0.0
-    for m in range(1, longest + 1):
-        near = votes[m - 1] + votes[m] + votes[m + 1]
-        if near > share:
-            share, best = near, m
-    peaks[k, 2], peaks[k, 3] = best, share / (2.0 * math.pi)
-
-
-@kernel
-def _circle(edges: Floats, count: int, peaks: Floats, k: int) -> None:
-    """One step of a robust circle fit to the boundary points near the present circle."""
-    x, y, radius = peaks[k, 0], peaks[k, 1], peaks[k, 2]
-    a00 = a01 = a02 = a11 = a12 = a22 = b0 = b1 = b2 = 0.0
-    width = 1.0 + 0.15 * radius
-    for i in range(count):
-        dx, dy = edges[i, 0] - x, edges[i, 1] - y
-        distance = math.sqrt(dx * dx + dy * dy) + 1e-9
-        e = (distance - radius) / width
-        if e * e >= 1.0 or dx * edges[i, 2] + dy * edges[i, 3] < 0.7 * distance:
-            continue
-        w, e = (1.0 - e * e) ** 2, e * width
-        ux, uy = dx / distance, dy / distance
-        a00, a01, a02 = a00 + w * ux * ux, a01 + w * ux * uy, a02 + w * ux
-        a11, a12, a22 = a11 + w * uy * uy, a12 + w * uy, a22 + w
-        b0, b1, b2 = b0 + w * ux * e, b1 + w * uy * e, b2 + w * e
-    a00, a11, a22 = a00 + 0.1, a11 + 0.1, a22 + 0.1
-    c0, c1, c2 = a11 * a22 - a12 * a12, a02 * a12 - a01 * a22, a01 * a12 - a02 * a11
-    det = a00 * c0 + a01 * c1 + a02 * c2
-    sx = (c0 * b0 + c1 * b1 + c2 * b2) / det
-    sy = (c1 * b0 + (a00 * a22 - a02 * a02) * b1 + (a01 * a02 - a00 * a12) * b2) / det
-    sr = (c2 * b0 + (a01 * a02 - a00 * a12) * b1 + (a00 * a11 - a01 * a01) * b2) / det
-    peaks[k, 0], peaks[k, 1], peaks[k, 2] = x + sx, y + sy, max(radius + sr, 0.7)
-    peaks[k, 3] = (a22 - 0.1) / (2.0 * math.pi * max(peaks[k, 2], 1.0))

@@ -45,6 +45,7 @@ Points = npt.NDArray[np.float64]
 Center = tuple[float, float]
 Edges = dict[Direction, Mask]
 Found = tuple[Circle, Points]
+# geometry: from a pixel to its neighbor
 STEP: dict[Direction, tuple[int, int]] = {"right": (1, 0), "left": (-1, 0), "upper": (0, -1), "lower": (0, 1)}
 
 

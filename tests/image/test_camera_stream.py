@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cameras import PATIENCE, Camera
+from matchset.image.camera_stream import StreamParameters
 from matchset.image.errors import LinkError
 from matchset.image.video import Video
 
@@ -104,7 +105,7 @@ def test_a_camera_that_does_not_open_is_a_broken_link(camera: Camera) -> None:
 
 
 def test_a_camera_without_a_first_picture_is_closed_again(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("matchset.image.camera_stream.WARM_UP", 0.02)
+    monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", StreamParameters(first_picture_s=0.02))
     camera._pictures.clear()
     camera.unplug()
     with pytest.raises(LinkError, match=r"no picture for 0\.02 s"):

@@ -11,7 +11,7 @@ from families import SHAPES, Points, apart, begin_at, dense, fit, page_example
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from matchset.shapes.family_check import check_family
+from matchset.shapes.family_check import check_contract
 from matchset.shapes.shape import places
 from matchset.shapes.template import Affine
 
@@ -32,7 +32,7 @@ def shapes() -> dict[str, Any]:
 
 @every_shape
 def test_it_keeps_the_contract(shapes: dict[str, Any], name: str) -> None:
-    check_family(type(shapes[name]))
+    check_contract(type(shapes[name]))
 
 
 @every_shape

@@ -1,7 +1,7 @@
 """Brightness in place of color: dark things, light things, and edges of either kind.
 
-Nothing is learned here: a thing is dark if it is darker than a level, and the level comes from the picture itself, as
-the gray value that parts its pixels best in two (Otsu's method), or from what lies on the two sides of an outline.
+Nothing is learned here: a thing is dark if it is darker than a level. The level comes from the picture itself: the gray
+value that separates its pixels best in two classes (Otsu 1979), or the middle between both sides of an outline.
 """
 
 import functools
@@ -9,16 +9,40 @@ import math
 from typing import Literal
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Gray = Literal["", "dark", "light", "edges"]
 
-SOFT = 12.0  # gray levels per unit of log-odds: how gradual the step from target to background is
-SAMPLES = 96  # rows and columns of a picture that are looked at for its level, at most
-WITHIN, BEYOND = 0.8, 1.25  # how far out both sides of an outline are looked at, in half-widths
-HARDLY = 1e-2  # log-odds of everything where edges alone count: the inside says nothing
+
+class BrightnessParameters(msgspec.Struct, frozen=True):
+    """How a level between dark and light is found and used.
+
+    Chosen by hand; `tests/image/test_color.py` and ``python -m benchmarks --only real`` would show a change.
+
+    Parameters
+    ----------
+    levels_per_unit : float
+        Gray levels per unit of log-odds: how gradual the step from target to background is. More forgives uneven light
+        and gives weaker edges.
+    samples : int
+        Rows and columns of a picture from which its level is computed, at most.
+    inner, outer : float
+        Where the gray values on both sides of an outline are read, in half-widths from its center.
+    edges_log_odds : float
+        Log-odds of everything where edges alone count: so small that the inside decides nothing.
+    """
+
+    levels_per_unit: float = 12.0
+    samples: int = 96
+    inner: float = 0.8
+    outer: float = 1.25
+    edges_log_odds: float = 1e-2
+
+
+DEFAULT = BrightnessParameters()
 
 
 def log_odds_of(gray: Gray, level: float, channels: int) -> npt.NDArray[np.float32]:
@@ -38,9 +62,9 @@ def log_odds_of(gray: Gray, level: float, channels: int) -> npt.NDArray[np.float
     """
     values = _lightness() if channels == 3 else np.arange(256, dtype=np.float32)
     if gray == "edges":
-        return np.full(values.shape, HARDLY, np.float32)
+        return np.full(values.shape, DEFAULT.edges_log_odds, np.float32)
     sign = 1.0 if gray == "light" else -1.0
-    return np.asarray(sign * (values - np.float32(level)) / SOFT, np.float32)
+    return np.asarray(sign * (values - np.float32(level)) / DEFAULT.levels_per_unit, np.float32)
 
 
 @functools.cache
@@ -59,7 +83,7 @@ def level_in(image: npt.NDArray[np.uint8]) -> float:
     image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
     """
     rows, columns = image.shape[:2]
-    few = np.ascontiguousarray(image[:: max(rows // SAMPLES, 1), :: max(columns // SAMPLES, 1)])
+    few = np.ascontiguousarray(image[:: max(rows // DEFAULT.samples, 1), :: max(columns // DEFAULT.samples, 1)])
     if few.ndim == 3:
         few = np.asarray(cv2.cvtColor(few, cv2.COLOR_BGR2GRAY) if few.shape[2] == 3 else few[:, :, 0], np.uint8)
     level, _ = cv2.threshold(few, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
@@ -83,7 +107,7 @@ def level_across(image: npt.NDArray[np.uint8], points: Floats, x: float, y: floa
         NaN where the picture does not hold both sides.
     """
     center, sides = np.array([x, y]), []
-    for share in (WITHIN, BEYOND):
+    for share in (DEFAULT.inner, DEFAULT.outer):
         places = np.rint(center + share * (points - center)).astype(np.int64)
         inside = ((places >= 0) & (places < image.shape[1::-1])).all(axis=1)
         pixels = image[places[inside, 1], places[inside, 0]].reshape(int(inside.sum()), -1).astype(np.float64)

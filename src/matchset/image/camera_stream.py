@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from time import monotonic
 
 import cv2
+import msgspec
 
 from matchset.image.capture import Capture, hushed, open_capture, unpack
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 
-WARM_UP = 10.0  # s that the first picture may take: cameras start slowly, streams wait for a key frame
-RETRY = 0.01  # s between attempts while a device delivers nothing
-# With one V4L2 buffer the driver has nowhere to write while a picture is unpacked, and every other frame is
-# lost. A second one adds no age: the thread empties the queue faster than it fills.
+# format: buffers that a V4L2 driver is asked for. With one it has nowhere to write while a picture is unpacked, and
+# every other frame is lost. A second one adds no age: the thread empties the queue faster than it fills.
 BUFFERS = 2
 Settings = dict[str, tuple[float, float | None]]
 PROPERTIES = {
@@ -22,7 +21,30 @@ PROPERTIES = {
     "white_balance": cv2.CAP_PROP_WB_TEMPERATURE,
     "fps": cv2.CAP_PROP_FPS,
 }
-V4L2_MANUAL_EXPOSURE = 1.0  # V4L2_EXPOSURE_MANUAL; the other systems say 0 for "not automatic"
+V4L2_MANUAL_EXPOSURE = 1.0  # format: V4L2_EXPOSURE_MANUAL; the other systems say 0 for "not automatic"
+
+
+class StreamParameters(msgspec.Struct, frozen=True):
+    """Times of a live source.
+
+    Chosen by hand; `tests/image/test_camera_stream.py` would show a change.
+
+    Parameters
+    ----------
+    first_picture_s : float
+        Time that the first picture may take, s: cameras start slowly, streams wait for a key frame.
+    retry_s : float
+        Time between attempts while a device delivers nothing, s.
+    latest_stamp_s : float
+        Age up to which a driver's time stamp is believed, s; other clocks are further off.
+    """
+
+    first_picture_s: float = 10.0
+    retry_s: float = 0.01
+    latest_stamp_s: float = 1.0
+
+
+DEFAULT = StreamParameters()
 
 
 class Live:
@@ -56,7 +78,7 @@ class Live:
         self.name, self.timeout, self.dropped, self.broken = name, timeout, 0, 0
         self.warnings: list[str] = []
         is_stream = isinstance(device, str) and "://" in device
-        self._capture = open_capture(device, max(timeout, WARM_UP) if is_stream else None)
+        self._capture = open_capture(device, max(timeout, DEFAULT.first_picture_s) if is_stream else None)
         if not self._capture.isOpened():
             raise LinkError(f"cannot open {name}")
         with hushed:
@@ -72,7 +94,7 @@ class Live:
         self._thread = threading.Thread(target=self._run, name=f"matchset {name}", daemon=True)
         self._thread.start()
         try:
-            self.shape = self._await(max(timeout, WARM_UP)).image.shape
+            self.shape = self._await(max(timeout, DEFAULT.first_picture_s)).image.shape
         except BaseException:
             self.close()
             raise
@@ -102,7 +124,7 @@ class Live:
                 if self._capture.grab():
                     self._keep(self._moment())
                 else:
-                    self._stop.wait(RETRY)
+                    self._stop.wait(DEFAULT.retry_s)
         except Exception as error:  # whatever a driver or OpenCV raises belongs to the reader
             self._failure = " ".join(str(error).split()) or type(error).__name__
         finally:
@@ -116,7 +138,7 @@ class Live:
         moment = now = monotonic()
         if self._stamped:
             stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
-            if 0.0 <= now - stamp < 1.0:  # another clock, or none, is far off
+            if 0.0 <= now - stamp < DEFAULT.latest_stamp_s:
                 moment = stamp
         self._last = max(moment, self._last + 1e-6)
         return self._last

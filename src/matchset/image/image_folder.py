@@ -11,7 +11,7 @@ from matchset.image.capture import hushed
 from matchset.image.frame import Frame
 
 SUFFIXES = {".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff", ".webp"}
-DEFAULT_FPS = 30.0
+DEFAULT_FPS = 30.0  # format: a folder states no frame rate
 
 
 class Pictures:

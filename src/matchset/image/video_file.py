@@ -5,13 +5,33 @@ from itertools import pairwise
 from pathlib import Path
 
 import cv2
+import msgspec
 
 from matchset.image.capture import open_capture, unpack
 from matchset.image.frame import Frame
 
-DEFAULT_FPS = 30.0
-PROBE = 16  # frames whose time stamps are looked at before they are trusted
-PATIENCE = 8, 1000  # failures in a row that mean the end: past the announced length, and before it
+DEFAULT_FPS = 30.0  # format: of a file that states no usable frame rate
+
+
+class VideoFileParameters(msgspec.Struct, frozen=True):
+    """When a video file is believed, and when it ends.
+
+    Chosen by hand; `tests/image/test_video_file.py` would show a change.
+
+    Parameters
+    ----------
+    probe_frames : int
+        Frames whose time stamps are read before the stamps are used.
+    failures_past_end, failures_before_end : int
+        Failures in a row that mean the end of the file: past its announced length, and before it.
+    """
+
+    probe_frames: int = 16
+    failures_past_end: int = 8
+    failures_before_end: int = 1000
+
+
+DEFAULT = VideoFileParameters()
 
 
 class Recording:
@@ -62,7 +82,7 @@ class Recording:
     def _stamps_run_forward(self) -> bool:
         """Whether the stamps of the first frames increase; told by a second look at the file."""
         probe = open_capture(str(self.path))
-        stamps = [probe.get(cv2.CAP_PROP_POS_MSEC) for _ in range(PROBE) if probe.grab()]
+        stamps = [probe.get(cv2.CAP_PROP_POS_MSEC) for _ in range(DEFAULT.probe_frames) if probe.grab()]
         probe.release()
         if all(early < late for early, late in pairwise(stamps)):
             return True
@@ -78,7 +98,7 @@ class Recording:
 
     def _decode(self) -> Frame | None:
         unread = 0 if self.length is None else self.length - self._next
-        for misses in range(min(max(unread + 1, PATIENCE[0]), PATIENCE[1])):
+        for misses in range(min(max(unread + 1, DEFAULT.failures_past_end), DEFAULT.failures_before_end)):
             image = unpack(self._capture) if self._capture.grab() else None
             if image is not None:
                 index = self._next + misses

@@ -5,14 +5,31 @@ from collections.abc import Callable
 from typing import Any
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes.template import Motion, family_of
 
 Floats = npt.NDArray[np.float64]
-STEPS = 360  # angles at which a support function is asked
-FULL = 0.93  # share of its hull that a picture must fill to be convex
+STEPS = 360  # geometry: angles at which a support function is sampled
+
+
+class ConvexParameters(msgspec.Struct, frozen=True):
+    """What counts as convex.
+
+    Chosen by hand; `tests/shapes/test_laws.py` would show a change.
+
+    Parameters
+    ----------
+    least_filled : float
+        Share of its hull that the outline in a picture must fill.
+    """
+
+    least_filled: float = 0.93
+
+
+DEFAULT = ConvexParameters()
 
 
 class Convex:
@@ -95,7 +112,7 @@ def _of_mask(mask: npt.NDArray[np.bool_]) -> Floats:
     region = np.zeros(mask.shape, np.uint8)
     cv2.drawContours(region, [largest.astype(np.int32).reshape(-1, 1, 2)], 0, 1, cv2.FILLED)
     filled = float(region.sum()) / max(cv2.contourArea(hull.astype(np.float32)), 1e-9)
-    if filled < FULL:
+    if filled < DEFAULT.least_filled:
         raise ValueError(f"the outline in this picture is not convex: it fills {100.0 * filled:.0f} % of its hull")
     return hull
 

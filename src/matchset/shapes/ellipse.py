@@ -16,8 +16,26 @@ import numpy.typing as npt
 from matchset.shapes import linear_outline as linear
 
 Floats = npt.NDArray[np.float64]
-ROUND = 0.2  # px: where half the difference of the semi-axes is as small, the angle follows noise half as much
-SLIGHT = 0.1  # px: least difference of the semi-axes by which the angle's covariance is told
+
+
+class EllipseParameters(msgspec.Struct, frozen=True):
+    """How the angle of an ellipse behaves where it is almost a circle.
+
+    Chosen by hand; `tests/shapes/test_found_and_followed.py` would show a change.
+
+    Parameters
+    ----------
+    round_px : float
+        Where half the difference of the semi-axes is this small, px, the angle follows a measured change by half.
+    least_difference_px : float
+        Least difference of the semi-axes, px, by which the angle's covariance is computed.
+    """
+
+    round_px: float = 0.2
+    least_difference_px: float = 0.1
+
+
+DEFAULT = EllipseParameters()
 
 
 class Ellipse(msgspec.Struct, frozen=True):
@@ -86,7 +104,7 @@ class Ellipse(msgspec.Struct, frozen=True):
             elif off < -0.25 * math.pi:
                 off += 0.5 * math.pi
             square = along * along + across * across
-            off *= square / (square + ROUND * ROUND) if square > 0.0 else 0.0
+            off *= square / (square + DEFAULT.round_px * DEFAULT.round_px) if square > 0.0 else 0.0
         middle = 0.5 * (m11 + m22)
         reach = math.cos(2.0 * off) * along + math.sin(2.0 * off) * across
         return cls(x, y, middle + reach, middle - reach, turn + off)
@@ -116,7 +134,7 @@ class Ellipse(msgspec.Struct, frozen=True):
     def slopes(self) -> Floats:
         """Derivative of the parameters by the state, (5, 5); of a circle's angle as if its axes differed a little."""
         c, s = math.cos(self.angle), math.sin(self.angle)
-        apart = math.copysign(max(abs(self.a - self.b), SLIGHT), self.a - self.b)
+        apart = math.copysign(max(abs(self.a - self.b), DEFAULT.least_difference_px), self.a - self.b)
         return np.array(
             [
                 (1.0, 0.0, 0.0, 0.0, 0.0),

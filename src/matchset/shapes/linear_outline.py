@@ -7,14 +7,35 @@ the places that they hand to `trace`.
 
 import math
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
-FIRST = 2  # columns of a place before those of B and T: the cosine and sine of its angle around the center
-SIMILAR, ELLIPTIC, AFFINE, FREE_CORNERS = 4, 5, 6, 8  # lengths of the states; they tell what `half_width` is
+FIRST = 2  # geometry: columns of a place before those of B and T: the cosine and sine of its angle around the center
+SIMILAR, ELLIPTIC, AFFINE, FREE_CORNERS = 4, 5, 6, 8  # geometry: lengths of the states; they tell what `half_width` is
+
+
+class SideParameters(msgspec.Struct, frozen=True):
+    """Where lines cross the sides of an outline with corners.
+
+    Chosen by hand; ``python -m benchmarks --only shapes`` would show a change.
+
+    Parameters
+    ----------
+    corner_margin : float
+        Share of a side, at each end, that no line crosses: blur rounds corners off.
+    long_side : float
+        Share of the whole outline from which on a side is long enough for that.
+    """
+
+    corner_margin: float = 0.07
+    long_side: float = 0.1
+
+
+DEFAULT = SideParameters()
 
 
 @kernel
@@ -96,10 +117,6 @@ def along_sides(corners: Floats, n: int) -> tuple[Floats, Floats, Floats]:
     way = ends[-1] * (np.arange(n) + 0.5) / n
     which = np.minimum(np.searchsorted(ends, way, side="right"), len(corners) - 1)
     share = (way - (ends - lengths)[which]) / lengths[which]
-    away = np.where(lengths > LONG * ends[-1], AWAY, 0.0)[which]
+    away = np.where(lengths > DEFAULT.long_side * ends[-1], DEFAULT.corner_margin, 0.0)[which]
     share = away + (1.0 - 2.0 * away) * share
     return corners[which] + share[:, None] * sides[which], (sides / lengths[:, None])[which], which + share
-
-
-AWAY = 0.07  # share of a side, at each end, that no line crosses
-LONG = 0.1  # share of the whole way around from which a side is long enough to keep away from its ends

@@ -3,14 +3,35 @@
 import math
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
-STEPS = 120  # angles of a profile
-APART = 12  # steps between two turns that are both worth a try
-CLOSE = 0.7  # share of the best turn's misfit spread from which another is worth a try
-EQUAL = 0.02  # shares of the size by which a corner may be off and still be the same
+STEPS = 120  # geometry: angles of a profile
+
+
+class OrientationParameters(msgspec.Struct, frozen=True):
+    """Which orientations of a template are tried, and which are the same.
+
+    Chosen by hand; `tests/shapes/test_found_and_followed.py` would show a change.
+
+    Parameters
+    ----------
+    least_angle : float
+        Angle between two orientations that are both tried, rad.
+    least_match : float
+        Share of the range from the worst to the best match from which on an orientation is tried.
+    corner_tolerance : float
+        Distance between two corners that are taken for the same, in sizes of the template.
+    """
+
+    least_angle: float = 0.2 * math.pi
+    least_match: float = 0.7
+    corner_tolerance: float = 0.02
+
+
+DEFAULT = OrientationParameters()
 
 
 def profile(corners: Floats) -> Floats:
@@ -40,7 +61,7 @@ def likely_turns(hull: Floats, corners: Floats, most: int = 3) -> list[float]:
     least, spread = match.min(), match.max() - match.min()
     found: list[float] = []
     for step in np.argsort(-match, kind="stable"):
-        if len(found) == most or match[step] < least + CLOSE * spread:
+        if len(found) == most or match[step] < least + DEFAULT.least_match * spread:
             break
         before, after = match[step - 1], match[(step + 1) % STEPS]
         if match[step] < max(before, after):
@@ -49,7 +70,7 @@ def likely_turns(hull: Floats, corners: Floats, most: int = 3) -> list[float]:
         off = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
         turn = 2.0 * math.pi * (float(step) + float(off)) / STEPS
         turn -= 2.0 * math.pi * round(turn / (2.0 * math.pi))
-        if all(abs(math.remainder(turn - other, 2.0 * math.pi)) > 2.0 * math.pi * APART / STEPS for other in found):
+        if all(abs(math.remainder(turn - other, 2.0 * math.pi)) > DEFAULT.least_angle for other in found):
             found.append(turn)
     return found or [0.0]
 
@@ -72,6 +93,6 @@ def symmetries(corners: Floats) -> list[Floats]:
     for shift in range(1, len(corners)):
         image = np.roll(corners, -shift, axis=0)
         matrix = np.linalg.lstsq(corners, image, rcond=None)[0].T
-        if np.abs(corners @ matrix.T - image).max() < EQUAL * size:
+        if np.abs(corners @ matrix.T - image).max() < DEFAULT.corner_tolerance * size:
             found.append(np.asarray(matrix, np.float64))
     return found

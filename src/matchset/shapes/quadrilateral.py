@@ -15,9 +15,10 @@ from matchset.shapes import linear_outline as linear
 from matchset.shapes.polygon import convex_corners
 
 Floats = npt.NDArray[np.float64]
-U, V = np.array([-1.0, 1.0, 1.0, -1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
-CORNERS_OF = np.column_stack((np.ones(4), U, V, U * V))  # corners = CORNERS_OF @ (center, a, b, d)
-SLOPES = np.kron(CORNERS_OF, np.eye(2))
+U = np.array([-1.0, 1.0, 1.0, -1.0])  # geometry: of the four corners
+V = np.array([-1.0, -1.0, 1.0, 1.0])  # geometry: of the four corners
+CORNERS_OF = np.column_stack((np.ones(4), U, V, U * V))  # geometry: corners = CORNERS_OF @ (center, a, b, d)
+SLOPES = np.kron(CORNERS_OF, np.eye(2))  # geometry: derivative of the corners by the state
 
 
 class Quadrilateral:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.numeric.jit import kernel
-from matchset.numeric.linalg import invert
+from matchset.numeric.linalg import invert_3x3
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -417,7 +417,7 @@ def fit_circles(edges: Floats, circles: Floats, aim: float, band: float, growth:
         confirmed = sums[2, 2]
         for a in range(3):
             sums[a, a] += damping
-        if invert(sums, inverse):
+        if invert_3x3(sums, inverse):
             for a in range(3):
                 for b in range(3):
                     circles[k, a] += inverse[a, b] * sums[b, 3]

@@ -29,6 +29,7 @@ from matchset.app.track.command import (
     score,
     track,
 )
+from matchset.app.warm import warm
 
 app = typer.Typer(
     name="matchset",
@@ -64,6 +65,7 @@ app.command(epilog=REPLAY_EPILOG)(command_of(replay))
 app.command(epilog=SCORE_EPILOG)(command_of(score))
 app.command(epilog=PARAMS_EPILOG)(command_of(params))
 app.command()(command_of(demo))
+app.command()(warm)
 
 
 def main() -> None:

@@ -1,0 +1,153 @@
+"""The command `warm`: compile every kernel ahead, for images of a system and for small computers."""
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from matchset.app.exit_codes import FOUND
+
+if TYPE_CHECKING:
+    from matchset.image.color import ColorModel
+
+GROUPS = (
+    "circle",
+    "ellipse",
+    "rectangle",
+    "quadrilateral",
+    "polygon",
+    "polygon, affine",
+    "localizer",
+    "markers",
+    "neighbors",
+    "pose filter",
+    "follower",
+    "simulator",
+)
+
+
+def warm() -> int:
+    """Compile everything that any command may need and keep it on disk, so that no later start waits for the compiler.
+
+    Sets of kernels that are kept already are loaded, not compiled. The folder of the kept code is the one that
+    NUMBA_CACHE_DIR names, or else the folders __pycache__ of the package.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console, begin, lines = Console(stderr=True, highlight=False), time.monotonic(), []
+    columns = TextColumn("compiling {task.description:16}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
+        task = progress.add_task("", total=len(GROUPS))
+        for name in GROUPS:
+            progress.update(task, description=name)
+            start = time.monotonic()
+            compile_group(name)
+            lines.append(f"{name:16} {time.monotonic() - start:6.1f} s")
+            progress.advance(task)
+    print("\n".join(lines))
+    print(f"everything is compiled, {time.monotonic() - begin:.1f} s; kept in {kept_in()}")
+    return FOUND
+
+
+def kept_in() -> str:
+    """Where Numba keeps the machine code."""
+    import matchset
+
+    return os.environ.get("NUMBA_CACHE_DIR") or f"{Path(matchset.__file__).parent}/**/__pycache__"
+
+
+def compile_group(name: str) -> None:
+    """Compile the kernels of one of the `GROUPS`, by making what calls them."""
+    groups: dict[str, Callable[[], object]] = {
+        "localizer": _localizer,
+        "markers": _markers,
+        "neighbors": _neighbors,
+        "pose filter": _pose_filter,
+        "follower": _follower,
+        "simulator": _simulator,
+    }
+    groups.get(name, lambda: _trackers(name))()
+
+
+def _trackers(name: str) -> None:
+    """Trackers of one family, in color and gray, and a search."""
+    import numpy as np
+
+    import matchset as ms
+
+    hexagon = [(np.cos(t), np.sin(t)) for t in np.pi / 3.0 * np.arange(6)]
+    families: dict[str, Callable[[], type[Any]]] = {
+        "circle": lambda: ms.Circle,
+        "ellipse": lambda: ms.Ellipse,
+        "rectangle": lambda: ms.Rectangle,
+        "quadrilateral": lambda: ms.Quadrilateral,
+        "polygon": lambda: ms.Polygon.of(hexagon),
+        "polygon, affine": lambda: ms.Polygon.of(hexagon, "affine"),
+    }
+    family = families[name]()
+    picture = np.full((64, 64, 3), 40, np.uint8)
+    picture[20:44, 20:44] = 220
+    gray = ms.ColorModel(np.linspace(-4.0, 4.0, 256, dtype=np.float32))
+    for color, image in ((_light(), picture), (gray, np.ascontiguousarray(picture[:, :, 0]))):
+        tracker: ms.Tracker[Any] = ms.Tracker(family, color)
+        for index in range(3):
+            tracker.update(ms.Frame(image, index / 30, index))
+        ms.detect(ms.Frame(image), family, color)
+
+
+def _localizer() -> object:
+    import matchset as ms
+
+    return ms.Localizer(ms.CameraModel.from_fov(640, 480, 70.0), ms.BallTarget())
+
+
+def _markers() -> object:
+    import matchset as ms
+
+    return ms.MarkerTracker(_light(), ms.BallTarget())
+
+
+def _neighbors() -> object:
+    import numpy as np
+
+    import matchset as ms
+
+    neighbors = ms.Neighbors(ms.CameraModel.from_fov(640, 480, 70.0), ms.BallTarget(), _light(), _light())
+    for index in range(3):  # a search of the whole picture
+        neighbors.update(ms.Frame(np.full((480, 640, 3), 40, np.uint8), index / 30, index))
+    return neighbors
+
+
+def _pose_filter() -> object:
+    import matchset as ms
+
+    return ms.PoseFilter()
+
+
+def _follower() -> object:
+    from matchset.control.follower import Follower
+
+    return Follower()
+
+
+def _simulator() -> None:
+    """Fly two simulated vehicles for a moment, as their pilot would see it."""
+    from matchset.control.command import Command
+    from matchset.links.simulated import SimulatedChain, SimulationParameters
+
+    chain = SimulatedChain(SimulationParameters(vehicles=2))
+    camera, link = chain.cameras[0], chain.links[0]
+    camera.sample()
+    link.arm()
+    for _ in range(3):
+        camera.read()
+        link.send(Command(throttle=0.5))
+    chain.close()
+
+
+def _light() -> "ColorModel":
+    from matchset.image.color import ColorModel
+
+    return ColorModel.hsv((0, 0, 128), (179, 255, 255))

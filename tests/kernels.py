@@ -8,7 +8,7 @@ import numpy.typing as npt
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table, count_inside
 from matchset.shapes.circle import Circle
-from matchset.tracking import voting
+from matchset.tracking import peak_circles, voting
 from matchset.tracking.fit import _median, fit_lines, scratch_size
 from matchset.tracking.match_set import match_lines
 from matchset.tracking.memory import Memory
@@ -167,4 +167,4 @@ def votes_for_centers(
 ) -> npt.NDArray[np.float32]:
     """Votes for each cell of a grid to be a center, as they fall and summed over 5 x 5 cells."""
     votes = voting.count_votes(smooth, edges, (nearest, farthest), 1, voting.SearchParameters())
-    return np.stack((votes, voting.sum_votes(votes)))
+    return np.stack((votes, peak_circles.sum_votes(votes)))

@@ -6,7 +6,7 @@ import pytest
 
 from kernels import grid_edges, votes_for_centers
 from matchset.image.color import ColorModel
-from matchset.tracking import voting
+from matchset.tracking import peak_circles, voting
 
 
 def grid_of_a_disc(x: float, y: float, radius: float) -> npt.NDArray[np.int16]:
@@ -62,7 +62,7 @@ def test_circles_are_fitted_to_the_boundary() -> None:
     circles = voting.find_circles(smooth, edges, (1, 20), 1, limits)
     assert np.abs(circles[0, :3] - (33.3, 28.6, 12.0)).max() < 2.0
     for _ in range(limits.rounds):
-        voting.fit_circles(edges, circles, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
+        peak_circles.fit_circles(edges, circles, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
     np.testing.assert_allclose(circles[0, :3], (33.3, 28.6, 12.0), atol=0.3)
     assert circles[0, 3] == pytest.approx(1.0, abs=0.3)
 
@@ -70,9 +70,9 @@ def test_circles_are_fitted_to_the_boundary() -> None:
 def test_of_near_peaks_the_stronger_one_is_kept() -> None:
     total = np.zeros((20, 30), np.float32)
     total[5, 5], total[6, 7], total[15, 20], total[0, 0], total[10, 10] = 9.0, 10.0, 4.0, 99.0, 1.0
-    np.testing.assert_array_equal(voting.pick_peaks(total, 2.0, 3.0, 6), [(7.0, 6.0), (20.0, 15.0)])
-    np.testing.assert_array_equal(voting.pick_peaks(total, 2.0, 3.0, 1), [(7.0, 6.0)])
-    assert voting.pick_peaks(np.zeros((9, 9), np.float32), 2.0, 3.0, 6).shape == (0, 2)
+    np.testing.assert_array_equal(peak_circles.pick_peaks(total, 2.0, 3.0, 6), [(7.0, 6.0), (20.0, 15.0)])
+    np.testing.assert_array_equal(peak_circles.pick_peaks(total, 2.0, 3.0, 1), [(7.0, 6.0)])
+    assert peak_circles.pick_peaks(np.zeros((9, 9), np.float32), 2.0, 3.0, 6).shape == (0, 2)
 
 
 @pytest.mark.parametrize("stride", [2, 3, 8])

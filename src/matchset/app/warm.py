@@ -100,7 +100,7 @@ def _trackers(name: str) -> None:
 def _localizer() -> object:
     import matchset as ms
 
-    return ms.Localizer(ms.CameraModel.from_fov(640, 480, 70.0), ms.BallTarget())
+    return ms.Localizer(ms.CameraModel.from_fov(640, 480, 1.2), ms.BallTarget())
 
 
 def _markers() -> object:
@@ -114,7 +114,7 @@ def _neighbors() -> object:
 
     import matchset as ms
 
-    neighbors = ms.Neighbors(ms.CameraModel.from_fov(640, 480, 70.0), ms.BallTarget(), _light(), _light())
+    neighbors = ms.Neighbors(ms.CameraModel.from_fov(640, 480, 1.2), ms.BallTarget(), _light(), _light())
     for index in range(3):  # a search of the whole picture
         neighbors.update(ms.Frame(np.full((480, 640, 3), 40, np.uint8), index / 30, index))
     return neighbors

@@ -16,15 +16,12 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.numeric.jit import kernel
-from matchset.numeric.linalg import invert_3x3
+from matchset.tracking.peak_circles import RADIUS, SHARE, X, Y, find_radii, fit_circles, pick_peaks, sum_votes
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 Scores = npt.NDArray[np.int16]
 Bytes = npt.NDArray[np.uint8]
-
-X, Y, RADIUS, SHARE = range(4)  # geometry: columns of candidates
-TINY = 1e-9
 
 
 class SearchParameters(msgspec.Struct, frozen=True):
@@ -310,120 +307,6 @@ def vote(smooth: Scores, edges: Floats, weights: Floats, gaps: Floats, fold: int
                 break
             if weights[distance] > 0.0:
                 votes[row // fold, column // fold] += weights[distance]
-
-
-def sum_votes(votes: Singles) -> Singles:
-    """Votes summed over 5 x 5 cells: normals on a coarse grid are off by a few degrees."""
-    return np.asarray(cv2.boxFilter(votes, -1, (5, 5), normalize=False, borderType=cv2.BORDER_CONSTANT), np.float32)
-
-
-def pick_peaks(total: Singles, least: float, apart: float, most: int) -> Floats:
-    """Strongest maxima of the votes; of two that are near to each other the stronger one.
-
-    Parameters
-    ----------
-    total : ndarray of shape (rows, columns), float32
-    least : float
-        Votes of a peak.
-    apart : float
-        Distance in x or y that two peaks must have.
-    most : int
-        How many at most.
-
-    Returns
-    -------
-    ndarray of shape (k, 2), float64
-        x and y, strongest first.
-    """
-    width, flat = total.shape[1], total.ravel()
-    high = np.flatnonzero(flat >= least)
-    rows, columns = np.divmod(high, width)
-    high = high[(rows > 0) & (rows < total.shape[0] - 1) & (columns > 0) & (columns < width - 1)]
-    votes = flat[high]
-    highest = (votes >= flat[high - 1]) & (votes >= flat[high - width])
-    highest &= (votes > flat[high + 1]) & (votes > flat[high + width])
-    peaks: list[tuple[float, float]] = []
-    for place in high[highest][np.argsort(-votes[highest], kind="stable")].tolist():
-        y, x = divmod(place, width)
-        if all(abs(x - px) >= apart or abs(y - py) >= apart for px, py in peaks):
-            peaks.append((x, y))
-            if len(peaks) == most:
-                break
-    return np.array(peaks, np.float64).reshape(-1, 2)
-
-
-@kernel
-def find_radii(edges: Floats, circles: Floats, longest: int, aim: float) -> None:
-    """Write the radius at which the share of the circle that boundary points confirm is largest.
-
-    Parameters
-    ----------
-    edges : (n, 4)
-        See `find_edges`.
-    circles : (k, 4), written
-        x, y are read, the radius is written, cells.
-    longest : int
-        Largest radius, cells.
-    aim : float
-        See `SearchParameters`.
-    """
-    votes = np.zeros(longest + 3)
-    for k in range(circles.shape[0]):
-        for m in range(longest + 3):
-            votes[m] = 0.0
-        for i in range(edges.shape[0]):
-            dx, dy = edges[i, 0] - circles[k, 0], edges[i, 1] - circles[k, 1]
-            distance = math.sqrt(dx * dx + dy * dy)
-            if distance < longest and dx * edges[i, 2] + dy * edges[i, 3] > aim * distance:
-                votes[int(distance + 0.5)] += 1.0 / (distance + 0.5)
-        best, most = 1, 0.0
-        for m in range(1, longest + 1):
-            near = votes[m - 1] + votes[m] + votes[m + 1]
-            if near > most:
-                most, best = near, m
-        circles[k, 2] = best
-
-
-@kernel
-def fit_circles(edges: Floats, circles: Floats, aim: float, band: float, growth: float, damping: float) -> None:
-    """Take one step of a robust fit of circles to the boundary points near them, with Tukey's weights.
-
-    Parameters
-    ----------
-    edges : (n, 4)
-        See `find_edges`.
-    circles : (k, 4), written
-        x, y, radius, cells; share of the circle that boundary points confirm.
-    aim, band, growth, damping : float
-        See `SearchParameters`.
-    """
-    sums, inverse = np.empty((3, 4)), np.empty((3, 3))
-    for k in range(circles.shape[0]):
-        for a in range(3):
-            for b in range(4):
-                sums[a, b] = 0.0
-        width = band + growth * circles[k, 2]
-        for i in range(edges.shape[0]):
-            dx, dy = edges[i, 0] - circles[k, 0], edges[i, 1] - circles[k, 1]
-            distance = math.sqrt(dx * dx + dy * dy) + TINY
-            off = (distance - circles[k, 2]) / width
-            if off * off >= 1.0 or dx * edges[i, 2] + dy * edges[i, 3] < aim * distance:
-                continue
-            weight = (1.0 - off * off) ** 2
-            row = dx / distance, dy / distance, 1.0, off * width
-            for a in range(3):
-                for b in range(a, 4):
-                    sums[a, b] += weight * row[a] * row[b]
-        confirmed = sums[2, 2]
-        for a in range(3):
-            sums[a, a] += damping
-        if invert_3x3(sums, inverse):
-            for a in range(3):
-                for b in range(3):
-                    circles[k, a] += inverse[a, b] * sums[b, 3]
-        radius = circles[k, 2] if circles[k, 2] > 0.7 else 0.7  # half the diagonal of a cell
-        circles[k, 2] = radius
-        circles[k, 3] = confirmed / (2.0 * math.pi * (radius if radius > 1.0 else 1.0))
 
 
 def region_hulls(smooth: Scores, stride: int, limits: SearchParameters) -> list[Floats]:

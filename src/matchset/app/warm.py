@@ -53,9 +53,8 @@ def warm() -> int:
 
 def kept_in() -> str:
     """Where Numba keeps the machine code."""
-    import matchset
-
-    return os.environ.get("NUMBA_CACHE_DIR") or f"{Path(matchset.__file__).parent}/**/__pycache__"
+    package = Path(__file__).parent.parent
+    return os.environ.get("NUMBA_CACHE_DIR") or f"the folders __pycache__ of {package}"
 
 
 def compile_group(name: str) -> None:
@@ -75,55 +74,69 @@ def _trackers(name: str) -> None:
     """Trackers of one family, in color and gray, and a search."""
     import numpy as np
 
-    import matchset as ms
+    from matchset.image.color import ColorModel
+    from matchset.image.frame import Frame
+    from matchset.shapes.circle import Circle
+    from matchset.shapes.ellipse import Ellipse
+    from matchset.shapes.polygon import Polygon
+    from matchset.shapes.quadrilateral import Quadrilateral
+    from matchset.shapes.rectangle import Rectangle
+    from matchset.tracking.detect import detect
+    from matchset.tracking.tracker import Tracker
 
     hexagon = [(np.cos(t), np.sin(t)) for t in np.pi / 3.0 * np.arange(6)]
     families: dict[str, Callable[[], type[Any]]] = {
-        "circle": lambda: ms.Circle,
-        "ellipse": lambda: ms.Ellipse,
-        "rectangle": lambda: ms.Rectangle,
-        "quadrilateral": lambda: ms.Quadrilateral,
-        "polygon": lambda: ms.Polygon.of(hexagon),
-        "polygon, affine": lambda: ms.Polygon.of(hexagon, "affine"),
+        "circle": lambda: Circle,
+        "ellipse": lambda: Ellipse,
+        "rectangle": lambda: Rectangle,
+        "quadrilateral": lambda: Quadrilateral,
+        "polygon": lambda: Polygon.of(hexagon),
+        "polygon, affine": lambda: Polygon.of(hexagon, "affine"),
     }
     family = families[name]()
     picture = np.full((64, 64, 3), 40, np.uint8)
     picture[20:44, 20:44] = 220
-    gray = ms.ColorModel(np.linspace(-4.0, 4.0, 256, dtype=np.float32))
+    gray = ColorModel(np.linspace(-4.0, 4.0, 256, dtype=np.float32))
     for color, image in ((_light(), picture), (gray, np.ascontiguousarray(picture[:, :, 0]))):
-        tracker: ms.Tracker[Any] = ms.Tracker(family, color)
+        tracker: Tracker[Any] = Tracker(family, color)
         for index in range(3):
-            tracker.update(ms.Frame(image, index / 30, index))
-        ms.detect(ms.Frame(image), family, color)
+            tracker.update(Frame(image, index / 30, index))
+        detect(Frame(image), family, color)
 
 
 def _localizer() -> object:
-    import matchset as ms
+    from matchset.camera.camera_model import CameraModel
+    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.localizer import Localizer
 
-    return ms.Localizer(ms.CameraModel.from_fov(640, 480, 1.2), ms.BallTarget())
+    return Localizer(CameraModel.from_fov(640, 480, 1.2), BallTarget())
 
 
 def _markers() -> object:
-    import matchset as ms
+    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.markers.marker_tracker import MarkerTracker
 
-    return ms.MarkerTracker(_light(), ms.BallTarget())
+    return MarkerTracker(_light(), BallTarget())
 
 
 def _neighbors() -> object:
     import numpy as np
 
-    import matchset as ms
+    from matchset.camera.camera_model import CameraModel
+    from matchset.image.frame import Frame
+    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.neighbors.neighbors import Neighbors
 
-    neighbors = ms.Neighbors(ms.CameraModel.from_fov(640, 480, 1.2), ms.BallTarget(), _light(), _light())
+    neighbors = Neighbors(CameraModel.from_fov(640, 480, 1.2), BallTarget(), _light(), _light())
     for index in range(3):  # a search of the whole picture
-        neighbors.update(ms.Frame(np.full((480, 640, 3), 40, np.uint8), index / 30, index))
+        neighbors.update(Frame(np.full((480, 640, 3), 40, np.uint8), index / 30, index))
     return neighbors
 
 
 def _pose_filter() -> object:
-    import matchset as ms
+    from matchset.localization.pose_filter import PoseFilter
 
-    return ms.PoseFilter()
+    return PoseFilter()
 
 
 def _follower() -> object:

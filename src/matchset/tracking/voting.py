@@ -256,7 +256,7 @@ def find_circles(
         x, y, radius, cells; 0.
     """
     votes = count_votes(smooth, edges, distances, fold, limits)
-    peaks = pick_peaks(sum_votes(votes), limits.votes, limits.apart, limits.candidates // 2)
+    peaks = pick_peaks(sum_votes(votes), limits.votes, limits.apart, max(limits.candidates // 2, 1))
     circles = np.zeros((len(peaks), 4))
     circles[:, :RADIUS] = fold * (peaks + 0.5) - 0.5
     find_radii(edges, circles, distances[1], limits.aim_rough)

@@ -1,66 +1,127 @@
-"""How long until the first answer: a fresh process, with the kernels in Numba's cache and without."""
+"""How long until the first answer, in processor time of fresh processes, measured by turns.
 
-import itertools
+``python -m benchmarks --only startup`` writes the section of the results. ``python -m benchmarks.tracking.startup FOLDER``
+compares with another checkout of matchset in that folder, by turns.
+"""
+
 import os
 import statistics
 import subprocess
 import sys
 import tempfile
-import time
-
-import msgspec
+from collections.abc import Sequence
+from pathlib import Path
 
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 
-# Prints when Python was up, when matchset was imported, when the tracker was made, and when it had answered.
-PROGRAM = """
-import time; marks = [time.time()]
-import numpy as np, matchset as ms; marks.append(time.time())
+LIBRARIES = "import numba, cv2, numpy"
+IMPORT = "import matchset"
+HELP = "import sys; sys.argv[1:] = ['--help']; from matchset.app.cli import main; main()"
+ANSWER = """
+import numpy as np, matchset as ms
 image = np.full((480, 640, 3), 90, np.uint8)
 image[np.hypot(*(np.indices((480, 640)) - [[[200]], [[300]]])) < 60] = (200, 60, 30)
-tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 300, 200)); marks.append(time.time())
-assert tracker.update(ms.Frame(image)); marks.append(time.time())
-print(marks)
+tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 300, 200))
+assert tracker.update(ms.Frame(image))
 """
-STAGES = ("Python", "import matchset", "ColorModel.pick and Tracker()", "first update", "all of it")
-REPEATS, QUICK_REPEATS = 5, 2
+REPEATS, QUICK_REPEATS = 7, 3
 
 
 def run(options: Options) -> Section:
-    """Start a process with an empty cache, then some more with what it left there."""
+    """Start processes by turns: with an empty cache, then with what it left there."""
     with tempfile.TemporaryDirectory(prefix="matchset_bench_") as cache:
-        cold = start(cache)
-        warm = [start(cache) for _ in range(QUICK_REPEATS if options.quick else REPEATS)]
-    middle = [statistics.median(times) for times in zip(*warm, strict=True)]
+        cold = processor_time(ANSWER, cache)
+        times = by_turns(
+            {name: (program, cache, None) for name, program in PROGRAMS.items()},
+            QUICK_REPEATS if options.quick else REPEATS,
+        )
+    python, ratio = times["Python alone"], times["first answer"] / times[LIBRARIES]
+    own = {name: max(times[name] - python, 0.0) for name in ("import matchset", "matchset --help")}
     findings = [
-        _finding("startup_cached", "kernels cached", middle[-1], 1.5),
-        _finding("startup_cold", "kernels not cached", cold[-1], 15.0),
+        _finding("startup_import", "import matchset, beyond Python itself", own["import matchset"], "s", (0.05, 0.01)),
+        _finding("startup_help", "matchset --help, beyond Python itself", own["matchset --help"], "s", (0.2, 0.1)),
+        _finding("startup_cached", f"first answer, kernels kept, in units of `{LIBRARIES}`", ratio, "", (2.2, 1.6)),
+        _finding("startup_cold", "first answer, no kernels kept", cold, "s", (15.0, 8.0)),
     ]
-    rows = [[name, f"{a:.2f}", f"{b:.2f}"] for name, a, b in zip(STAGES, middle, cold, strict=True)]
+    rows = [[name, f"{seconds:.3f}"] for name, seconds in times.items()] + [
+        ["first answer, nothing kept", f"{cold:.1f}"]
+    ]
     text = (
-        f"From the start of the process to the first answer, s; cached: the median of {len(warm)}. The "
-        "kernels are compiled when a `Tracker` is made, never by `update`.\n\n"
-        + table(["", "cached", "not cached"], rows)
+        "Processor time of fresh processes, s, by turns; the median. The kernels are compiled when a tracker is made, "
+        "never by `update`.\n\n" + table(["", "s"], rows)
     )
     return Section("Start", findings, text)
 
 
-def start(cache: str) -> list[float]:
-    """Start a process and return the durations of its stages and of all of it, s."""
+PROGRAMS = {
+    "Python alone": "pass",
+    "import matchset": IMPORT,
+    "matchset --help": HELP,
+    LIBRARIES: LIBRARIES,
+    "first answer": ANSWER,
+}
+
+
+def by_turns(programs: dict[str, tuple[str, str, Path | None]], repeats: int) -> dict[str, float]:
+    """Median processor time of programs that take turns, s; each is run once before, so that its kernels are kept."""
+    for program in programs.values():
+        processor_time(*program)
+    times: dict[str, list[float]] = {name: [] for name in programs}
+    for _ in range(repeats):
+        for name, program in programs.items():
+            times[name].append(processor_time(*program))
+    return {name: statistics.median(each) for name, each in times.items()}
+
+
+def processor_time(program: str, cache: str, checkout: Path | None = None) -> float:
+    """Processor time of a fresh process that runs a program, s.
+
+    Parameters
+    ----------
+    program : str
+    cache : str
+        Folder of the kept kernels.
+    checkout : Path, optional
+        Another checkout of matchset.
+    """
     environment = os.environ | {"NUMBA_CACHE_DIR": cache}
-    begin = time.time()
-    done = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=False)
+    if checkout is not None:
+        environment["PYTHONPATH"] = str(checkout / "src")
+    before = os.times()
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
+    after = os.times()
     if done.returncode:
         raise RuntimeError(f"the first call failed:\n{done.stderr}")
-    marks = [begin, *msgspec.json.decode(done.stdout, type=list[float])]
-    return [*(after - before for before, after in itertools.pairwise(marks)), marks[-1] - begin]
+    return after.children_user - before.children_user + after.children_system - before.children_system
 
 
-def _finding(name: str, how: str, seconds: float, most: float) -> Finding:
+def _finding(name: str, what: str, value: float, unit: str, goals: tuple[float, float]) -> Finding:
     return Finding(
         name=name,
-        what=f"first answer of a fresh process, {how}",
-        figures=(Figure("time", seconds, "s", 2),),
-        bar=(Goal("time", high=most),),
+        what=what,
+        figures=(Figure("processor time", value, unit, 3),),
+        bar=(Goal("processor time", high=goals[0]),),
+        prize=(Goal("processor time", high=goals[1]),),
     )
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Compare with another checkout: kernels kept, by turns, and nothing kept, by turns."""
+    other = Path(arguments[0])
+    checkouts = {"this": Path(__file__).parents[2], "other": other}
+    with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
+        caches = {"this": first, "other": second}
+        kept = {name: (ANSWER, caches[name], checkout) for name, checkout in checkouts.items()}
+        times = by_turns({**kept, LIBRARIES: (LIBRARIES, first, None)}, REPEATS)
+        print("kernels kept:", {name: round(seconds, 3) for name, seconds in times.items()})
+    cold: dict[str, list[float]] = {"this": [], "other": []}
+    for _ in range(int(arguments[1]) if len(arguments) > 1 else 3):
+        for name, checkout in checkouts.items():
+            with tempfile.TemporaryDirectory() as empty:
+                cold[name].append(processor_time(ANSWER, empty, checkout))
+        print("nothing kept:", {name: [round(seconds, 1) for seconds in each] for name, each in cold.items()})
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,7 +1,7 @@
 """How long until the first answer, in processor time of fresh processes, measured by turns.
 
-``python -m benchmarks --only startup`` writes the section of the results. ``python -m benchmarks.tracking.startup FOLDER``
-compares with another checkout of matchset in that folder, by turns.
+``python -m benchmarks --only startup`` writes the section of the results.
+``python -m benchmarks.tracking.startup FOLDER`` compares with another checkout of matchset in that folder, by turns.
 """
 
 import os

@@ -1,10 +1,10 @@
 """How a color follows the light: a little learning on every well-fitted frame.
 
 The log-odds L of the color cell of a pixel inside the outline moves up by ``rate * (1 - s(L))``, of one outside down by
-``rate * s(L)``, with the softsign ``s(L) = 1/2 + L / (2 (1 + |L|))``: online regression that moves what it already tells
-apart less. It costs no exponential; the logistic function would do the same. Cells next to it in color move by half as
-much. No cell may leave its first value by more than `LEASH`, and a pixel inside
-that looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
+``rate * s(L)``, with the softsign ``s(L) = 1/2 + L / (2 (1 + |L|))`` in place of the logistic function: online
+regression that moves a cell less the better it already tells target from background. Cells next to it in color move by
+half as much. No cell may leave its first value by more than `LEASH`, and a pixel inside that looks clearly foreign
+teaches nothing: it is a finger, a stick or a marker.
 """
 
 import numpy as np

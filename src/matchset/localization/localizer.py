@@ -87,7 +87,9 @@ class Localizer:
         work = fields(self._block, POSE)
         _describe(work, camera, target, self.parameters)
         # What every frame reads or writes; an array of NumPy is reached faster than the fields of a record.
-        self._cone, self._attitude = self._block.view(POSE)[0]["cone"], self._block.view(POSE)[0]["attitude"]
+        cone, attitude = self._block.view(POSE)["cone"], self._block.view(POSE)["attitude"]
+        self._robust, self._pixel_count = cone["robust"], attitude["pixel_count"]  # each has one element
+        self._last_known = attitude["last_known"]
         self._inside, self._shared_covariance = work.cone.inside, work.cone.shared_covariance
         self._pixels, self._pixel_covariances = work.attitude.pixels, work.attitude.pixel_covariances
         self._last_rotation, self._rotation = work.attitude.last_rotation, work.attitude.rotation
@@ -114,7 +116,7 @@ class Localizer:
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
         count = self._take_markers(markers)
-        self._attitude["last_known"] = 0.0 <= ball.time - self._rotation_time <= self.parameters.memory
+        self._last_known[0] = 0.0 <= ball.time - self._rotation_time <= self.parameters.memory
         ways = assignments(max(count, 1), len(self.target.markers))
         failure, source = estimate_pose(self._block, self._take_outline(ball), *ways)
         if failure:
@@ -136,7 +138,7 @@ class Localizer:
         circle, points = ball.shape, ball.match_set
         self._inside[0], self._inside[1] = circle.x, circle.y
         robust = len(points) >= self.parameters.ball.min_points
-        self._cone["robust"] = robust
+        self._robust[0] = robust
         self._shared_covariance[:] = self._shared if robust else ball.covariance
         if not robust:
             return UNIT_CIRCLE * circle.radius + (circle.x, circle.y)
@@ -153,7 +155,7 @@ class Localizer:
                     self._pixels[count] = marker.shape.x, marker.shape.y
                     self._pixel_covariances[count] = marker.covariance[:2, :2]
                     count += 1
-        self._attitude["pixel_count"] = count
+        self._pixel_count[0] = count
         return count
 
 

@@ -48,8 +48,9 @@ class MarkerTracker:
         store(work.limits, self.parameters)
         work.patch_radius, work.rim_distance = self._separation, target.marker_distance / target.radius
         # What every frame reads or writes; an array of NumPy is reached faster than the fields of a record.
-        self._work = self._block.view(MARKERS)[0]
-        self._ball = self._block[MARKERS.fields["ball"][1] // 8 :][:4]  # type: ignore[index]
+        whole = self._block.view(MARKERS)
+        self._count, self._seen, ball = whole["count"], whole["seen"], whole["ball"]  # each has one element
+        self._ball = ball["x"], ball["y"], ball["radius"], ball["radius_variance"]
         self._offsets, self._order, self._middle = work.offsets, work.order, work.middle
         self._radius, self._explained, self._covariance, self._rim = (
             work.radius,
@@ -62,7 +63,7 @@ class MarkerTracker:
     def _precompile(self) -> None:
         """Compile the kernels, so that no frame waits for them."""
         image = np.zeros((3, 3, self.color.channels), np.uint8)
-        self._ball[:] = 1.0
+        self._ball[2][0] = 1.0
         mark_color(image, self.color.table, (1.0, 1.0, 1.0), 1, np.zeros((1, 1), np.uint8))
         follow_markers(image, self._block)
 
@@ -122,14 +123,14 @@ class MarkerTracker:
 
     def _is_separate(self, offset: Floats, count: int) -> bool:
         """Whether none of the first markers is nearer than a marker's radius."""
-        far = np.hypot(*(self._offsets[:count] - offset).T)
-        return bool((far > self._separation).all())
+        x, y = offset.tolist()
+        return all(math.hypot(x - a, y - b) > self._separation for a, b in self._offsets[:count].tolist())
 
     def _follow(self, image: Image, ball: Track[Circle]) -> tuple[Track[Circle], ...]:
         """Place every marker; expect those that are not there for a while, then forget them."""
-        circle, work, missed = ball.shape, self._work, self._missed
-        self._ball[:] = circle.x, circle.y, circle.radius, ball.covariance[2, 2]
-        work["count"], work["seen"] = len(missed), missed.count(0)
+        circle, missed, (x, y, radius, variance) = ball.shape, self._missed, self._ball
+        x[0], y[0], radius[0], variance[0] = circle.x, circle.y, circle.radius, ball.covariance[2, 2]
+        self._count[0], self._seen[0] = len(missed), missed.count(0)
         count = follow_markers(image, self._block)
         if count < len(missed):
             self._expect(count)

@@ -13,7 +13,7 @@ from benchmarks.localization.poses import PINHOLE, facing, learn, observe, place
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.workers import spread
-from matchset.localization.attitude import direction_on_ball
+from matchset.localization.localizer import direction_on_ball
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]

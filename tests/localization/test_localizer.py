@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, dot, rim, square, track
-from matchset.localization.attitude import AttitudeParameters, direction_on_ball
+from matchset.localization.attitude import AttitudeParameters
 from matchset.localization.cone import BallParameters
-from matchset.localization.localizer import LocalizerParameters
+from matchset.localization.localizer import LocalizerParameters, direction_on_ball
 from matchset.localization.marker_identification import assignments
 from matchset.localization.pose import UNOBSERVED_VARIANCE
 

@@ -145,7 +145,7 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         return matrix
 
     def rays(self, points: npt.ArrayLike) -> Floats:
-        """Directions in which points of the picture are seen; the lens is taken out of these points only.
+        """Turn pixels into unit vectors along their rays; only these points are undistorted, never the image.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         return rays
 
     def project(self, points: npt.ArrayLike) -> Floats:
-        """Where points are seen.
+        """Project points of the camera frame into the image.
 
         Parameters
         ----------

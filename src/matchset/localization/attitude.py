@@ -13,12 +13,11 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.camera.camera_model import CameraModel
 from matchset.camera.lens import fold, undistort
 from matchset.localization.ball_target import MOST_MARKERS
 from matchset.numeric.jit import kernel
 from matchset.numeric.linalg import cross, invert_3x3, transform
-from matchset.numeric.record import fields, new_block, record_dtype, store
+from matchset.numeric.record import record_dtype
 from matchset.numeric.rotation import rotate
 
 Floats = npt.NDArray[np.float64]
@@ -185,34 +184,6 @@ def marker_direction(fit: Any, x: float, y: float, direction: Floats, jacobian: 
         for m in range(3):
             jacobian[m, k] = (one[m] - other[m]) / (2.0 * step)
     return True
-
-
-def direction_on_ball(
-    camera: CameraModel, pixel: tuple[float, float], position: Floats, rim_distance: float
-) -> Floats | None:
-    """Direction of a marker from the ball's center, for calls outside the loop.
-
-    Parameters
-    ----------
-    camera : CameraModel
-    pixel : tuple of 2 floats
-        Middle of the marker's rim, px.
-    position : ndarray of shape (3,), float64
-        The ball's center, camera frame, m.
-    rim_distance : float
-        From there to the middle of the rim, m.
-
-    Returns
-    -------
-    ndarray of shape (3,), float64, or None
-        Unit vector, camera frame; None where the ray misses the ball.
-    """
-    block, direction = new_block(ATTITUDE), np.empty(3)
-    fit = fields(block, ATTITUDE)
-    store(fit.limits, AttitudeParameters())
-    fit.intrinsics[:], fit.position[:], fit.rim_distance = camera.intrinsics, position, rim_distance
-    met = marker_direction(block.view(ATTITUDE)[0], pixel[0], pixel[1], direction, np.empty((3, 5)))
-    return direction if met else None
 
 
 @kernel(refcount=False)

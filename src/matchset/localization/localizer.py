@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
-from matchset.localization.attitude import AttitudeParameters
+from matchset.localization.attitude import ATTITUDE, AttitudeParameters, marker_direction
 from matchset.localization.ball_target import MOST_MARKERS, BallTarget
 from matchset.localization.cone import BallParameters, ConeFailure
 from matchset.localization.marker_identification import RotationSource, assignments
@@ -171,3 +171,31 @@ def _describe(work: Any, camera: CameraModel, target: BallTarget, parameters: Lo
     cone.radius, attitude.rim_distance = target.radius, target.marker_distance
     attitude.body_count = count
     attitude.bodies[:count] = target.directions
+
+
+def direction_on_ball(
+    camera: CameraModel, pixel: tuple[float, float], position: Floats, rim_distance: float
+) -> Floats | None:
+    """Direction of a marker from the ball's center, for calls outside the loop.
+
+    Parameters
+    ----------
+    camera : CameraModel
+    pixel : tuple of 2 floats
+        Middle of the marker's rim, px.
+    position : ndarray of shape (3,), float64
+        The ball's center, camera frame, m.
+    rim_distance : float
+        From there to the middle of the rim, m.
+
+    Returns
+    -------
+    ndarray of shape (3,), float64, or None
+        Unit vector, camera frame; None where the ray misses the ball.
+    """
+    block, direction = new_block(ATTITUDE), np.empty(3)
+    fit = fields(block, ATTITUDE)
+    store(fit.limits, AttitudeParameters())
+    fit.intrinsics[:], fit.position[:], fit.rim_distance = camera.intrinsics, position, rim_distance
+    met = marker_direction(block.view(ATTITUDE)[0], pixel[0], pixel[1], direction, np.empty((3, 5)))
+    return direction if met else None

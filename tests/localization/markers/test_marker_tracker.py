@@ -157,15 +157,14 @@ def test_the_sums_of_a_fit_agree_with_their_slow_twin(middle: tuple[float, float
 
 def test_the_derivative_of_the_coverage_is_its_change() -> None:
     rng = np.random.default_rng(0)
-    share_at = coverage.py_func  # type: ignore[attr-defined]
     for _ in range(50):
         place = rng.uniform(-25.0, 25.0, 2)
         shape = SoftEllipse(*ellipse_axes(place[0], place[1], 0.977 * 40.0, 0.25), 8.6, 1.0)
         dx, dy = rng.uniform(-10.0, 10.0, 2)
-        share, right, down = share_at(dx, dy, shape)
+        share, right, down = coverage(dx, dy, shape)
         assert 0.0 <= share <= 1.0
         numeric = [
-            float(share_at(dx - h, dy - v, shape)[0] - share_at(dx + h, dy + v, shape)[0]) / 2e-4
+            float(coverage(dx - h, dy - v, shape)[0] - coverage(dx + h, dy + v, shape)[0]) / 2e-4
             for h, v in ((1e-4, 0.0), (0.0, 1e-4))
         ]
         np.testing.assert_allclose(

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.markers.marker_workspace import RIM_POINTS
-from matchset.numeric.jit import helper, kernel
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 Number = float | np.float32
@@ -55,7 +55,7 @@ def ellipse_axes(dx: float, dy: float, limb: float, min_ratio: float) -> tuple[f
     return dx / far, dy / far, ratio
 
 
-@helper
+@kernel(refcount=False, reassociate=True)
 def coverage(dx: Number, dy: Number, shape: SoftEllipse) -> tuple[Number, Number, Number]:
     """Softened ellipse at (dx, dy) px from its middle.
 

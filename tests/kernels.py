@@ -5,14 +5,18 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting import fit_quality, match_set, robust_fit
+from matchset.fitting.fit_quality import QualityParameters
+from matchset.fitting.match_set import MatchParameters
+from matchset.fitting.prior import FieldParameters, MotionParameters
+from matchset.fitting.robust_fit import FitParameters
+from matchset.fitting.workspace import WORK, EdgeCriteria
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import adapt_table, count_inside
+from matchset.image.color_adaptation import adapt_table
+from matchset.numeric.jit import kernel
+from matchset.numeric.record import Record, fields, new_block, store
 from matchset.shapes.circle import Circle
 from matchset.tracking import peak_circles, voting
-from matchset.tracking.fit import _median, fit_lines, scratch_size
-from matchset.tracking.match_set import match_lines
-from matchset.tracking.memory import Memory
-from matchset.tracking.review import review_lines
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -30,29 +34,59 @@ class Found(NamedTuple):
     noise: float
 
 
-class Limits(NamedTuple):
-    """What `match_lines` is asked for."""
-
-    reach: float
-    margin: int
-    threshold: float = 0.0
-    enough: float = 1.0
-    plain: float = 0.0
-    combed: bool = False
+Limits = EdgeCriteria  # what `find_edge_points` is asked for
 
 
 def channels_last(image: Bytes) -> Bytes:
     return image if image.ndim == 3 else image[:, :, np.newaxis]
 
 
+@kernel(refcount=False)
+def find_edge_points(image: Bytes, table: Scores, work: Record) -> float:
+    return match_set.find_edge_points(image, table, work)
+
+
+@kernel(refcount=False)
+def robust_fit_of(work: Record) -> None:
+    robust_fit.robust_fit(work)
+
+
+@kernel(refcount=False)
+def measure_lines(work: Record, tolerance: float) -> None:
+    fit_quality.measure_lines(work, tolerance)
+
+
+@kernel(refcount=False)
+def measure_interior(image: Bytes, table: Scores, work: Record) -> None:
+    fit_quality.measure_interior(image, table, work)
+
+
+@kernel(refcount=False)
+def median_of(values: npt.NDArray[np.float32], wanted: int) -> float:
+    return robust_fit.median_of(values, wanted)
+
+
+def workspace(lines: int, state: int, parameters: int) -> Record:
+    """An empty workspace with the default parameters, for a state of so many numbers."""
+    work = fields(new_block(WORK), WORK)
+    work.line_count, work.state_count, work.parameter_count, work.place_columns = lines, state, parameters, 2
+    limits = (work.match_limits, MatchParameters()), (work.fit_limits, FitParameters())
+    more = (work.quality_limits, QualityParameters()), (work.field_limits, FieldParameters())
+    for record, values in (*limits, *more, (work.motion_limits, MotionParameters())):
+        store(record, values)
+    work.places[: 2 * lines] = turns(lines).ravel()
+    return work
+
+
 def edges_across(image: Bytes, table: Scores, points: Floats, normals: Floats, limits: Limits) -> Found:
     """Edge points on the lines through points (n, 2) along normals (n, 2)."""
-    lines = Memory(len(points), 5, 3).parts
-    lines.outline[:, 0:2], lines.outline[:, 2:4] = points, normals
-    working = lines.edges, lines.runs, lines.starts, lines.pixels, lines.sums
-    noise = match_lines(channels_last(image), table, lines.outline, *limits, *working)
-    offset, strength, whiteness = (lines.edges[:, :, k].copy() for k in range(3))
-    return Found(offset, strength, whiteness, lines.runs[:, 4] > 0, noise)
+    n = len(points)
+    work = workspace(n, 5, 3)
+    work.outline[:n, 0:2], work.outline[:n, 2:4] = points, normals
+    work["criteria"] = tuple(limits)
+    noise = find_edge_points(channels_last(image), table, work)
+    offset, strength, whiteness = (work.edges[:n, :, k].copy() for k in range(3))
+    return Found(offset, strength, whiteness, work.runs[:n, 4] > 0, noise)
 
 
 class Prior(NamedTuple):
@@ -84,36 +118,45 @@ def fit(
     strength: Floats,
     state: Floats,
     prior: Prior,
-    fields: tuple[float, float] = (0.0, 0.0),
+    begin: tuple[float, float] = (0.0, 0.0),
     expected: tuple[float, float, float] | None = None,
 ) -> Fit:
     """Fit of a state (s,) to edge points (n, 3) with a jacobian (n, s + 2); where the fields' distance begins.
 
     What is expected of it, and its standard deviation: by default none, by as much as the speed allows.
     """
-    moved, count = state.copy(), len(prior.spread)
-    outline = np.concatenate((np.zeros((len(jacobian), 4)), jacobian), axis=1)
-    edges = np.stack((offset, strength, np.ones_like(offset)), axis=2)
-    covariance, found = np.zeros((count, jacobian.shape[1])), np.zeros((len(jacobian), 3))
-    scratch = np.zeros(scratch_size(len(jacobian), len(state)))
-    apart = np.array((*fields, *(expected or (0.0, 0.0, 0.1 + 0.5 * prior.speed))))
-    noise, _ = fit_lines(outline, edges, moved, *prior, covariance, found, apart, scratch)
-    chosen = found[:, 2].astype(np.int64)
-    return Fit(moved - state, noise, covariance[:, :count], found[:, 0], found[:, 1], chosen)
+    n, s, p = len(jacobian), len(state), len(prior.spread)
+    work = workspace(n, s, p)
+    work.outline[:n, 4 : 4 + s + 2] = jacobian
+    work.edges[:n] = np.stack((offset, strength, np.ones_like(offset)), axis=2)
+    work.state[:s], work.start[:s], work.motion.prior_sigma[:p] = state, prior.expected, prior.spread
+    work.window.use_prior, work.window.speed, work.fit_limits.min_noise = 1, prior.speed, prior.floor
+    work["iteration"] = prior.size, prior.noise, prior.start, 0.0
+    expected = expected or (0.0, 0.0, 0.1 + 0.5 * prior.speed)
+    work["field_offset"] = begin, expected[:2], expected[2]
+    robust_fit_of(work)
+    chosen = work.chosen[:n, 2].astype(np.int64)
+    covariance = work.covariance[:p, :p].copy()
+    residual, weight = work.chosen[:n, 0].copy(), work.chosen[:n, 1].copy()
+    return Fit(work.state[:s] - state, float(work.iteration.noise), covariance, residual, weight, chosen)
 
 
 def review(
     residual: Floats, whiteness: Floats, seen: npt.NDArray[np.bool_], tolerance: float
 ) -> tuple[int, int, float, float, float, float]:
-    """Seen, confirmed, agreement, evidence, wave, corners of lines at even angles, whose first edge points count."""
+    """Visible, inliers, scores, autocorrelation, harmonic of lines at even angles, whose first edge points count."""
     n = len(residual)
-    edges, runs = np.zeros((n, 3, 3)), np.zeros((n, 5), np.int64)
-    edges[:, 0, 2], runs[:, 4] = whiteness, np.where(seen, 9, 0)
-    return review_lines(np.column_stack((residual, np.zeros((n, 2)))), edges, runs, turns(n), tolerance)
+    work = workspace(n, 5, 3)
+    work.chosen[:n, 0] = residual
+    work.edges[:n, 0, 2], work.runs[:n, 4] = whiteness, np.where(seen, 9, 0)
+    measure_lines(work, tolerance)
+    fit = work.fit
+    agreement = fit.msac_score, fit.color_score, fit.residual_autocorrelation, fit.harmonic_score
+    return fit.visible, fit.inliers, *agreement
 
 
 def median(values: Floats) -> float:
-    return float(_median(values.astype(np.float32), len(values) // 2))
+    return float(median_of(values.astype(np.float32), len(values) // 2))
 
 
 def turns(n: int) -> Floats:
@@ -139,7 +182,11 @@ def trace(state: Floats, directions: Floats) -> Outline:
 def look_inside(image: Bytes, color: ColorModel, circle: Circle) -> tuple[float, float, float]:
     """Inside, core and hollow of a circle."""
     outline, shares = _outline(circle, 64)
-    return count_inside(channels_last(image), color.table, outline, shares, circle.x, circle.y)
+    work = workspace(64, 5, 3)
+    work.outline[:64, :11], work.interior[:64] = outline, shares
+    work.state[:2] = circle.x, circle.y
+    measure_interior(channels_last(image), color.table, work)
+    return work.fit.interior_share, work.fit.core_share, work.fit.hollowness
 
 
 def adapt(image: Bytes, color: ColorModel, first: npt.NDArray[np.float32], circle: Circle, rate: float) -> None:

@@ -8,11 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from kernels import Floats, Limits
-from matchset.tracking.fit import CHOICE, CUT, INNER_CUT, WEAK_WEIGHT
-from matchset.tracking.match_set import FIRM, LONGEST, WEAK
-from matchset.tracking.review import LEAST
+from matchset.fitting.fit_quality import QualityParameters
+from matchset.fitting.match_set import MAX_PIXELS, MatchParameters
+from matchset.fitting.robust_fit import FitParameters
 
 Scores = npt.NDArray[np.int8]
+FIT, MATCH = FitParameters(), MatchParameters()
+LEAST = QualityParameters().min_residual
+FIRM, WEAK = np.float32(MATCH.firm_step), np.float32(MATCH.weak_step)
 
 
 class EdgePoint(NamedTuple):
@@ -40,7 +43,7 @@ def line(shape: tuple[int, ...], point: Floats, normal: Floats, limits: Limits) 
         fixed = math.floor(x + 0.5)
         crossing, size, side, inside = y - (fixed - x) * nx / ny, height, ny, 0 <= fixed < width
     nearest = math.floor(crossing + 0.5)
-    span = min(int(limits.reach / abs(side)) + 1 + limits.margin, LONGEST // 2 - 2)
+    span = min(int(limits.range_px / abs(side)) + 1 + limits.margin, MAX_PIXELS // 2 - 2)
     places = [p for p in range(nearest - span, nearest + span + 1) if 0 <= p < size]
     room = nearest - limits.margin >= 0 and nearest + limits.margin < size
     if not inside or not room:
@@ -80,14 +83,14 @@ def edge_points(
     found = []
     for k in range(m, len(values) - m):
         difference = sum(scores[k - m : k]) - sum(scores[k + 1 : k + m + 1])
-        clear = difference > FIRM * limits.enough or contrast[k] > limits.plain
+        clear = difference > FIRM * limits.full_step or contrast[k] > limits.min_contrast
         before, here, after = contrast[k - 1 : k + 2]
         if not (difference > limits.threshold and clear and here > 0.0 and before <= here > after):
             continue
-        white = min(max(float(difference), float(WEAK) * limits.enough), limits.enough)
+        white = min(max(float(difference), float(WEAK) * limits.full_step), limits.full_step)
         shift = 0.5 * (after - before) / (2.0 * here - before - after) if before > 0.0 and after > 0.0 else 0.0
         offset = across.offsets[k] + shift * pitch
-        found.append(EdgePoint(offset, here * white, white / limits.enough))
+        found.append(EdgePoint(offset, here * white, white / limits.full_step))
     return sorted(found, key=lambda each: -each.strength)[:3]
 
 
@@ -95,7 +98,7 @@ def trust(strength: Floats, i: int, j: int) -> float:
     """Share of its full weight that an edge point has for its strength."""
     roots = [math.sqrt(each) for each in strength[:, 0] if each > 0.0]
     q = float(strength[i, j])
-    return q / (q + WEAK_WEIGHT * (sum(roots) / len(roots)) ** 2)
+    return q / (q + FIT.half_weight_strength * (sum(roots) / len(roots)) ** 2)
 
 
 def weigh(
@@ -106,12 +109,13 @@ def weigh(
     for i in range(len(offset)):
         there = [j for j in range(3) if strength[i, j] > 0.0]
         costs = [
-            ((offset[i, j] - predicted[i]) / sigma) ** 2 + CHOICE * math.log(strength[i, 0] / strength[i, j])
+            ((offset[i, j] - predicted[i]) / sigma) ** 2
+            + FIT.strength_preference * math.log(strength[i, 0] / strength[i, j])
             for j in there
         ]
         best = there[int(np.argmin(costs))] if there else 0
         e = offset[i, best] - predicted[i] if there else math.inf
-        z = e / ((CUT if e > 0 else INNER_CUT) * sigma)
+        z = e / ((FIT.outer_cut if e > 0 else FIT.inner_cut) * sigma)
         chosen.append(best)
         residual.append(e)
         weight.append((1 - z * z) ** 2 * trust(strength, i, best) if abs(z) < 1 else 0.0)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matchset.shapes.polygon import Polygon
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
-    from matchset.tracking.detect import detect
+    from matchset.tracking.detector import detect
     from matchset.tracking.track import Lost, Track
     from matchset.tracking.tracker import Tracker
 
@@ -82,7 +82,7 @@ _MODULES = {
     "Track": "matchset.tracking.track",
     "Tracker": "matchset.tracking.tracker",
     "Video": "matchset.image.video",
-    "detect": "matchset.tracking.detect",
+    "detect": "matchset.tracking.detector",
 }
 
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one

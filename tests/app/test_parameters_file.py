@@ -36,15 +36,15 @@ def test_what_is_printed_is_read_back(tmp_path: Path) -> None:
     parameters = TrackerParameters()
     assert read(tmp_path, parameters_toml(parameters)) == parameters
     changed = msgspec.structs.replace(
-        parameters, coast=0.125, match=msgspec.structs.replace(parameters.match, tolerance=0.0703125)
+        parameters, coast=0.125, match=msgspec.structs.replace(parameters.match, full_step=0.0703125)
     )
     assert read(tmp_path, parameters_toml(changed)) == changed
 
 
 def test_a_file_may_hold_some_of_them(tmp_path: Path) -> None:
-    found = read(tmp_path, "coast = 1\n[match]\ntolerance = 0.07\n")
+    found = read(tmp_path, "coast = 1\n[match]\nfull_step = 0.07\n")
     assert found.coast == 1.0
-    assert found.match.tolerance == 0.07
+    assert found.match.full_step == 0.07
     assert msgspec.structs.replace(found, coast=0.35, match=TrackerParameters().match) == TrackerParameters()
     assert read(tmp_path, "") == tracker_parameters(None) == TrackerParameters()
 
@@ -57,15 +57,15 @@ def test_every_parameter_is_printed_with_its_meaning_and_default() -> None:
         assert lines[first - 1].startswith("# Default: "), name
         assert lines[first - 2].startswith("# "), f"{type(struct).__name__}.{name} has no description"
     assert all(len(line) <= 100 for line in lines if line.startswith("#"))
-    assert tomllib.loads(text)["match"]["tolerance"] == TrackerParameters().match.tolerance
+    assert tomllib.loads(text)["match"]["full_step"] == TrackerParameters().match.full_step
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("coats = 1.0", "there is no parameter 'coats'; 'matchset params' prints all"),
-        ("[match]\ntolerances = 1.0", "there is no parameter 'match.tolerances'"),
-        ("[matches]\ntolerance = 1.0", "there is no parameter 'matches'"),
+        ("[match]\nfull_steps = 1.0", "there is no parameter 'match.full_steps'"),
+        ("[matches]\nfull_step = 1.0", "there is no parameter 'matches'"),
         ("match = 3", "match must be a table, got 3"),
         ('coast = "long"', "coast must be a number, got 'long'"),
         ("coast = true", "coast must be a number, got True"),

@@ -13,10 +13,13 @@ from typing import Any
 
 import numba
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from matchset.numeric import jit
 from matchset.numeric.jit import identity, kernel
+
+Floats = npt.NDArray[np.float64]
 
 FAMILY = """
 from numba import njit
@@ -35,7 +38,7 @@ def typed(x):
 
 
 @kernel(refcount=False)
-def borrowed(rows: jit.Array) -> float:
+def borrowed(rows: Floats) -> float:
     row = rows[0]
     for i in range(len(rows)):
         if rows[i, 0] > row[0]:
@@ -44,7 +47,7 @@ def borrowed(rows: jit.Array) -> float:
 
 
 @kernel
-def counted(rows: jit.Array) -> float:
+def counted(rows: Floats) -> float:
     row = rows[0]
     for i in range(len(rows)):
         if rows[i, 0] > row[0]:

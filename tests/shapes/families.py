@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
+from kernels import robust_fit_of, workspace
 from matchset.numeric.jit import compile_user_function
 from matchset.shapes.shape import from_hull, outline, places
-from matchset.tracking.fit import fit_lines, scratch_size
 
 Floats = npt.NDArray[np.float64]
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "add_a_shape.md"
@@ -109,24 +109,26 @@ def fit(family: type[Any], points: Points, start: Any, lines: int = 64, spread: 
     s, p = len(state), len(family.parameters)
     where, trace = places(family, lines), compile_user_function(family.trace)
     errors = np.random.default_rng(5).normal(0.0, max(points.noise, 1e-12), lines)
-    covariance, found = np.zeros((p, s + 2)), np.zeros((lines, 3))
-    scratch = np.zeros(scratch_size(lines, s))
+    work = workspace(lines, s, p)
+    work.window.use_prior, work.fit_limits.min_noise, work.motion.prior_sigma[:p] = 1, 0.05, spread
+    work.start[:s] = begin
+    work["field_offset"] = (0.0, 0.0), (0.0, 0.0), 1.0
     for _ in range(25):
         rows, edges = np.zeros((lines, 4 + s + 2)), np.zeros((lines, 3, 3))
         trace(state, where, rows)
         meets = offsets(rows, points.corners)
         seen = np.isfinite(meets) & (np.arange(lines) >= points.hidden * lines)
         edges[seen, 0, 0], edges[seen, 0, 1:] = (meets + errors)[seen], 1.0
-        size, room = float(family.half_width(state)), np.full(p, spread)
-        noise, moved = fit_lines(
-            rows, edges, state, begin, room, size, 0.0, 0.4, 8.0, 0.05, covariance, found, np.zeros(2), scratch
-        )
-        assert noise > 0.0, "no fit"
-        if moved < 1e-7:
+        work.outline[:lines, : 4 + s + 2], work.edges[:lines], work.state[:s] = rows, edges, state
+        work["iteration"] = float(family.half_width(state)), 0.4, 8.0, 0.0
+        robust_fit_of(work)
+        assert work.iteration.noise > 0.0, "no fit"
+        state[:] = work.state[:s]
+        if work.iteration.moved < 1e-7:
             break
     rows = np.zeros((lines, 4 + s + 2))
     trace(state, where, rows)
-    return Fit(family.from_state(state, start), state, covariance[:, :p], offsets(rows, points.corners))
+    return Fit(family.from_state(state, start), state, work.covariance[:p, :p].copy(), offsets(rows, points.corners))
 
 
 def begin_at(family: type[Any], corners: Floats) -> Any:

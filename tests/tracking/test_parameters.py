@@ -5,9 +5,10 @@ import pytest
 from scenes import blue, run, scene
 
 import matchset as ms
-from matchset.tracking.match_set import MatchParameters
+from matchset.fitting.fit_quality import QualityParameters
+from matchset.fitting.match_set import MatchParameters
+from matchset.fitting.validation import ValidationParameters
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.verdict import ValidationParameters
 from matchset.tracking.voting import SearchParameters
 
 BALL = 150.0, 110.0, 30.0
@@ -20,8 +21,8 @@ def follow(parameters: TrackerParameters) -> list[ms.Track[ms.Circle] | ms.Lost[
 @pytest.mark.parametrize(
     "parameters",
     [
-        TrackerParameters(validation=ValidationParameters(evidence=2.0)),
-        TrackerParameters(validation=ValidationParameters(first_inside=1.1)),
+        TrackerParameters(validation=ValidationParameters(color_score=2.0)),
+        TrackerParameters(validation=ValidationParameters(detection_interior=1.1)),
         TrackerParameters(search=SearchParameters(whole_frame=False)),
         TrackerParameters(search=SearchParameters(share=9.0)),
         TrackerParameters(match=MatchParameters(threshold=2.0)),
@@ -33,9 +34,9 @@ def test_limits_that_nothing_meets_find_nothing(parameters: TrackerParameters) -
 
 
 def test_limits_of_a_track_and_of_a_detection_are_set_apart() -> None:
-    answers = follow(TrackerParameters(validation=ValidationParameters(support=1.1), coast=0.0))
+    answers = follow(TrackerParameters(validation=ValidationParameters(min_support=1.1), coast=0.0))
     assert bool(answers[0])  # a detection is not asked for its support
-    twice = follow(TrackerParameters(validation=ValidationParameters(inflation=2.3)))[0]
+    twice = follow(TrackerParameters(quality=QualityParameters(covariance_inflation=2.3)))[0]
     once = follow(TrackerParameters())[0]
     assert isinstance(once, ms.Track)
     assert isinstance(twice, ms.Track)

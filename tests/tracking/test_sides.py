@@ -7,10 +7,9 @@ from benchmarks.shapes.cases import THIRD, corner_error
 from benchmarks.shapes.trial import ShapeTask, follow_shape
 
 import matchset as ms
-from matchset.numeric.jit import plain
+from kernels import workspace
 from matchset.sim.rendering.coverage import draw_polygon
-from matchset.tracking.memory import TIME, Memory
-from matchset.tracking.motion import correct
+from matchset.tracking.motion import correct_without_gate
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -45,12 +44,13 @@ def test_a_side_on_an_edge_of_the_background_is_moved_back(ends: tuple[float, fl
 
 @pytest.mark.parametrize(("known", "kept"), [(0.01, 1.0), (0.4, 1.0), (0.75, 0.5), (1.0, 0.0), (1.2, 0.0)])
 def test_the_velocity_of_what_is_not_seen_stops(known: float, kept: float) -> None:
-    parts = Memory(32, 5, 5).parts
-    parts.room[:], parts.velocity[:], parts.clock[TIME] = 0.5, 3.0, 0.0
-    parts.covariance[:, :5] = np.eye(5) * known * 0.5**2
-    parts.state[:] = parts.seen + 3.0 * 0.1  # as predicted
-    plain(correct)(parts, 0.1)
-    np.testing.assert_allclose(parts.velocity, [3.0, 3.0, *[3.0 * kept] * 3], atol=1e-12)
+    work = workspace(32, 5, 5)
+    motion = work.motion
+    motion.prior_sigma[:5], motion.velocity[:5], motion.time = 0.5, 3.0, 0.0
+    work.covariance[:5, :5] = np.eye(5) * known * 0.5**2
+    work.state[:5] = motion.last_state[:5] + 3.0 * 0.1  # as predicted
+    correct_without_gate(work, 0.1)
+    np.testing.assert_allclose(motion.velocity[:5], [3.0, 3.0, *[3.0 * kept] * 3], atol=1e-12)
 
 
 @pytest.mark.parametrize("seed", [210, 211])

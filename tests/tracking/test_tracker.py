@@ -10,6 +10,7 @@ import pytest
 from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run, scene, wall, with_ball
 
 import matchset as ms
+from matchset.image.color_adaptation import AdaptationParameters
 from matchset.sim.clips.clip import Clip
 from matchset.tracking.parameters import TrackerParameters
 
@@ -181,7 +182,7 @@ def test_the_color_adapts_in_a_copy_of_its_own() -> None:
     np.testing.assert_array_equal(color.log_odds, log_odds)
     np.testing.assert_array_equal(color.table, table)
     assert (tracker.color.log_odds != log_odds).any()
-    fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adapt_rate=0.0))
+    fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adaptation=AdaptationParameters(rate=0.0)))
     assert not all(run(fixed, fading_images()))
     np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
 

@@ -81,7 +81,7 @@ def _trackers(name: str) -> None:
     from matchset.shapes.polygon import Polygon
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
-    from matchset.tracking.detect import detect
+    from matchset.tracking.detector import detect
     from matchset.tracking.tracker import Tracker
 
     hexagon = [(np.cos(t), np.sin(t)) for t in np.pi / 3.0 * np.arange(6)]

@@ -7,6 +7,7 @@ half as much. No cell may leave its first value by more than `LEASH`, and a pixe
 teaches nothing: it is a finger, a stick or a marker.
 """
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -26,8 +27,31 @@ SHIFT = 1 << 24
 ROUND = SHIFT + 0.5
 
 
+class AdaptationParameters(msgspec.Struct, frozen=True):
+    """How the color of a tracker follows the light.
+
+    All numbers chosen by hand; `tests/tracking/test_tracker.py` (a fading ball, a stick before it) and `python -m
+    benchmarks --only accuracy` would show a change.
+
+    Parameters
+    ----------
+    rate : float
+        Speed at which the color follows the light, log-odds per look: 0 keeps the color as it was learned.
+    min_support, min_interior : float
+        Least share of the outline that must be inliers, and of the inside that must have the target's color, before a
+        frame may change the color; the whole outline must be in the picture.
+    period : int
+        Every so many frames the color may change: light changes slowly.
+    """
+
+    rate: float = 0.8
+    min_support: float = 0.8
+    min_interior: float = 0.6
+    period: int = 3
+
+
 @kernel(refcount=False)
-def _cell(image: Bytes, x: float, y: float) -> np.int64 | int:
+def cell_at(image: Bytes, x: float, y: float) -> np.int64 | int:
     """Color cell of the pixel at (x, y), or -1 outside the picture."""
     column, row = int(x + ROUND) - SHIFT, int(y + ROUND) - SHIFT
     if row < 0 or column < 0 or row >= image.shape[0] or column >= image.shape[1]:
@@ -72,55 +96,6 @@ def _teach(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: S
 
 
 @kernel(refcount=False)
-def count_inside(
-    image: Bytes, table: Table, points: Floats, shares: Floats, x: float, y: float
-) -> tuple[float, float, float]:
-    """Look at one pixel per outline point, at its share of the way from the center (x, y).
-
-    Parameters
-    ----------
-    image : (h, w, 3) or (h, w, 1) uint8
-    table : (32768,) or (256,) int8
-    points : (n, >= 2)
-        Outline: x and y, px, first.
-    shares : (n,)
-        0 at the center, 1 on the outline.
-    x, y : float
-        Center, px.
-
-    Returns
-    -------
-    inside, core : float
-        Share of the pixels seen that look like the target: of all, and of those nearer to the center than to the
-        outline; -1 where less than four are seen.
-    hollow : float
-        Foreign share halfway out minus twice the foreign share near the rim: what stands in front of a disc crosses
-        its rim, but a ring is empty inside while its rim is whole.
-    """
-    hits = seen = core_hits = core_seen = 0
-    middle_foreign = middle_seen = rim_foreign = rim_seen = 0
-    for i in range(points.shape[0]):
-        share = shares[i]
-        cell = _cell(image, x + share * (points[i, 0] - x), y + share * (points[i, 1] - y))
-        if cell >= 0:
-            hit = table[cell] > 0
-            seen += 1
-            hits += hit
-            if share < 0.5:
-                core_seen += 1
-                core_hits += hit
-            if 0.35 < share < 0.62:
-                middle_seen += 1
-                middle_foreign += not hit
-            if share > 0.75:
-                rim_seen += 1
-                rim_foreign += not hit
-    hollow = middle_foreign / max(middle_seen, 1) - 2.0 * rim_foreign / max(rim_seen, 1)
-    inside = hits / seen if seen > 3 else -1.0
-    return inside, core_hits / core_seen if core_seen > 3 else -1.0, hollow
-
-
-@kernel(refcount=False)
 def adapt_table(
     image: Bytes,
     log_odds: Singles,
@@ -138,7 +113,7 @@ def adapt_table(
     Parameters
     ----------
     image, points, shares, x, y
-        As for `count_inside`.
+        The picture; outline points, (n, >= 2), px; for each a share of the way from the center (x, y) to it.
     log_odds, first : (32768,) or (256,) float32
         The log-odds, written, and what they were at first.
     table : the same shape, int8, written
@@ -149,10 +124,10 @@ def adapt_table(
     """
     for i in range(begin, points.shape[0], 4):
         dx, dy = points[i, 0] - x, points[i, 1] - y
-        cell = _cell(image, x + shares[i] * dx, y + shares[i] * dy)
+        cell = cell_at(image, x + shares[i] * dx, y + shares[i] * dy)
         if cell >= 0 and log_odds[cell] > FOREIGN:
             _teach(cell, np.float32(rate), log_odds, first, table)
         beyond = 1.0 + FAR / max(np.sqrt(dx * dx + dy * dy), 1.0)
-        cell = _cell(image, x + beyond * dx, y + beyond * dy)
+        cell = cell_at(image, x + beyond * dx, y + beyond * dy)
         if cell >= 0:
             _teach(cell, np.float32(-rate), log_odds, first, table)

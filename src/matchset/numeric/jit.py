@@ -19,7 +19,6 @@ import enum
 import functools
 import hashlib
 import importlib
-import math
 import re
 import sys
 import types
@@ -30,13 +29,7 @@ from typing import Any, TypeVar, cast, overload
 
 import numba
 import numpy as np
-import numpy.typing as npt
-from numba import types as numba_types
-from numba.core.cgutils import unpack_tuple
-from numba.core.imputils import impl_ret_borrowed
-from numba.extending import lower_builtin, type_callable
 
-Array = npt.NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -57,10 +50,6 @@ def _put_off_scipy() -> None:
 
 
 _put_off_scipy()
-_populate_array: Any = importlib.import_module("numba.np.arrayobj").populate_array
-_LOWER: Any = lower_builtin  # Numba tells no types
-_UNPACK: Any = unpack_tuple
-_BORROW: Any = impl_ret_borrowed
 
 
 @functools.cache
@@ -102,10 +91,10 @@ def _read_source(path: Path) -> tuple[int, tuple[Path, ...]]:
 @overload
 def kernel(function: F) -> F: ...
 @overload
-def kernel(*, refcount: bool = True, reassociate: bool = False) -> Callable[[F], F]: ...
+def kernel(*, refcount: bool = True, reassociate: bool = False, entry: bool = True) -> Callable[[F], F]: ...
 
 
-def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = False) -> Any:
+def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = False, entry: bool = True) -> Any:
     """Compile a function of arrays and scalars that neither raises nor prints.
 
     Parameters
@@ -117,6 +106,8 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
         may leave it out.
     reassociate : bool
         Whether the terms of a sum may be added in any order, several at a time: for long sums.
+    entry : bool
+        Whether Python may call it. What only other kernels call compiles faster without that entry.
 
     Returns
     -------
@@ -126,6 +117,8 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
     options: dict[str, Any] = {} if refcount else {"_nrt": False}
     if reassociate:  # no set, whose order differs from run to run: it is in the key of kept code
         options["fastmath"] = {"reassoc": True, "nsz": True}
+    if not entry:
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     if function is None:
         return lambda made: _kept(made, **options)
     return _kept(function, **options)
@@ -236,38 +229,7 @@ def _compiled_for_user(function: F) -> F:
     return kernel(function)
 
 
-def cut(block: Array, start: int, shape: tuple[int, ...]) -> Array:
-    """View a part of an array in one piece, from a place on, as an array of that shape.
-
-    In compiled code that costs neither a call nor a check, as `reshape` does: the part must lie in the block.
-    """
-    return block.reshape(-1)[start : start + math.prod(shape)].reshape(shape)
-
-
-@type_callable(cut)
-def _type_of_cut(_: Any) -> Any:
-    def found(block: Any, start: Any, shape: Any) -> Any:  # noqa: ARG001
-        return numba_types.Array(block.dtype, len(shape), "C") if block.layout == "C" else None
-
-    return found
-
-
-def _compiled_cut(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    source = context.make_array(signature.args[0])(context, builder, values[0])
-    made = context.make_array(signature.return_type)(context, builder)
-    sizes = _UNPACK(builder, values[2])
-    strides = [source.itemsize]
-    for size in reversed(sizes[1:]):
-        strides.insert(0, builder.mul(strides[0], size))
-    data = builder.gep(source.data, [values[1]])
-    _populate_array(made, data, tuple(sizes), tuple(strides), source.itemsize, source.meminfo, source.parent)
-    return _BORROW(context, builder, signature.return_type, made._getvalue())
-
-
-_LOWER(cut, numba_types.Array, numba_types.Integer, numba_types.UniTuple)(_compiled_cut)
-
-
-def plain(function: F) -> F:
-    """Give the Python function that was compiled, for calls too seldom to be worth compiling."""
+def interpreted(function: F) -> F:
+    """Return the Python function that was compiled, for calls too seldom to be worth compiling."""
     result: F = getattr(function, "py_func", function)
     return result

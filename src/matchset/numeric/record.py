@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 Block = npt.NDArray[np.float64]
+Record = Any  # one record, or a record within it: the layout says which fields it has
 
 _SCALARS: dict[Any, str] = {float: "f8", int: "i8", bool: "i8"}
 

@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import compile_user_function, plain
+from matchset.numeric.jit import compile_user_function, interpreted
 from matchset.shapes.shape import places, slopes
 
 Floats = npt.NDArray[np.float64]
@@ -82,11 +82,11 @@ def _broken_rule(family: type[Any]) -> str:
 
 def _broken_size(family: type[Any], state: Floats) -> str:
     """Rules of `half_width` and `from_coarse`."""
-    size = float(plain(family.half_width)(state))
+    size = float(interpreted(family.half_width)(state))
     if not 0.5 * SIZE < size < 2.0 * SIZE:
         return f"half_width of from_coarse(x, y, {SIZE:g}) must be about {SIZE:g} px, got {size:g}"
     again = family.from_coarse(X + 9.0, Y, 2.0 * size, state).state
-    grown = float(plain(family.half_width)(again))
+    grown = float(interpreted(family.half_width)(again))
     if abs(again[0] - X - 9.0) > 0.05 * SIZE or abs(again[1] - Y) > 0.05 * SIZE or abs(grown - 2.0 * size) > 0.1 * size:
         return (
             f"from_coarse(x, y, radius, like) must have its center and half-width there: asked for {X + 9.0:g}, {Y:g}, "
@@ -96,9 +96,9 @@ def _broken_size(family: type[Any], state: Floats) -> str:
 
 
 def _traced(family: type[Any], where: Floats, state: Floats) -> Floats:
-    """Outline in plain Python, which notices what goes beyond an array."""
+    """Outline in interpreted Python, which notices what goes beyond an array."""
     outline = np.full((len(where), 4 + len(state) + 2), np.nan)
-    plain(family.trace)(state, where, outline)
+    interpreted(family.trace)(state, where, outline)
     return outline
 
 
@@ -183,5 +183,5 @@ def _broken_compiler(family: type[Any], where: Floats, state: Floats) -> str:
         not (np.array_equal(outline, there, equal_nan=True) or np.allclose(outline, there, equal_nan=True))
         or not size > 0.0
     ):
-        return "its compiled trace and half_width differ from plain Python"
+        return "its compiled trace and half_width differ from interpreted Python"
     return ""

@@ -1,1 +1,6 @@
-"""The paper's algorithm: match-set, fit, tracking, detection."""
+"""Over time: the paper's tracker.
+
+Read `tracker` first: `Tracker.update` is Alg. 1. It uses `track_step` (Alg. 3) with `motion` (predict, gate, correct);
+`hypotheses` where a fit is ambiguous; `detector` with `voting` (Alg. 2) where the shape is lost; `initialization` where
+it is given. `parameters` has every number that decides something, `track` the answers.
+"""

@@ -1,140 +1,224 @@
-"""Where the shape will be in the next frame: constant velocity, and how far that has been wrong lately."""
+"""Motion of the tracked shape: constant velocity, the innovations it lately had, and the gate around its prediction.
 
+The parameters stand in `fitting.prior`, since the fit uses the prediction as its prior.
+"""
+
+import functools
 import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.jit import inlined
-from matchset.tracking.fit import PARTED
-from matchset.tracking.memory import (
-    APART,
-    BLIND,
-    EXPECTED,
-    FIELDS,
-    MOVED,
-    RATE,
-    SHEARED,
-    SPEED,
-    STEADY,
-    SURPRISE,
-    TIME,
-    Views,
-)
+from matchset.fitting.validation import Rejection, is_ambiguous
+from matchset.numeric.jit import helper, interpreted, kernel
+from matchset.numeric.record import Block, Record
 
 Floats = npt.NDArray[np.float64]
 
-TRUST = 0.7  # share of the latest change that the velocity follows: 1 is quick and noisy, 0 never learns
-MEMORY = 0.8  # share of the spread that a frame as predicted leaves
-FADE = 0.25  # s after which a velocity without a sighting has faded to 1/e
-LEAST = 0.3  # px: no prediction is trusted to be better
-PROMPT = 0.05  # s without a sighting from which it fades
-FIELD_MEMORY = 0.9  # share of what is known about the fields that one frame leaves
-STILL = 120.0  # px/s: below so much in the frames remembered little is known about them
-HALF = 0.5  # of the time between two frames: when the second field of an interlaced picture is taken
-NEARLY = 0.15  # how near to that what was learned must be to be taken for it
-ANYWHERE = 0.5  # standard deviation of the fields' distance while that is not known, as a share of the way
-SURELY = 0.08  # and once it is
-CALM = 0.1  # px: what is added to that
+
+class ReachParameters(msgspec.Struct, frozen=True):
+    """Where a shape that was lost may turn up again.
+
+    All numbers chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+
+    Parameters
+    ----------
+    jump, jump_px : float
+        How far from its prediction a shape may be found again while coasting, in half-widths per missed frame plus px.
+    growth : float
+        Largest change of size per missed frame, as a factor.
+    near : float
+        Distance from the prediction within which a shape found again is the lost one, in half-widths, if its ...
+    near_shrink, near_growth : float
+        ... size changed by a factor between these.
+    alone : float
+        Distance from the prediction beyond which nothing speaks for a detection but itself, in half-widths.
+    """
+
+    jump: float = 2.0
+    jump_px: float = 10.0
+    growth: float = 1.5
+    near: float = 0.5
+    near_shrink: float = 0.8
+    near_growth: float = 1.25
+    alone: float = 3.0
 
 
-@inlined
-def correct(parts: Views, time: float) -> None:
-    """Take in the state that was fitted at a time, s."""
-    state, velocity, spread, fitted = parts.seen, parts.velocity, parts.spread, parts.state
-    passed = time - parts.clock[TIME]
-    _note_fields(parts)
-    for k in range(state.shape[0]):
+class Gate(NamedTuple):
+    """Center and half-width of a prediction, px, and what is near to it."""
+
+    x: float
+    y: float
+    half_width: float
+
+    def distance(self, other: "Gate") -> float:
+        """Distance of the centers, px."""
+        return math.hypot(other.x - self.x, other.y - self.y)
+
+    def near(self, other: "Gate", limits: ReachParameters) -> bool:
+        """Whether a shape found again at `other` is about where this prediction has it."""
+        size = self.half_width
+        like = limits.near_shrink * size < other.half_width < limits.near_growth * size
+        return like and self.distance(other) < limits.near * size
+
+    def reachable(self, other: "Gate", missed: float, limits: ReachParameters) -> bool:
+        """Whether a shape can have come from here to `other` in `missed` frames."""
+        larger, smaller = max(self.half_width, other.half_width), min(self.half_width, other.half_width)
+        near = self.distance(other) <= limits.jump * larger * missed + limits.jump_px
+        return larger <= smaller * limits.growth**missed and near
+
+
+def gate_of(family: type[Any], state: Floats) -> Gate:
+    """Center and size of a state of a family of shapes."""
+    return Gate(float(state[0]), float(state[1]), float(family.half_width(state)))
+
+
+@helper
+def in_gate(work: Record, half_width: float, predicted_half_width: float) -> bool:
+    """Whether the fitted state is so near to its prediction that it needs no other proof."""
+    gate, state, predicted = work.gate, work.state, work.motion.predicted
+    far = math.hypot(state[0] - predicted[0], state[1] - predicted[1])
+    change = abs(half_width - predicted_half_width)
+    size_near = change <= gate.size_share * predicted_half_width + gate.size_px
+    reach = gate.center_share * predicted_half_width + gate.center_innovations * work.motion.innovation
+    return bool(size_near and far <= reach)
+
+
+@helper
+def extrapolate(work: Record, time: float, missed: float) -> None:
+    """Predict the state at a time, `missed` frames after the last sighting; the velocity fades while nothing is seen.
+
+    Writes `predicted`, `prior_sigma`, the speed and the innovation.
+    """
+    motion, limits = work.motion, work.motion_limits
+    ahead = time - motion.time
+    if ahead > limits.fade_start:
+        ahead = limits.fade_time * (1.0 - math.exp(-ahead / limits.fade_time))
+    for k in range(work.state_count):
+        motion.predicted[k] = motion.last_state[k] + ahead * motion.velocity[k]
+    for k in range(work.parameter_count):
+        scale, least = motion.innovation_scale[k], limits.min_sigma
+        sigma = least if k >= motion.slow_from else limits.prior_sigmas * scale + least
+        motion.prior_sigma[k] = missed * sigma
+    motion.speed, motion.innovation = math.hypot(motion.velocity[0], motion.velocity[1]), motion.innovation_scale[0]
+
+
+@helper
+def open_window(work: Record, missed: float, interval: float) -> None:
+    """Open the search window around the prediction: it grows with the innovations; the fit begins there."""
+    window, limits, motion = work.window, work.window_limits, work.motion
+    innovation = motion.innovation * missed
+    window.range_px = min(limits.min_range + limits.innovations * innovation, limits.max_range)
+    window.speed, window.initial_sigma = interval * motion.speed, max(innovation, work.fit_limits.start_noise)
+    window.min_score, window.velocity_unknown, window.use_prior = 0.0, 0, 1
+    for k in range(work.state_count):
+        work.state[k] = motion.predicted[k]
+
+
+@helper
+def correct_motion(work: Record, time: float) -> None:
+    """Correct state, velocity and innovation scale with the state that was fitted at a time, s.
+
+    The field offset that was fitted is noted for the speed that the shape was expected to have. The velocity of a
+    parameter that the edge points told nothing of stops: its variance is that of the prior.
+    """
+    motion, limits, fields, fitted = work.motion, work.motion_limits, work.field_limits, work.state
+    velocity, scale, offset, memory = motion.velocity, motion.innovation_scale, work.field_offset.fitted, fields.memory
+    x, y, passed, kept = velocity[0], velocity[1], time - motion.time, limits.innovation_memory
+    if work.window.speed > fields.min_speed:
+        motion.offset_moment = memory * motion.offset_moment + offset[0] * x + offset[1] * y
+        motion.speed_moment = memory * motion.speed_moment + x * x + y * y
+    for k in range(work.state_count):
         if passed > 0.0:
-            missed = fitted[k] - state[k] - velocity[k] * passed
-            if k < spread.shape[0]:
-                velocity[k] = (velocity[k] + TRUST / passed * missed) * _known(parts, k)
-                spread[k] = max(abs(missed), MEMORY * spread[k] + (1.0 - MEMORY) * abs(missed))
-        state[k] = fitted[k]
-    spread[0] = spread[1] = max(spread[0], spread[1])
-    parts.clock[TIME] = time
+            missed = fitted[k] - motion.last_state[k] - velocity[k] * passed
+            if k < work.parameter_count:
+                prior, known = motion.prior_sigma[k] * motion.prior_sigma[k], 1.0
+                if prior > 0.0 and k > 1:
+                    known = min(max(2.0 * (1.0 - work.covariance[k, k] / prior), 0.0), 1.0)
+                velocity[k] = (velocity[k] + limits.gain / passed * missed) * known
+                scale[k] = max(abs(missed), kept * scale[k] + (1.0 - kept) * abs(missed))
+        motion.last_state[k] = fitted[k]
+    scale[0] = scale[1] = max(scale[0], scale[1])
+    motion.time = time
 
 
-@inlined
-def _known(parts: Views, k: int) -> float:
-    """Share that the velocity of a parameter keeps: none where the edge points told nothing of it."""
-    room = parts.room[k] * parts.room[k]
-    return min(max(2.0 * (1.0 - parts.covariance[k, k] / room), 0.0), 1.0) if room > 0.0 and k > 1 else 1.0
+@helper
+def correct_size(work: Record) -> None:
+    """Correct the typical half-width with a well-confirmed fit."""
+    motion, limits = work.motion, work.motion_limits
+    if work.fit.msac_score > limits.typical_min_score:
+        typical = motion.typical_half_width
+        new = typical + limits.typical_gain * (work.fit.half_width - typical)
+        motion.typical_half_width = new if typical > 0.0 else work.fit.half_width
 
 
-@inlined
-def _note_fields(parts: Views) -> None:
-    """Note how far apart the fields were that were fitted, for the speed that the shape was expected to have."""
-    x, y, clock = parts.velocity[0], parts.velocity[1], parts.clock
-    if parts.look[RATE] > PARTED:
-        clock[SHEARED] = FIELD_MEMORY * clock[SHEARED] + parts.fit[FIELDS] * x + parts.fit[FIELDS + 1] * y
-        clock[MOVED] = FIELD_MEMORY * clock[MOVED] + x * x + y * y
+@functools.cache
+def make_predict(layout: "np.dtype[np.void]") -> Callable[[Block, float, float], None]:
+    """Compile ``predict(block, time, interval)``: predict the state, and open the search window around it."""
+
+    @kernel(refcount=False)
+    def predict(block: Block, time: float, interval: float) -> None:
+        work = block.view(layout)[0]
+        if work.motion.time == -math.inf:
+            work.motion.time = time - interval
+        missed = max((time - work.motion.time) / interval, 1.0)
+        extrapolate(work, time, missed)
+        open_window(work, missed, interval)
+
+    return predict
 
 
-@inlined
-def part_fields(parts: Views) -> None:
-    """Expect the fields as far apart as the speed, and the time that lately lay between them, say.
+@functools.cache
+def make_correct(layout: "np.dtype[np.void]") -> Callable[[Block, float], int]:
+    """Compile ``correct(block, time)``.
 
-    An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
-    one. While they are not known to be, their distance has a standard deviation of half the way.
-
-    Parameters
-    ----------
-    parts : Views
-        Written: where the fit of the fields' distance begins, what is expected of it, and how surely.
+    It corrects the motion with a fit that began at the prediction and was validated, unless that is ambiguous or
+    outside the gate; returns `Rejection.NONE` or `Rejection.AMBIGUOUS`.
     """
-    x, y, fit, clock, way = parts.velocity[0], parts.velocity[1], parts.fit, parts.clock, parts.look[RATE]
-    speed, between, known = math.hypot(x, y), 0.0, 0.0
-    if speed > 0.0 and way > 0.0 and parts.look[BLIND] == 0.0:
-        frame, noted = way / speed, clock[MOVED] + STILL * STILL
-        between = min(max(clock[SHEARED] / noted, -frame), frame)
-        if abs(abs(between) - HALF * frame) < NEARLY * frame:
-            between, known = HALF * frame if between > 0.0 else -HALF * frame, clock[MOVED] / noted
-    fit[FIELDS] = fit[EXPECTED] = between * x
-    fit[FIELDS + 1] = fit[EXPECTED + 1] = between * y
-    fit[APART] = CALM + (ANYWHERE + known * (SURELY - ANYWHERE)) * way
+
+    @kernel(refcount=False)
+    def correct(block: Block, time: float) -> int:
+        work = block.view(layout)[0]
+        near = in_gate(work, work.fit.half_width, work.start_half_width)
+        if not near or is_ambiguous(work.fit, work.validation, work.line_count):
+            return Rejection.AMBIGUOUS.value
+        correct_motion(work, time)
+        correct_size(work)
+        return Rejection.NONE.value
+
+    return correct
 
 
-@inlined
-def predict(parts: Views, time: float, missed: float, trust: float) -> None:
-    """Extrapolate to a time; the velocity fades while nothing is seen.
-
-    Writes `expected`, `room`, and in `clock` the speed, px/s, and by how much predictions have lately missed, px.
-
-    Parameters
-    ----------
-    parts : Views
-    time : float
-        s, not before the last sighting.
-    missed : float
-        Frames since then.
-    trust : float
-        How many recent surprises each parameter may be off.
-    """
-    ahead = time - parts.clock[TIME]
-    if ahead > PROMPT:
-        ahead = FADE * (1.0 - math.exp(-ahead / FADE))
-    velocity, spread = parts.velocity, parts.spread
-    for k in range(velocity.shape[0]):
-        parts.expected[k] = parts.seen[k] + ahead * velocity[k]
-    for k in range(spread.shape[0]):
-        parts.room[k] = missed * (LEAST if k >= parts.track[STEADY] else trust * spread[k] + LEAST)
-    parts.clock[SPEED], parts.clock[SURPRISE] = math.hypot(velocity[0], velocity[1]), spread[0]
+def correct_without_gate(work: Record, time: float) -> None:
+    """Correct the motion with a fit that was accepted otherwise: seldom, so as plain Python."""
+    interpreted(correct_motion)(work, time)
+    interpreted(correct_size)(work)
 
 
-def begin(parts: Views, state: Floats, time: float, spread: float) -> None:
+def predict_state(work: Record, time: float) -> Floats:
+    """State expected at a time, s, by plain Python; the prior is that of one missed frame."""
+    interpreted(extrapolate)(work, time, 1.0)
+    predicted: Floats = work.motion.predicted[: work.state_count].copy()
+    return predicted
+
+
+def initialize(work: Record, state: Floats, time: float, sigma: float) -> None:
     """Begin at a state, at rest.
 
     Parameters
     ----------
-    parts : Views
+    work : record
     state : ndarray of shape (s,), float64
         State at the first sighting.
     time : float
         When that was, s; -inf for one frame before the next.
-    spread : float
+    sigma : float
         How far from it the next sighting may be, px.
     """
-    parts.seen[:] = parts.expected[:] = state
-    parts.velocity[:], parts.spread[:], parts.room[:] = 0.0, spread, 0.0
-    parts.clock[TIME], parts.clock[SPEED], parts.clock[SURPRISE] = time, 0.0, spread
+    motion, s = work.motion, len(state)
+    motion.last_state[:s] = motion.predicted[:s] = state
+    motion.velocity[:], motion.innovation_scale[:], motion.prior_sigma[:] = 0.0, sigma, 0.0
+    motion.time, motion.speed, motion.innovation = time, 0.0, sigma

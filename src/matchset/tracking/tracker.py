@@ -1,43 +1,59 @@
-"""Follow a shape from frame to frame: `Tracker` (Epstein & Feldman, Alg. 1 and 3)."""
+"""Track a shape from frame to frame: `Tracker` (Epstein & Feldman, Alg. 1 and 3)."""
 
+import enum
 import math
 from typing import Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.validation import Prior, Rejection
+from matchset.fitting.workspace import FitStatistics, SearchWindow
+from matchset.image.brightness import level_across
 from matchset.image.color import ColorModel
+from matchset.image.color_adaptation import adapt_table
 from matchset.image.frame import Frame
-from matchset.shapes.shape import Shape, finds_itself
-from matchset.tracking.begin import begin_near
-from matchset.tracking.detect import MOVING, Finder, channels_last
-from matchset.tracking.doubt import BETTER, DRAWN, SURELY, alternatives, drawn_out, worth
-from matchset.tracking.judge import Judge, Prior
-from matchset.tracking.look import Look
-from matchset.tracking.matcher import Matcher
-from matchset.tracking.memory import EVIDENCE, SEEN, SPEED, SURPRISE, TIME
-from matchset.tracking.palette import suited
+from matchset.shapes.shape import Shape, finds_itself, nearest, outline
+from matchset.tracking.detector import Detector, channels_last, track_of
+from matchset.tracking.initialization import initialize_near
+from matchset.tracking.motion import correct_without_gate, gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.place import place_of
-from matchset.tracking.step import NEVER
 from matchset.tracking.track import Lost, Track
-from matchset.tracking.verdict import is_near, missing
+from matchset.tracking.track_step import TrackStep, precompile
 from matchset.tracking.voting import Searcher
-from matchset.tracking.warm_up import warm_up
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
-FAINT, CLEAR = 0.4, 0.5  # evidence below which a shape is seen faintly, and from which clearly again
-PATIENCE = 5  # frames in which a shape may be seen faintly before it counts as lost
-FAR = 3.0  # half-widths from its prediction beyond which nothing speaks for a sighting but itself
-AGAIN = 3  # every so many frames a shape that is confirmed and doubtful is looked at again; circles always are
-TEACH = 3  # every so many frames the color may learn: light changes slowly
+MIN_POINTS, MAX_POINTS = 16, 4096  # format: capacity of the workspace
+
+
+class Mode(enum.Enum):
+    """What a tracker is doing.
+
+    Attributes
+    ----------
+    SEARCHING
+        It looks for the shape in the whole frame.
+    TRACKING
+        It expects the shape near its prediction.
+    COASTING
+        The same, but the shape was not seen in the last frame.
+    """
+
+    SEARCHING, TRACKING, COASTING = range(3)
+
+
+NO_FIT = FitStatistics(*(0,) * len(FitStatistics._fields))
+NOT_FOUND = Estimate(np.zeros(0), NO_FIT, Rejection.NOT_FOUND)
 
 
 class Tracker(Generic[S]):
-    """Follows one shape; a tracker belongs to one thread, any number of them may run side by side.
+    """Tracks one shape; a tracker belongs to one thread, any number of them may run side by side.
+
+    Everything is compiled in the constructor.
 
     Parameters
     ----------
@@ -76,26 +92,21 @@ class Tracker(Generic[S]):
         start: tuple[float, float] | None = None,
         parameters: TrackerParameters | None = None,
     ) -> None:
-        if not 16 <= points <= 4096:
-            raise ValueError(f"a match-set needs 16 to 4096 points, got {points}")
-        if start is not None and not all(math.isfinite(value) for value in start):
-            raise ValueError(f"start must be finite, got {start}")
+        if not MIN_POINTS <= points <= MAX_POINTS:
+            raise ValueError(f"a match-set needs {MIN_POINTS} to {MAX_POINTS} points, got {points}")
         self.parameters = parameters or TrackerParameters()
-        self.color = color.copy()
+        self.color, self.mode = color.copy(), Mode.SEARCHING
         self._learned = self.color.log_odds.copy()
-        self._begun: S | None = None
-        self._family = family
-        self._matcher: Matcher[S] = Matcher(family, points, self.parameters)
-        if color.gray == "edges":
-            self._matcher.ignore_color()
-        self._doubts = AGAIN if finds_itself(family) else 1
-        self._judge = Judge()
-        self._wish, self._follows = start, False
-        self._finder: Finder[S] | None = None
-        self._kind: tuple[int, ...] | None = None
+        self._family, self._hint = family, _checked_hint(start)
+        self._fitter: Fitter[S] = Fitter(family, points, self.parameters, color.gray != "edges")
+        self._step = TrackStep(self._fitter, self.parameters)
+        self._detector: Detector[S] | None = None
+        self._initial: S | None = None
+        self._last: S | None = None
+        self._format: tuple[int, ...] | None = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames, self._faint = 0, 0
-        warm_up(family, color.table.size, color.channels)
+        self._frames = 0
+        precompile(family, color.table.size, color.channels)
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -108,17 +119,41 @@ class Tracker(Generic[S]):
         Raises
         ------
         ValueError
-            If it is not of the family that is followed.
+            If it is not of the family that is tracked.
         """
         if not isinstance(shape, self._family):
             raise ValueError(f"this tracker follows {self._family.__name__}, got {shape!r}")
-        self._matcher.begin(shape.state, self._time, 3.0 + 0.1 * self._family.half_width(shape.state))
-        self._matcher.describe_like(shape)
-        self._begun = shape
-        self._follows = True
+        limits = self.parameters.initialization
+        sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
+        initialize(self._fitter.work, shape.state, self._time, sigma)
+        self._initial = self._last = shape
+        self.mode = Mode.TRACKING
+
+    def restart(self, hint: tuple[float, float] | S | None = None) -> None:
+        """Forget the motion, and keep the color and the compiled code.
+
+        Parameters
+        ----------
+        hint : tuple of float or Shape, optional
+            A point (x, y), px: the next search prefers the candidate that holds it. A shape: the next frame begins at
+            it, without a search. By default the whole frame is searched.
+
+        Raises
+        ------
+        ValueError
+            If the point is not finite, or the shape not of the family that is tracked.
+        """
+        point = hint if isinstance(hint, tuple) else None
+        self._hint = _checked_hint(point)
+        self._fitter.forget()
+        motion = self._fitter.work.motion
+        motion.typical_half_width = motion.offset_moment = motion.speed_moment = 0.0
+        self.mode, self._initial, self._last, self._step.faint = Mode.SEARCHING, None, None, 0
+        if hint is not None and not isinstance(hint, tuple):
+            self.start(hint)
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
-        """Follow the shape into `frame`: predict, match, fit; search the whole frame only when lost.
+        """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.
 
         Parameters
         ----------
@@ -137,25 +172,27 @@ class Tracker(Generic[S]):
             If the time does not run forward, the size or the channels of the picture changed on the way, or the
             color was learned on another kind of picture.
         """
-        image = self._admit(frame)
-        if self._begun is not None or (not self._follows and self.color.gray):
-            self._adopt(image)
-        if not self._follows:
-            return self._search(image, "nothing of this color and shape is in the picture")
-        found = self._matcher.advance(image, self.color, self._learned, frame.time, self._interval, self._turn())
-        if isinstance(found, int):
-            reason = self._recover(image, self._judge.words(self._matcher, found))
-            if reason:
-                return self._search(image, reason)
-            found = self._matcher.take_in(frame.time)
-            self._matcher.learn(image, self.color, self._learned, self._turn())
-        return found
+        image = self._checked(frame)
+        self._prepare(image)
+        rejected: Estimate | None = NOT_FOUND
+        if self.mode is not Mode.SEARCHING:
+            rejected = self._step.track(image, self.color, self._time, self._interval, self._frames)
+        if rejected is not None:
+            reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
+            lost = self._detect(image, reason)
+            if lost is not None:
+                return lost
+        self.mode = Mode.TRACKING
+        track = track_of(self._fitter, self._last, self._time)
+        self._last = track.shape
+        self._adapt_color(image)
+        return track
 
-    def _admit(self, frame: Frame) -> Image:
+    def _checked(self, frame: Frame) -> Image:
         """Check a frame against those before it; its picture as (h, w, channels)."""
         image, time = frame.image, frame.time
-        if image.shape != self._kind:
-            self._accept(frame)
+        if image.shape != self._format:
+            self._set_format(frame)
         if not time > self._time:
             raise ValueError(
                 f"time must run forward: frame {frame.index} is at {time} s, the one before at {self._time} s"
@@ -167,137 +204,135 @@ class Tracker(Generic[S]):
         self._frames += 1
         return channels_last(image)
 
-    def _accept(self, frame: Frame) -> None:
+    def _set_format(self, frame: Frame) -> None:
         """Take the first frame's size and channels; refuse a change on the way."""
-        if self._kind is not None:
+        if self._format is not None:
             raise ValueError(
-                f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {self._kind}"
+                f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {self._format}"
             )
         self.color.check(frame.image)
-        self._kind = frame.image.shape
+        self._format = frame.image.shape
 
-    def _missed(self) -> float:
-        """How many frames have passed since the last sighting, at least 1."""
-        return max((self._time - self._matcher.clock(TIME)) / self._interval, 1.0)
-
-    def _recover(self, image: Image, reason: str) -> str:
-        """Look again where the first look was not enough; why that failed too, empty if it did not.
-
-        Wider, if the first look found nothing; at the shapes around it, if it is doubtful; and with the evidence of a
-        first sight, if it is far from where it was expected.
-        """
-        limits, matcher = self.parameters, self._matcher
-        missed, expected = self._missed(), matcher.parts.expected
-        speed, surprise = self._interval * matcher.clock(SPEED), matcher.clock(SURPRISE)
-        if reason and limits.least_reach + 2.0 * surprise * missed < limits.most_reach:
-            reason = self._try(image, expected, Look(limits.most_reach, speed))
-        if matcher.is_doubtful and (reason or self._frames % self._doubts == 0):
-            reason = self._look_again(image, reason, speed)
-        here, there = place_of(self._family, expected), place_of(self._family, matcher.state)
-        if not reason:
-            reason = self._faintly()
-        if not reason and not is_near(matcher.state, there.size, expected, here.size, surprise):
-            reason = self._judge.first_sight(matcher)
-            if not reason and not here.reachable(there, missed, limits):
-                reason = "it would have jumped or changed its size faster than it can"
-        return reason
-
-    def _faintly(self) -> str:
-        """Why a shape that speaks faintly for itself is given up, empty if it is not: that cannot go on for long."""
-        evidence = self._matcher.fit(EVIDENCE)
-        if evidence < FAINT:
-            self._faint += 1
-        elif evidence > CLEAR:
-            self._faint = 0
-        return "hardly anything has spoken for it for a while" if self._faint > PATIENCE else ""
-
-    def _try(self, image: Image, state: Floats, look: Look) -> str:
-        """Fit near a state; why it is not confirmed, empty if it is."""
-        matcher = self._matcher
-        if not matcher.settle(image, self.color, state, look):
-            return self._judge.words(matcher, missing(matcher.fit(SEEN), matcher.points))
-        return self._judge.following(matcher)
-
-    def _look_again(self, image: Image, reason: str, speed: float) -> str:
-        """Go on with the best of the shapes around a doubtful one; why it is not confirmed, empty if it is."""
-        matcher = self._matcher
-        best, most = matcher.state.copy(), -math.inf if reason else worth(matcher, image, self.color) + BETTER
-        drawn, starts = drawn_out(matcher), list(alternatives(matcher, image, self.color))
-        if drawn is not None:
-            least = max(matcher.fit(EVIDENCE) + DRAWN, SURELY)
-            matcher.trust_modes()
-            if not self._try(image, drawn, Look(5.0, speed)) and matcher.fit(EVIDENCE) > least:
-                return ""
-        for start in starts:
-            lost = self._try(image, start, Look(5.0, speed, 2.0))
-            if not lost and (value := worth(matcher, image, self.color)) > most:
-                best, most = matcher.state.copy(), value
-        return self._try(image, best, Look(3.0, speed, 1.0))
-
-    def _can_be(self, state: Floats, expected: Floats, missed: float) -> bool:
-        """Whether a sighting can be the lost shape: near its prediction, or farther off with full evidence."""
-        here, there = place_of(self._family, expected), place_of(self._family, state)
-        if here.about(there):
-            return True
-        lone = math.hypot(there.x - here.x, there.y - here.y) > FAR * max(here.size, there.size)
-        prior = Prior.NONE if lone else Prior.PRESENT
-        return not self._judge.first_sight(self._matcher, prior) and here.reachable(there, missed, self.parameters)
-
-    def _turn(self) -> int:
-        """Which quarter of the outline's surroundings teaches the color in this frame."""
-        return NEVER if self._frames % TEACH or self.color.gray == "edges" else self._frames // TEACH % 4
-
-    def _adopt(self, image: Image) -> None:
-        """Take the model as it suits this picture, and the shape that was said to be in it."""
-        said, self._begun = self._begun, None
+    def _prepare(self, image: Image) -> None:
+        """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
+        given, self._initial = self._initial, None
+        if given is None and (self.mode is not Mode.SEARCHING or not self.color.gray):
+            return
         if self.color.gray:
-            self.color = suited(self.color, image, said)
+            self.color = _model_for_image(self.color, image, given)
             self._learned = self.color.log_odds.copy()
-        if said is not None and self._doubts > 1:
-            state, spread = begin_near(image, self.color, self._matcher, said)
-            self._matcher.begin(state, -math.inf, spread)
+        if given is not None and finds_itself(self._family):
+            limits = self.parameters.initialization
+            state, sigma = initialize_near(image, self.color, self._fitter, given, limits)
+            initialize(self._fitter.work, state, -math.inf, sigma)
 
-    def _search(self, image: Image, reason: str) -> Track[S] | Lost[S]:
-        """Look through the whole frame; while coasting only what can be the lost shape counts."""
-        matcher = self._matcher
-        self._follows = self._follows and self._time - matcher.clock(TIME) <= self.parameters.coast
-        expected = matcher.predict(self._time, 1.0).copy() if self._follows else None
-        if expected is not None and self._family.half_width(expected) == 0.0:  # the motion would turn it inside out
-            self._follows, expected = False, None
-        best = self._choose(image, expected) if self.parameters.search.whole_frame else None
-        if best is None:
-            return Lost(reason, self._time, None if expected is None else matcher.shape_of(expected))
-        lone = expected is None and self._wish is None
-        self._try(image, matcher.alike(best), Look(4.0, MOVING if lone else 0.0, blind=True))
-        refuted = self._judge.first_sight(matcher, self._prior(expected))
-        if refuted or not self._family.half_width(matcher.state) > 0.0:  # the second fit ran away
-            return Lost(refuted or reason, self._time, None if expected is None else matcher.shape_of(expected))
-        if expected is None:
-            matcher.begin(matcher.state, self._time, 0.25 * self._family.half_width(best))
-        self._follows, self._wish = True, None
-        if matcher.fit(EVIDENCE) > CLEAR:
-            self._faint = 0
-        found = matcher.take_in(self._time)
-        matcher.learn(image, self.color, self._learned, self._turn())
-        return found
+    def _detect(self, image: Image, reason: str) -> Lost[S] | None:
+        """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
+        predicted = self._coast()
+        best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
+        if best is not None:
+            rejection = self._confirm(image, best, predicted)
+            if rejection is None:
+                return None
+            reason = rejection or reason
+        return Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
 
-    def _prior(self, expected: Floats | None) -> Prior:
-        """Say what is known beforehand of a sighting."""
-        return Prior.HERE if expected is not None else Prior.PRESENT if self._wish is not None else Prior.NONE
+    def _coast(self) -> Floats | None:
+        """State expected while the shape is not seen; None once that has lasted too long."""
+        work, coast = self._fitter.work, self.parameters.coast
+        if self.mode is not Mode.SEARCHING and self._time - float(work.motion.time) <= coast:
+            predicted = predict_state(work, self._time)
+            if self._family.half_width(predicted) != 0.0:  # otherwise the motion would turn it inside out
+                self.mode = Mode.COASTING
+                return predicted
+        self.mode = Mode.SEARCHING
+        return None
 
-    def _choose(self, image: Image, expected: Floats | None) -> Floats | None:
-        """State of the sighting to go on with, or None."""
-        if self._finder is None:
-            self._finder = Finder(
-                self._matcher, self._judge, Searcher(image.shape[1], image.shape[0], self.parameters.search)
-            )
-        missed, best, most = self._missed() if expected is not None else 1.0, None, 0.0
-        for state, merit in self._finder.sightings(image, self.color, self._prior(expected)):
-            if expected is not None and not self._can_be(state, expected, missed):
+    def _choose(self, image: Image, predicted: Floats | None) -> Floats | None:
+        """State of the detection to go on with, or None."""
+        if self._detector is None:
+            searcher = Searcher(image.shape[1], image.shape[0], self.parameters.search)
+            limits = self.parameters.detection, self.parameters.hypotheses
+            self._detector = Detector(self._fitter, searcher, *limits)
+        best, most, hint = None, 0.0, self._hint
+        for estimate, merit in self._detector.detections(image, self.color, self._prior(predicted)):
+            if predicted is not None and not self._passes_gate(estimate, predicted):
                 continue
-            if expected is None and self._wish is not None:
-                far = math.hypot(state[0] - self._wish[0], state[1] - self._wish[1])
-                merit += 2.0 * (far < self._family.half_width(state))
+            if predicted is None and hint is not None:
+                far = math.hypot(estimate.state[0] - hint[0], estimate.state[1] - hint[1])
+                merit += self.parameters.detection.hint_bonus * (far < self._family.half_width(estimate.state))
             if merit > most:
-                best, most = state, merit
+                best, most = estimate.state, merit
         return best
+
+    def _passes_gate(self, estimate: Estimate, predicted: Floats) -> bool:
+        """Whether a detection can be the lost shape: near its prediction, or farther off with full evidence."""
+        limits = self.parameters.reach
+        here, there = gate_of(self._family, predicted), gate_of(self._family, estimate.state)
+        if here.near(there, limits):
+            return True
+        alone = here.distance(there) > limits.alone * max(here.half_width, there.half_width)
+        prior = Prior.NONE if alone else Prior.PRESENT
+        valid = not self._fitter.validator.validate_detection(estimate.fit, prior)
+        return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
+
+    def _confirm(self, image: Image, state: Floats, predicted: Floats | None) -> str | None:
+        """Fit a detection once more, and begin there if nothing was known; why it is rejected, None if it is not."""
+        fitter, limits, family = self._fitter, self.parameters.detection, self._family
+        alone = predicted is None and self._hint is None
+        start = nearest(family, state, fitter.work.motion.last_state[: len(state)])
+        window = SearchWindow(limits.refit_range, limits.speed if alone else 0.0, velocity_unknown=True)
+        estimate = fitter.fit(image, self.color, start, window)
+        rejection = fitter.validator.validate_detection(estimate.fit, self._prior(predicted))
+        if rejection or not family.half_width(estimate.state) > 0.0:  # the second fit ran away
+            return fitter.validator.describe(rejection, estimate.fit)
+        if predicted is None:
+            sigma = self.parameters.initialization.detected_share * float(family.half_width(state))
+            initialize(fitter.work, estimate.state, self._time, sigma)
+        self._hint = None
+        if estimate.fit.color_score > self.parameters.confidence.clear_score:
+            self._step.faint = 0
+        correct_without_gate(fitter.work, self._time)
+        return None
+
+    def _prior(self, predicted: Floats | None) -> Prior:
+        """Say what is known of a detection beforehand."""
+        return Prior.HERE if predicted is not None else Prior.PRESENT if self._hint is not None else Prior.NONE
+
+    def _shape_of(self, state: Floats) -> S | None:
+        """Shape of an extrapolated state, None where it has shrunk to nothing."""
+        try:
+            return self._family.from_state(state, self._last)
+        except ValueError:
+            return None
+
+    def _adapt_color(self, image: Image) -> None:
+        """Adapt the color to a shape that is whole and well confirmed, a quarter of its surroundings at a time."""
+        limits = self.parameters.adaptation
+        if self._frames % limits.period or self.color.gray == "edges" or not limits.rate > 0.0:
+            return
+        fit, fitter, color = self._fitter.statistics, self._fitter, self.color
+        whole = fit.visible == fitter.points and fit.inliers >= limits.min_support * fit.visible
+        if whole and fit.interior_share >= limits.min_interior:
+            outline, interior = fitter.work.outline[: fitter.points], fitter.work.interior[: fitter.points]
+            x, y = fitter.state.tolist()[:2]
+            quadrant = self._frames // limits.period % 4
+            adapt_table(
+                image, color.log_odds, self._learned, color.table, outline, interior, x, y, quadrant, limits.rate
+            )
+
+
+def _checked_hint(point: tuple[float, float] | None) -> tuple[float, float] | None:
+    """Refuse a point that is not finite."""
+    if point is not None and not all(math.isfinite(value) for value in point):
+        raise ValueError(f"start must be finite, got {point}")
+    return point
+
+
+def _model_for_image(color: ColorModel, image: Image, shape: Shape | None) -> ColorModel:
+    """Brightness model with the level of the picture, or that of the edge of a shape in it."""
+    if shape is None:
+        return color.for_image(image)
+    x, y = shape.state[:2].tolist()
+    level = level_across(image, outline(shape), x, y)
+    return color.for_image(image, None if math.isnan(level) else level)

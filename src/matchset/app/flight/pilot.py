@@ -25,7 +25,7 @@ from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.tracking.detect import detect
+from matchset.tracking.detector import detect
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 

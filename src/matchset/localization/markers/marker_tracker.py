@@ -14,7 +14,7 @@ from matchset.localization.markers.marker_step import follow_markers
 from matchset.localization.markers.marker_workspace import CAPACITY, MARKERS, MarkerParameters
 from matchset.numeric.record import fields, new_block, store
 from matchset.shapes.circle import Circle
-from matchset.tracking.detect import channels_last
+from matchset.tracking.detector import channels_last
 from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 
 import msgspec
 
+from matchset.fitting.fitter import Fitter
+from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
-from matchset.tracking.detect import channels_last
-from matchset.tracking.judge import Judge
-from matchset.tracking.look import Look
-from matchset.tracking.matcher import Matcher
+from matchset.tracking.detector import channels_last
 from matchset.tracking.voting import Searcher
 
 STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
@@ -63,8 +62,7 @@ class BallSearch:
     def __init__(self, color: ColorModel, parameters: BallSearchParameters | None = None) -> None:
         self.color = color
         self.parameters = parameters or BallSearchParameters()
-        self._matcher: Matcher[Circle] = Matcher(Circle, self.parameters.points)
-        self._judge = Judge()
+        self._fitter: Fitter[Circle] = Fitter(Circle, self.parameters.points)
         self._searcher: Searcher | None = None
         self._strip = 0
 
@@ -97,14 +95,16 @@ class BallSearch:
                 continue
             fitted += 1
             reach = max(limits.range_cells * self._searcher.stride, limits.range_radii * radius)
-            if not self._matcher.settle(image, self.color, rough.state, Look(reach, least=limits.min_score)):
+            window = SearchWindow(reach, min_score=limits.min_score)
+            estimate = self._fitter.fit(image, self.color, rough.state, window)
+            if not estimate.is_fitted or estimate.fit.half_width < limits.min_radius_px:
                 continue
-            if self._matcher.size < limits.min_radius_px or self._judge.first_sight(self._matcher):
+            if self._fitter.validator.validate_detection(estimate.fit):
                 continue
-            circle = Circle.from_state(self._matcher.state)
+            circle = Circle.from_state(estimate.state)
             if not self._is_known(circle, [*known, *found]):
                 found.append(circle)
-        self._matcher.forget()
+        self._fitter.forget()
         return found
 
     def _is_known(self, circle: Circle, others: Sequence[Circle]) -> bool:

@@ -29,7 +29,7 @@ def split(
 ) -> tuple[list[float], bool]:
     """Offsets of the edge points on one line, strongest first, and whether the line was looked at."""
     picture = np.where(image, 255, 0).astype(np.uint8)
-    scaled = limits._replace(threshold=score * limits.threshold, enough=score * limits.enough)
+    scaled = limits._replace(threshold=score * limits.threshold, full_step=score * limits.full_step)
     points, normals = np.array([point], float), np.array([SIDES[side]], float)
     found = edges_across(picture, black_and_white(score), points, normals, scaled)
     return found.offset[0][found.strength[0] > 0.0].tolist(), bool(found.looked[0])
@@ -39,7 +39,7 @@ def searched(image: Mask, point: tuple[float, float], side: Direction, limits: L
     """Pixels (x, y) that are asked: as far as reach goes, with `margin` pixels of the picture on both sides."""
     x, y = (math.floor(value + 0.5) for value in point)
     dx, dy = (abs(value) for value in SIDES[side])
-    far = int(limits.reach) + 1
+    far = int(limits.range_px) + 1
     size = image.shape[1] if dx else image.shape[0]
     pixels = [(x + k * dx, y + k * dy) for k in range(-far, far + 1)]
     return [p for p in pixels if limits.margin <= p[0] * dx + p[1] * dy < size - limits.margin]

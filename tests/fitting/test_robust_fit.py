@@ -10,10 +10,11 @@ from hypothesis.extra.numpy import arrays
 
 import naive_tracking as naive
 from kernels import Fit, Floats, Prior, fit, median, review, trace, turns
+from matchset.fitting.robust_fit import FitParameters
 from matchset.shapes.circle import Circle
-from matchset.tracking.fit import CONFUSED, CUT, MODE, MODE_DRIFT
 
 N = 64
+LIMITS = FitParameters()
 STATE = Circle(100.0, 80.0, 30.0).state
 FREE = Prior(STATE, np.zeros(3), 30.0)
 
@@ -68,13 +69,13 @@ def test_the_fit_is_weighted_least_squares(seed: int, spread: Floats, speed: flo
 
 def prior_rows(state: Floats, prior: Prior, p: int) -> tuple[Floats, Floats]:
     """Priors of the module's text as rows of a least squares problem in units of the noise."""
-    noise = max(prior.noise, CONFUSED)
+    noise = max(prior.noise, LIMITS.min_prior_noise)
     tracked = prior.spread[0] > 0.0
     rows: list[tuple[int, float, float]] = []  # which number of the step, 1 / deviation, mean
     if tracked:
         rows += [(k, noise / prior.spread[k], prior.expected[k] - state[k]) for k in range(3)]
-        rows += [(k, noise / (MODE_DRIFT * prior.size), prior.expected[k] - state[k]) for k in (3, 4)]
-    rows += [(k, noise / (MODE * prior.size), -state[k]) for k in (3, 4)]
+        rows += [(k, noise / (LIMITS.mode_drift * prior.size), prior.expected[k] - state[k]) for k in (3, 4)]
+    rows += [(k, noise / (LIMITS.mode_sigma * prior.size), -state[k]) for k in (3, 4)]
     rows += [(k, 1.0 / (0.1 + 0.5 * prior.speed), 0.0) for k in range(5, p)]
     matrix = np.zeros((len(rows), p))
     for i, (k, sharp, _) in enumerate(rows):
@@ -105,7 +106,7 @@ def sigma_of(result: Fit, strength: Floats) -> float:
     there = [i for i in range(N) if result.weight[i] > 1e-3 and result.residual[i] > 0.0]
     far = max(there, key=lambda i: float(result.residual[i]))
     share = result.weight[far] / naive.trust(strength, far, int(result.chosen[far]))
-    return float(result.residual[far] / (CUT * math.sqrt(1.0 - math.sqrt(share))))
+    return float(result.residual[far] / (LIMITS.outer_cut * math.sqrt(1.0 - math.sqrt(share))))
 
 
 def test_a_third_that_is_hidden_has_no_say() -> None:
@@ -136,9 +137,9 @@ def test_fields_far_apart_need_to_be_expected_there() -> None:
     true = np.array([5.0, 3.5, 0.0])  # the even field lies about where the outline was traced
     offset[:, 0] = columns[:, :3] @ true + columns[:, -2:] @ (9.0, 6.0)  # so far lies the odd field from the even one
     strength = np.tile((1.0, 0.0, 0.0), (N, 1))
-    begun_near = fit(columns, offset, strength, STATE, prior, fields=(9.0, 6.0))
+    begun_near = fit(columns, offset, strength, STATE, prior, begin=(9.0, 6.0))
     assert np.abs(begun_near.step[:3] - true).max() < 0.2
-    surely = fit(columns, offset, strength, STATE, prior, fields=(9.0, 6.0), expected=(9.0, 6.0, 0.5))
+    surely = fit(columns, offset, strength, STATE, prior, begin=(9.0, 6.0), expected=(9.0, 6.0, 0.5))
     np.testing.assert_allclose(surely.step, (*true, 0.0, 0.0), atol=0.01)  # what is expected does not pull it elsewhere
     begun_at_rest = fit(columns, offset, strength, STATE, prior)
     assert np.abs(begun_at_rest.step[:3] - true).max() > 3.0  # one of the fields taken for the whole

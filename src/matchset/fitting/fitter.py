@@ -1,0 +1,235 @@
+"""Fits shapes of one family to pictures: `Fitter`, and `Estimate`, what it answers."""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Generic, NamedTuple, TypeVar
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.fitting.fit_quality import QualityParameters, write_answer
+from matchset.fitting.local_fit import make_local_fit
+from matchset.fitting.match_set import MatchParameters
+from matchset.fitting.prior import FieldParameters, GateParameters, MotionParameters, WindowParameters
+from matchset.fitting.robust_fit import FitParameters
+from matchset.fitting.validation import Rejection, ValidationParameters, Validator, is_fitted
+from matchset.fitting.workspace import PLACE_COLUMNS, STATE, FitStatistics, SearchWindow, workspace_dtype
+from matchset.image.color import ColorModel
+from matchset.numeric.jit import compile_user_function, kernel
+from matchset.numeric.record import Block, Record, fields, new_block, store
+from matchset.shapes.family_check import check_family
+from matchset.shapes.shape import Shape, corners, places, slopes, steady
+
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+S = TypeVar("S", bound=Shape)
+
+# theorem: multiples of the golden ratio, modulo 1, are spread evenly (Weyl)
+GOLDEN = 0.6180339887
+MIN_SIDED_STATE, MAX_SIDED_STATE = 5, 8  # geometry: numbers of a state with which one side can move alone
+
+
+class FittingParameters(msgspec.Struct, frozen=True):
+    """Everything that decides a fit.
+
+    Parameters
+    ----------
+    match : MatchParameters
+        What makes an edge point.
+    fit : FitParameters
+        How a shape is fitted to edge points.
+    quality : QualityParameters
+        How a fit is measured.
+    validation : ValidationParameters
+        What confirms a shape.
+    motion : MotionParameters
+        Constant-velocity motion, and how far its predictions are trusted.
+    window : WindowParameters
+        Search range while a shape is tracked.
+    gate : GateParameters
+        How far from its prediction a shape needs no other proof.
+    fields : FieldParameters
+        What is expected of the two fields of an interlaced picture.
+    """
+
+    match: MatchParameters = MatchParameters()
+    fit: FitParameters = FitParameters()
+    quality: QualityParameters = QualityParameters()
+    validation: ValidationParameters = ValidationParameters()
+    motion: MotionParameters = MotionParameters()
+    window: WindowParameters = WindowParameters()
+    gate: GateParameters = GateParameters()
+    fields: FieldParameters = FieldParameters()
+
+
+class Estimate(NamedTuple):
+    """A fit.
+
+    Attributes
+    ----------
+    state : ndarray of shape (s,), float64
+        The state that was reached.
+    fit : FitStatistics
+        What it rests on.
+    rejection : Rejection
+        Why it is rejected as a track, `Rejection.NONE` if it is not.
+    """
+
+    state: Floats
+    fit: FitStatistics
+    rejection: Rejection
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether there were edge points to fit at all, whatever the fit is worth."""
+        return is_fitted(self.rejection)
+
+
+@functools.cache
+def make_answer(layout: "np.dtype[np.void]") -> Callable[[Floats, Floats, Block], tuple[float, int]]:
+    """Compile ``answer(points, covariance, block)``, see `write_answer`."""
+
+    @kernel(refcount=False)
+    def answer(points: Floats, covariance: Floats, block: Block) -> tuple[float, int]:
+        return write_answer(block.view(layout)[0], points, covariance)
+
+    return answer
+
+
+class Fitter(Generic[S]):
+    """Fits shapes of one family to pictures.
+
+    Everything is compiled in the constructor's module on first use of a family; see `precompile`.
+
+    Parameters
+    ----------
+    family : type
+        The family of shapes, `Circle` for one.
+    points : int
+        Number of lines across the outline: the size of the match-set.
+    parameters : FittingParameters, optional
+    uses_color : bool
+        Whether a color tells the target from what is around it; otherwise edges alone count.
+
+    Attributes
+    ----------
+    work : record
+        The workspace: after a fit its tables hold what that was made of.
+    block : ndarray, float64
+        The same, as compiled code takes it.
+    state : ndarray of shape (s,), float64
+        The state in the workspace; the next fit overwrites it.
+    validator : Validator
+        By the limits of the family.
+    has_corners : bool
+        Whether the family's shapes have corners.
+    sides_move : bool
+        Whether one of its sides can move without the others, as that of a rectangle can and that of a template cannot.
+    """
+
+    def __init__(
+        self, family: type[S], points: int, parameters: FittingParameters | None = None, uses_color: bool = True
+    ) -> None:
+        check_family(family)
+        self.family, self.points, self.uses_color = family, points, uses_color
+        self.parameters = parameters or FittingParameters()
+        shape, where = family.from_coarse(0.0, 0.0, 1.0), places(family, points)
+        self.has_corners = corners(shape) is not None
+        self.sides_move = self.has_corners and MIN_SIDED_STATE <= len(shape.state) <= MAX_SIDED_STATE
+        self.moves_covariance = slopes(shape) is not None
+        self.layout = workspace_dtype(max(len(shape.state), STATE), max(where.shape[1], PLACE_COLUMNS))
+        self.block = new_block(self.layout)
+        self.work: Record = fields(self.block, self.layout)
+        self.validator = Validator(self._limits(), points)
+        self._fill(where, len(shape.state))
+        self.state: Floats = self.work.state[: len(shape.state)]
+        self._compiled = make_local_fit(
+            compile_user_function(family.trace), compile_user_function(family.half_width), self.layout
+        )
+        self._answer = make_answer(self.layout)
+        self._answer_shape = (points, 2), (len(family.parameters),) * 2
+
+    def _limits(self) -> ValidationParameters:
+        """Limits as they are for the family.
+
+        Corners speak against round shapes only, and a printed mark has another color inside.
+        """
+        limits, changes = self.parameters.validation, {}
+        if self.has_corners:
+            changes = {"max_harmonic": math.inf, "max_hollowness": math.inf}
+        if not self.sides_move or not self.uses_color:
+            changes["ambiguous_color_score"] = -math.inf
+        if not self.uses_color:
+            changes["ambiguous_msac_score"] = limits.colorless_msac_score
+        return msgspec.structs.replace(limits, **changes)
+
+    def _fill(self, where: Floats, state: int) -> None:
+        """Write the parameters, and what tells the family's lines apart."""
+        work, chosen, n = self.work, self.parameters, self.points
+        work.line_count, work.place_columns = where.shape
+        work.state_count, work.parameter_count = state, len(self.family.parameters)
+        work.places[: where.size] = where.ravel()
+        work.interior[:n] = chosen.quality.interior_radius * np.sqrt((np.arange(n) * GOLDEN) % 1.0)
+        work.motion.slow_from = steady(self.family)
+        store(work.match_limits, chosen.match)
+        store(work.fit_limits, chosen.fit)
+        store(work.quality_limits, chosen.quality)
+        store(work.validation, self.validator.limits)
+        store(work.motion_limits, chosen.motion)
+        store(work.window_limits, chosen.window)
+        store(work.gate, chosen.gate)
+        store(work.field_limits, chosen.fields)
+        if self.has_corners:
+            work.fit_limits.start_noise = chosen.fit.sided_start_noise
+        work.fit.pixel_noise = chosen.fit.initial_pixel_noise
+
+    def fit(self, image: Image, color: ColorModel, start: Floats, window: SearchWindow) -> Estimate:
+        """Fit the shape near a state.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        start : ndarray of shape (s,), float64
+            Where to begin.
+        window : SearchWindow
+            How far around it to look.
+        """
+        self.state[:] = start
+        sigma = window.initial_sigma or max(window.range_px / 3.0, 1.0)
+        self.work["window"] = tuple(window._replace(initial_sigma=sigma))
+        return self.estimate(self.refine(image, color))
+
+    def refine(self, image: Image, color: ColorModel) -> int:
+        """Fit the shape near the state in the workspace, by the window there; the `Rejection` as a track."""
+        return self._compiled(image, color.table, self.block)
+
+    def estimate(self, rejection: int) -> Estimate:
+        """Estimate in the workspace, which was rejected or not."""
+        return Estimate(self.state.copy(), self.statistics, Rejection(rejection))
+
+    @property
+    def statistics(self) -> FitStatistics:
+        """What the last fit rests on."""
+        return FitStatistics(*self.work.fit.item())
+
+    def answer(self) -> tuple[float, Floats, Floats]:
+        """Support, covariance of the state's first numbers and match-set of the last fit."""
+        points, covariance = np.empty(self._answer_shape[0]), np.empty(self._answer_shape[1])
+        support, count = self._answer(points, covariance, self.block)
+        return support, covariance, points if count == self.points else points[:count]
+
+    def assume_noise(self, fit: FitStatistics) -> None:
+        """Begin the next fit with the noise of an earlier one."""
+        self.work.fit.edge_noise, self.work.fit.pixel_noise = fit.edge_noise, fit.pixel_noise
+
+    def free_modes(self) -> None:
+        """Let the next fit move the modes as far as edge points ask: the noise of a fit that failed holds them."""
+        self.work.fit.edge_noise = 0.0
+
+    def forget(self) -> None:
+        """Forget what was learned from earlier pictures."""
+        self.work["fit"] = (0.0,) * len(FitStatistics._fields)
+        self.work.fit.pixel_noise = self.parameters.fit.initial_pixel_noise

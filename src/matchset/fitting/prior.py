@@ -1,0 +1,145 @@
+"""What is known before a fit: the motion's prediction, the search range, and the field offset of interlaced pictures.
+
+An interlaced picture shows a moving shape at two places: its even rows (one field) were taken half a frame before or
+after its odd rows. The *field offset* is the distance between the two, px.
+"""
+
+import math
+
+import msgspec
+
+from matchset.numeric.jit import helper
+from matchset.numeric.record import Record
+
+
+class MotionParameters(msgspec.Struct, frozen=True):
+    """Constant-velocity motion of the shape's state, and how far its predictions are trusted.
+
+    Parameters
+    ----------
+    gain : float
+        Share of the latest innovation that the velocity follows: 1 is quick and noisy, 0 never learns.
+        Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+    innovation_memory : float
+        Share of the innovation scale that a frame as predicted leaves.
+        Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+    fade_time : float
+        Time after which a velocity without a sighting has faded to 1/e, s.
+        Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+    fade_start : float
+        Time without a sighting from which the velocity fades, s: one frame at 25 Hz is predicted in full.
+    prior_sigmas : float
+        How far a parameter may be from its prediction, in innovation scales: less is steadier where edges are few, more
+        follows sudden motion sooner. Chosen by hand; `tests/tracking/test_accuracy.py` would show a change.
+    min_sigma : float
+        No prediction is trusted to be better than this, px.
+        Chosen by hand; `python -m benchmarks --only accuracy` would show a change.
+    typical_gain, typical_min_score : float
+        Share of its change that the typical half-width follows, and the MSAC score from which a fit may change it.
+        Chosen by hand; `python -m benchmarks --only false_locks` would show a change.
+    """
+
+    gain: float = 0.7
+    innovation_memory: float = 0.8
+    fade_time: float = 0.25
+    fade_start: float = 0.05
+    prior_sigmas: float = 0.5
+    min_sigma: float = 0.3
+    typical_gain: float = 0.1
+    typical_min_score: float = 0.75
+
+
+class WindowParameters(msgspec.Struct, frozen=True):
+    """Search range on each side of the predicted outline while a shape is tracked.
+
+    Parameters
+    ----------
+    min_range, max_range : float
+        Shortest and longest search range, px: longer finds faster shapes, costs time and shows more foreign edges.
+        Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+    innovations : float
+        By how much the range grows, in innovations.
+        Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+    """
+
+    min_range: float = 3.0
+    max_range: float = 24.0
+    innovations: float = 2.0
+
+
+class GateParameters(msgspec.Struct, frozen=True):
+    """How far from its prediction a fitted shape needs no other proof.
+
+    All numbers chosen by hand; `python -m benchmarks --only false_locks` would show a change.
+
+    Parameters
+    ----------
+    size_share, size_px : float
+        Largest change of the half-width: a share of the predicted one plus px.
+    center_share : float
+        Largest distance of the center from its prediction, in half-widths, ...
+    center_innovations : float
+        ... plus this, in innovations.
+    """
+
+    size_share: float = 0.1
+    size_px: float = 1.0
+    center_share: float = 0.3
+    center_innovations: float = 2.0
+
+
+class FieldParameters(msgspec.Struct, frozen=True):
+    """What is expected of the field offset, see docs/decisions/072-fields-expected-apart.md.
+
+    Parameters
+    ----------
+    min_speed : float
+        Speed from which the field offset is fitted, px per frame.
+    memory : float
+        Share of what is known about the fields that one frame leaves.
+    still_speed : float
+        px/s: below such speeds in the frames remembered, little is known about the fields.
+    frame_share : float
+        Time between the fields, as a share of the time between two frames: an interlaced picture's is a half.
+    tolerance : float
+        How near to that share the learned one must be to be taken for it.
+    unknown_sigma, known_sigma : float
+        Standard deviation of the field offset while it is not known and once it is, as a share of the way per frame.
+    min_sigma : float
+        What is added to that, px.
+    comb_sigmas, comb_min_sigma : float
+        From an offset of so many standard deviations of an edge point, but at least so many px each, a line along a
+        column reads one field only, see docs/decisions/075-each-line-in-one-field.md.
+    """
+
+    min_speed: float = 0.5
+    memory: float = 0.9
+    still_speed: float = 120.0
+    frame_share: float = 0.5
+    tolerance: float = 0.15
+    unknown_sigma: float = 0.5
+    known_sigma: float = 0.08
+    min_sigma: float = 0.1
+    comb_sigmas: float = 2.0
+    comb_min_sigma: float = 0.7
+
+
+@helper
+def predict_field_offset(work: Record) -> None:
+    """Expect the field offset that the speed, and the time that lately lay between the fields, give.
+
+    An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
+    one. While it is not known which, the offset has a standard deviation of half the way per frame.
+    """
+    limits, motion, offset = work.field_limits, work.motion, work.field_offset
+    x, y, way = motion.velocity[0], motion.velocity[1], work.window.speed
+    speed, between, known = math.hypot(x, y), 0.0, 0.0
+    if speed > 0.0 and way > 0.0 and work.window.velocity_unknown == 0:
+        frame, noted = way / speed, motion.speed_moment + limits.still_speed * limits.still_speed
+        between = min(max(motion.offset_moment / noted, -frame), frame)
+        if abs(abs(between) - limits.frame_share * frame) < limits.tolerance * frame:
+            between = limits.frame_share * frame if between > 0.0 else -limits.frame_share * frame
+            known = motion.speed_moment / noted
+    offset.fitted[0] = offset.expected[0] = between * x
+    offset.fitted[1] = offset.expected[1] = between * y
+    offset.sigma = limits.min_sigma + (limits.unknown_sigma + known * (limits.known_sigma - limits.unknown_sigma)) * way

@@ -1,0 +1,273 @@
+"""Detection: from the whole frame to shapes, best first (Epstein & Feldman, Alg. 2)."""
+
+import math
+import threading
+from collections.abc import Iterator
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.validation import Prior
+from matchset.fitting.workspace import SearchWindow
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
+from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
+from matchset.tracking.track import Track
+from matchset.tracking.voting import Searcher, SearchParameters
+
+S = TypeVar("S", bound=Shape)
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+DETECTION_LINES = 64  # format: lines across the outline of a detected shape
+
+
+class DetectionParameters(msgspec.Struct, frozen=True):
+    """How the candidates of a search are fitted.
+
+    All numbers chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
+
+    Parameters
+    ----------
+    min_score : float
+        MSAC score below which a candidate is given up at once: less finds more and takes longer.
+    speed : float
+        Speed that a shape may have at first sight, px per frame: the fields of an interlaced picture may lie apart.
+    range_cells, range_share : float
+        Search range around a candidate: at least so many cells of the grid, or a share of its half-width.
+    refit_range, mode_range : float
+        Search range of the fits after the first one, px.
+    same_distance, same_shrink, same_growth : float
+        Two shapes are the same within this distance, in half-widths, if their sizes differ by a factor between these.
+    hint_bonus : float
+        Merit that a shape gains by holding the point that was given; the merit itself is 1 at most.
+    """
+
+    min_score: float = 0.25
+    speed: float = 8.0
+    range_cells: float = 2.0
+    range_share: float = 0.2
+    refit_range: float = 4.0
+    mode_range: float = 5.0
+    same_distance: float = 0.5
+    same_shrink: float = 0.6
+    same_growth: float = 1.7
+    hint_bonus: float = 2.0
+
+
+class Start(NamedTuple):
+    """Where the fit of a candidate begins: center and half-width, px, and state."""
+
+    x: float
+    y: float
+    half_width: float
+    state: Floats
+
+
+class Detector(Generic[S]):
+    """Detection of one family in pictures of one size: candidates, fitted and validated.
+
+    Parameters
+    ----------
+    fitter : Fitter
+        Fits the candidates.
+    searcher : Searcher
+        Proposes them.
+    limits : DetectionParameters, optional
+    hypotheses : HypothesisParameters, optional
+    """
+
+    def __init__(
+        self,
+        fitter: Fitter[S],
+        searcher: Searcher,
+        limits: DetectionParameters | None = None,
+        hypotheses: HypothesisParameters | None = None,
+    ) -> None:
+        self.fitter, self.searcher = fitter, searcher
+        self.limits = limits or DetectionParameters()
+        self._hypotheses = Hypotheses(fitter, hypotheses or HypothesisParameters())
+
+    def detections(
+        self, image: Image, color: ColorModel, prior: Prior = Prior.NONE
+    ) -> Iterator[tuple[Estimate, float]]:
+        """Yield the validated shapes of a picture, likeliest first, with their merit.
+
+        While one is looked at, the fitter's workspace holds its match-set.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        prior : Prior
+            What is known of them before.
+        """
+        known: list[Start] = []
+        for starts in self._starts(image, color):
+            best, merit = self._best(image, color, starts, (known, prior))
+            if best is None:
+                continue
+            if len(starts) > 1:
+                x, y = best.state[:2].tolist()
+                best = self.fitter.fit(image, color, best.state, SearchWindow(self.limits.refit_range))
+            else:
+                x, y = best.state[:2].tolist()
+            known.append(Start(x, y, best.fit.half_width, best.state))
+            yield best, merit
+
+    def _best(
+        self, image: Image, color: ColorModel, starts: list[Start], known: tuple[list[Start], Prior]
+    ) -> tuple[Estimate | None, float]:
+        """Best validated fit of a candidate, which may begin at several states, and its merit."""
+        found, prior = known
+        limits, best, most = self.limits, None, 0.0
+        for start in starts:
+            if self._is_known(start, found):
+                continue
+            reach = max(limits.range_cells * self.searcher.stride, limits.range_share * start.half_width)
+            estimate = self.fitter.fit(image, color, start.state, SearchWindow(reach, min_score=limits.min_score))
+            if not estimate.is_fitted or self._is_known(_place_of(estimate), found):
+                continue
+            valid = self._validated(image, color, estimate, prior)
+            if valid is None or self._is_known(_place_of(valid), found):
+                continue
+            merit = self.fitter.validator.merit(valid.fit)
+            if best is None or merit > most:
+                best, most = valid, merit
+        return best, most
+
+    def _starts(self, image: Image, color: ColorModel) -> Iterator[list[Start]]:
+        """Where fits may begin: one or several for each candidate."""
+        family = self.fitter.family
+        for sought in color.search_models(image):
+            if finds_itself(family):
+                for hull in self.searcher.hulls(image, sought):
+                    states = [shape.state for shape in from_hull(family, hull)]
+                    yield [Start(float(s[0]), float(s[1]), float(family.half_width(s)), s) for s in states]
+                continue
+            for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
+                yield [Start(x, y, radius, family.from_coarse(x, y, radius).state)]
+
+    def _is_known(self, place: Start, known: list[Start]) -> bool:
+        """Whether this is one of the shapes detected already."""
+        limits, size = self.limits, place.half_width
+        return any(
+            math.hypot(place.x - each.x, place.y - each.y) < limits.same_distance * min(size, each.half_width)
+            and limits.same_shrink < size / each.half_width < limits.same_growth
+            for each in known
+        )
+
+    def _validated(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate | None:
+        """Validate a fit, and if that fails two others; None where all do.
+
+        The second lets the two fields of an interlaced picture disagree, as they do where the shape moves; the third
+        begins with larger modes, as a lens may ask for.
+        """
+        validator, limits, fitter = self.fitter.validator, self.limits, self.fitter
+        if not validator.validate_detection(estimate.fit, prior):
+            return estimate
+        window = SearchWindow(limits.refit_range, limits.speed, velocity_unknown=True)
+        estimate = fitter.fit(image, color, estimate.state, window)
+        if estimate.is_fitted and not validator.validate_detection(estimate.fit, prior):
+            return estimate
+        start = self._hypotheses.with_modes(estimate)
+        if start is None:
+            return None
+        fitter.free_modes()
+        stretched = fitter.fit(image, color, start, SearchWindow(limits.mode_range))
+        if stretched.is_fitted and not validator.validate_detection(stretched.fit, prior):
+            return stretched
+        fitter.assume_noise(estimate.fit)  # what was found in vain is not remembered
+        return None
+
+
+def _place_of(estimate: Estimate) -> Start:
+    return Start(float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width, estimate.state)
+
+
+def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) -> list[Track[S]]:
+    """Find all shapes of a family and color in a frame, without knowing where they were.
+
+    Parameters
+    ----------
+    frame : Frame
+    family : type
+        The family of shapes: `Circle`, `Rectangle`, ...
+    color : ColorModel
+    limit : int
+        How many at most.
+
+    Returns
+    -------
+    list of Track
+        Best first: the largest share of outline and inside confirmed.
+
+    Raises
+    ------
+    ValueError
+        If the limit is not positive, or the color was learned on another kind of picture.
+    """
+    if limit < 1:
+        raise ValueError(f"detect needs a limit of at least 1, got {limit}")
+    image, color = channels_last(frame.image), color.for_image(frame.image)
+    search = SearchParameters()
+    detector = _detector(family, image.shape[1], image.shape[0], max(search.candidates, limit + limit // 5))
+    last: S | None = None
+    found: list[tuple[float, Track[S]]] = []
+    for _, merit in detector.detections(image, color):
+        track = track_of(detector.fitter, last, frame.time)
+        last = track.shape
+        found.append((merit, track))
+    found.sort(key=lambda pair: -pair[0])
+    return [track for _, track in found[:limit]]
+
+
+def track_of(fitter: Fitter[S], last: S | None, time: float) -> Track[S]:
+    """Answer with the last fit of a fitter.
+
+    Parameters
+    ----------
+    fitter : Fitter
+    last : Shape or None
+        The parameters describe the shape as this one is described: a square has four angles.
+    time : float
+        Of the frame, s.
+    """
+    support, covariance, points = fitter.answer()
+    shape = fitter.family.from_state(fitter.state, last)
+    if fitter.moves_covariance and (by := slopes(shape)) is not None:
+        covariance = by @ covariance @ by.T
+    return Track(shape, covariance, support, points, time)
+
+
+class _Memory(threading.local):
+    """The detector that a thread used last: its working memory takes longer to make than a search takes."""
+
+    detector: Detector[Any] | None = None
+    wanted: tuple[Any, ...] = ()
+
+
+_memory = _Memory()
+
+
+def _detector(family: type[S], width: int, height: int, candidates: int) -> Detector[S]:
+    """Detector of this thread."""
+    detector, wanted = _memory.detector, (family, width, height, candidates)
+    if detector is None or _memory.wanted != wanted:
+        searcher = Searcher(width, height, SearchParameters(candidates=candidates))
+        detector = _memory.detector = Detector(Fitter(family, DETECTION_LINES), searcher)
+        _memory.wanted = wanted
+    detector.fitter.forget()
+    return detector
+
+
+def channels_last(image: Image) -> Image:
+    """View of a picture as (h, w, channels); a copy only where it is not in one piece or may not be written to.
+
+    Read-only arrays are another type to the compiler, which would start in the middle of a video.
+    """
+    whole = image if image.flags.carray else np.array(image, order="C")
+    return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

@@ -1,0 +1,176 @@
+"""The step from one frame to the next: `TrackStep` (Epstein & Feldman, Alg. 3), and `precompile`, which compiles it.
+
+Predict, open the search window, fit (trace, match-set, robust fit, until the shape stands still), validate, gate,
+correct: where all goes well that takes three compiled calls. Where the fit is rejected or ambiguous, others are tried.
+"""
+
+import functools
+import math
+from typing import Any, Generic, TypeVar
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.validation import Rejection
+from matchset.fitting.workspace import FitStatistics, SearchWindow
+from matchset.image.color import ColorModel
+from matchset.image.color_adaptation import adapt_table
+from matchset.numeric.jit import interpreted
+from matchset.shapes.shape import Shape, finds_itself, outline
+from matchset.tracking.hypotheses import Hypotheses
+from matchset.tracking.motion import correct_without_gate, gate_of, in_gate, initialize, make_correct, make_predict
+from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.voting import Searcher
+
+S = TypeVar("S", bound=Shape)
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
+PICTURE, LINES = 64, 16  # format: size of a small picture, px, and of its match-set
+CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
+
+
+class TrackStep(Generic[S]):
+    """Tracks a shape into the next frame.
+
+    Parameters
+    ----------
+    fitter : Fitter
+    parameters : TrackerParameters
+
+    Attributes
+    ----------
+    faint : int
+        For how many frames the shape has been seen faintly.
+    """
+
+    def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
+        self.fitter, self.parameters, self.faint = fitter, parameters, 0
+        self._predict, self._correct = make_predict(fitter.layout), make_correct(fitter.layout)
+        self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
+
+    def track(self, image: Image, color: ColorModel, time: float, interval: float, index: int) -> Estimate | None:
+        """Track the shape into the frame (Alg. 3); the estimate that was rejected, None if one was accepted.
+
+        Where the first fit is rejected, ambiguous or outside the gate, others are tried.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        time, interval : float
+            Of the frame, s, and since the frame before.
+        index : int
+            Number of the frame.
+        """
+        fitter = self.fitter
+        self._predict(fitter.block, time, interval)
+        rejection = fitter.refine(image, color) or self._correct(fitter.block, time)
+        if rejection == Rejection.NONE:
+            return None
+        estimate = self._reacquire(image, color, fitter.estimate(rejection), (time, interval, index))
+        if estimate.rejection:
+            return estimate
+        correct_without_gate(fitter.work, time)
+        return None
+
+    def _reacquire(
+        self, image: Image, color: ColorModel, estimate: Estimate, when: tuple[float, float, int]
+    ) -> Estimate:
+        """Fit again where the first fit was not enough.
+
+        In a wider window, if that was rejected; other hypotheses, if it is ambiguous; and with the evidence of a
+        detection, if it is far from where it was expected.
+        """
+        limits, motion, (time, interval, index) = self.parameters, self.fitter.work.motion, when
+        predicted = motion.predicted[: len(estimate.state)].copy()
+        missed, speed = self.missed(time, interval), interval * float(motion.speed)
+        innovation = float(motion.innovation)
+        if estimate.rejection == Rejection.AMBIGUOUS:
+            estimate = estimate._replace(rejection=Rejection.NONE)
+        window = limits.window
+        if estimate.rejection and window.min_range + window.innovations * innovation * missed < window.max_range:
+            estimate = self.fitter.fit(image, color, predicted, SearchWindow(window.max_range, speed))
+        period = limits.hypotheses.period if finds_itself(self.fitter.family) else 1
+        may_test = bool(estimate.rejection) or index % period == 0
+        if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
+            estimate = self._test_hypotheses(image, color, estimate, speed)
+        rejection = estimate.rejection or self._confidence_lost(estimate.fit)
+        if not rejection:
+            rejection = self._outside_gate(estimate, predicted, missed)
+        return estimate._replace(rejection=rejection)
+
+    def _outside_gate(self, estimate: Estimate, predicted: Floats, missed: float) -> Rejection:
+        """Why a fit far from its prediction is rejected, `Rejection.NONE` where it is near or has other proof."""
+        here, there = gate_of(self.fitter.family, predicted), gate_of(self.fitter.family, estimate.state)
+        if interpreted(in_gate)(self.fitter.work, there.half_width, here.half_width):
+            return Rejection.NONE
+        rejection = self.fitter.validator.validate_detection(estimate.fit)
+        if not rejection and not here.reachable(there, missed, self.parameters.reach):
+            return Rejection.UNREACHABLE
+        return rejection
+
+    def _confidence_lost(self, fit: FitStatistics) -> Rejection:
+        """Give up a shape that has been seen faintly for too long."""
+        limits = self.parameters.confidence
+        if fit.color_score < limits.faint_score:
+            self.faint += 1
+        elif fit.color_score > limits.clear_score:
+            self.faint = 0
+        return Rejection.FADED if self.faint > limits.faint_frames else Rejection.NONE
+
+    def _test_hypotheses(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate:
+        """Fit the hypotheses around an ambiguous fit; the best of all, fitted once more."""
+        limits, fitter = self.parameters.hypotheses, self.fitter
+        best, most = estimate.state, -math.inf
+        if not estimate.rejection:
+            most = self._hypotheses.score(estimate, image, color) + limits.better
+        with_modes, starts = self._hypotheses.with_modes(estimate), [*self._hypotheses.around(estimate, image, color)]
+        if with_modes is not None:
+            fitter.free_modes()
+            stretched = fitter.fit(image, color, with_modes, SearchWindow(limits.range_px, speed))
+            least = max(estimate.fit.color_score + limits.mode_gain, limits.mode_score)
+            if not stretched.rejection and stretched.fit.color_score > least:
+                return stretched
+        for start in starts:
+            window = SearchWindow(limits.range_px, speed, limits.initial_sigma)
+            other = fitter.fit(image, color, start, window)
+            if not other.rejection and (score := self._hypotheses.score(other, image, color)) > most:
+                best, most = other.state, score
+        return fitter.fit(image, color, best, SearchWindow(limits.final_range, speed, limits.final_sigma))
+
+    def missed(self, time: float, interval: float) -> float:
+        """How many frames have passed since the last sighting, at least 1."""
+        return max((time - float(self.fitter.work.motion.time)) / interval, 1.0)
+
+
+@functools.cache
+def precompile(family: type[Any], cells: int, channels: int) -> None:
+    """Run every kernel of a tracker once on a small picture of the shape, so that no frame waits for the compiler.
+
+    Parameters
+    ----------
+    family : type
+        The family of shapes.
+    cells : int
+        Size of the color table.
+    channels : int
+        Of the pictures to come.
+    """
+    color = ColorModel(np.linspace(-4.0, 4.0, cells, dtype=np.float32))
+    shape = family.from_coarse(CENTER, CENTER, HALF_WIDTH)
+    plain = np.zeros((PICTURE, PICTURE), np.uint8)
+    cv2.fillConvexPoly(plain, np.rint(outline(shape)).astype(np.int32), 255)
+    image = np.ascontiguousarray(np.repeat(plain[:, :, np.newaxis], channels, axis=2))
+    fitter = Fitter(family, LINES)
+    estimate = fitter.fit(image, color, shape.state, SearchWindow(6.0))
+    fitter.answer()
+    initialize(fitter.work, estimate.state, 0.0, 1.0)
+    make_predict(fitter.layout)(fitter.block, 1.0, 1.0)
+    make_correct(fitter.layout)(fitter.block, 1.0)
+    rows, shares, first = fitter.work.outline[:LINES], fitter.work.interior[:LINES], color.log_odds.copy()
+    adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, 0.5)
+    searcher = Searcher(PICTURE, PICTURE)
+    searcher.hulls(image, color) if finds_itself(family) else searcher.candidates(image, color)

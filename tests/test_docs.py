@@ -10,11 +10,13 @@ import cv2
 import msgspec
 import numpy as np
 import pytest
+import typer
 from mcap.writer import Writer
 from scipy.spatial.transform import Rotation
 
 import boards
 import matchset as ms
+from matchset.app.cli import app
 from matchset.camera.board import Board
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -123,3 +125,11 @@ def test_the_python_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pyt
 def test_its_links_lead_somewhere(path: Path) -> None:
     links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text(encoding="utf-8"))
     assert not [link for link in links if not (path.parent / link).exists()]
+
+
+@pytest.mark.parametrize("path", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))])
+def test_its_commands_exist(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    used = re.findall(r"(?:^    (?:\$ )?|`)matchset ([a-z]+)", text, re.MULTILINE)
+    command: Any = typer.main.get_command(app)
+    assert set(used) <= set(command.commands)

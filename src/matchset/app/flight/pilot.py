@@ -260,7 +260,7 @@ class Pilot:
             return
         pixel = self._pixel(expected)
         if pixel is not None:
-            self._tracker = Tracker(Circle, self._colors.ball, start=pixel)
+            self._tracker.restart(pixel)
 
     def _pixel(self, position: npt.NDArray[np.float64]) -> tuple[float, float] | None:
         """Project a position in the camera frame, (3,), m, to the picture, px; None if it is not visible there."""

@@ -5,6 +5,7 @@
 """
 
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -88,12 +89,12 @@ def processor_time(program: str, cache: str, checkout: Path | None = None) -> fl
     environment = os.environ | {"NUMBA_CACHE_DIR": cache}
     if checkout is not None:
         environment["PYTHONPATH"] = str(checkout / "src")
-    before = os.times()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
-    after = os.times()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:
         raise RuntimeError(f"the first call failed:\n{done.stderr}")
-    return after.children_user - before.children_user + after.children_system - before.children_system
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def _finding(name: str, what: str, value: float, unit: str, goals: tuple[float, float]) -> Finding:

@@ -167,6 +167,7 @@ def precompile(family: type[Any], cells: int, channels: int) -> None:
     fitter = Fitter(family, LINES)
     estimate = fitter.fit(image, color, shape.state, SearchWindow(6.0))
     fitter.answer()
+    family.half_width(estimate.state)  # Python asks for it too
     initialize(fitter.work, estimate.state, 0.0, 1.0)
     make_predict(fitter.layout)(fitter.block, 1.0, 1.0)
     make_correct(fitter.layout)(fitter.block, 1.0)

@@ -6,7 +6,7 @@ import pytest
 
 from kernels import adapt, look_inside
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import LEASH
+from matchset.image.color_adaptation import MAX_DRIFT
 from matchset.shapes.circle import Circle
 
 Picture = npt.NDArray[np.uint8]
@@ -85,7 +85,7 @@ def test_no_cell_leaves_its_leash() -> None:
         image = np.random.default_rng(seed % 3).integers(0, 256, (120, 160, 3), np.uint8)
         adapt(image, color, first, CIRCLE, 5.0)
     change = color.log_odds - first
-    assert np.abs(change).max() == pytest.approx(LEASH)
+    assert np.abs(change).max() == pytest.approx(MAX_DRIFT)
     assert np.isfinite(color.log_odds).all()
     np.testing.assert_array_equal(color.table, ColorModel(color.log_odds).table)
 

@@ -3,7 +3,7 @@
 The log-odds L of the color cell of a pixel inside the outline moves up by ``rate * (1 - s(L))``, of one outside down by
 ``rate * s(L)``, with the softsign ``s(L) = 1/2 + L / (2 (1 + |L|))`` in place of the logistic function: online
 regression that moves a cell less the better it already tells target from background. Cells next to it in color move by
-half as much. No cell may leave its first value by more than `LEASH`, and a pixel inside that looks clearly foreign
+half as much. No cell may leave its first value by more than `MAX_DRIFT`, and a pixel inside that looks clearly foreign
 teaches nothing: it is a finger, a stick or a marker.
 """
 
@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image import color
 from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
@@ -18,13 +19,40 @@ Singles = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int8]
 
-LEASH = np.float32(3.0)  # how far a cell's log-odds may drift from what was learned at first
-FOREIGN = np.float32(-0.5)  # log-odds below which a pixel inside is something in front of the target
-LIMIT, WHITE = np.float32(4.0), np.float32(127.0)
-SURE = 2.5  # log-odds beyond which a cell needs no more teaching
-FAR = 6.0  # px: beyond the blur of an edge
-SHIFT = 1 << 24
-ROUND = SHIFT + 0.5
+SHIFT = (
+    1 << 24
+)  # geometry: px, more than any picture has, so that a place before its border is positive when it is rounded
+ROUND = SHIFT + 0.5  # theorem: floor(x + 1/2) by cutting off the decimals of a positive number
+LIMIT, WHITE = np.float32(color.LIMIT), np.float32(color.WHITE)
+
+
+class DriftParameters(msgspec.Struct, frozen=True):
+    """How far adaptation may go; compiled into the kernel, so no options of a tracker.
+
+    Chosen by hand; `tests/image/test_color_adaptation.py` would show a change.
+
+    Parameters
+    ----------
+    max_drift : float
+        Largest change of a cell's log-odds from what was learned at first. More follows larger changes of the light,
+        and lets a wrong shape teach a wrong color.
+    foreign_below : float
+        Log-odds below which a pixel inside is something in front of the target, and teaches nothing.
+    sure_beyond : float
+        Log-odds beyond which a cell is not moved further.
+    outside_px : float
+        Distance from the outline at which the background is read, px: beyond the blur of an edge.
+    """
+
+    max_drift: float = 3.0
+    foreign_below: float = -0.5
+    sure_beyond: float = 2.5
+    outside_px: float = 6.0
+
+
+DRIFT = DriftParameters()
+MAX_DRIFT, FOREIGN = np.float32(DRIFT.max_drift), np.float32(DRIFT.foreign_below)
+SURE, OUTSIDE = DRIFT.sure_beyond, DRIFT.outside_px
 
 
 class AdaptationParameters(msgspec.Struct, frozen=True):
@@ -72,7 +100,7 @@ def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: S
     old = log_odds[cell]
     belief = np.float32(0.5) + np.float32(0.5) * old / (np.float32(1.0) + abs(old))
     new = old + amount * (np.float32(1.0) - belief if amount > 0 else belief)
-    new = min(max(new, first[cell] - LEASH, -LIMIT), first[cell] + LEASH, LIMIT)
+    new = min(max(new, first[cell] - MAX_DRIFT, -LIMIT), first[cell] + MAX_DRIFT, LIMIT)
     log_odds[cell] = new
     half = np.float32(0.5) * new
     table[cell] = np.int8(np.rint(WHITE * np.tanh(half)))
@@ -108,7 +136,10 @@ def adapt_table(
     begin: int,
     rate: float,
 ) -> None:
-    """Learn from every fourth outline point: one pixel inside, one `FAR` px outside.
+    """Learn from every fourth outline point: one pixel inside, one `OUTSIDE` px outside.
+
+    Ten parameters, because a tuple or record of arrays that comes from Python costs several microseconds a call
+    (decision 013), and this is called while a frame is answered.
 
     Parameters
     ----------
@@ -127,7 +158,7 @@ def adapt_table(
         cell = cell_at(image, x + shares[i] * dx, y + shares[i] * dy)
         if cell >= 0 and log_odds[cell] > FOREIGN:
             _teach(cell, np.float32(rate), log_odds, first, table)
-        beyond = 1.0 + FAR / max(np.sqrt(dx * dx + dy * dy), 1.0)
+        beyond = 1.0 + OUTSIDE / max(np.sqrt(dx * dx + dy * dy), 1.0)
         cell = cell_at(image, x + beyond * dx, y + beyond * dy)
         if cell >= 0:
             _teach(cell, np.float32(-rate), log_odds, first, table)

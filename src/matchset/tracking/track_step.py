@@ -173,5 +173,11 @@ def precompile(family: type[Any], cells: int, channels: int) -> None:
     make_correct(fitter.layout)(fitter.block, 1.0)
     rows, shares, first = fitter.work.outline[:LINES], fitter.work.interior[:LINES], color.log_odds.copy()
     adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, 0.5)
-    searcher = Searcher(PICTURE, PICTURE)
+
+
+@functools.cache
+def precompile_search(family: type[Any], cells: int, channels: int) -> None:
+    """Run every kernel of a search once; see `precompile`."""
+    color = ColorModel(np.linspace(-4.0, 4.0, cells, dtype=np.float32))
+    searcher, image = Searcher(PICTURE, PICTURE), np.zeros((PICTURE, PICTURE, channels), np.uint8)
     searcher.hulls(image, color) if finds_itself(family) else searcher.candidates(image, color)

@@ -20,7 +20,7 @@ from matchset.tracking.initialization import initialize_near
 from matchset.tracking.motion import correct_without_gate, gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
-from matchset.tracking.track_step import TrackStep, precompile
+from matchset.tracking.track_step import TrackStep, precompile, precompile_search
 from matchset.tracking.voting import Searcher
 
 S = TypeVar("S", bound=Shape)
@@ -107,6 +107,8 @@ class Tracker(Generic[S]):
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = 0
         precompile(family, color.table.size, color.channels)
+        if self.parameters.search.whole_frame:
+            precompile_search(family, color.table.size, color.channels)
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.

@@ -11,7 +11,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.detector import channels_last
-from matchset.tracking.voting import Searcher
+from matchset.tracking.voting import Searcher, SearchParameters
 
 STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
 
@@ -35,6 +35,8 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
         Search range around a candidate's outline, the larger of the two: in cells of the grid, in radii.
     same_distance : float
         Circles whose centers are nearer than this, in radii of the larger one, are the same ball.
+    grid : SearchParameters
+        Of the coarse search of a strip.
     """
 
     points: int = 64
@@ -44,6 +46,7 @@ class BallSearchParameters(msgspec.Struct, frozen=True):
     range_cells: float = 2.0
     range_radii: float = 0.2
     same_distance: float = 0.7
+    grid: SearchParameters = SearchParameters()
 
 
 class BallSearch:
@@ -84,7 +87,7 @@ class BallSearch:
         height, width = image.shape[:2]
         size = width, max(height // 2, 1)
         if self._searcher is None or self._searcher.size != size:
-            self._searcher = Searcher(*size)
+            self._searcher = Searcher(*size, self.parameters.grid)
         top = self._strip * (height - size[1]) // (STRIPS - 1)
         self._strip = (self._strip + 1) % STRIPS
         found: list[Circle] = []

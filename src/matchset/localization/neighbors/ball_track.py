@@ -9,8 +9,9 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
-from matchset.localization.localizer import Localizer
+from matchset.localization.localizer import Localizer, LocalizerParameters
 from matchset.localization.markers.marker_tracker import MarkerTracker
+from matchset.localization.markers.marker_workspace import MarkerParameters
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.parameters import TrackerParameters
@@ -63,6 +64,10 @@ class BallTrackParameters(msgspec.Struct, frozen=True):
         The same of a new radius for the typical one.
     min_growth, max_growth : float
         Smallest and largest predicted radius, in typical ones.
+    tracker : TrackerParameters
+        Of the ball's tracker. By default it does not search the whole frame: `BallSearch` does, once for all balls.
+    markers : MarkerParameters
+    localizer : LocalizerParameters
     """
 
     points: int = 64
@@ -71,6 +76,9 @@ class BallTrackParameters(msgspec.Struct, frozen=True):
     radius_gain: float = 0.3
     min_growth: float = 0.8
     max_growth: float = 1.25
+    tracker: TrackerParameters = WITHOUT_SEARCH
+    markers: MarkerParameters = MarkerParameters()
+    localizer: LocalizerParameters = LocalizerParameters()
 
 
 class BallTrackSetup(NamedTuple):
@@ -98,9 +106,9 @@ class BallTrack:
 
     def __init__(self, identity: int, setup: BallTrackSetup, circle: Circle, time: float) -> None:
         self.identity, self.parameters = identity, setup.parameters
-        self.tracker = Tracker(Circle, setup.ball_color, setup.parameters.points, parameters=WITHOUT_SEARCH)
-        self.markers = MarkerTracker(setup.marker_color, setup.target)
-        self.localizer = Localizer(setup.camera, setup.target)
+        self.tracker = Tracker(Circle, setup.ball_color, setup.parameters.points, parameters=self.parameters.tracker)
+        self.markers = MarkerTracker(setup.marker_color, setup.target, self.parameters.markers)
+        self.localizer = Localizer(setup.camera, setup.target, self.parameters.localizer)
         self.circle, self.time, self.marker_time = circle, time, -math.inf
         self.typical_radius = circle.radius
         self._velocity = [0.0, 0.0, 0.0]

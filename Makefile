@@ -1,6 +1,6 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly bench-radio toolchain wheel-check \
+.PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights bench-radio toolchain wheel-check \
     clean
 
 BIN := .venv/bin
@@ -50,6 +50,9 @@ bench-quick: $(PEERS) $(CACHE)/fresh  ## has a change made it slower or less exa
 
 bench-search: $(PEERS) $(VISP) $(CACHE)/fresh  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
+
+weights: $(READY) $(CACHE)/fresh  ## fit the weights of hypotheses and of first sight again (ten minutes)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.weights $(ARGS)
 
 bench-fly: $(READY) $(CACHE)/fresh  ## fly rows of twenty simulated flights (about two hours on two cores)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.fly $(ARGS)

@@ -8,8 +8,9 @@ from benchmarks.shapes.trial import ShapeTask, follow_shape
 
 import matchset as ms
 from kernels import workspace
+from matchset.numeric.jit import interpreted
 from matchset.sim.rendering.coverage import draw_polygon
-from matchset.tracking.motion import correct_without_gate
+from matchset.tracking.motion import correct_motion
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -49,7 +50,7 @@ def test_the_velocity_of_what_is_not_seen_stops(known: float, kept: float) -> No
     motion.prior_sigma[:5], motion.velocity[:5], motion.time = 0.5, 3.0, 0.0
     work.covariance[:5, :5] = np.eye(5) * known * 0.5**2
     work.state[:5] = motion.last_state[:5] + 3.0 * 0.1  # as predicted
-    correct_without_gate(work, 0.1)
+    interpreted(correct_motion)(work, 0.1)
     np.testing.assert_allclose(motion.velocity[:5], [3.0, 3.0, *[3.0 * kept] * 3], atol=1e-12)
 
 

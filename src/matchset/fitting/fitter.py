@@ -121,6 +121,8 @@ class Fitter(Generic[S]):
         The same, as compiled code takes it.
     state : ndarray of shape (s,), float64
         The state in the workspace; the next fit overwrites it.
+    outline, interior : ndarray of shape (n, 4 + s + 2) and (n,), float64
+        The outline as it was traced last, and the share of the way to it where the inside is looked at.
     validator : Validator
         By the limits of the family.
     has_corners : bool
@@ -145,6 +147,10 @@ class Fitter(Generic[S]):
         self.validator = Validator(self._limits(), points)
         self._fill(where, len(shape.state))
         self.state: Floats = self.work.state[: len(shape.state)]
+        self.outline: Floats = self.work.outline[:points]
+        self.interior: Floats = self.work.interior[:points]
+        first = self.layout.fields["fit"][1] // 8 if self.layout.fields else 0
+        self._statistics: Floats = self.block[first : first + len(FitStatistics._fields)]
         self._compiled = make_local_fit(
             compile_user_function(family.trace), compile_user_function(family.half_width), self.layout
         )
@@ -213,7 +219,7 @@ class Fitter(Generic[S]):
     @property
     def statistics(self) -> FitStatistics:
         """What the last fit rests on."""
-        return FitStatistics(*self.work.fit.item())
+        return FitStatistics._make(self._statistics.tolist())
 
     def answer(self) -> tuple[float, Floats, Floats]:
         """Support, covariance of the state's first numbers and match-set of the last fit."""

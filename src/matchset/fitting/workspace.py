@@ -35,8 +35,8 @@ class FitStatistics(NamedTuple):
         Standard deviation of an edge point, px; 0 where no fit was possible.
     pixel_noise : float
         Standard deviation of a pixel's noise, gray levels.
-    visible, inliers : int
-        Lines that lie in the picture, and those of them whose edge point lies on the outline.
+    visible, inliers : float
+        Number of lines that lie in the picture, and of those of them whose edge point lies on the outline.
     msac_score : float
         Mean over the visible lines of ``1 - (residual / tolerance)^2``, 0 for outliers: MSAC's truncated square.
     color_score : float
@@ -59,8 +59,8 @@ class FitStatistics(NamedTuple):
 
     edge_noise: float
     pixel_noise: float
-    visible: int
-    inliers: int
+    visible: float
+    inliers: float
     msac_score: float
     color_score: float
     residual_autocorrelation: float

@@ -192,10 +192,17 @@ def make_correct(layout: "np.dtype[np.void]") -> Callable[[Block, float], int]:
     return correct
 
 
-def correct_without_gate(work: Record, time: float) -> None:
-    """Correct the motion with a fit that was accepted otherwise: seldom, so as plain Python."""
-    interpreted(correct_motion)(work, time)
-    interpreted(correct_size)(work)
+@functools.cache
+def make_accept(layout: "np.dtype[np.void]") -> Callable[[Block, float], None]:
+    """Compile ``accept(block, time)``: correct the motion with a fit that was accepted in another way."""
+
+    @kernel(refcount=False)
+    def accept(block: Block, time: float) -> None:
+        work = block.view(layout)[0]
+        correct_motion(work, time)
+        correct_size(work)
+
+    return accept
 
 
 def predict_state(work: Record, time: float) -> Floats:

@@ -20,7 +20,7 @@ from matchset.image.color_adaptation import adapt_table
 from matchset.numeric.jit import interpreted
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.hypotheses import Hypotheses
-from matchset.tracking.motion import correct_without_gate, gate_of, in_gate, initialize, make_correct, make_predict
+from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept, make_correct, make_predict
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.voting import Searcher
 
@@ -49,6 +49,7 @@ class TrackStep(Generic[S]):
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint = fitter, parameters, 0
         self._predict, self._correct = make_predict(fitter.layout), make_correct(fitter.layout)
+        self._accept = make_accept(fitter.layout)
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
 
     def track(self, image: Image, color: ColorModel, time: float, interval: float, index: int) -> Estimate | None:
@@ -73,7 +74,7 @@ class TrackStep(Generic[S]):
         estimate = self._reacquire(image, color, fitter.estimate(rejection), (time, interval, index))
         if estimate.rejection:
             return estimate
-        correct_without_gate(fitter.work, time)
+        self.accept(time)
         return None
 
     def _reacquire(
@@ -141,6 +142,10 @@ class TrackStep(Generic[S]):
                 best, most = other.state, score
         return fitter.fit(image, color, best, SearchWindow(limits.final_range, speed, limits.final_sigma))
 
+    def accept(self, time: float) -> None:
+        """Correct the motion with the last fit, which was accepted at a time, s."""
+        self._accept(self.fitter.block, time)
+
     def missed(self, time: float, interval: float) -> float:
         """How many frames have passed since the last sighting, at least 1."""
         return max((time - float(self.fitter.work.motion.time)) / interval, 1.0)
@@ -171,6 +176,7 @@ def precompile(family: type[Any], cells: int, channels: int) -> None:
     initialize(fitter.work, estimate.state, 0.0, 1.0)
     make_predict(fitter.layout)(fitter.block, 1.0, 1.0)
     make_correct(fitter.layout)(fitter.block, 1.0)
+    make_accept(fitter.layout)(fitter.block, 2.0)
     rows, shares, first = fitter.work.outline[:LINES], fitter.work.interior[:LINES], color.log_odds.copy()
     adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, 0.5)
 

@@ -17,7 +17,7 @@ from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, nearest, outline
 from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.initialization import initialize_near
-from matchset.tracking.motion import correct_without_gate, gate_of, initialize, predict_state
+from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
@@ -175,7 +175,8 @@ class Tracker(Generic[S]):
             color was learned on another kind of picture.
         """
         image = self._checked(frame)
-        self._prepare(image)
+        if self._initial is not None or (self.color.gray and self.mode is Mode.SEARCHING):
+            self._prepare(image)
         rejected: Estimate | None = NOT_FOUND
         if self.mode is not Mode.SEARCHING:
             rejected = self._step.track(image, self.color, self._time, self._interval, self._frames)
@@ -218,8 +219,6 @@ class Tracker(Generic[S]):
     def _prepare(self, image: Image) -> None:
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
         given, self._initial = self._initial, None
-        if given is None and (self.mode is not Mode.SEARCHING or not self.color.gray):
-            return
         if self.color.gray:
             self.color = _model_for_image(self.color, image, given)
             self._learned = self.color.log_odds.copy()
@@ -294,7 +293,7 @@ class Tracker(Generic[S]):
         self._hint = None
         if estimate.fit.color_score > self.parameters.confidence.clear_score:
             self._step.faint = 0
-        correct_without_gate(fitter.work, self._time)
+        self._step.accept(self._time)
         return None
 
     def _prior(self, predicted: Floats | None) -> Prior:
@@ -316,7 +315,7 @@ class Tracker(Generic[S]):
         fit, fitter, color = self._fitter.statistics, self._fitter, self.color
         whole = fit.visible == fitter.points and fit.inliers >= limits.min_support * fit.visible
         if whole and fit.interior_share >= limits.min_interior:
-            outline, interior = fitter.work.outline[: fitter.points], fitter.work.interior[: fitter.points]
+            outline, interior = fitter.outline, fitter.interior
             x, y = fitter.state.tolist()[:2]
             quadrant = self._frames // limits.period % 4
             adapt_table(

@@ -56,7 +56,7 @@ class AttitudeParameters(msgspec.Struct, frozen=True):
     pair_tolerance : float
         By how much the angle between two markers may differ from that of the target, rad; others are not tried.
     min_cosine : float
-        Least cosine between a marker's direction and the line of sight: a ray that grazes the ball tells nothing.
+        Least cosine between a marker's direction and the line of sight: a ray that grazes the ball fixes no direction.
     min_sine_squared : float
         Least squared sine between two directions that fix a rotation together.
     iterations : int

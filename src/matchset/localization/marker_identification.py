@@ -1,8 +1,8 @@
 """Which marker is which: assignments of the markers in the image to those of the ball are tried, the best one is kept.
 
-The cost of an assignment is the weighted sum of squares of its rotation, plus what speaks against it: a jump since the
-previous frame (or a tilt, if there is none), markers that are assigned to nothing, and markers that should be in sight
-and are not. If another rotation fits nearly as well, none is told.
+The cost of an assignment is the weighted sum of squares of its rotation, plus a prior cost: a jump since the previous
+frame (or a tilt, if there is none), markers that are assigned to nothing, and markers that should be in sight and are
+not. If another rotation fits nearly as well, the rotation counts as not observed.
 """
 
 import enum
@@ -131,7 +131,8 @@ def _fits_pairwise(fit: Any, who: Ints) -> bool:
 @kernel
 def fit_assignment(fit: Any, who: Ints, rotation: Floats) -> float:
     """Rotation for one assignment; returns its cost, infinite if it is impossible."""
-    first = second = -1
+    first: Any = np.int64(-1)  # a plain -1 would be a type of its own: kernels that take it would compile twice
+    second = first
     for i in range(fit.count):
         if who[i] >= 0 and first < 0:
             first = i

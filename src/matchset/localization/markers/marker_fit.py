@@ -117,7 +117,7 @@ def _dot(one: Singles, other: Singles) -> float:
 
 @kernel(refcount=False)
 def sum_equations(patch: Patch, work: Any, rows: Rows) -> None:
-    """Sum up the normal equations of one Gauss-Newton step, and what tells how good the fit is.
+    """Sum up the normal equations of one Gauss-Newton step, and what noise and explained variance are computed from.
 
     Parameters
     ----------
@@ -156,15 +156,15 @@ def sum_equations(patch: Patch, work: Any, rows: Rows) -> None:
 @kernel(refcount=False)
 def _solve(work: Any) -> bool:
     """Solve the normal equations for the step in x, y, contrast, level; False where they have no solution."""
-    sums, matrix, place = work.sums, work.matrix[:], 0
+    sums, matrix, place, size = work.sums, work.matrix[:], 0, work.step.shape[0]
     for p in range(4):
         for q in range(p + 1):
             matrix[4 * p + q] = sums.normal[place]
             place += 1
         matrix[5 * p] += work.limits.fit.ridge * sums.weight
-    if not factor_cholesky(matrix, 4, 0.0):
+    if not factor_cholesky(matrix, size, 0.0):
         return False
-    solve_cholesky(matrix, sums.right_side[:], work.step[:], 4)
+    solve_cholesky(matrix, sums.right_side[:], work.step[:], size)
     return True
 
 
@@ -178,7 +178,7 @@ def _write_result(work: Any) -> None:
     for p in range(2):
         column[:] = 0.0
         column[p] = 1.0
-        solve_cholesky(work.matrix[:], column, column, 4)
+        solve_cholesky(work.matrix[:], column, column, column.shape[0])
         for q in range(2):
             result.covariance[q, p] = grain * variance * column[q]
     spread = sums.value_square - sums.value * sums.value / sums.weight

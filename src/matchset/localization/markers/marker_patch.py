@@ -113,8 +113,9 @@ def measure_shading(image: Bytes, work: Any, which: int) -> None:
     points = np.empty((across * across, 3))
     middle = work.places[which, 0], work.places[which, 1]
     found = _ball_around(image, work, middle, reach, points)
-    if not _fit_plane(points[:found], shade, limits, False) or not _fit_plane(points[:found], shade, limits, True):
-        return
+    for turn in range(2):
+        if not _fit_plane(points[:found], shade, limits, turn > 0):
+            return
     most = limits.max_shading_change * max(shade[0], 0.0) / reach
     shade[1], shade[2] = min(max(shade[1], -most), most), min(max(shade[2], -most), most)
 

@@ -30,7 +30,8 @@ def _is_separate(x: float, y: float, work: Any, count: int) -> bool:
 @kernel
 def _place_markers(image: Bytes, work: Any) -> int:
     """Fit every marker and describe those that are found, first; returns how many."""
-    ball, limits, kept, missed = work.ball, work.limits, 0, 0
+    ball, limits, missed = work.ball, work.limits, 0
+    kept: Any = np.int64(0)  # a plain 0 would be a type of its own: kernels that take it would compile twice
     others = np.empty((work.count, 3))
     for k in range(work.count):
         x, y = work.places[k, 0], work.places[k, 1]
@@ -49,7 +50,7 @@ def _place_markers(image: Bytes, work: Any) -> int:
     for k in range(missed):
         work.order[kept + k] = int(others[k, 0])
         work.offsets[kept + k, 0], work.offsets[kept + k, 1] = others[k, 1], others[k, 2]
-    return kept
+    return int(kept)
 
 
 @kernel

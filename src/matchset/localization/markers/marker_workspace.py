@@ -1,4 +1,4 @@
-"""What a marker tracker can be told, and the workspace of its kernels: `MarkerParameters`, `MarkerWork`."""
+"""Parameters of the marker tracker, and the workspace of its kernels: `MarkerParameters`, `MarkerWork`."""
 
 from typing import Annotated
 

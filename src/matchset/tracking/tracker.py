@@ -95,17 +95,16 @@ class Tracker(Generic[S]):
         if not MIN_POINTS <= points <= MAX_POINTS:
             raise ValueError(f"a match-set needs {MIN_POINTS} to {MAX_POINTS} points, got {points}")
         self.parameters = parameters or TrackerParameters()
-        self.color, self.mode = color.copy(), Mode.SEARCHING
-        self._learned = self.color.log_odds.copy()
+        self._given = color.copy()
         self._family, self._hint = family, _checked_hint(start)
         self._fitter: Fitter[S] = Fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
-        self._detector: Detector[S] | None = None
-        self._initial: S | None = None
-        self._last: S | None = None
-        self._format: tuple[int, ...] | None = None
-        self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = 0
+        self._detector: Detector[S] | None
+        self._format: tuple[int, ...] | None
+        self._initial: S | None
+        self._last: S | None
+        self._time: float
+        self._forget_frames()
         precompile(family, color.table.size, color.channels)
         if self.parameters.search.whole_frame:
             precompile_search(family, color.table.size, color.channels)
@@ -132,7 +131,9 @@ class Tracker(Generic[S]):
         self.mode = Mode.TRACKING
 
     def restart(self, hint: tuple[float, float] | S | None = None) -> None:
-        """Forget the motion, and keep the color and the compiled code.
+        """Begin anew, as a new tracker would, without making or compiling anything.
+
+        The motion, the format of the pictures and what the color has adapted to are forgotten.
 
         Parameters
         ----------
@@ -145,14 +146,23 @@ class Tracker(Generic[S]):
         ValueError
             If the point is not finite, or the shape not of the family that is tracked.
         """
-        point = hint if isinstance(hint, tuple) else None
-        self._hint = _checked_hint(point)
+        self._hint = _checked_hint(hint if isinstance(hint, tuple) else None)
         self._fitter.forget()
         motion = self._fitter.work.motion
         motion.typical_half_width = motion.offset_moment = motion.speed_moment = 0.0
-        self.mode, self._initial, self._last, self._step.faint = Mode.SEARCHING, None, None, 0
+        self._forget_frames()
         if hint is not None and not isinstance(hint, tuple):
             self.start(hint)
+
+    def _forget_frames(self) -> None:
+        """Be as a tracker is that has seen nothing."""
+        self.color, self.mode = self._given.copy(), Mode.SEARCHING
+        self._learned = self.color.log_odds.copy()
+        self._detector = None
+        self._format = None
+        self._initial = self._last = None
+        self._time, self._interval = -math.inf, 1.0 / 30.0
+        self._frames = self._step.faint = 0
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.

@@ -10,7 +10,7 @@ from matchset.fitting.fit_quality import QualityParameters
 from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.prior import FieldParameters, MotionParameters
 from matchset.fitting.robust_fit import FitParameters
-from matchset.fitting.workspace import WORK, EdgeCriteria
+from matchset.fitting.workspace import MAX_LINES, PLACE_COLUMNS, STATE, EdgeCriteria, workspace_dtype
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table
 from matchset.numeric.jit import kernel
@@ -18,6 +18,7 @@ from matchset.numeric.record import Record, fields, new_block, store
 from matchset.shapes.circle import Circle
 from matchset.tracking import peak_circles, voting
 
+WORK = workspace_dtype(MAX_LINES, STATE, PLACE_COLUMNS)
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]

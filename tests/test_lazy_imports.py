@@ -9,7 +9,7 @@ import pytest
 
 import matchset
 
-HEAVY = ("numba", "cv2", "scipy", "matplotlib", "PIL", "numpy", "msgspec")
+HEAVY = ("numba", "cv2", "scipy", "matplotlib", "PIL", "numpy")
 HELP = "import sys\nfrom matchset.app.cli import main\nsys.argv[1:] = {arguments}\ntry: main()\nexcept SystemExit: pass"
 
 

@@ -124,7 +124,7 @@ def test_the_printed_parameters_change_nothing_and_a_changed_number_changes_trac
 
     assert matchset("params") == 0
     Path("same.toml").write_text(capsys.readouterr().out)
-    Path("other.toml").write_text("[match]\nturns = 1\nmargin = 2\n")
+    Path("other.toml").write_text("[fit]\nmax_iterations = 1\n[match]\nmargin = 2\n")
     plain = track("plain")
     assert track("same", "--params", "same.toml") == plain
     other = track("other", "--params", "other.toml")

@@ -17,7 +17,7 @@ import numpy.typing as npt
 import pytest
 
 from matchset.numeric import jit
-from matchset.numeric.jit import identity, kernel
+from matchset.numeric.jit import helper, identity, kernel
 
 Floats = npt.NDArray[np.float64]
 
@@ -160,3 +160,20 @@ def test_references_are_counted_only_where_it_is_wanted(function: Any, counts: b
     fresh = njit(function.py_func, _nrt=counts)  # Numba does not show code that was kept
     assert fresh(np.ones((2, 2))) == 1.0
     assert all(("NRT_" in text) == counts for text in fresh.inspect_llvm().values())
+
+
+@helper
+def doubled(x: float) -> float:
+    return 2.0 * x
+
+
+@kernel
+def quadrupled(x: float) -> float:
+    return doubled(doubled(x))
+
+
+def test_what_only_kernels_call_has_no_machine_code_of_its_own() -> None:
+    assert quadrupled(3.0) == 12.0
+    (compiled,) = doubled.overloads.values()  # type: ignore[attr-defined]
+    assert isinstance(compiled.library, jit._PieceLibrary)
+    assert compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name) == 0

@@ -15,7 +15,15 @@ from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.prior import FieldParameters, GateParameters, MotionParameters, WindowParameters
 from matchset.fitting.robust_fit import FitParameters
 from matchset.fitting.validation import Rejection, ValidationParameters, Validator, is_fitted
-from matchset.fitting.workspace import PLACE_COLUMNS, STATE, FitStatistics, SearchWindow, workspace_dtype
+from matchset.fitting.workspace import (
+    FEW_LINES,
+    MAX_LINES,
+    PLACE_COLUMNS,
+    STATE,
+    FitStatistics,
+    SearchWindow,
+    workspace_dtype,
+)
 from matchset.image.color import ColorModel
 from matchset.numeric.jit import compile_user_function, kernel
 from matchset.numeric.record import Block, Record, fields, new_block, store
@@ -141,7 +149,8 @@ class Fitter(Generic[S]):
         self.has_corners = corners(shape) is not None
         self.sides_move = self.has_corners and MIN_SIDED_STATE <= len(shape.state) <= MAX_SIDED_STATE
         self.moves_covariance = slopes(shape) is not None
-        self.layout = workspace_dtype(max(len(shape.state), STATE), max(where.shape[1], PLACE_COLUMNS))
+        lines = FEW_LINES if points <= FEW_LINES else MAX_LINES
+        self.layout = workspace_dtype(lines, max(len(shape.state), STATE), max(where.shape[1], PLACE_COLUMNS))
         self.block = new_block(self.layout)
         self.work: Record = fields(self.block, self.layout)
         self.validator = Validator(self._limits(), points)

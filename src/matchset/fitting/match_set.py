@@ -273,12 +273,12 @@ def find_edge_points(image: Bytes, table: Scores, work: Record) -> float:
         Standard deviation of the noise of the pixels inside the shape, gray levels.
     """
     n, height, width, channels = work.line_count, image.shape[0], image.shape[1], image.shape[2]
-    flat, at = image.reshape((image.size,)), 0
+    flat, at = image.reshape((image.size,)), int(np.int64(0))
     for index in range(n):
         i = np.uintp(index)  # unsigned indices spare Numba's check for negative ones
         _place_line(work, i, height, width)
         at = _read_line(image, flat, work, i, at)
-    rough, count, at, c = 0.0, 0, 0, 1 if channels > 1 else 0
+    rough, count, at, c = 0.0, 0, int(np.int64(0)), 1 if channels > 1 else 0
     pixels, runs, edges = work.pixels, work.runs, work.edges
     for index in range(n):
         i = np.uintp(index)

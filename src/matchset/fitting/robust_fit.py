@@ -197,7 +197,7 @@ def _solve(work: Record, n: int, p: int) -> bool:
     _add_lines(columns, work.weights[:n], work.offsets[:n], scaled, work.normal, p)
     if not _factor(a, p):
         return False
-    _substitute(a, b, work.step, p)
+    _substitute(a, b, work.step[:p], p)
     return True
 
 

@@ -19,10 +19,11 @@ from matchset.fitting.validation import ValidationParameters
 from matchset.numeric.record import record_dtype
 
 Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 MAX_LINES = 4096  # format: capacity of the match-set, lines across the outline
+FEW_LINES = 128  # format: capacity where that is enough: a compact workspace stays in the processor's cache
 STATE = 8  # format: capacity of a state; a family with more numbers has a layout of its own
+MOTION_ARRAYS = ("last_state", "velocity", "predicted", "innovation_scale", "prior_sigma")
 PLACE_COLUMNS = 34  # format: capacity of what a family says of a line's place, numbers
 
 
@@ -143,106 +144,99 @@ class FieldOffset:
     sigma: float
 
 
+class Motion:
+    """Motion of the shape that is tracked, but for its arrays.
+
+    Time of the last sighting, s; speed, px/s; innovation, px; half-width over the last well-confirmed frames, px; sums
+    over the last frames of the speed times the field offset along it, px^2/s, and of the speed squared; from which
+    number on the state changes slowly.
+    """
+
+    time: float
+    speed: float
+    innovation: float
+    typical_half_width: float
+    offset_moment: float
+    speed_moment: float
+    slow_from: float
+
+
+class Scalars:
+    """What does not depend on the capacity: sizes, the classes above, and the parameters as they are for the family."""
+
+    line_count: int
+    state_count: int
+    parameter_count: int
+    place_columns: int
+    start_half_width: float
+    fit: FitStatistics
+    window: SearchWindow
+    iteration: Iteration
+    criteria: EdgeCriteria
+    field_offset: FieldOffset
+    match_limits: MatchParameters
+    fit_limits: FitParameters
+    quality_limits: QualityParameters
+    validation: ValidationParameters
+    motion_limits: MotionParameters
+    window_limits: WindowParameters
+    gate: GateParameters
+    field_limits: FieldParameters
+
+
 @functools.cache
-def workspace_dtype(numbers: int, place_numbers: int) -> "np.dtype[np.void]":
-    """Layout of a workspace.
+def workspace_dtype(lines: int, numbers: int, place_numbers: int) -> "np.dtype[np.void]":
+    """Layout of a workspace: `Scalars`, `motion`, and arrays for n lines, a state of s numbers and p parameters.
+
+    `motion`: see `Motion`, and per number of the state what was last seen, its velocity per second and its prediction;
+    per parameter the innovation scale and the prior's sigma. Of a fit: `state` and where it started, (s,); the `step`
+    that is solved for, (s + 2,); `priors`, three numbers each: inverse variance, mean, stiffness; the `normal`
+    equations; `covariance`, (p, s + 2). Along one line: `running` sums and `responses`.
+
+    Per line: `outline`, (4 + s + 2): where it crosses the outline, px, the outward unit normal, and by how much the
+    outline moves along it per unit of each number of the state and of the field offset; `edges`, (3, 3): edge points,
+    strongest first: offset along the normal, px, strength, 0 where there is none, step in color as a share of a full
+    one; `runs`: 1 along a row or 0 along a column, which one, first pixel, step, number of pixels, 0 where the picture
+    does not reach `margin` pixels beyond the outline on both sides; `starts`: offset of the first pixel and per pixel,
+    px; `chosen`: residual of the edge point the fit took, px, infinite where there is none, its weight, which it is;
+    `places`: what the family says of the line's place; `interior`: a share of the way from the center to the outline
+    where the inside is looked at; `weights`, `offsets`, predicted offsets and absolute `deviations` of a round;
+    `choice`: costs and full weights of its edge points; `columns` of the outline's derivatives, one behind the other;
+    `pixels`, one line's behind the other's.
 
     Parameters
     ----------
+    lines : int
+        Capacity of the match-set, lines.
     numbers : int
         Capacity of a state, numbers.
     place_numbers : int
         Capacity of a line's place, numbers.
     """
     unknowns = numbers + 2  # with the field offset
-    row, equations, triple = 4 + unknowns, unknowns * (unknowns + 1), 3 * unknowns
-    all_places, all_columns = MAX_LINES * place_numbers, MAX_LINES * unknowns
-    all_choices, all_pixels = MAX_LINES * 2 * CANDIDATES, MAX_LINES * MAX_PIXELS * 3
-
-    class Motion:
-        """Motion of the shape that is tracked.
-
-        Time of the last sighting, s; speed, px/s; innovation, px; half-width over the last well-confirmed frames, px;
-        sums over the last frames of the speed times the field offset along it, px^2/s, and of the speed squared; from
-        which number on the state changes slowly; the state last seen, its velocity per second and its prediction;
-        innovation scale and prior's sigma of each parameter.
-        """
-
-        time: float
-        speed: float
-        innovation: float
-        typical_half_width: float
-        offset_moment: float
-        speed_moment: float
-        slow_from: float
-        last_state: Annotated[Floats, (numbers,), "f8"]
-        velocity: Annotated[Floats, (numbers,), "f8"]
-        predicted: Annotated[Floats, (numbers,), "f8"]
-        innovation_scale: Annotated[Floats, (numbers,), "f8"]
-        prior_sigma: Annotated[Floats, (numbers,), "f8"]
-
-    class Workspace:
-        """All of it; n lines, a state of s numbers, p parameters.
-
-        `fit`, `window`, `iteration`, `criteria`, `field_offset`, `motion`: see their classes. Then the parameters, as
-        they are for the family. Of a fit: `state` and where it started, (s,); the `step` that is solved for, (s + 2,);
-        `priors`, three numbers each: inverse variance, mean, stiffness; the `normal` equations; `covariance`, (p, s +
-        2). Along one line: `running` sums and `responses`. Per line: `outline`, (4 + s + 2): where it crosses the
-        outline, px, the outward unit normal, and by how much the outline moves along it per unit of each number of the
-        state and of the field offset; `edges`, (3, 3): edge points, strongest first: offset along the normal, px,
-        strength, 0 where there is none, step in color as a share of a full one; `runs`: 1 along a row or 0 along a
-        column, which one, first pixel, step, number of pixels, 0 where the picture does not reach `margin` pixels
-        beyond the outline on both sides; `starts`: offset of the first pixel and per pixel, px; `chosen`: residual of
-        the edge point the fit took, px, infinite where there is none, its weight, which it is; `places`: what the
-        family says of the line's place; `interior`: a share of the way from the center to the outline where the inside
-        is looked at; `weights`, `offsets`, predicted offsets and absolute `deviations` of a round; `choice`: costs and
-        full weights of its edge points; `columns` of the outline's derivatives, one behind the other; `pixels`, one
-        line's behind the other's.
-        """
-
-        line_count: int
-        state_count: int
-        parameter_count: int
-        place_columns: int
-        start_half_width: float
-        fit: FitStatistics
-        window: SearchWindow
-        iteration: Iteration
-        criteria: EdgeCriteria
-        field_offset: FieldOffset
-        motion: Motion
-        match_limits: MatchParameters
-        fit_limits: FitParameters
-        quality_limits: QualityParameters
-        validation: ValidationParameters
-        motion_limits: MotionParameters
-        window_limits: WindowParameters
-        gate: GateParameters
-        field_limits: FieldParameters
-        state: Annotated[Floats, (numbers,), "f8"]
-        start: Annotated[Floats, (numbers,), "f8"]
-        step: Annotated[Floats, (unknowns,), "f8"]
-        priors: Annotated[Floats, (triple,), "f8"]
-        normal: Annotated[Floats, (equations,), "f8"]
-        covariance: Annotated[Floats, (numbers, unknowns), "f8"]
-        running: Annotated[npt.NDArray[np.int32], (4 * SUMS,), "i4"]
-        responses: Annotated[npt.NDArray[np.float32], (2 * SUMS,), "f4"]
-        outline: Annotated[Floats, (MAX_LINES, row), "f8"]
-        edges: Annotated[Floats, (MAX_LINES, CANDIDATES, 3), "f8"]
-        runs: Annotated[Ints, (MAX_LINES, 5), "i8"]
-        starts: Annotated[Floats, (MAX_LINES, 2), "f8"]
-        chosen: Annotated[Floats, (MAX_LINES, 3), "f8"]
-        places: Annotated[Floats, (all_places,), "f8"]
-        interior: Annotated[Floats, (MAX_LINES,), "f8"]
-        weights: Annotated[Floats, (MAX_LINES,), "f8"]
-        offsets: Annotated[Floats, (MAX_LINES,), "f8"]
-        predicted: Annotated[Floats, (MAX_LINES,), "f8"]
-        deviations: Annotated[npt.NDArray[np.float32], (MAX_LINES,), "f4"]
-        choice: Annotated[Floats, (all_choices,), "f8"]
-        columns: Annotated[Floats, (all_columns,), "f8"]
-        pixels: Annotated[npt.NDArray[np.uint8], (all_pixels,), "u1"]
-
-    return record_dtype(Workspace)
-
-
-WORK = workspace_dtype(STATE, PLACE_COLUMNS)
+    of_motion = [(name, (numbers,)) for name in MOTION_ARRAYS]
+    of_fit = {"state": numbers, "start": numbers, "step": unknowns, "priors": 3 * unknowns}
+    arrays = [
+        *((name, (length,), "f8") for name, length in of_fit.items()),
+        ("normal", (unknowns * (unknowns + 1),), "f8"),
+        ("covariance", (numbers, unknowns), "f8"),
+        ("running", (4 * SUMS,), "i4"),
+        ("responses", (2 * SUMS,), "f4"),
+        ("outline", (lines, 4 + unknowns), "f8"),
+        ("edges", (lines, CANDIDATES, 3), "f8"),
+        ("runs", (lines, 5), "i8"),
+        ("starts", (lines, 2), "f8"),
+        ("chosen", (lines, 3), "f8"),
+        ("interior", (lines,), "f8"),
+        ("weights", (lines,), "f8"),
+        ("offsets", (lines,), "f8"),
+        ("predicted", (lines,), "f8"),
+        ("deviations", (lines,), "f4"),
+        ("choice", (lines * 2 * CANDIDATES,), "f8"),
+        ("columns", (lines * unknowns,), "f8"),
+        ("places", (lines * place_numbers,), "f8"),
+        ("pixels", (lines * MAX_PIXELS * 3,), "u1"),
+    ]
+    motion = record_dtype(Motion, [(name, np.dtype(("f8", shape))) for name, shape in of_motion])
+    laid_out = [(name, np.dtype((kind, shape))) for name, shape, kind in arrays]
+    return record_dtype(Scalars, [("motion", motion), *laid_out])

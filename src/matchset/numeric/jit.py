@@ -13,6 +13,8 @@ not promise to keep (tests/numeric/test_jit.py says of each what breaks without 
   profiler and takes 50 ms; here under the identity of what it holds (`identity`).
 - ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
 - option ``_nrt=False``: no references are counted.
+- ``codegen.JITCodeLibrary``: Numba optimizes every function and makes machine code of it, and both again with each
+  that calls it; what only kernels call is left as it was written, and optimized with those (decision 081).
 """
 
 import enum
@@ -29,8 +31,11 @@ from typing import Any, TypeVar, cast, overload
 
 import numba
 import numpy as np
+from numba.core import codegen, compiler
 
 F = TypeVar("F", bound=Callable[..., Any])
+_LIBRARY: Any = codegen.JITCodeLibrary  # Numba's types are not complete
+_COMPILER: Any = compiler.Compiler
 
 
 PACKAGE = Path(__file__).parent.parent
@@ -117,11 +122,8 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
     options: dict[str, Any] = {} if refcount else {"_nrt": False}
     if reassociate:  # no set, whose order differs from run to run: it is in the key of kept code
         options["fastmath"] = {"reassoc": True, "nsz": True}
-    if not entry:
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    if function is None:
-        return lambda made: _kept(made, **options)
-    return _kept(function, **options)
+    make: Any = functools.partial(_kept if entry else _piece, **options)
+    return make if function is None else make(function)
 
 
 def helper(function: F) -> F:
@@ -130,7 +132,52 @@ def helper(function: F) -> F:
     Without the way in from Python it compiles faster; laid in, its arrays' shapes and strides are not handed over anew
     for each line.
     """
-    return _kept(function, _nrt=False, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    return _piece(function, _nrt=False, forceinline=True)
+
+
+class _Codegen:
+    """Numba's code generator for a piece: there is no machine code whose environment could be set."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing: kernels neither raise nor touch Python's objects."""
+
+
+class _PieceLibrary(_LIBRARY):  # type: ignore[misc]
+    """Code of a piece as the compiler wrote it: whoever takes it in optimizes it and makes machine code of it."""
+
+    @property
+    def codegen(self) -> Any:
+        """Code generator that sets no environment."""
+        return _Codegen(self._codegen)
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+class _PieceCompiler(_COMPILER):  # type: ignore[misc]
+    """Numba's compiler, whose library is a `_PieceLibrary`."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function."""
+        self.state.library = _PieceLibrary(self.state.targetctx.codegen(), function.__qualname__)
+        return super().compile_extra(function)
+
+
+def _piece(function: F, **options: Any) -> F:
+    """Compile what only kernels call: without entries, optimized with each kernel that takes it in."""
+    options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": _PieceCompiler}
+    made: Any = numba.njit(nogil=True, error_model="numpy", **options)
+    return cast(F, made(function))
 
 
 def _kept(function: F, **options: Any) -> F:

@@ -8,6 +8,7 @@ That costs no time in a compiled call (decision 080), where an argument that is 
 microseconds in a cold one. Python reads and writes the same names through `fields`.
 """
 
+from collections.abc import Sequence
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -19,7 +20,7 @@ Record = Any  # one record, or a record within it: the layout says which fields 
 _SCALARS: dict[Any, str] = {float: "f8", int: "i8", bool: "i8"}
 
 
-def record_dtype(layout: type) -> np.dtype[np.void]:
+def record_dtype(layout: type, more: Sequence[tuple[str, np.dtype[Any]]] = ()) -> np.dtype[np.void]:
     """Layout in memory of a class with annotated fields, in the order in which they stand.
 
     Parameters
@@ -28,6 +29,8 @@ def record_dtype(layout: type) -> np.dtype[np.void]:
         A class whose fields are ``float``, ``int``, ``bool`` (8 bytes each), another such class, or
         ``Annotated[npt.NDArray[...], shape, dtype]`` with a tuple and the name of a NumPy type: an array of fixed
         shape that lies in the record itself. Its bytes must be a multiple of 8.
+    more : sequence of (str, dtype)
+        Fields after these: arrays whose shape is not known before.
 
     Returns
     -------
@@ -40,23 +43,30 @@ def record_dtype(layout: type) -> np.dtype[np.void]:
         If a field is of none of these types, has the name of an attribute of NumPy's own, such as ``size``, or an array
         ends in the middle of 8 bytes.
     """
-    fields = []
-    for name, kind in get_type_hints(layout, include_extras=True).items():
+    named = [(name, _field_dtype(f"{layout.__name__}.{name}", kind)) for name, kind in _annotations(layout).items()]
+    fields = [*named, *more]
+    for name, kind in fields:
         if hasattr(np.record, name):
             raise ValueError(f"{layout.__name__}.{name} has the name of an attribute of NumPy's records")
-        if kind in _SCALARS:
-            fields.append((name, _SCALARS[kind]))
-        elif get_origin(kind) is Annotated:
-            _, shape, dtype = get_args(kind)
-            array = np.dtype((dtype, shape))
-            if array.itemsize % 8:
-                raise ValueError(f"{layout.__name__}.{name} has {array.itemsize} bytes, no multiple of 8")
-            fields.append((name, array))  # type: ignore[arg-type]
-        elif isinstance(kind, type) and get_type_hints(kind):
-            fields.append((name, record_dtype(kind)))  # type: ignore[arg-type]
-        else:
-            raise ValueError(f"{layout.__name__}.{name} is a {kind}: a record holds float, int, bool, arrays, classes")
+        if kind.itemsize % 8:
+            raise ValueError(f"{layout.__name__}.{name} has {kind.itemsize} bytes, no multiple of 8")
     return np.dtype(fields)
+
+
+def _annotations(layout: type) -> dict[str, Any]:
+    return get_type_hints(layout, include_extras=True)
+
+
+def _field_dtype(name: str, kind: Any) -> np.dtype[Any]:
+    """Type of an annotated field."""
+    if kind in _SCALARS:
+        return np.dtype(_SCALARS[kind])
+    if get_origin(kind) is Annotated:
+        _, shape, dtype = get_args(kind)
+        return np.dtype((dtype, shape))
+    if isinstance(kind, type) and _annotations(kind):
+        return record_dtype(kind)
+    raise ValueError(f"{name} is a {kind}: a record holds float, int, bool, arrays, classes")
 
 
 def new_block(layout: np.dtype[np.void]) -> Block:

@@ -28,7 +28,7 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
-PICTURE, LINES = 64, 16  # format: size of a small picture, px, and of its match-set
+PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
 
@@ -152,13 +152,15 @@ class TrackStep(Generic[S]):
 
 
 @functools.cache
-def precompile(family: type[Any], cells: int, channels: int) -> None:
+def precompile(family: type[Any], points: int, cells: int, channels: int) -> None:
     """Run every kernel of a tracker once on a small picture of the shape, so that no frame waits for the compiler.
 
     Parameters
     ----------
     family : type
         The family of shapes.
+    points : int
+        Size of the match-set: the workspace of few lines is another than that of many.
     cells : int
         Size of the color table.
     channels : int
@@ -169,7 +171,7 @@ def precompile(family: type[Any], cells: int, channels: int) -> None:
     plain = np.zeros((PICTURE, PICTURE), np.uint8)
     cv2.fillConvexPoly(plain, np.rint(outline(shape)).astype(np.int32), 255)
     image = np.ascontiguousarray(np.repeat(plain[:, :, np.newaxis], channels, axis=2))
-    fitter = Fitter(family, LINES)
+    fitter = Fitter(family, points)
     estimate = fitter.fit(image, color, shape.state, SearchWindow(6.0))
     fitter.answer()
     family.half_width(estimate.state)  # Python asks for it too
@@ -177,7 +179,7 @@ def precompile(family: type[Any], cells: int, channels: int) -> None:
     make_predict(fitter.layout)(fitter.block, 1.0, 1.0)
     make_correct(fitter.layout)(fitter.block, 1.0)
     make_accept(fitter.layout)(fitter.block, 2.0)
-    rows, shares, first = fitter.work.outline[:LINES], fitter.work.interior[:LINES], color.log_odds.copy()
+    rows, shares, first = fitter.work.outline[:points], fitter.work.interior[:points], color.log_odds.copy()
     adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, 0.5)
 
 

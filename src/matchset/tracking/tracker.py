@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior, Rejection
-from matchset.fitting.workspace import FitStatistics, SearchWindow
+from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
 from matchset.image.brightness import level_across
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table
@@ -27,7 +27,7 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
-MIN_POINTS, MAX_POINTS = 16, 4096  # format: capacity of the workspace
+MIN_POINTS, MAX_POINTS = 16, MAX_LINES  # format: capacity of the workspace
 
 
 class Mode(enum.Enum):
@@ -105,7 +105,7 @@ class Tracker(Generic[S]):
         self._last: S | None
         self._time: float
         self._forget_frames()
-        precompile(family, color.table.size, color.channels)
+        precompile(family, points, color.table.size, color.channels)
         if self.parameters.search.whole_frame:
             precompile_search(family, color.table.size, color.channels)
 

@@ -11,6 +11,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.detector import channels_last
+from matchset.tracking.track_step import precompile_search
 from matchset.tracking.voting import Searcher, SearchParameters
 
 STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
@@ -68,6 +69,7 @@ class BallSearch:
         self._fitter: Fitter[Circle] = Fitter(Circle, self.parameters.points)
         self._searcher: Searcher | None = None
         self._strip = 0
+        precompile_search(Circle, color.table.size, color.channels)
 
     def update(self, frame: Frame, known: Sequence[Circle]) -> list[Circle]:
         """Search the next strip.

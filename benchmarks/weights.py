@@ -18,7 +18,7 @@ from typing import Annotated, Any, NamedTuple
 import msgspec
 import typer
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
 import matchset as ms
 from benchmarks.tracking.false_locks import foreign_color
@@ -100,7 +100,9 @@ def main(
     defaults = TrackerParameters()
     base, base_unseen = loss(tuning, defaults), loss(unseen, defaults)
     console.print(f"defaults: {_words(base)}; seeds from 100 on: {_words(base_unseen)}")
-    table = Table("weight", "default", "loss of other values, less that of the default, px", "verdict")
+    table = Table(
+        Column("weight", no_wrap=True), "default", "loss of other values, less that of the default, px", "verdict"
+    )
     for path in chosen:
         table.add_row(*row_of(path, defaults, (tuning, base), (unseen, base_unseen)))
     console.print(table)

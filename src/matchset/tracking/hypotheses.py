@@ -28,8 +28,9 @@ SAME_NORMAL = 1e-6  # theorem: squared difference of unit normals; of those of o
 class HypothesisParameters(msgspec.Struct, frozen=True):
     """Which other hypotheses are tested, and how they are scored.
 
-    Where nothing else is said, a number was chosen by hand; `python -m benchmarks --only false_locks` would show a
-    change.
+    `larger`, `smaller`, `better`, `mode_gain`, `mode_score`, `interior_weight`, `change_weight` and `prediction_px`:
+    fitted again by `make weights`; no other value was better by 1 % on both sets of seeds (docs/log.md). Where nothing
+    else is said, the others were chosen by hand; `python -m benchmarks --only false_locks` would show a change.
 
     Parameters
     ----------

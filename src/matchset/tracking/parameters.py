@@ -14,7 +14,8 @@ from matchset.tracking.voting import SearchParameters
 class ConfidenceParameters(msgspec.Struct, frozen=True):
     """How long a shape may be seen faintly.
 
-    All numbers chosen by hand; `python -m benchmarks --only false_locks` would show a change.
+    `faint_score`: fitted again by `make weights`; no other value was better by 1 % on both sets of seeds (docs/log.md).
+    The others chosen by hand; `python -m benchmarks --only false_locks` would show a change.
 
     Parameters
     ----------

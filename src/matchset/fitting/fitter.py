@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.fit_quality import QualityParameters, write_answer
-from matchset.fitting.local_fit import make_local_fit
 from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.prior import FieldParameters, GateParameters, MotionParameters, WindowParameters
 from matchset.fitting.robust_fit import FitParameters
@@ -32,6 +31,7 @@ from matchset.shapes.shape import Shape, corners, places, slopes, steady
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+Scores = npt.NDArray[np.int8]
 S = TypeVar("S", bound=Shape)
 
 # theorem: multiples of the golden ratio, modulo 1, are spread evenly (Weyl)
@@ -117,6 +117,8 @@ class Fitter(Generic[S]):
         The family of shapes, `Circle` for one.
     points : int
         Number of lines across the outline: the size of the match-set.
+    make_step : callable
+        Compiles what fits: ``make_step(trace, half_width, layout)``, see `tracking.compiled_step`.
     parameters : FittingParameters, optional
     uses_color : bool
         Whether a color tells the target from what is around it; otherwise edges alone count.
@@ -140,7 +142,12 @@ class Fitter(Generic[S]):
     """
 
     def __init__(
-        self, family: type[S], points: int, parameters: FittingParameters | None = None, uses_color: bool = True
+        self,
+        family: type[S],
+        points: int,
+        make_step: Callable[..., Callable[[Image, Scores, Block, float, float], int]],
+        parameters: FittingParameters | None = None,
+        uses_color: bool = True,
     ) -> None:
         check_family(family)
         self.family, self.points, self.uses_color = family, points, uses_color
@@ -160,9 +167,8 @@ class Fitter(Generic[S]):
         self.interior: Floats = self.work.interior[:points]
         first = self.layout.fields["fit"][1] // 8 if self.layout.fields else 0
         self._statistics: Floats = self.block[first : first + len(FitStatistics._fields)]
-        self._compiled = make_local_fit(
-            compile_user_function(family.trace), compile_user_function(family.half_width), self.layout
-        )
+        compiled = compile_user_function(family.trace), compile_user_function(family.half_width)
+        self._step = make_step(*compiled, self.layout)
         self._answer = make_answer(self.layout)
         self._answer_shape = (points, 2), (len(family.parameters),) * 2
 
@@ -219,7 +225,14 @@ class Fitter(Generic[S]):
 
     def refine(self, image: Image, color: ColorModel) -> int:
         """Fit the shape near the state in the workspace, by the window there; the `Rejection` as a track."""
-        return self._compiled(image, color.table, self.block)
+        return self._step(image, color.table, self.block, 0.0, 0.0)
+
+    def track(self, image: Image, color: ColorModel, time: float, interval: float) -> int:
+        """Fit the shape where its motion has it at a time, s, an interval after the last frame, and correct that.
+
+        Returns the `Rejection`; where it is not `Rejection.NONE` the motion is as it was predicted.
+        """
+        return self._step(image, color.table, self.block, time, interval)
 
     def estimate(self, rejection: int) -> Estimate:
         """Estimate in the workspace, which was rejected or not."""

@@ -14,7 +14,7 @@ from matchset.fitting.prior import predict_field_offset
 from matchset.fitting.robust_fit import robust_fit
 from matchset.fitting.validation import rejection_without_fit, validate_track
 from matchset.numeric.jit import helper, kernel
-from matchset.numeric.record import Block, Record
+from matchset.numeric.record import Record
 
 Bytes = npt.NDArray[np.uint8]
 Scores = npt.NDArray[np.int8]
@@ -61,28 +61,23 @@ def _conclude(work: Record, half_width: float) -> None:
 
 
 @functools.cache
-def make_local_fit(
-    trace: Callable[..., Any], half_width: Callable[..., Any], layout: "np.dtype[np.void]"
-) -> Callable[[Bytes, Scores, Block], int]:
-    """Compile the local fit for a family of shapes.
+def make_local_fit(trace: Callable[..., Any], half_width: Callable[..., Any]) -> Callable[[Bytes, Scores, Record], int]:
+    """Compile the local fit for a family of shapes, a piece of a kernel.
 
     Parameters
     ----------
     trace, half_width : callable
         Compiled, see `Shape`.
-    layout : dtype
-        Of the workspace.
 
     Returns
     -------
     callable
-        ``fit_locally(image, table, block)``: fit near the state in the workspace, as far as its window says; returns
-        the `Rejection` of `validate_track`, or why there was nothing to fit.
+        ``fit_locally(image, table, work)``: fit near the state in the workspace, as far as its window says; returns the
+        `Rejection` of `validate_track`, or why there was nothing to fit.
     """
 
-    @kernel(refcount=False)
-    def fit_locally(image: Bytes, table: Scores, block: Block) -> int:
-        work = block.view(layout)[0]
+    @kernel(refcount=False, entry=False)
+    def fit_locally(image: Bytes, table: Scores, work: Record) -> int:
         n, columns, limits, iteration, fit = (
             work.line_count,
             work.place_columns,

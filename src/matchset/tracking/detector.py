@@ -15,6 +15,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
+from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
 from matchset.tracking.track import Track
 from matchset.tracking.voting import Searcher, SearchParameters
@@ -258,7 +259,7 @@ def _detector(family: type[S], width: int, height: int, candidates: int) -> Dete
     detector, wanted = _memory.detector, (family, width, height, candidates)
     if detector is None or _memory.wanted != wanted:
         searcher = Searcher(width, height, SearchParameters(candidates=candidates))
-        detector = _memory.detector = Detector(Fitter(family, DETECTION_LINES), searcher)
+        detector = _memory.detector = Detector(tracking_fitter(family, DETECTION_LINES), searcher)
         _memory.wanted = wanted
     detector.fitter.forget()
     return detector

@@ -155,41 +155,28 @@ def correct_size(work: Record) -> None:
         motion.typical_half_width = new if typical > 0.0 else work.fit.half_width
 
 
-@functools.cache
-def make_predict(layout: "np.dtype[np.void]") -> Callable[[Block, float, float], None]:
-    """Compile ``predict(block, time, interval)``: predict the state, and open the search window around it."""
-
-    @kernel(refcount=False)
-    def predict(block: Block, time: float, interval: float) -> None:
-        work = block.view(layout)[0]
-        if work.motion.time == -math.inf:
-            work.motion.time = time - interval
-        missed = max((time - work.motion.time) / interval, 1.0)
-        extrapolate(work, time, missed)
-        open_window(work, missed, interval)
-
-    return predict
+@helper
+def predict(work: Record, time: float, interval: float) -> None:
+    """Predict the state at a time, s, an interval after the last frame, and open the search window around it."""
+    if work.motion.time == -math.inf:
+        work.motion.time = time - interval
+    missed = max((time - work.motion.time) / interval, 1.0)
+    extrapolate(work, time, missed)
+    open_window(work, missed, interval)
 
 
-@functools.cache
-def make_correct(layout: "np.dtype[np.void]") -> Callable[[Block, float], int]:
-    """Compile ``correct(block, time)``.
+@helper
+def correct(work: Record, time: float) -> int:
+    """Correct the motion with a fit that began at the prediction and was validated.
 
-    It corrects the motion with a fit that began at the prediction and was validated, unless that is ambiguous or
-    outside the gate; returns `Rejection.NONE` or `Rejection.AMBIGUOUS`.
+    Returns `Rejection.NONE`; or `Rejection.AMBIGUOUS`, and nothing is corrected, if it is that or outside the gate.
     """
-
-    @kernel(refcount=False)
-    def correct(block: Block, time: float) -> int:
-        work = block.view(layout)[0]
-        near = in_gate(work, work.fit.half_width, work.start_half_width)
-        if not near or is_ambiguous(work.fit, work.validation, work.line_count):
-            return Rejection.AMBIGUOUS.value
-        correct_motion(work, time)
-        correct_size(work)
-        return Rejection.NONE.value
-
-    return correct
+    near = in_gate(work, work.fit.half_width, work.start_half_width)
+    if not near or is_ambiguous(work.fit, work.validation, work.line_count):
+        return Rejection.AMBIGUOUS.value
+    correct_motion(work, time)
+    correct_size(work)
+    return Rejection.NONE.value
 
 
 @functools.cache

@@ -1,7 +1,8 @@
 """The step from one frame to the next: `TrackStep` (Epstein & Feldman, Alg. 3), and `precompile`, which compiles it.
 
 Predict, open the search window, fit (trace, match-set, robust fit, until the shape stands still), validate, gate,
-correct: where all goes well that takes three compiled calls. Where the fit is rejected or ambiguous, others are tried.
+correct: where all goes well that is one compiled call (`compiled_step`). Where the fit is rejected or ambiguous, others
+are tried.
 """
 
 import functools
@@ -19,8 +20,9 @@ from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table
 from matchset.numeric.jit import interpreted
 from matchset.shapes.shape import Shape, finds_itself, outline
+from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
-from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept, make_correct, make_predict
+from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.voting import Searcher
 
@@ -48,7 +50,6 @@ class TrackStep(Generic[S]):
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint = fitter, parameters, 0
-        self._predict, self._correct = make_predict(fitter.layout), make_correct(fitter.layout)
         self._accept = make_accept(fitter.layout)
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
 
@@ -67,8 +68,7 @@ class TrackStep(Generic[S]):
             Number of the frame.
         """
         fitter = self.fitter
-        self._predict(fitter.block, time, interval)
-        rejection = fitter.refine(image, color) or self._correct(fitter.block, time)
+        rejection = fitter.track(image, color, time, interval)
         if rejection == Rejection.NONE:
             return None
         estimate = self._reacquire(image, color, fitter.estimate(rejection), (time, interval, index))
@@ -171,13 +171,11 @@ def precompile(family: type[Any], points: int, cells: int, channels: int) -> Non
     plain = np.zeros((PICTURE, PICTURE), np.uint8)
     cv2.fillConvexPoly(plain, np.rint(outline(shape)).astype(np.int32), 255)
     image = np.ascontiguousarray(np.repeat(plain[:, :, np.newaxis], channels, axis=2))
-    fitter = Fitter(family, points)
+    fitter = tracking_fitter(family, points)
     estimate = fitter.fit(image, color, shape.state, SearchWindow(6.0))
     fitter.answer()
     family.half_width(estimate.state)  # Python asks for it too
     initialize(fitter.work, estimate.state, 0.0, 1.0)
-    make_predict(fitter.layout)(fitter.block, 1.0, 1.0)
-    make_correct(fitter.layout)(fitter.block, 1.0)
     make_accept(fitter.layout)(fitter.block, 2.0)
     rows, shares, first = fitter.work.outline[:points], fitter.work.interior[:points], color.log_odds.copy()
     adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, 0.5)

@@ -15,6 +15,7 @@ from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, nearest, outline
+from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.initialization import initialize_near
 from matchset.tracking.motion import gate_of, initialize, predict_state
@@ -97,7 +98,7 @@ class Tracker(Generic[S]):
         self.parameters = parameters or TrackerParameters()
         self._given = color.copy()
         self._family, self._hint = family, _checked_hint(start)
-        self._fitter: Fitter[S] = Fitter(family, points, self.parameters, color.gray != "edges")
+        self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._detector: Detector[S] | None
         self._format: tuple[int, ...] | None

@@ -10,6 +10,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
+from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import channels_last
 from matchset.tracking.track_step import precompile_search
 from matchset.tracking.voting import Searcher, SearchParameters
@@ -66,7 +67,7 @@ class BallSearch:
     def __init__(self, color: ColorModel, parameters: BallSearchParameters | None = None) -> None:
         self.color = color
         self.parameters = parameters or BallSearchParameters()
-        self._fitter: Fitter[Circle] = Fitter(Circle, self.parameters.points)
+        self._fitter: Fitter[Circle] = tracking_fitter(Circle, self.parameters.points)
         self._searcher: Searcher | None = None
         self._strip = 0
         precompile_search(Circle, color.table.size, color.channels)

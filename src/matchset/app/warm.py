@@ -1,5 +1,6 @@
 """The command `warm`: compile every kernel ahead, for images of a system and for small computers."""
 
+import functools
 import os
 import time
 from collections.abc import Callable
@@ -11,20 +12,7 @@ from matchset.app.exit_codes import FOUND
 if TYPE_CHECKING:
     from matchset.image.color import ColorModel
 
-GROUPS = (
-    "circle",
-    "ellipse",
-    "rectangle",
-    "quadrilateral",
-    "polygon",
-    "polygon, affine",
-    "localizer",
-    "markers",
-    "neighbors",
-    "pose filter",
-    "follower",
-    "simulator",
-)
+FAMILIES = "circle", "ellipse", "rectangle", "quadrilateral", "polygon", "polygon, affine"
 
 
 def warm() -> int:
@@ -39,11 +27,11 @@ def warm() -> int:
     console, begin, lines = Console(stderr=True, highlight=False), time.monotonic(), []
     columns = TextColumn("compiling {task.description:16}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
-        task = progress.add_task("", total=len(GROUPS))
-        for name in GROUPS:
+        task = progress.add_task("", total=len(groups()))
+        for name, compile_group in groups().items():
             progress.update(task, description=name)
             start = time.monotonic()
-            compile_group(name)
+            compile_group()
             lines.append(f"{name:16} {time.monotonic() - start:6.1f} s")
             progress.advance(task)
     print("\n".join(lines))
@@ -57,9 +45,10 @@ def kept_in() -> str:
     return os.environ.get("NUMBA_CACHE_DIR") or f"the folders __pycache__ of {package}"
 
 
-def compile_group(name: str) -> None:
-    """Compile the kernels of one of the `GROUPS`, by making what calls them."""
-    groups: dict[str, Callable[[], object]] = {
+def groups() -> dict[str, Callable[[], object]]:
+    """Name the sets of kernels, each with the function that compiles it by making and running what calls it."""
+    return {
+        **{name: functools.partial(_trackers, name) for name in FAMILIES},
         "localizer": _localizer,
         "markers": _markers,
         "neighbors": _neighbors,
@@ -67,7 +56,6 @@ def compile_group(name: str) -> None:
         "follower": _follower,
         "simulator": _simulator,
     }
-    groups.get(name, lambda: _trackers(name))()
 
 
 def _trackers(name: str) -> None:

@@ -214,5 +214,6 @@ def votes_for_centers(
     smooth: npt.NDArray[np.int16], edges: Floats, nearest: int, farthest: int
 ) -> npt.NDArray[np.float32]:
     """Votes for each cell of a grid to be a center, as they fall and summed over 5 x 5 cells."""
-    votes = voting.count_votes(smooth, edges, (nearest, farthest), 1, voting.SearchParameters())
-    return np.stack((votes, peak_circles.sum_votes(votes)))
+    accumulator = voting.Accumulator(smooth.shape, (nearest, farthest), 1, voting.SearchParameters())
+    accumulator.count_votes(smooth, edges)
+    return np.stack((accumulator.votes, peak_circles.sum_votes(accumulator.votes)))

@@ -59,7 +59,7 @@ def test_a_grid_of_one_kind_has_no_boundary() -> None:
 def test_circles_are_fitted_to_the_boundary() -> None:
     smooth = grid_of_a_disc(33.3, 28.6, 12.0)
     edges, limits = grid_edges(smooth), voting.SearchParameters()
-    circles = voting.find_circles(smooth, edges, (1, 20), 1, limits)
+    circles = voting.Accumulator(smooth.shape, (1, 20), 1, limits).find_circles(smooth, edges)
     assert np.abs(circles[0, :3] - (33.3, 28.6, 12.0)).max() < 2.0
     for _ in range(limits.rounds):
         peak_circles.fit_circles(edges, circles, limits.aim_fine, limits.band, limits.band_growth, limits.damping)

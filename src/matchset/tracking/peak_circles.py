@@ -39,25 +39,62 @@ def pick_peaks(total: Singles, least: float, apart: float, most: int) -> Floats:
     ndarray of shape (k, 2), float64
         x and y, strongest first.
     """
-    width, flat = total.shape[1], total.ravel()
-    high = np.flatnonzero(flat >= least)
-    rows, columns = np.divmod(high, width)
-    high = high[(rows > 0) & (rows < total.shape[0] - 1) & (columns > 0) & (columns < width - 1)]
-    votes = flat[high]
-    highest = (votes >= flat[high - 1]) & (votes >= flat[high - width])
-    highest &= (votes > flat[high + 1]) & (votes > flat[high + width])
-    peaks: list[tuple[float, float]] = []
-    for place in high[highest][np.argsort(-votes[highest], kind="stable")].tolist():
-        y, x = divmod(place, width)
-        if all(abs(x - px) >= apart or abs(y - py) >= apart for px, py in peaks):
-            peaks.append((x, y))
-            if len(peaks) == most:
-                break
-    return np.array(peaks, np.float64).reshape(-1, 2)
+    places, peaks = np.empty(total.size // 2 + total.shape[0], np.int64), np.empty((most, 2))
+    return peaks[: find_peaks(total, np.float32(least), apart, places, peaks)]
 
 
-@kernel
-def find_radii(edges: Floats, circles: Floats, longest: int, aim: float) -> None:
+@kernel(refcount=False)
+def find_peaks(
+    total: Singles, least: np.float32, apart: float, places: npt.NDArray[np.int64], peaks: Floats
+) -> int:
+    """Write the peaks; see `pick_peaks`.
+
+    Parameters
+    ----------
+    total : (rows, columns) float32
+    least : float32
+    apart : float
+    places : (n,) int64, written
+        Room for all maxima: of two cells side by side at most one is a maximum.
+    peaks : (most, 2), written
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    height, width = total.shape
+    maxima = found = 0
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            v = total[i, j]
+            if v < least or v < total[i, j - 1] or v < total[i - 1, j] or v <= total[i, j + 1] or v <= total[i + 1, j]:
+                continue
+            places[maxima] = i * width + j
+            maxima += 1
+    best = -1
+    while found < peaks.shape[0]:
+        last, best, highest = best, -1, np.float32(-math.inf)
+        left = 0
+        for k in range(maxima):
+            i, j = places[k] // width, places[k] % width
+            near = abs(j - last % width) < apart and abs(i - last // width) < apart
+            if last >= 0 and (near or places[k] == last):
+                continue
+            places[left] = places[k]
+            left += 1
+            if total[i, j] > highest:
+                highest, best = total[i, j], places[k]
+        maxima = left
+        if best < 0:
+            break
+        peaks[found, 0], peaks[found, 1] = best % width, best // width
+        found += 1
+    return found
+
+
+@kernel(refcount=False)
+def find_radii(edges: Floats, circles: Floats, votes: Floats, aim: float) -> None:
     """Write the radius at which the share of the circle that boundary points confirm is largest.
 
     Parameters
@@ -66,14 +103,14 @@ def find_radii(edges: Floats, circles: Floats, longest: int, aim: float) -> None
         See `voting.find_edges`.
     circles : (k, 4), written
         x, y are read, the radius is written, cells.
-    longest : int
-        Largest radius, cells.
+    votes : (n,), written
+        Room for the votes of each radius: 3 more than the largest radius in cells.
     aim : float
         See `voting.SearchParameters`.
     """
-    votes = np.zeros(longest + 3)
+    longest = votes.shape[0] - 3
     for k in range(circles.shape[0]):
-        for m in range(longest + 3):
+        for m in range(votes.shape[0]):
             votes[m] = 0.0
         for i in range(edges.shape[0]):
             dx, dy = edges[i, 0] - circles[k, 0], edges[i, 1] - circles[k, 1]

@@ -186,4 +186,5 @@ def precompile_search(family: type[Any], cells: int, channels: int) -> None:
     """Run every kernel of a search once; see `precompile`."""
     color = ColorModel(np.linspace(-4.0, 4.0, cells, dtype=np.float32))
     searcher, image = Searcher(PICTURE, PICTURE), np.zeros((PICTURE, PICTURE, channels), np.uint8)
+    image[np.hypot(*(np.indices(image.shape[:2]) - CENTER)) < HALF_WIDTH] = 255
     searcher.hulls(image, color) if finds_itself(family) else searcher.candidates(image, color)

@@ -104,7 +104,9 @@ class Searcher:
         self.fits = height >= 3 * self.stride and width >= 3 * self.stride
         self._grid = np.zeros((rows, columns), np.int16)
         self._edges = np.zeros((max(rows * columns // 3, 64), 4))
-        self._longest = int(self.parameters.largest_share * max(rows, columns))
+        limits, longest = self.parameters, int(self.parameters.largest_share * max(rows, columns))
+        self._near = Accumulator((rows, columns), (1, limits.fine_radius), 1, limits)
+        self._far = Accumulator((rows, columns), (limits.fine_radius - 3, longest), 2, limits)
 
     def candidates(self, image: Bytes, color: ColorModel) -> Floats:
         """Rough circles, most of whose outline is confirmed first.
@@ -121,12 +123,13 @@ class Searcher:
         """
         if not self.fits:
             return np.zeros((0, 4))
-        limits, fine = self.parameters, self.parameters.fine_radius
-        smooth = self._smooth_grid(image, color)
+        limits, smooth = self.parameters, self._smooth_grid(image, color)
         edges = self._edges[: find_edges(smooth, self._edges)]
-        near = find_circles(smooth, edges, (1, fine), 1, limits)
-        far = find_circles(smooth, edges, (fine - 3, self._longest), 2, limits)
-        rough = np.concatenate((near, far))
+        if not len(edges):
+            return np.zeros((0, 4))
+        rough = np.concatenate((self._near.find_circles(smooth, edges), self._far.find_circles(smooth, edges)))
+        if not len(rough):
+            return rough
         for _ in range(limits.rounds):
             fit_circles(edges, rough, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
         rough = rough[rough[:, SHARE] >= limits.share]
@@ -234,51 +237,73 @@ def find_edges(smooth: Scores, edges: Floats) -> int:
     return count
 
 
-def find_circles(
-    smooth: Scores, edges: Floats, distances: tuple[int, int], fold: int, limits: SearchParameters
-) -> Floats:
-    """Circles that the boundary votes for.
+class Accumulator:
+    """Accumulator of the votes for centers, for circles whose radius lies in a range.
 
     Parameters
     ----------
-    smooth : ndarray of shape (rows, columns), int16
-    edges : ndarray of shape (n, 4), float64
-        See `find_edges`.
-    distances : tuple of int
+    shape : tuple of int
+        Rows and columns of the grid.
+    radii : tuple of int
         Least and largest radius, cells.
     fold : int
-        Side of the square of cells that share one count of votes.
+        Side of the square of cells that share one count of votes, a power of two.
     limits : SearchParameters
 
-    Returns
-    -------
-    ndarray of shape (k, 4), float64
-        x, y, radius, cells; 0.
+    Attributes
+    ----------
+    votes : ndarray of float32
+        Weight of the votes for each cell, or each square of cells, to be a center.
     """
-    votes = count_votes(smooth, edges, distances, fold, limits)
-    peaks = pick_peaks(sum_votes(votes), limits.votes, limits.apart, max(limits.candidates // 2, 1))
-    circles = np.zeros((len(peaks), 4))
-    circles[:, :RADIUS] = fold * (peaks + 0.5) - 0.5
-    find_radii(edges, circles, distances[1], limits.aim_rough)
-    return circles
 
+    def __init__(
+        self, shape: tuple[int, ...], radii: tuple[int, int], fold: int, limits: SearchParameters
+    ) -> None:
+        self._least_radius, self._fold, self._limits = radii[0], fold, limits
+        self._shift = fold.bit_length() - 1
+        self.votes = np.zeros([-(-cells // fold) for cells in shape], np.float32)
+        distances = np.arange(radii[1] + 1)
+        self._distances = distances + 0.5
+        self._gaps = np.floor(limits.gap + limits.gap_growth * distances).astype(np.int64)
+        self._confirmed = np.zeros(radii[1] + 3)
 
-def count_votes(
-    smooth: Scores, edges: Floats, distances: tuple[int, int], fold: int, limits: SearchParameters
-) -> Singles:
-    """Votes for each cell to be a center; see `find_circles`."""
-    every = 1 + len(edges) // limits.voters
-    distance = np.arange(distances[1] + 1)
-    weights = every / (distance + 0.5)
-    weights[: distances[0]] = 0.0
-    gaps = np.asarray(limits.gap + limits.gap_growth * distance, np.float64)
-    votes = np.zeros([-(-cells // fold) for cells in smooth.shape], np.float32)
-    vote(smooth, edges if every == 1 else edges[::every].copy(), weights, gaps, fold, votes)
-    return votes
+    def find_circles(self, smooth: Scores, edges: Floats) -> Floats:
+        """Circles that the boundary votes for.
+
+        Parameters
+        ----------
+        smooth : ndarray of shape (rows, columns), int16
+        edges : ndarray of shape (n, 4), float64
+            See `find_edges`.
+
+        Returns
+        -------
+        ndarray of shape (k, 4), float64
+            x, y, radius, cells; 0.
+        """
+        limits = self._limits
+        self.count_votes(smooth, edges)
+        peaks = pick_peaks(sum_votes(self.votes), limits.votes, limits.apart, max(limits.candidates // 2, 1))
+        circles = np.zeros((len(peaks), 4))
+        if len(peaks):
+            circles[:, :RADIUS] = self._fold * (peaks + 0.5) - 0.5
+            find_radii(edges, circles, self._confirmed, limits.aim_rough)
+        return circles
+
+    def count_votes(self, smooth: Scores, edges: Floats) -> None:
+        """Write `votes`; see `find_circles`."""
+        every = 1 + len(edges) // self._limits.voters
+        weights = every / self._distances
+        weights[: self._least_radius] = 0.0
+        self.votes.fill(0.0)
+        voters = edges if every == 1 else edges[::every].copy()
+        vote(smooth, voters, weights, self._gaps, self._shift, self.votes)
 
 
 @kernel
-def vote(smooth: Scores, edges: Floats, weights: Floats, gaps: Floats, fold: int, votes: Singles) -> None:
+def vote(
+    smooth: Scores, edges: Floats, weights: Floats, gaps: npt.NDArray[np.int64], shift: int, votes: Singles
+) -> None:
     """Add a weight along the inward normal of every boundary point, as long as the way is mostly target.
 
     Parameters
@@ -288,10 +313,10 @@ def vote(smooth: Scores, edges: Floats, weights: Floats, gaps: Floats, fold: int
         See `find_edges`.
     weights : (m,)
         Of a vote, by its distance in cells.
-    gaps : (m,)
+    gaps : (m,) int64
         Cells of background that are allowed up to that distance.
-    fold : int
-        Side of the square of cells that share one count.
+    shift : int
+        Squares of ``2 ** shift`` cells a side share one count.
     votes : float32, written
     """
     height, width = smooth.shape
@@ -302,11 +327,11 @@ def vote(smooth: Scores, edges: Floats, weights: Floats, gaps: Floats, fold: int
             column, row = int(x - nx * distance + 0.5), int(y - ny * distance + 0.5)
             if column < 0 or row < 0 or column >= width or row >= height:
                 break
-            foreign += smooth[row, column] <= 0
+            foreign += smooth[np.uintp(row), np.uintp(column)] <= 0
             if foreign > gaps[distance]:
                 break
             if weights[distance] > 0.0:
-                votes[row // fold, column // fold] += weights[distance]
+                votes[np.uintp(row >> shift), np.uintp(column >> shift)] += weights[distance]
 
 
 def region_hulls(smooth: Scores, stride: int, limits: SearchParameters) -> list[Floats]:

@@ -44,9 +44,7 @@ def pick_peaks(total: Singles, least: float, apart: float, most: int) -> Floats:
 
 
 @kernel(refcount=False)
-def find_peaks(
-    total: Singles, least: np.float32, apart: float, places: npt.NDArray[np.int64], peaks: Floats
-) -> int:
+def find_peaks(total: Singles, least: np.float32, apart: float, places: npt.NDArray[np.int64], peaks: Floats) -> int:
     """Write the peaks; see `pick_peaks`.
 
     Parameters
@@ -144,9 +142,13 @@ def fit_circles(edges: Floats, circles: Floats, aim: float, band: float, growth:
             for b in range(4):
                 sums[a, b] = 0.0
         width = band + growth * circles[k, 2]
+        far = circles[k, 2] + 2.0 * width  # well beyond the band: no root is taken of what has no weight
         for i in range(edges.shape[0]):
             dx, dy = edges[i, 0] - circles[k, 0], edges[i, 1] - circles[k, 1]
-            distance = math.sqrt(dx * dx + dy * dy) + TINY
+            squared = dx * dx + dy * dy
+            if squared > far * far:
+                continue
+            distance = math.sqrt(squared) + TINY
             off = (distance - circles[k, 2]) / width
             if off * off >= 1.0 or dx * edges[i, 2] + dy * edges[i, 3] < aim * distance:
                 continue

@@ -256,9 +256,7 @@ class Accumulator:
         Weight of the votes for each cell, or each square of cells, to be a center.
     """
 
-    def __init__(
-        self, shape: tuple[int, ...], radii: tuple[int, int], fold: int, limits: SearchParameters
-    ) -> None:
+    def __init__(self, shape: tuple[int, ...], radii: tuple[int, int], fold: int, limits: SearchParameters) -> None:
         self._least_radius, self._fold, self._limits = radii[0], fold, limits
         self._shift = fold.bit_length() - 1
         self.votes = np.zeros([-(-cells // fold) for cells in shape], np.float32)

@@ -5,11 +5,12 @@ import numpy.typing as npt
 import pytest
 from scipy.linalg import cho_factor, cho_solve
 
+from matchset.numeric import linalg
+from matchset.numeric.jit import kernel
 from matchset.numeric.linalg import (
     add_propagated_covariance,
     cross,
     factor_cholesky,
-    invert_3x3,
     norm,
     solve_cholesky,
     transform,
@@ -17,6 +18,11 @@ from matchset.numeric.linalg import (
 
 Floats = npt.NDArray[np.float64]
 RNG = np.random.default_rng(0)
+
+
+@kernel(refcount=False)
+def invert_3x3(a: Floats, inverse: Floats) -> bool:
+    return linalg.invert_3x3(a, inverse)
 
 
 def positive(n: int) -> Floats:

@@ -78,7 +78,7 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
     period: int = 3
 
 
-@kernel(refcount=False)
+@kernel(refcount=False, entry=False)
 def cell_at(image: Bytes, x: float, y: float) -> np.int64 | int:
     """Color cell of the pixel at (x, y), or -1 outside the picture."""
     column, row = int(x + ROUND) - SHIFT, int(y + ROUND) - SHIFT
@@ -94,7 +94,7 @@ def cell_at(image: Bytes, x: float, y: float) -> np.int64 | int:
     return (b >> 3) << 10 | (g >> 3) << 5 | r >> 3
 
 
-@kernel(refcount=False)
+@kernel(refcount=False, entry=False)
 def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
     """Move one cell, toward target for a positive amount, toward background for a negative one."""
     old = log_odds[cell]
@@ -106,7 +106,7 @@ def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: S
     table[cell] = np.int8(np.rint(WHITE * np.tanh(half)))
 
 
-@kernel(refcount=False)
+@kernel(refcount=False, entry=False)
 def _teach(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
     """Move a cell that is not sure yet and, half as much, its neighbors in color."""
     if log_odds[cell] * (1.0 if amount > 0.0 else -1.0) > SURE:

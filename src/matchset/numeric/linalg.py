@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 SINGULAR = 1e-13
 
 
-@kernel(refcount=False)
+@kernel(refcount=False, entry=False)
 def invert_3x3(a: Floats, inverse: Floats) -> bool:
     """Inverse of a symmetric positive definite 3 x 3 matrix, by cofactors.
 

@@ -18,7 +18,7 @@ from matchset.fitting.validation import Rejection
 from matchset.fitting.workspace import FitStatistics, SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table
-from matchset.numeric.jit import interpreted
+from matchset.numeric.jit import collection_paused, interpreted
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
@@ -152,6 +152,7 @@ class TrackStep(Generic[S]):
 
 
 @functools.cache
+@collection_paused()
 def precompile(family: type[Any], points: int, cells: int, channels: int) -> None:
     """Run every kernel of a tracker once on a small picture of the shape, so that no frame waits for the compiler.
 
@@ -182,6 +183,7 @@ def precompile(family: type[Any], points: int, cells: int, channels: int) -> Non
 
 
 @functools.cache
+@collection_paused()
 def precompile_search(family: type[Any], cells: int, channels: int) -> None:
     """Run every kernel of a search once; see `precompile`."""
     color = ColorModel(np.linspace(-4.0, 4.0, cells, dtype=np.float32))

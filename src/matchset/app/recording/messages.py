@@ -142,3 +142,11 @@ def frame_topic(number: int) -> str:
 def step_topic(number: int) -> str:
     """Topic of a follower's steps."""
     return f"/follower/{number}/step"
+
+
+def topics(followers: int) -> dict[str, type[msgspec.Struct]]:
+    """All topics of a recording with so many followers, and what their messages are."""
+    found: dict[str, type[msgspec.Struct]] = {CONFIGURATION: Configuration, TRUTH: TruthMessage}
+    for number in range(1, followers + 1):
+        found |= {sample_topic(number): Picture, frame_topic(number): Picture, step_topic(number): StepMessage}
+    return found

@@ -19,11 +19,10 @@ from matchset.app.recording.messages import (
     TRUTH,
     Configuration,
     Picture,
-    StepMessage,
-    TruthMessage,
     frame_topic,
     sample_topic,
     step_topic,
+    topics,
 )
 from matchset.image.frame import Frame
 
@@ -57,7 +56,7 @@ class RecordingWriter:
 
     def __init__(self, path: Path, setup: FlightSetup) -> None:
         self._setup = setup
-        self._writer = McapWriter(path, _topics(setup.followers))
+        self._writer = McapWriter(path, [_topic(*each) for each in topics(setup.followers).items()])
         self._pool = ThreadPoolExecutor(COMPRESSORS, "matchset recording")
         self._waiting: deque[_Waiting] = deque()
         configuration = Configuration(
@@ -109,16 +108,6 @@ class RecordingWriter:
 
 def _compressed(waiting: _Waiting) -> bool:
     return all(picture is None or picture.done() for picture in waiting.pictures)
-
-
-def _topics(followers: int) -> list[Topic]:
-    """Return all topics with their schemas."""
-    topics = [_topic(CONFIGURATION, Configuration), _topic(TRUTH, TruthMessage)]
-    for number in range(1, followers + 1):
-        topics.append(_topic(sample_topic(number), Picture))
-        topics.append(_topic(frame_topic(number), Picture))
-        topics.append(_topic(step_topic(number), StepMessage))
-    return topics
 
 
 def _topic(topic: str, struct: type[msgspec.Struct]) -> Topic:

@@ -5,10 +5,11 @@ import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Generic, NamedTuple, Self, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import msgspec
+
+from matchset.app.closing import Closing
 
 Cell = int | float | str | None
 Cells = Mapping[str, Cell]
@@ -32,7 +33,7 @@ class Column(NamedTuple):
     value: Callable[[Any], Cell]
 
 
-class RowWriter(Generic[Row]):
+class RowWriter(Closing, Generic[Row]):
     """Writes a table row by row; each row is on disk before the next one, so a crash leaves complete rows.
 
     Parameters
@@ -68,14 +69,6 @@ class RowWriter(Generic[Row]):
         self._csv.close()
         if self._jsonl is not None:
             self._jsonl.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def json_line(cells: Cells) -> str:

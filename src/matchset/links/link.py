@@ -40,7 +40,7 @@ class LinkStatus(msgspec.Struct, frozen=True):
 
 
 class Link(Protocol):
-    """The connection to a vehicle that accepts commands.
+    """The connection to a vehicle that accepts commands; a class of the same methods need not be derived from it.
 
     Used in a `with` block: at its end, also after an error, the vehicle lands and its motors stop. If the link itself
     is broken nothing can be sent any more, and the failsafe of the transmitter has to act.
@@ -75,8 +75,10 @@ class Link(Protocol):
 
     def __enter__(self) -> Self:
         """Return the link."""
+        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Land and close the device."""
+        self.close()

@@ -7,8 +7,7 @@ was taken. A command that is sent then is sent at that moment.
 
 import math
 from concurrent.futures import Future, ThreadPoolExecutor
-from types import TracebackType
-from typing import Literal, Self
+from typing import Literal
 from urllib.parse import parse_qsl
 
 import msgspec
@@ -20,7 +19,7 @@ from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
-from matchset.links.link import LinkStatus
+from matchset.links.link import Link, LinkStatus
 from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.rope import RopeParameters
@@ -248,7 +247,7 @@ class SimulatedCamera:
         return self._chain.now()
 
 
-class SimulatedLink:
+class SimulatedLink(Link):
     """The radio to one simulated vehicle; implements `matchset.links.link.Link`."""
 
     def __init__(self, chain: SimulatedChain, who: int) -> None:
@@ -287,16 +286,6 @@ class SimulatedLink:
         if self._open:
             self.land()
             self._open = False
-
-    def __enter__(self) -> Self:
-        """Return the link."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Land and close the link."""
-        self.close()
 
     def _check(self) -> None:
         if not self._open:

@@ -12,14 +12,13 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.closing import Closing
 from matchset.image.capture import hushed
 
 Picture = npt.NDArray[np.uint8]
@@ -53,7 +52,7 @@ _TIME_UNIT_NS = 1_000_000  # format: FFmpeg's time unit in WebM
 _HEAD_BYTES = 4096  # format: the ids are in the first bytes of a file
 
 
-class Recorder:
+class Recorder(Closing):
     """Writes a video in its own thread, since encoding a frame takes longer than tracking one.
 
     Parameters
@@ -123,14 +122,6 @@ class Recorder:
                     self._writer.write(picture)
                 except Exception as error:  # any error: `write` must not wait for a thread that has ended
                     self._error = error
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def codecs_for(path: Path) -> tuple[Codec, ...]:

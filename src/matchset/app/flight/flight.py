@@ -2,13 +2,13 @@
 
 import itertools
 from collections.abc import Iterator
-from types import TracebackType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.closing import Closing
 from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep, learn_colors
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
@@ -119,7 +119,7 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
     crashes: tuple[Crash, ...]
 
 
-class Flight:
+class Flight(Closing):
     """A simulated chain with a pilot for every follower, in lock step: `for chain_step in flight`.
 
     The constructor compiles everything, so that nobody is armed before the loops can answer a picture at once. Leaving
@@ -167,16 +167,6 @@ class Flight:
         for link in self.chain.links:
             link.close()
         self.chain.close()
-
-    def __enter__(self) -> Self:
-        """Return the flight."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Land everyone."""
-        self.close()
 
     def _chain_step(self, index: int) -> ChainStep:
         for follower, pilot in enumerate(self.pilots):

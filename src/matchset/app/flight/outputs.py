@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from types import TracebackType
-from typing import Self
 
+from matchset.app.closing import Closing
 from matchset.app.drawing.video_writer import Recorder
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
@@ -16,7 +15,7 @@ from matchset.app.recording.writer import RecordingWriter
 from matchset.links.simulated import FPS
 
 
-class FlightOutputs:
+class FlightOutputs(Closing):
     """Gives each step of a flight to the view, the video, the recording and the report.
 
     Leaving the `with` block finishes every file, also after an error.
@@ -79,11 +78,3 @@ class FlightOutputs:
         finally:
             if self._files.report is not None:
                 write_report(self.log, self._files.report)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

@@ -1,12 +1,9 @@
 """A camera and a link that repeat what was recorded; a `Pilot` cannot tell them from real ones."""
 
-from types import TracebackType
-from typing import Self
-
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.image.frame import Frame
-from matchset.links.link import LinkStatus
+from matchset.links.link import Link, LinkStatus
 
 
 class RecordedCamera:
@@ -33,7 +30,7 @@ class RecordedCamera:
         return self.time
 
 
-class RecordedLink:
+class RecordedLink(Link):
     """A link that confirms the recorded command; implements `matchset.links.link.Link`. Nothing moves.
 
     Attributes
@@ -61,13 +58,4 @@ class RecordedLink:
         """Do nothing."""
 
     def close(self) -> None:
-        """Do nothing."""
-
-    def __enter__(self) -> Self:
-        """Return the link."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
         """Do nothing."""

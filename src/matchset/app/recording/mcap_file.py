@@ -3,8 +3,9 @@
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
+
+from matchset.app.closing import Closing
 
 LARGEST_RECORD = 2**30  # format: bytes; a longer record is taken for damage
 
@@ -39,7 +40,7 @@ class Topic(NamedTuple):
     schema: bytes
 
 
-class McapWriter:
+class McapWriter(Closing):
     """Writes messages; if the program is killed, all but the last megabyte is on disk.
 
     Parameters
@@ -82,14 +83,6 @@ class McapWriter:
                 self._writer.finish()
             finally:
                 self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 class McapReader:

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import TracebackType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import msgspec
 
+from matchset.app.closing import Closing
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
 from matchset.app.recording.mcap_file import McapWriter, Message, Topic
@@ -38,7 +38,7 @@ class _Waiting(NamedTuple):
     pictures: list[Future[bytes] | None]
 
 
-class RecordingWriter:
+class RecordingWriter(Closing):
     """Writes everything of a flight that its replay needs, and the simulator's truth.
 
     Parameters
@@ -96,14 +96,6 @@ class RecordingWriter:
     def _write_picture(self, topic: str, frame: Frame, png: bytes) -> None:
         message = Picture(frame.index, frame.time, png)
         self._writer.write(Message(topic, encode(message)), frame.time, frame.index)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def _compressed(waiting: _Waiting) -> bool:

@@ -4,12 +4,12 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.closing import Closing
 from matchset.app.drawing.annotate import annotate
 from matchset.app.drawing.video_writer import Recorder
 from matchset.app.exit_codes import discard_stdout
@@ -29,7 +29,7 @@ Answered = TypeVar("Answered", bound=CountedFrame)
 """One frame of a run with its answer, such as a `TrackedFrame`."""
 
 
-class Outputs(Generic[Answered]):
+class Outputs(Closing, Generic[Answered]):
     """The files of a run, and stdout; leaving the `with` block closes the files.
 
     Parameters
@@ -83,14 +83,6 @@ class Outputs(Generic[Answered]):
         self._table.close()
         if self._recorder is not None:
             self._recorder.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def track_outputs(

@@ -10,8 +10,6 @@ within 250 ms the throttle is zero and stays so until the host disarms and arms 
 
 import time
 from collections.abc import Callable
-from types import TracebackType
-from typing import Self
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
@@ -19,12 +17,12 @@ from matchset.links.arduino import channels, messages
 from matchset.links.arduino.messages import Config, Report, Result
 from matchset.links.arduino.protocol import ArduinoParameters, FirmwareClient
 from matchset.links.arduino.serial_port import Port, SerialPort
-from matchset.links.link import LinkStatus
+from matchset.links.link import Link, LinkStatus
 
 SCHEME = "serial://"
 
 
-class ArduinoLink:
+class ArduinoLink(Link):
     """A toy quadcopter behind an Arduino; implements `matchset.links.link.Link`.
 
     Parameters
@@ -160,16 +158,6 @@ class ArduinoLink:
                 self.land()
         finally:
             self.firmware.close()
-
-    def __enter__(self) -> Self:
-        """Return the link."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Land and close the device."""
-        self.close()
 
     def _repeat(self, done: Callable[[], bool], message: str) -> None:
         """Send neutral frames, with the arm switch unchanged, until a condition holds."""

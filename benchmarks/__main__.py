@@ -32,7 +32,7 @@ MODULES = {
     "covariance": "tracking.covariance",
     "reacquisition": "tracking.reacquisition",
     "false_locks": "tracking.false_locks",
-    "real": "tracking.real",
+    "real": "real.section",
     "contest_accuracy": "contest.accuracy",
     "contest_summary": "contest.summary",
     "contest_figure6": "contest.paper:run_figure6",

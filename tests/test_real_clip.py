@@ -3,22 +3,26 @@
 from pathlib import Path
 
 import pytest
-from benchmarks.tracking.real import CLICKS, first_good, follow_video
+from benchmarks.real.clips import find_clips
+from benchmarks.real.following import Recorder, follow
+from benchmarks.real.scores import answers_on_absent
+from benchmarks.real.starts import starts_of
 
-from matchset.app.track.score import read_truth, score
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+NAME = "green_ball_hand"
 
-CLIP = Path(__file__).resolve().parents[2] / "shared" / "data" / "green_ball_hand"
 
-
-@pytest.mark.skipif(not (CLIP / "truth.csv").exists(), reason=f"the real clip is not here: {CLIP}")
+@pytest.mark.skipif(not (DATA / NAME / "truth.csv").exists(), reason=f"the real clip is not here: {DATA / NAME}")
 def test_a_ball_in_a_hand_is_followed_from_one_click() -> None:
-    truths = read_truth(CLIP / "truth.csv")
-    answers = follow_video(CLIP / "video.mp4", truths, CLICKS[0])
-    result = score(answers, truths, start=first_good(truths).frame)
+    clip = next(clip for clip in find_clips(DATA)[0] if clip.name == NAME)
+    recorder = Recorder(clip, starts_of(clip)[:1])
+    for frame, answers in follow(clip, recorder.followers):
+        recorder.take(frame.index, answers)
+    (run,) = recorder.runs()
+    result = run.score(clip)
     assert result.mean_error_px is not None
     assert result.valid_percent is not None
     assert result.mean_error_px <= 1.5
     assert result.valid_percent >= 95.0
-    absent = [truth.frame for truth in truths if truth.circle is None]
-    assert absent
-    assert [answers[frame] for frame in absent] == [None] * len(absent)
+    assert result.absent
+    assert answers_on_absent(run, clip) == 0

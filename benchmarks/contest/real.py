@@ -1,45 +1,55 @@
 """Everybody on real footage: the clips of `--data DIR`, scored by their truth files."""
 
-from pathlib import Path
+import msgspec
 
 from benchmarks.contest.field import OURS, PEERS, missing, peer
 from benchmarks.contest.run import follow_real_clip
 from benchmarks.options import Options
+from benchmarks.real.clips import Clip, find_clips
 from benchmarks.results import Figure, Finding, Section, table
 from benchmarks.tracking.accuracy import figures
-from matchset.app.track.score import Score, read_truth, score
+from benchmarks.workers import spread
+from matchset.app.track.score import Score, score
 
 QUICK_PEERS = ("matchset", "region_bgr", "contour_moments")
 TITLE = "Real footage, beside what people use"
 
 
+class Heat(msgspec.Struct, frozen=True):
+    """A clip to be followed by several peers, and their keys."""
+
+    clip: Clip
+    peers: tuple[str, ...]
+
+
 def run(options: Options) -> Section:
     """Follow every clip that has a truth."""
-    folders = [] if options.data is None else sorted(path.parent for path in options.data.glob("*/truth.csv"))
-    if not folders:
-        skipped = Finding(name="contest_real", what="real clips: skipped, not found (`--data DIR`)", figures=())
-        return Section(TITLE, [skipped], "Skipped: the real clips are not here.")
+    clips, skipped = find_clips(options.data)
+    if not clips:
+        nothing = Finding(name="contest_real", what="; ".join(skipped), figures=())
+        return Section(TITLE, [nothing], "Skipped: the real clips are not here.")
+    keys = tuple(key for key in (QUICK_PEERS if options.quick else PEERS) if not missing(key))
+    every = spread(scored, [Heat(clip, keys) for clip in clips], options.jobs)
     findings, tables = [], []
-    for folder in folders:
-        scores = scored(folder, QUICK_PEERS if options.quick else PEERS)
-        findings.append(_finding(folder.name, scores))
+    for clip, scores in zip(clips, every, strict=True):
+        findings.append(_finding(clip.name, scores))
         rows = [[peer(key).name, *(figure.text for figure in figures(each))] for key, each in scores.items()]
         head = ["", *(figure.name for figure in figures(scores[OURS]))]
-        tables.append(f"\n**{folder.name}**, {scores[OURS].tight} rows with the ball well known\n\n{table(head, rows)}")
+        tables.append(f"\n**{clip.name}**, {scores[OURS].tight} rows with the ball well known\n\n{table(head, rows)}")
     text = (
         "Everybody is told the circle of the first row with the ball well known, matchset a click on its left half; "
         "that row itself does not count. The peers' parameters are those of the rendered sequences, their color is "
         "learned from the disc of that row. The truth is good to 0.5 px where sharp, to 1-2 px where blurred.\n"
     )
-    return Section(TITLE, findings, text + "\n".join(tables))
+    notes = "".join(f"- {each}\n" for each in skipped)
+    return Section(TITLE, findings, text + "\n".join(tables) + (f"\n{notes}" if notes else ""))
 
 
-def scored(folder: Path, keys: tuple[str, ...]) -> dict[str, Score]:
+def scored(heat: Heat) -> dict[str, Score]:
     """Follow a clip with some peers and score them."""
-    truths = read_truth(folder / "truth.csv")
-    first = next(truth.frame for truth in truths if truth.tight)
-    answers = follow_real_clip(folder, truths, [peer(key) for key in keys if not missing(key)])
-    return {key: score(each, truths, start=first + 1) for key, each in answers.items()}
+    clip = heat.clip
+    answers = follow_real_clip(clip, [peer(key) for key in heat.peers])
+    return {key: score(each, clip.truths, start=clip.tight[0].frame + 1) for key, each in answers.items()}
 
 
 def _finding(name: str, scores: dict[str, Score]) -> Finding:

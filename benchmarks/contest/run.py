@@ -2,7 +2,6 @@
 
 import functools
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 
 import msgspec
 
@@ -10,9 +9,9 @@ import matchset as ms
 from benchmarks.common.start import Circle3, Start, Step
 from benchmarks.contest.field import LIGHT, PAPER, PEERS, Peer, peer, present
 from benchmarks.options import Options
+from benchmarks.real.clips import Clip as RealClip
 from benchmarks.tracking.trial import WHAT, Trial, as_truth, sequence
 from benchmarks.workers import spread
-from matchset.app.track.score import TruthRow
 from matchset.sim.clips.clip import Clip
 
 FRAMES, QUICK_FRAMES = 140, 80
@@ -114,16 +113,15 @@ def follow_with_all(
     return done
 
 
-def follow_real_clip(
-    folder: Path, truths: list[TruthRow], peers: Iterable[Peer]
-) -> dict[str, dict[int, Circle3 | None]]:
+def follow_real_clip(real: RealClip, peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:
     """Follow a real clip with every peer, from its first row with the ball well known.
+
+    A peer that refuses its start answers nothing.
 
     Parameters
     ----------
-    folder : Path
-        With `video.mp4`.
-    truths : list of TruthRow
+    real : Clip
+        From `benchmarks.real.clips`.
     peers : iterable of Peer
 
     Returns
@@ -131,15 +129,23 @@ def follow_real_clip(
     dict of str to dict of int to (x, y, radius) or None
         Answers by peer and frame.
     """
-    first = next(truth for truth in truths if truth.tight)
+    first = real.tight[0]
     assert first.circle is not None
     steps: dict[str, Step] = {}
     answers: dict[str, dict[int, Circle3 | None]] = {}
-    for frame in ms.Video(str(folder / "video.mp4")):
+    for frame in ms.Video(real.video):
         if frame.index == first.frame:
-            steps = {each.key: each.follow(Start(frame.image, first.circle)) for each in peers}
+            steps = {each.key: begun(each, Start(frame.image, first.circle)) for each in peers}
             answers = {key: {} for key in steps}
         elif frame.index > first.frame:
             for key, step in steps.items():
                 answers[key][frame.index] = step(frame.image)
     return answers
+
+
+def begun(each: Peer, start: Start) -> Step:
+    """Begin with a peer; one that refuses, since it cannot tell the color from the rest, answers nothing."""
+    try:
+        return each.follow(start)
+    except ValueError:
+        return lambda image: None  # noqa: ARG005

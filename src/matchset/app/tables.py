@@ -3,9 +3,9 @@
 import csv
 import io
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import msgspec
 
@@ -14,6 +14,7 @@ from matchset.app.closing import Closing
 Cell = int | float | str | None
 Cells = Mapping[str, Cell]
 Row = TypeVar("Row")
+Framed = TypeVar("Framed", bound="RowOfFrame")
 
 _ENCODER = msgspec.json.Encoder()
 
@@ -31,6 +32,14 @@ class Column(NamedTuple):
 
     name: str
     value: Callable[[Any], Cell]
+
+
+class RowOfFrame(Protocol):
+    """A row that belongs to a frame."""
+
+    @property
+    def frame(self) -> int:
+        """Index of the frame."""
 
 
 class RowWriter(Closing, Generic[Row]):
@@ -162,6 +171,29 @@ def read_csv(path: str | Path, required: Sequence[str]) -> list[CsvLine]:
     if len(set(names)) < len(names):
         raise ValueError(f"{path}, line 1: a column is named twice")
     return [_csv_line_of(str(path), line, names, cells) for line, cells in lines[1:]]
+
+
+def by_frame(lines: Iterable[CsvLine], row_of: Callable[[CsvLine], Framed]) -> list[Framed]:
+    """Turn lines into rows, in the order of their frames.
+
+    Parameters
+    ----------
+    lines : iterable of CsvLine
+    row_of : callable
+        From a line to its row.
+
+    Raises
+    ------
+    ValueError
+        If two rows are of one frame.
+    """
+    rows: dict[int, Framed] = {}
+    for line in lines:
+        row = row_of(line)
+        if row.frame in rows:
+            raise line.error(f"frame {row.frame} was given before")
+        rows[row.frame] = row
+    return [rows[frame] for frame in sorted(rows)]
 
 
 def _lines(path: str | Path) -> list[tuple[int, list[str]]]:

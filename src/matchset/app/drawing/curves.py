@@ -32,8 +32,7 @@ def error_plot(
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
-    figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
-    canvas = FigureCanvasAgg(figure)
+    figure = figure_of(size)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     figure.subplots_adjust(left=0.045, right=0.985, top=0.9, bottom=0.14, hspace=0.2)
     _draw_errors(above, time, np.asarray(error, float))
@@ -43,6 +42,17 @@ def error_plot(
     below.set_xlabel("time, s")
     for axes in (above, below):
         style_axes(axes)
+    return picture_of(figure)
+
+
+def figure_of(size: tuple[int, int]) -> Figure:
+    """Begin a plot of a width and height in px."""
+    return Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
+
+
+def picture_of(figure: Figure) -> npt.NDArray[np.uint8]:
+    """Draw a plot as a picture, (h, w, 3), BGR."""
+    canvas = FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
     return np.ascontiguousarray(rgba[..., 2::-1])

@@ -5,11 +5,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
 
-from matchset.app.drawing.curves import INK, PALE, PINK, style_axes
+from matchset.app.drawing.curves import INK, PALE, PINK, figure_of, picture_of, style_axes
 from matchset.app.locate.loop import PathLog
 from matchset.camera.camera_model import CameraModel
 
@@ -37,8 +35,7 @@ def path_picture(path: PathLog, camera: CameraModel, size: tuple[int, int] = (14
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
-    figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
-    canvas = FigureCanvasAgg(figure)
+    figure = figure_of(size)
     grid = figure.add_gridspec(
         3, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.985, top=0.94, bottom=0.08, wspace=0.14, hspace=0.14
     )
@@ -53,9 +50,7 @@ def path_picture(path: PathLog, camera: CameraModel, size: tuple[int, int] = (14
     for axes in figure.axes:
         style_axes(axes)
     figure.axes[0].grid(color="#eeeeee")
-    canvas.draw()  # type: ignore[no-untyped-call]
-    rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-    return np.ascontiguousarray(rgba[..., 2::-1])
+    return picture_of(figure)
 
 
 def _draw_top(axes: Axes, path: PathLog, camera: CameraModel) -> None:

@@ -8,14 +8,13 @@ import msgspec
 import numpy as np
 
 from matchset.app.tables import Column, CsvLine, RowWriter, read_csv
-from matchset.app.track.rows import frame_columns
+from matchset.app.track.rows import frame_columns, read_std, std_columns, value_columns
 from matchset.localization.pose import Pose, viewpoint_covariance, yaw_variance
 from matchset.tracking.track import Lost
 
 POSITION = ("x", "y", "z")
 RELATIVE = ("side", "height", "heading", "yaw")
 _DECIMALS = 6  # format: 1e-6 m and rad
-_STD = "_std"
 
 
 class PoseRow(msgspec.Struct, frozen=True):
@@ -100,19 +99,12 @@ def _rounded(value: float) -> float:
 
 def pose_columns() -> list[Column]:
     """Return the columns of `poses.csv`."""
-
-    def value_of(name: str) -> Column:
-        return Column(name, lambda row: (row.values or {}).get(name))
-
-    def std_of(name: str) -> Column:
-        return Column(name + _STD, lambda row: (row.std or {}).get(name))
-
     return [
         *frame_columns(),
-        *map(value_of, POSITION),
-        *map(std_of, POSITION),
-        *map(value_of, RELATIVE),
-        *map(std_of, RELATIVE),
+        *value_columns(POSITION, "values"),
+        *std_columns(POSITION),
+        *value_columns(RELATIVE, "values"),
+        *std_columns(RELATIVE),
         Column("observed", operator.attrgetter("observed")),
         Column("reason", operator.attrgetter("reason")),
     ]
@@ -153,7 +145,7 @@ def _row_of(line: CsvLine) -> PoseRow:
         frame,
         time,
         values={name: line.number(name) for name in names},
-        std={name: line.number(name + _STD) for name in names if line.text(name + _STD)},
+        std=read_std(line, names),
         observed=line.text("observed"),
         reason=line.text("reason"),
     )

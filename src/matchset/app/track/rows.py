@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from matchset.app.tables import Cell, Column, CsvLine, RowWriter, read_csv
+from matchset.app.tables import Cell, Column, CsvLine, RowWriter, by_frame, read_csv
 from matchset.tracking.track import Lost, Track
 
 _DECIMALS = 4  # format: 1e-4 px, far below the noise of any camera
@@ -88,17 +88,10 @@ def track_row(frame: int, answer: Track[Any] | Lost[Any]) -> TrackRow:
 
 def track_columns(parameters: Sequence[str]) -> list[Column]:
     """Return the columns of `tracks.csv` for a shape with these parameters."""
-
-    def value_of(name: str) -> Column:
-        return Column(name, lambda row: (row.shape or {}).get(name))
-
-    def std_of(name: str) -> Column:
-        return Column(name + _STD, lambda row: (row.std or {}).get(name))
-
     return [
         *frame_columns(),
-        *map(value_of, parameters),
-        *map(std_of, parameters),
+        *value_columns(parameters, "shape"),
+        *std_columns(parameters),
         Column("support", operator.attrgetter("support")),
         Column("reason", operator.attrgetter("reason")),
     ]
@@ -114,6 +107,25 @@ def frame_columns() -> list[Column]:
         return int(row.found)
 
     return [Column("frame", operator.attrgetter("frame")), Column("time", seconds), Column("found", found)]
+
+
+def value_columns(names: Sequence[str], field: str) -> list[Column]:
+    """Return columns for the values of these names; the rows hold them in a field, a dict or None."""
+
+    def value_of(name: str) -> Column:
+        return Column(name, lambda row: (getattr(row, field) or {}).get(name))
+
+    return [value_of(name) for name in names]
+
+
+def std_columns(names: Sequence[str]) -> list[Column]:
+    """Return columns for the standard deviations of the values of these names, as `std` of the rows holds them."""
+    return [Column(name + _STD, value) for name, value in value_columns(names, "std")]
+
+
+def read_std(line: CsvLine, names: Sequence[str]) -> dict[str, float]:
+    """Return the standard deviations in a line of the values of these names, where there are any."""
+    return {name: line.number(name + _STD) for name in names if line.text(name + _STD)}
 
 
 def track_table(csv_path: Path, parameters: Sequence[str], jsonl_path: Path | None = None) -> RowWriter[TrackRow]:
@@ -150,13 +162,7 @@ def read_tracks(path: str | Path) -> list[TrackRow]:
     ValueError
         If the file cannot be read or a row is wrong; the message holds the file and the line.
     """
-    rows: dict[int, TrackRow] = {}
-    for line in read_csv(path, required=("frame", "found", "x", "y", "radius")):
-        row = _row_of(line)
-        if row.frame in rows:
-            raise line.error(f"frame {row.frame} was given before")
-        rows[row.frame] = row
-    return [rows[frame] for frame in sorted(rows)]
+    return by_frame(read_csv(path, required=("frame", "found", "x", "y", "radius")), _row_of)
 
 
 def _row_of(line: CsvLine) -> TrackRow:
@@ -170,7 +176,7 @@ def _row_of(line: CsvLine) -> TrackRow:
         frame=frame,
         time=time,
         shape={name: line.number(name) for name in names},
-        std={name: line.number(name + _STD) for name in names if line.text(name + _STD)},
+        std=read_std(line, names),
         support=line.number("support") if line.text("support") else None,
         reason=line.text("reason"),
     )

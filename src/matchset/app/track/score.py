@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.tables import CsvLine, read_csv
+from matchset.app.tables import CsvLine, by_frame, read_csv
 from matchset.app.track.rows import TrackRow, read_tracks
 
 Circle3 = tuple[float, float, float]
@@ -198,13 +198,7 @@ def read_truth(path: str | Path, video: str | None = None) -> list[TruthRow]:
     if video is None and len(videos) > 1:
         raise ValueError(f"{path} holds several videos ({', '.join(videos)}): say which")
     chosen = [row for row in rows if video is None or row.text("video") == video]
-    truths: dict[int, TruthRow] = {}
-    for row in chosen:
-        truth = _truth_of(row)
-        if truth.frame in truths:
-            raise row.error(f"frame {truth.frame} was given before")
-        truths[truth.frame] = truth
-    return [truths[frame] for frame in sorted(truths)]
+    return by_frame(chosen, _truth_of)
 
 
 def _truth_of(row: CsvLine) -> TruthRow:

@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 import msgspec
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
@@ -116,26 +116,56 @@ def live_line(row: DisplayedRow, rate: float | None, age: float, dropped: int) -
     return line
 
 
-class LiveLine:
-    """The status line of a camera, rewritten with every frame."""
+class RedrawnDisplay:
+    """What is redrawn in place until its `with` block ends, on a terminal only.
 
-    def __init__(self, video: Video, console: Console) -> None:
-        self._video, self._rate = video, FrameRate()
-        self._live = Live(console=console, refresh_per_second=15, transient=True)
+    Parameters
+    ----------
+    console : Console
+        Where.
+    refreshes : int
+        How often it is redrawn at most, per second.
+    quiet : bool
+        Show nothing.
 
-    def show(self, row: DisplayedRow) -> None:
-        """Show a frame's row."""
-        now = time.monotonic()
-        self._live.update(live_line(row, self._rate.update(now), now - row.time, self._video.dropped))
+    Attributes
+    ----------
+    visible : bool
+        Whether anything is shown.
+    """
+
+    def __init__(self, console: Console, refreshes: int, quiet: bool = False) -> None:
+        self.visible = console.is_terminal and not quiet
+        self._live = Live(console=console, refresh_per_second=refreshes, transient=True)
+
+    def redraw(self, content: RenderableType) -> None:
+        """Show this in place of what was shown before."""
+        if self.visible:
+            self._live.update(content)
 
     def __enter__(self) -> Self:
-        self._live.__enter__()
+        if self.visible:
+            self._live.__enter__()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._live.__exit__(kind, error, trace)
+        if self.visible:
+            self._live.__exit__(kind, error, trace)
+
+
+class LiveLine(RedrawnDisplay):
+    """The status line of a camera, rewritten with every frame."""
+
+    def __init__(self, video: Video, console: Console) -> None:
+        super().__init__(console, 15)
+        self._video, self._rate = video, FrameRate()
+
+    def show(self, row: DisplayedRow) -> None:
+        """Show a frame's row."""
+        now = time.monotonic()
+        self.redraw(live_line(row, self._rate.update(now), now - row.time, self._video.dropped))
 
 
 class _SpeedColumn(ProgressColumn):
@@ -170,29 +200,15 @@ class FrameBar:
         self._progress.__exit__(kind, error, trace)
 
 
-class InstructionLine:
+class InstructionLine(RedrawnDisplay):
     """One line that tells a person in front of a camera what to do next; on a terminal only, and not if `quiet`."""
 
     def __init__(self, quiet: bool = False) -> None:
-        console = Console(stderr=True, highlight=False)
-        self._visible = console.is_terminal and not quiet
-        self._live = Live(console=console, refresh_per_second=8, transient=True)
+        super().__init__(Console(stderr=True, highlight=False), 8, quiet)
 
     def show(self, words: str) -> None:
         """Replace the line."""
-        if self._visible:
-            self._live.update(Text(words, no_wrap=True, overflow="ellipsis"))
-
-    def __enter__(self) -> Self:
-        if self._visible:
-            self._live.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._visible:
-            self._live.__exit__(kind, error, trace)
+        self.redraw(Text(words, no_wrap=True, overflow="ellipsis"))
 
 
 def progress_bar(words: str, length: int | None) -> FrameBar:

@@ -2,11 +2,8 @@
 
 import math
 import time
-from types import TracebackType
-from typing import Self
 
 from rich.console import Console, Group
-from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
@@ -21,6 +18,7 @@ from matchset.app.flight_report.step_text import (
     position_text,
     state_text,
 )
+from matchset.app.progress import RedrawnDisplay
 from matchset.control.follower import RelativeSetpoint
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")
@@ -71,7 +69,7 @@ def text_line(chain_step: ChainStep, counters: FlightCounters) -> str:
     return f"{chain_step.time:6.1f} s   " + "   ".join(parts)
 
 
-class LiveView:
+class LiveView(RedrawnDisplay):
     """Shows a flight: on a terminal a live table, elsewhere a line of text every 5 s of the flight.
 
     Parameters
@@ -89,9 +87,8 @@ class LiveView:
         self, place: RelativeSetpoint, duration: float, quiet: bool = False, console: Console | None = None
     ) -> None:
         self._console = console or Console(stderr=True, highlight=False)
+        super().__init__(self._console, REFRESHES, quiet)
         self._place, self._duration, self._quiet = place, duration, quiet
-        self._live = Live(console=self._console, refresh_per_second=REFRESHES, transient=True)
-        self._is_live = self._console.is_terminal and not quiet
         self._start: tuple[float, float] | None = None
         self._line_time, self._crashes = -math.inf, 0
 
@@ -100,9 +97,9 @@ class LiveView:
         for crash in chain_step.crashes[self._crashes :]:
             self._print(f"{crash.time:6.1f} s   vehicle {crash.vehicle} {crash.what}")
         self._crashes = len(chain_step.crashes)
-        if self._is_live:
+        if self.visible:
             speed = self._speed(chain_step)
-            self._live.update(render_view(chain_step, counters, self._place, self._duration, speed))
+            self.redraw(render_view(chain_step, counters, self._place, self._duration, speed))
         elif chain_step.time - self._line_time >= LINE_PERIOD:
             self._line_time = chain_step.time
             self._print(text_line(chain_step, counters))
@@ -118,17 +115,6 @@ class LiveView:
             self._start = now, chain_step.time
         passed = now - self._start[0]
         return (chain_step.time - self._start[1]) / passed if passed > SPEED_AFTER else None
-
-    def __enter__(self) -> Self:
-        if self._is_live:
-            self._live.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._is_live:
-            self._live.__exit__(kind, error, trace)
 
 
 def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:

@@ -250,11 +250,6 @@ def _digits(value: object) -> str:
     return repr(value)
 
 
-def inlined(function: F) -> F:
-    """Like `kernel`, for a function that other kernels take in: it is compiled with each of them, not once more."""
-    return cast(F, numba.njit(inline="always", nogil=True, error_model="numpy")(function))
-
-
 def compile_user_function(function: F) -> F:
     """Compile a function that a user wrote, or leave it as it is if it is compiled; asked again, the same."""
     if hasattr(function, "py_func"):

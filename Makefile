@@ -9,8 +9,8 @@ PEERS := .bench/ready
 VISP := .bench/visp
 SITE_TOOLS := .venv/site-tools
 TOOLCHAIN := .venv/toolchain
+# A kernel is compiled again when a source that it is made from has changed: nothing here has to be removed for that.
 CACHE := .numba_cache
-SOURCES := $(shell find src -name '*.py' 2>/dev/null)
 ARGS ?=
 
 # Tests and figures must not depend on how many cores the machine has.
@@ -21,10 +21,10 @@ export NUMBA_CACHE_DIR := $(CURDIR)/$(CACHE)
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*  ## ' Makefile | sed -E 's/^([a-z-]+):[^#]*## /make \1\t/' | expand -t 20
 
-demo: $(READY) $(CACHE)/fresh  ## render a clip, track the ball in it, compare with the truth; no camera needed
+demo: $(READY)  ## render a clip, track the ball in it, compare with the truth; no camera needed
 	$(BIN)/matchset demo $(ARGS)
 
-test: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
+test: $(READY) $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
 
 check: $(READY) wheel-check  ## lint, format, types, and the wheel
@@ -39,25 +39,25 @@ docs: $(SITE_TOOLS)  ## build the documentation site in site/: guides, API, deci
 tree: $(READY)  ## print every file with its purpose (ARGS="src/matchset/tracking" for one folder)
 	@$(BIN)/python .ci/tree.py $(ARGS)
 
-picture: $(READY) $(CACHE)/fresh  ## fly the chain of three and draw the README's animated picture (some minutes)
+picture: $(READY)  ## fly the chain of three and draw the README's animated picture (some minutes)
 	$(BIN)/python docs/pictures/chain.py
 
-bench: $(PEERS) $(VISP) $(CACHE)/fresh  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
+bench: $(PEERS) $(VISP)  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
 
-bench-quick: $(PEERS) $(CACHE)/fresh  ## has a change made it slower or less exact? (two minutes)
+bench-quick: $(PEERS)  ## has a change made it slower or less exact? (two minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.guard $(ARGS)
 
-bench-search: $(PEERS) $(VISP) $(CACHE)/fresh  ## search the peers' best parameters (an hour)
+bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)
 
-weights: $(READY) $(CACHE)/fresh  ## fit the weights of hypotheses and of first sight again (ten minutes)
+weights: $(READY)  ## fit the weights of hypotheses and of first sight again (ten minutes)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.weights $(ARGS)
 
-bench-fly: $(READY) $(CACHE)/fresh  ## fly rows of twenty simulated flights (about two hours on two cores)
+bench-fly: $(READY)  ## fly rows of twenty simulated flights (about two hours on two cores)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.fly $(ARGS)
 
-bench-radio: $(READY) $(CACHE)/fresh $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
+bench-radio: $(READY) $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
 	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)
 
@@ -88,7 +88,3 @@ $(VISP): benchmarks/peers/visp_driver.cpp .ci/setup-visp $(PEERS)
 # Made only where everything is there; otherwise looked at again next time.
 $(TOOLCHAIN): $(READY) .ci/toolchain tests/emu/avr8js/package-lock.json
 	.ci/toolchain
-
-# Compiled kernels of older sources are of no use: start anew when a source changes.
-$(CACHE)/fresh: $(SOURCES)
-	rm -rf $(CACHE) && mkdir $(CACHE) && touch $@

@@ -83,6 +83,26 @@ def test_the_stamp_of_kept_code_is_ours() -> None:
     assert stamp[1] == jit.source_stamp(Path(__file__))
 
 
+def test_code_of_an_older_source_is_never_found_under_the_key_of_a_new_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Otherwise a process that looks between the writing of index and code, or after a crash there, runs old code."""
+    assert counted._cache._cache_file.save.func is jit._save  # type: ignore[attr-defined]
+    make: Any = type(counted._cache._cache_file)  # type: ignore[attr-defined]
+    older, newer, other = (make(str(tmp_path), name, stamp) for name, stamp in (("f-3", 1), ("f-3", 2), ("f-30", 1)))
+    for key in ("int", "float"):
+        jit._save(older, key, f"{key}, old")
+        jit._save(other, key, "of another")
+    with monkeypatch.context() as patch:
+        patch.setattr(newer, "_save_data", lambda *_: None)
+        jit._save(newer, "int", "int, new")
+    assert newer.load("int") is None
+    jit._save(newer, "int", "int, new")
+    jit._save(newer, "float", "float, new")
+    assert [newer.load(key) for key in ("int", "float")] == ["int, new", "float, new"]
+    assert [other.load(key) for key in ("int", "float")] == ["of another"] * 2
+
+
 def test_kept_code_is_filed_under_our_key() -> None:
     """Otherwise code of closures is compiled anew under a profiler, and finding it takes 50 ms of pickling."""
     cache = counted._cache  # type: ignore[attr-defined]

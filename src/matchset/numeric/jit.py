@@ -9,6 +9,8 @@ not promise to keep (tests/numeric/test_jit.py says of each what breaks without 
 
 - ``Cache._cache_file._source_stamp``: Numba looks at a kernel's own file alone to see whether kept code is still good;
   here the files that it imports must be the same too (`source_stamp`), so that kernels may call kernels of other files.
+- ``Cache._cache_file.save``: Numba writes into the index which file holds the code, and then the file; for a moment, or
+  where the program is killed between them, the index of a new source leads to code of an older one (`_save`).
 - ``Cache._index_key``: Numba files the code of a closure under all that it holds, pickled, which changes under a
   profiler and takes 50 ms; here under the identity of what it holds (`identity`).
 - ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
@@ -189,9 +191,18 @@ def _kept(function: F, **options: Any) -> F:
     file = getattr(cache, "_cache_file", None)
     if file is not None:
         file._source_stamp = (file._source_stamp, source_stamp(Path(function.__code__.co_filename)))
+        file.save = functools.partial(_save, file)
         made._cache._index_key = functools.partial(_index_key, function)
     result: F = made
     return result
+
+
+def _save(file: Any, key: tuple[Any, ...], code: Any) -> None:
+    """Keep code; what is left of an older source is removed first, so that nobody finds it under the new key."""
+    if not file._load_index():
+        for old in Path(file._cache_path).glob(file._data_name_pattern.replace("{number:d}", "*")):
+            old.unlink(missing_ok=True)
+    type(file).save(file, key, code)
 
 
 def _index_key(function: Callable[..., Any], signature: Any, codegen: Any) -> tuple[Any, ...]:

@@ -1,0 +1,70 @@
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from benchmarks.real.labelling import REMARKS, Label, fit_circle, read_starts, write_labels
+
+from matchset.app.track.score import read_truth
+
+REAL = Path(__file__).resolve().parents[2] / "benchmarks" / "real"
+LABELS = sorted((REAL / "labels").glob("*.csv"))
+LEAST_ROWS = 25
+
+
+def soft_disc(circle: tuple[float, float, float], size: int = 160) -> npt.NDArray[np.uint8]:
+    """A green disc on gray, its rim a ramp of 2 px."""
+    rows, columns = np.mgrid[:size, :size]
+    inside = np.clip((circle[2] - np.hypot(columns - circle[0], rows - circle[1])) / 2.0 + 0.5, 0.0, 1.0)
+    image = inside[..., None] * np.array([60.0, 140.0, 50.0]) + (1.0 - inside[..., None]) * 170.0
+    return np.asarray(np.round(image), dtype=np.uint8)
+
+
+@pytest.mark.parametrize("circle", [(80.3, 77.6, 12.4), (80.3, 77.6, 30.7), (71.5, 84.25, 45.1)])
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (2.0, -1.0, 2.0), (-1.0, 2.0, -2.0)])
+def test_the_fit_finds_a_soft_disc(circle: tuple[float, float, float], offset: tuple[float, float, float]) -> None:
+    x, y, radius = (float(value) for value in np.add(circle, offset))
+    fitted = fit_circle(soft_disc(circle), (x, y, radius))
+    assert fitted.circle is not None
+    assert np.abs(np.subtract(fitted.circle, circle)).max() < 0.1
+    assert fitted.spread < 0.2
+    assert fitted.share > 0.9
+
+
+def test_sectors_that_are_skipped_do_not_count() -> None:
+    circle = (80.0, 80.0, 30.0)
+    image = soft_disc(circle)
+    image[:78, :] = (60, 140, 50)  # the upper half merges with its surroundings
+    fitted = fit_circle(image, (81.0, 80.0, 30.0), skip=[(175, 5)])
+    assert fitted.circle is not None
+    assert np.abs(np.subtract(fitted.circle, circle)).max() < 0.1
+
+
+def test_a_picture_without_a_rim_is_an_error() -> None:
+    with pytest.raises(ValueError, match="no rim"):
+        fit_circle(np.full((100, 100, 3), 128, np.uint8), (50.0, 50.0, 20.0))
+
+
+def test_labels_are_read_as_they_were_written(tmp_path: Path) -> None:
+    labels = [Label(3, (10.25, 20.5, 7.0), ""), Label(4, (11.0, 20.0, 7.0), "manual|lowconf"), Label(9, None, "absent")]
+    write_labels(tmp_path / "clip.csv", "clip.mp4", labels)
+    rows = read_truth(tmp_path / "clip.csv")
+    assert [(row.frame, row.circle, row.lowconf) for row in rows] == [
+        (3, (10.25, 20.5, 7.0), False),
+        (4, (11.0, 20.0, 7.0), True),
+        (9, None, False),
+    ]
+
+
+@pytest.mark.parametrize("path", LABELS, ids=lambda path: path.stem)
+def test_a_clip_has_enough_labels_and_the_starts_they_came_from(path: Path) -> None:
+    rows, starts = read_truth(path), read_starts(REAL / "labels" / "by_hand" / path.name)
+    assert len(rows) >= LEAST_ROWS
+    assert [row.frame for row in rows] == [start.frame for start in starts]
+    assert [row.circle is None for row in rows] == [start.circle is None for start in starts]
+    assert [row.lowconf for row in rows] == [start.remark.endswith("lowconf") for start in starts]
+    assert {start.remark for start in starts} <= set(REMARKS)
+
+
+def test_there_are_labels() -> None:
+    assert LABELS

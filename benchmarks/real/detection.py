@@ -9,12 +9,15 @@ import numpy as np
 import matchset as ms
 from benchmarks.common.start import Image
 from benchmarks.real.clips import Clip
+from benchmarks.real.foreign import Ball
 from benchmarks.real.starts import start_at
 from benchmarks.results import Figure, Finding, Goal, table
 from benchmarks.tracking.trial import circle
 from matchset.app.track.score import VALID_BELOW_PX, Circle3, TruthRow, error_px
+from matchset.image.color_learning import chroma
 
 BAR = (Goal("recall", low=90.0), Goal("false", high=0.0))
+INNER = 0.6  # radii: away from a blurred rim
 SHARE = 0.25
 """A detection is right with an error below 5 px or this share of the radius, whichever is more."""
 
@@ -46,12 +49,17 @@ class Seeker:
     Parameters
     ----------
     clip : Clip
+
+    Attributes
+    ----------
+    ball : Ball or None
+        Its color, once the first tight row has been taken; None where it was refused.
     """
 
     def __init__(self, clip: Clip) -> None:
         self._first = clip.tight[0]
         self._rows = {row.frame: row for row in clip.truths if row.tight or row.circle is None}
-        self._color: ms.ColorModel | None = None
+        self.ball: Ball | None = None
         self._refusal = ""
         self._before: list[ms.Frame] = []
         self._answers: list[tuple[TruthRow, Circle3 | None]] = []
@@ -72,12 +80,12 @@ class Seeker:
     def _learn(self, image: Image) -> None:
         start = start_at(self._first, click=0)
         try:
-            self._color = ms.ColorModel.pick(image, start.x, start.y)
+            self.ball = Ball(chroma_of(image, self._first), ms.ColorModel.pick(image, start.x, start.y))
         except ValueError as error:
             self._refusal = str(error)
 
     def _search(self, frame: ms.Frame) -> None:
-        found = [] if self._color is None else ms.detect(frame, ms.Circle, self._color)
+        found = [] if self.ball is None else ms.detect(frame, ms.Circle, self.ball.color)
         self._answers.append((self._rows[frame.index], circle(found[0].shape) if found else None))
 
     def detected(self) -> Detected:
@@ -88,6 +96,17 @@ class Seeker:
         answered = sum(answer is not None for _, answer in shown)
         false = sum(answer is not None for answer in absent)
         return Detected(len(shown), right, answered - right, len(absent), false, self._refusal)
+
+
+def chroma_of(image: Image, row: TruthRow) -> tuple[float, float]:
+    """Return the median chroma of the middle of a row's disc, out to 0.6 radii."""
+    if row.circle is None:
+        raise ValueError(f"frame {row.frame} shows no ball to take a color from")
+    x, y, radius = row.circle
+    rows, columns = np.indices(image.shape[:2])
+    inside = image[np.hypot(columns - x, rows - y) < max(INNER * radius, 1.0)]
+    u, v, _ = np.median(chroma(inside), axis=0).tolist()
+    return u, v
 
 
 def is_right(answer: Circle3, truth: Circle3) -> bool:

@@ -1,10 +1,11 @@
 """Where a run on a real clip failed, and why: `python -m benchmarks.real.failures CLIP --data DIR`.
 
-For every tight row that is not valid: the truth, the answer or the reason of the loss, the last frame with an answer,
-and an enlarged crop with the truth in green and the answer in red. `--every` shows all labelled rows.
+For every tight row that is not valid, and every answer where the ball is absent: the truth, the answer or the reason
+of the loss, the last frame with an answer, what a search and a fit at the true place give and which rules refuse them,
+and an enlarged crop with the truth in green and the answer in red, the color's scores beside it. `--every` shows all
+labelled rows.
 """
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -12,13 +13,12 @@ import cv2
 import msgspec
 import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
 
 import matchset as ms
 from benchmarks.common.start import Image
 from benchmarks.real.clips import Clip, find_clips
 from benchmarks.real.following import Answer, Follower, follow
+from benchmarks.real.gates import examine, score_picture
 from benchmarks.real.starts import BEGINNINGS, CLICKS, beginnings, start_at
 from benchmarks.tracking.trial import circle
 from benchmarks.workers import one_thread
@@ -42,12 +42,15 @@ class Look(msgspec.Struct, frozen=True):
         Of the loss; empty where there is an answer.
     last : int or None
         The last frame up to here with an answer.
+    evidence : list of str
+        What is found at the true place, see `gates.examine`.
     """
 
     truth: TruthRow
     answer: Circle3 | None
     reason: str
     last: int | None
+    evidence: list[str]
 
     @property
     def error(self) -> float | None:
@@ -80,10 +83,10 @@ def main(
     folder = output / f"{clip}_{click}_{start}"
     folder.mkdir(parents=True, exist_ok=True)
     looks = look_at(chosen, Follower(begin), folder, every)
-    console = Console(width=None if os.isatty(1) else 200)
-    console.print(f"{clip}: click {click} at ({begin.x:.1f}, {begin.y:.1f}) in frame {begin.frame}", highlight=False)
-    console.print(table_of(looks))
-    console.print(f"{len(looks)} rows shown; crops: {folder}", highlight=False)
+    typer.echo(f"{clip}: click {click} at ({begin.x:.1f}, {begin.y:.1f}) in frame {begin.frame}")
+    for look in looks:
+        typer.echo("\n    ".join([headline(look), *look.evidence]))
+    typer.echo(f"{len(looks)} rows shown; crops: {folder}")
 
 
 def look_at(clip: Clip, follower: Follower, folder: Path, every: bool = False) -> list[Look]:
@@ -112,10 +115,17 @@ def look_at(clip: Clip, follower: Follower, folder: Path, every: bool = False) -
         truth = truths.get(frame.index)
         if truth is None:
             continue
-        look = Look(truth, circle(answer.shape) if isinstance(answer, ms.Track) else None, words_of(answer), last)
-        if every or look.failed:
-            looks.append(look)
-            cv2.imwrite(str(folder / f"{frame.index:05d}.png"), crop(frame.image, look))
+        look = Look(truth, circle(answer.shape) if isinstance(answer, ms.Track) else None, words_of(answer), last, [])
+        if not (every or look.failed):
+            continue
+        picture = crop(frame.image, look)
+        if follower.tracker is not None:
+            color = follower.tracker.color
+            picture = np.hstack((picture, crop(score_picture(frame.image, color), look)))
+            if truth.circle is not None:
+                look = msgspec.structs.replace(look, evidence=examine(frame.image, color, truth.circle))
+        looks.append(look)
+        cv2.imwrite(str(folder / f"{frame.index:05d}.png"), picture)
     return looks
 
 
@@ -146,19 +156,17 @@ def crop(image: Image, look: Look) -> Image:
     return np.asarray(picture, np.uint8)
 
 
-def table_of(looks: list[Look]) -> Table:
-    """Lay rows out as a table."""
-    shown = Table("frame", "truth", "answer", "error", "last answer", "reason")
-    for look in looks:
-        truth = _circle_text(look.truth.circle) + (" lowconf" if look.truth.lowconf else "")
-        error = "-" if look.error is None else f"{look.error:.1f}"
-        last = "-" if look.last is None else str(look.last)
-        shown.add_row(str(look.truth.frame), truth, _circle_text(look.answer), error, last, look.reason)
-    return shown
+def headline(look: Look) -> str:
+    """Write a row in one line."""
+    truth = _circle_text(look.truth.circle) + (" lowconf" if look.truth.lowconf else "")
+    answer = look.reason if look.answer is None else _circle_text(look.answer)
+    error = "" if look.error is None else f", error {look.error:.1f} px"
+    last = "never answered" if look.last is None else f"last answered {look.last}"
+    return f"frame {look.truth.frame}: truth {truth}; {answer}{error}; {last}"
 
 
 def _circle_text(circle3: Circle3 | None) -> str:
-    return "-" if circle3 is None else "{:.1f}, {:.1f}, {:.1f}".format(*circle3)
+    return "absent" if circle3 is None else "({:.1f}, {:.1f}, {:.1f})".format(*circle3)
 
 
 def _clip_of(name: str, data: Path) -> Clip:

@@ -20,25 +20,32 @@ class Follower:
     Parameters
     ----------
     start : Start
+
+    Attributes
+    ----------
+    tracker : Tracker or None
+        None before the click, and where it was refused.
+    refusal : str
+        Why it was refused; empty where it was not.
     """
 
     def __init__(self, start: Start) -> None:
         self.start = start
         self.refusal = ""
-        self._tracker: ms.Tracker[ms.Circle] | None = None
+        self.tracker: ms.Tracker[ms.Circle] | None = None
 
     def update(self, frame: ms.Frame) -> Answer | None:
         """Answer for a frame: None before the click, `Lost` for ever where the click was refused."""
         if frame.index < self.start.frame:
             return None
-        if self._tracker is None and not self.refusal:
+        if self.tracker is None and not self.refusal:
             try:
-                self._tracker = clicked(frame, (self.start.x, self.start.y))
+                self.tracker = clicked(frame, (self.start.x, self.start.y))
             except ValueError as error:
                 self.refusal = f"refused: {error}"
-        if self._tracker is None:
+        if self.tracker is None:
             return ms.Lost(self.refusal, frame.time)
-        return self._tracker.update(frame)
+        return self.tracker.update(frame)
 
 
 class Run(msgspec.Struct, frozen=True):

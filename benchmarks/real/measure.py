@@ -8,6 +8,7 @@ from benchmarks.options import Options
 from benchmarks.real.clips import Clip
 from benchmarks.real.detection import Detected, Seeker
 from benchmarks.real.following import Recorder, Run, follow
+from benchmarks.real.foreign import Ball
 from benchmarks.real.starts import starts_of
 from benchmarks.workers import spread
 
@@ -27,10 +28,13 @@ class Measured(msgspec.Struct, frozen=True):
     runs : list of Run
         The standard one first.
     detected : Detected
+    ball : Ball or None
+        Its color; None where it was refused.
     """
 
     runs: list[Run]
     detected: Detected
+    ball: Ball | None
 
 
 def measure_all(clips: Sequence[Clip], options: Options) -> dict[str, Measured]:
@@ -46,7 +50,7 @@ def measure(task: Task) -> Measured:
     for frame, answers in follow(task.clip, recorder.followers):
         recorder.take(frame.index, answers)
         seeker.take(frame)
-    return Measured(recorder.runs(), seeker.detected())
+    return Measured(recorder.runs(), seeker.detected(), seeker.ball)
 
 
 def _size(clip: Clip) -> int:

@@ -6,6 +6,7 @@ from benchmarks.options import Options
 from benchmarks.real import scores
 from benchmarks.real.clips import Clip, find_clips
 from benchmarks.real.detection import detection_finding, detection_table
+from benchmarks.real.foreign import Tally, count_false_locks, foreign_finding, foreign_table
 from benchmarks.real.measure import Measured, measure_all
 from benchmarks.results import Finding, Section
 
@@ -19,7 +20,10 @@ def run(options: Options) -> Section:
     if not clips:
         return Section(TITLE, [Finding(name="real", what="; ".join(skipped), figures=())], notes)
     measured = measure_all(clips, options)
-    return Section(TITLE, findings_of(clips, measured), text_of(clips, measured) + notes)
+    balls = {name: each.ball for name, each in measured.items() if each.ball is not None}
+    tallies = count_false_locks(clips, balls, options.data, options)
+    findings = [*findings_of(clips, measured), foreign_finding(tallies)]
+    return Section(TITLE, findings, text_of(clips, measured) + text_of_foreign(tallies) + notes)
 
 
 def findings_of(clips: Sequence[Clip], measured: dict[str, Measured]) -> list[Finding]:
@@ -52,4 +56,13 @@ def text_of(clips: Sequence[Clip], measured: dict[str, Measured]) -> str:
         "**Search**: `detect` in every other tight row, and in rows without the ball, with the color of the standard "
         "click. *Right*: center on the ball, error below 5 px or a quarter of the radius, of the first answer.\n\n"
         f"{detection_table(clips, detected)}\n"
+    )
+
+
+def text_of_foreign(tallies: Sequence[Tally]) -> str:
+    """Say how false locks were counted, and what each color gave."""
+    return (
+        "**False locks**: a tracker that was told no place seeks the color of one clip in frames of the others, spread "
+        "over each, if the balls' chroma differs by more than what a color model smooths over, and in videos without "
+        f"a ball.\n\n{foreign_table(tallies)}\n"
     )

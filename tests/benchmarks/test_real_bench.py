@@ -9,10 +9,13 @@ from benchmarks.real.clips import Clip, find_clips
 from benchmarks.real.detection import Detected, detection_finding, is_right
 from benchmarks.real.failures import look_at
 from benchmarks.real.following import Follower, Run
+from benchmarks.real.foreign import Ball, Hunt, Tally, foreign_finding, foreign_table, foreign_to, frames_each, search
+from benchmarks.real.gates import examine, is_near
 from benchmarks.real.measure import Task, measure
 from benchmarks.real.section import run
 from benchmarks.real.starts import CLICKS, Start, beginnings, starts_of
 
+import matchset as ms
 from matchset.app.drawing.clip_export import write_clip
 from matchset.app.track.score import Circle3, TruthRow
 from matchset.sim.clips.clip import Clip as RenderedClip
@@ -174,7 +177,56 @@ def test_a_refused_click_is_lost_for_ever(data: Path) -> None:
 
 
 def test_failures_are_drawn(data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    failures.main("rendered", data, click=4, start=0, output=tmp_path, every=True)
+    failures.main("rendered", data, click=0, start=0, output=tmp_path, every=True)
     shown = capsys.readouterr().out
-    assert "rendered: click 4" in shown
-    assert len(list((tmp_path / "rendered_4_0").glob("*.png"))) == len(rendered(data).truths)
+    assert "rendered: click 0" in shown
+    assert "fit from the truth" in shown
+    assert "here: yes; present: yes; none: yes" in shown
+    assert len(list((tmp_path / "rendered_0_0").glob("*.png"))) == len(rendered(data).truths)
+
+
+def test_the_place_of_the_ball_is_examined_even_where_nothing_is(data: Path) -> None:
+    clip = rendered(data)
+    image = np.full((clip.height, clip.width, 3), 90, np.uint8)
+    lines = examine(image, ms.ColorModel.hsv((100, 80, 80), (120, 255, 255)), CIRCLE)
+    assert "no edges of the target's color" in lines[1]
+    assert lines[-1] == "none of 0 candidates is at the true place"
+    assert is_near((105.0, 80.0, 15.0), CIRCLE)
+    assert not is_near((105.0, 80.0, 8.0), CIRCLE)
+    assert not is_near((115.0, 80.0, 20.0), CIRCLE)
+
+
+def test_colors_are_foreign_if_their_chroma_differs() -> None:
+    color = ms.ColorModel.hsv((0, 80, 80), (10, 255, 255))
+    balls = {"green": Ball((-0.1, 0.0), color), "leaf": Ball((0.0, 0.0), color), "red": Ball((-0.1, 0.3), color)}
+    assert list(foreign_to("green", balls)) == ["red"]
+    assert list(foreign_to("red", balls)) == ["green", "leaf"]
+
+
+def test_as_many_frames_are_searched_as_are_wanted() -> None:
+    assert frames_each([(100, 2), (10, 1)], 50) == 20
+    assert frames_each([(100, 2), (10, 1)], 1_000) == 100
+    assert frames_each([], 10) == 0
+
+
+def test_a_foreign_color_is_not_found_and_the_own_one_is(data: Path, tmp_path: Path) -> None:
+    clip = rendered(data)
+    first = next(iter(ms.Video(clip.video)))
+    assert clip.tight[0].circle is not None
+    x, y, radius = clip.tight[0].circle
+    own = ms.ColorModel.pick(first.image, x - 0.5 * radius, y)
+    red = ms.ColorModel.hsv((175, 120, 120), (5, 255, 255))
+    tallies = search(Hunt("rendered", clip.video, FRAMES, {"own": own, "red": red}, 8, tmp_path))
+    assert [tally.searched for tally in tallies] == [8, 8]
+    assert len(tallies[0].false) >= 3
+    assert not tallies[1].false
+    assert len(list(tmp_path.glob("own_in_rendered_*.png"))) == 3
+
+
+def test_false_locks_are_counted_by_the_thousand() -> None:
+    tallies = [Tally("red", "a", 400, []), Tally("red", "b", 600, [7, 8])]
+    finding = foreign_finding(tallies)
+    assert finding.figure("false per 1,000").value == pytest.approx(2.0)
+    assert finding.verdict == "missed"
+    assert "b 2 (first: 7)" in foreign_table(tallies)
+    assert foreign_finding([]).verdict == "-"

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from operator import length_hint
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -80,7 +81,7 @@ def test_what_is_no_source_is_refused(source: str) -> None:
     ("name", "value"), [("fps", 0.0), ("fps", float("nan")), ("timeout", -1.0), ("exposure", float("inf"))]
 )
 def test_numbers_out_of_range_are_refused(avi: Path, name: str, value: float) -> None:
-    options = {name: value}
+    options: dict[str, Any] = {name: value}
     with pytest.raises(ValueError, match=rf"{name} must be .*{value}"):
         Video(avi, **options)
 

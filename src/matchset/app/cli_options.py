@@ -12,7 +12,12 @@ import typer
 from matchset.app.exit_codes import errors_in_one_line
 
 Source = Annotated[
-    str, typer.Argument(help="A video file, a picture, a folder of pictures, a camera's number, or a URL.")
+    str,
+    typer.Argument(help="A video file, a picture, a folder of pictures, a bag of ROS, a camera's number, or a URL."),
+]
+Topic = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Of a bag (.bag, .db3, .mcap, folder): which topic, if several have pictures."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite what exists.")]
 Pick = Annotated[str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")]

@@ -1,4 +1,4 @@
-"""Where frames come from: `Video`, a file, a folder of pictures, a camera or a stream."""
+"""Where frames come from: `Video`, a file, a folder of pictures, a bag of ROS, a camera or a stream."""
 
 import math
 import os
@@ -7,6 +7,7 @@ import weakref
 from pathlib import Path
 from types import TracebackType
 
+from matchset.image.bags.bag import Bag, is_bag
 from matchset.image.camera_stream import Live, Settings, differences
 from matchset.image.frame import Frame
 from matchset.image.image_folder import Pictures, is_picture
@@ -14,17 +15,18 @@ from matchset.image.video_file import Recording
 
 
 class Video:
-    """Frames of a file, a folder of pictures, a camera or a stream, one after the other.
+    """Frames of a file, a folder of pictures, a bag, a camera or a stream, one after the other.
 
-    A file or folder delivers every frame, in decode order. A live source delivers the newest frame and drops
+    A file, folder or bag delivers every frame, in decode order. A live source delivers the newest frame and drops
     those that came while the caller was busy. Like an open file, a video is read once, `next(video)` takes
     one frame, and leaving its `with` block lets go of the device.
 
     Parameters
     ----------
     source : int, str or Path
-        Path of a video file, a picture or a folder of pictures (in natural order, 2 before 10); number of a
-        camera, also as a string; URL of a stream (``rtsp://``, ``http://``, ``udp://``, ...).
+        Path of a video file, a picture or a folder of pictures (in natural order, 2 before 10); of a ROS 1 bag
+        (.bag), a ROS 2 bag (folder, .db3) or an MCAP file with ROS messages; number of a camera, also as a
+        string; URL of a stream (``rtsp://``, ``http://``, ``udp://``, ...).
     exposure : float, optional
         Exposure to hold a camera at, in its driver's unit (V4L2: 0.1 ms). Left alone by default.
     white_balance : float, optional
@@ -34,6 +36,8 @@ class Video:
         default a file's own time stamps count, and a folder has 30.
     timeout : float, default 2.0
         Longest silence of a live source, s.
+    topic : str, optional
+        Which topic of a bag to read, if several have pictures.
 
     Attributes
     ----------
@@ -48,7 +52,11 @@ class Video:
     live : bool
         Whether frames come from a camera or a stream. Then the time of a frame is the moment of its capture
         on the clock of `time.monotonic`, so its age is ``time.monotonic() - frame.time``, and its index
-        counts the captured frames. Otherwise time starts near 0. It always runs forward.
+        counts the captured frames. The time of a bag's frame is the stamp in its message's header, s, on most
+        robots since 1970, or that of the recording if there is none. Otherwise time starts near 0. It always runs
+        forward.
+    topic : str or None
+        The topic that is read; None if the source is no bag.
     dropped : int
         Frames of a live source that were replaced by a newer one before they were asked for.
     broken : int
@@ -81,6 +89,7 @@ class Video:
         white_balance: float | None = None,
         fps: float | None = None,
         timeout: float = 2.0,
+        topic: str | None = None,
     ) -> None:
         wishes = {"exposure": exposure, "white_balance": white_balance, "fps": fps}
         asked = {name: _finite(name, value) for name, value in wishes.items() if value is not None}
@@ -88,7 +97,8 @@ class Video:
             if value is not None and not 0.0 < value < math.inf:
                 raise ValueError(f"{name} must be positive, got {value}")
         self._name, self._closed, self._ended = _name(source), False, False
-        self._source = _open(source, self._name, timeout, asked)
+        self._source = _open(source, self._name, timeout, asked, topic)
+        self.topic = self._source.topic if isinstance(self._source, Bag) else None
         self.settings: Settings
         if isinstance(self._source, Live):
             self.settings = self._source.settings
@@ -175,21 +185,30 @@ def _is_number(text: str) -> bool:
     return re.fullmatch(r"[0-9]+", text) is not None
 
 
-def _open(source: int | str | Path, name: str, timeout: float, asked: dict[str, float]) -> Live | Pictures | Recording:
+def _open(
+    source: int | str | Path, name: str, timeout: float, asked: dict[str, float], topic: str | None
+) -> Live | Pictures | Recording | Bag:
     """Choose the kind of source."""
     text = str(source)
+    path = None if isinstance(source, int) or _is_stream(source) else Path(source)
+    if path is not None and is_bag(path):
+        return Bag(path, topic, asked.get("fps"))
+    if topic is not None:
+        raise ValueError(f"a topic belongs to a bag (.bag, .db3, .mcap, or a folder of a ROS 2 bag), not to {name}")
     if isinstance(source, int) and source < 0:
         raise ValueError(f"a camera number must not be negative, got {source}")
-    if isinstance(source, int) or (isinstance(source, str) and _is_number(text)):
-        return Live(int(text), name, timeout, asked)
-    if isinstance(source, str) and re.match(r"(?!file:)[A-Za-z][A-Za-z0-9+.-]*://", text):
-        return Live(text, name, timeout, asked)
-    path = Path(source)
-    if path.is_char_device():
-        return Live(text, name, timeout, asked)
+    if path is None or path.is_char_device():
+        return Live(int(text) if _is_number(text) else text, name, timeout, asked)
     if path.is_dir() or (path.is_file() and is_picture(path)):
         return Pictures(path, asked.get("fps"))
     return Recording(path, asked.get("fps"))
+
+
+def _is_stream(source: str | Path) -> bool:
+    """Whether a source is a camera's number or a URL; a `Path` never is."""
+    if not isinstance(source, str):
+        return False
+    return _is_number(source) or re.match(r"(?!file:)[A-Za-z][A-Za-z0-9+.-]*://", source) is not None
 
 
 def _described(shape: tuple[int, ...]) -> str:

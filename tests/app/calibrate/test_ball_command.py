@@ -96,7 +96,7 @@ def test_a_picture_for_each_distance(matchset: Matchset) -> None:
 class FakeCamera(ms.Video):
     """A camera before which someone holds a ball."""
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source: str, **_: object) -> None:
         super().__init__(Path(source))
         self.live, self.length = True, None
 

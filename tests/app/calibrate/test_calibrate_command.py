@@ -139,7 +139,7 @@ def test_what_a_person_before_a_camera_is_told(pictures: Path) -> None:
 class FakeCamera(ms.Video):
     """A camera before which someone shows a board, then presses Ctrl-C."""
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source: str, **_: object) -> None:
         super().__init__(Path(source))
         self.live, self.length = True, None
 

@@ -13,7 +13,6 @@ from matchset.app.calibrate.board_command import camera_file
 from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
-from matchset.app.cli_options import TargetOptions
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
 from matchset.app.progress import InstructionLine, announce_if_slow, progress_bar
 from matchset.app.track.loop import COMPILING
@@ -89,7 +88,7 @@ def calibrate_ball(options: CalibrateOptions) -> int:
     check_target_options(options.target, shlex.quote(sources[0]))
     path = camera_file(options.out, options.force)
     with StopRequest() as stop:
-        tracks = _track_sources(sources, options.target, distances, stop)
+        tracks = _track_sources(sources, options, distances, stop)
         if stop and len(tracks) < len(sources):
             print("note: stopped; nothing was calibrated", file=sys.stderr)
             return stop.code
@@ -106,16 +105,16 @@ def calibrate_ball(options: CalibrateOptions) -> int:
 
 
 def _track_sources(
-    sources: list[str], options: TargetOptions, distances: list[float], stop: StopRequest
+    sources: list[str], options: CalibrateOptions, distances: list[float], stop: StopRequest
 ) -> list[_BallTracks]:
     """Track the ball through every source."""
     tracks: list[_BallTracks] = []
-    target = target_without_picture(options)
+    target = target_without_picture(options.target)
     for source in sources:
-        with Video(source) as video:
+        with Video(source, topic=options.topic) as video:
             taken: tuple[Frame, ...] = ()
             if target is None:
-                target, taken = target_for(source, video, options)
+                target, taken = target_for(source, video, options.target)
             elif tracks:  # the click was in the first source
                 target = msgspec.structs.replace(target, start=None)
             tracks.append(_track(video, itertools.chain(taken, video), target, distances, stop))

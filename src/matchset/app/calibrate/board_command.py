@@ -48,25 +48,27 @@ def camera_file(out: Path | None, force: bool) -> Path:
     return output_file(out, force)
 
 
-def calibrate_board(source: str, board: Board, out: Path | None, force: bool) -> int:
+def calibrate_board(source: str, board: Board, out: Path | None, force: bool, topic: str | None = None) -> int:
     """Calibrate with a board.
 
     Parameters
     ----------
     source : str
-        A video, a folder of pictures, or a camera.
+        A video, a folder of pictures, a bag, or a camera.
     board : Board
     out : Path or None
         The camera file asked for.
     force : bool
         Whether it may be overwritten.
+    topic : str, optional
+        Which topic of a bag.
 
     Returns
     -------
     int
         The exit code.
     """
-    with StopRequest() as stop, Video(source) as video:
+    with StopRequest() as stop, Video(source, topic=topic) as video:
         path = camera_file(out, force)
         picture = output_file(path.with_name(path.stem + "-coverage.png"), force)
         seen = look_for_board(video, board, stop)

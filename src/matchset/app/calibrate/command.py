@@ -9,7 +9,7 @@ from typing import Annotated
 import msgspec
 import typer
 
-from matchset.app.cli_options import Force, TargetOptions
+from matchset.app.cli_options import Force, TargetOptions, Topic
 
 CALIBRATE_EPILOG = """
 [bold]Examples[/bold]
@@ -53,6 +53,7 @@ class CalibrateOptions(msgspec.Struct, frozen=True, kw_only=True):
         list[str] | None,
         typer.Argument(metavar="SOURCE...", help="A video, a folder of pictures, a camera's number, or a URL."),
     ] = None
+    topic: Topic = None
     printed_board: BoardOptions = BoardOptions()
     ball_diameter: Annotated[
         float | None, typer.Option(metavar="M", help="Use the ball in place of a board: its diameter, m.")
@@ -94,4 +95,4 @@ def _with_board(options: CalibrateOptions) -> int:
         return draw_board(board, options.printed_board.board_picture, options.force)
     if len(sources) != 1:
         raise ValueError(f"give one video, folder of pictures or camera that sees the board, got {len(sources)}")
-    return calibrate_board(sources[0], board, options.out, options.force)
+    return calibrate_board(sources[0], board, options.out, options.force, options.topic)

@@ -13,7 +13,17 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 import typer
 
-from matchset.app.cli_options import AnnotatedVideo, Folder, Force, Params, Points, Source, TargetOptions, ToStdout
+from matchset.app.cli_options import (
+    AnnotatedVideo,
+    Folder,
+    Force,
+    Params,
+    Points,
+    Source,
+    TargetOptions,
+    Topic,
+    ToStdout,
+)
 from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
 
 if TYPE_CHECKING:
@@ -64,6 +74,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options of `matchset locate`."""
 
     source: Source
+    topic: Topic = None
     camera: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV.")
     ] = None
@@ -103,7 +114,7 @@ def locate(options: LocateOptions) -> int:
     loaded = load_camera(options)
     if options.video is not None:
         codecs_for(options.video)
-    with StopRequest() as stop, Video(options.source) as video:
+    with StopRequest() as stop, Video(options.source, topic=options.topic) as video:
         camera = camera_for(video, options, loaded)
         locator, taken = locator_for(options, video, camera, ball)
         folder = output_folder(options.out, "locate", options.force)

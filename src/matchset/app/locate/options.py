@@ -183,7 +183,7 @@ def targets_for(
 def _frame_of(source: str, video: Video, index: int, taken: tuple[Frame, ...]) -> tuple[Frame, tuple[Frame, ...]]:
     """Return the frame in which a marker was clicked; of a live source, the ball's frame if it is late enough."""
     if not video.live:
-        with Video(source) as second:
+        with Video(source, topic=video.topic) as second:
             return frame_at(second, index), taken
     if taken and taken[-1].index >= index:
         return taken[-1], taken

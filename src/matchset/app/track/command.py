@@ -22,6 +22,7 @@ from matchset.app.cli_options import (
     Points,
     ShapeName,
     Source,
+    Topic,
     ToStdout,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
@@ -41,6 +42,8 @@ TRACK_EPILOG = f"""
 
   matchset track eye.mp4 --shape ellipse --gray dark --pick 200,150
 
+  matchset track flight.bag --topic /cam/image_raw --color ball.npz
+
 Without -o everything goes to a new folder, runs/0001-track and so on. tracks.csv holds one row a frame:
 frame, time, found, the shape's parameters (x, y, radius), their standard deviations, support, and why it was lost.
 
@@ -52,6 +55,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options of `matchset track`."""
 
     source: Source
+    topic: Topic = None
     target: GrayTargetOptions = GrayTargetOptions()
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
@@ -81,7 +85,7 @@ def track(options: TrackOptions) -> int:
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
     if options.video is not None:
         codecs_for(options.video)
-    with StopRequest() as stop, Video(options.source) as video:
+    with StopRequest() as stop, Video(options.source, topic=options.topic) as video:
         target, taken = target_for(options.source, video, options.target)
         tracker_at = trackers_for(target, make)
         folder = output_folder(options.out, "track", options.force)
@@ -117,6 +121,7 @@ class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options of `matchset learn`."""
 
     source: Source
+    topic: Topic = None
     frame: Annotated[
         int | None,
         typer.Option(min=0, help="The frame to look at; without it one that shows a ball is chosen."),

@@ -37,7 +37,7 @@ def learn_color(options: LearnOptions) -> int:
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
     if options.out is not None and options.out.suffix.lower() != ".npz":
         raise ValueError(f"a color file's name must end in .npz, got {str(options.out)!r}")
-    with Video(options.source) as video:
+    with Video(options.source, topic=options.topic) as video:
         frame = frame_at(video, options.frame or at or 0)
     color = ColorModel.pick(frame.image, x, y)
     path = output_folder(None, "learn") / "ball.npz" if options.out is None else output_file(options.out, options.force)
@@ -51,7 +51,7 @@ def learn_color(options: LearnOptions) -> int:
     if words:
         found = detect(frame, family, color)
         print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
-    print(f"  {shell_command('track', options.source, '--color', str(path), *words)}")
+    print(f"  {shell_command('track', *source_words(options), '--color', str(path), *words)}")
     return FOUND
 
 
@@ -66,7 +66,7 @@ def show_candidates(options: LearnOptions) -> int:
     parse_shape(options.shape)
     if options.out is not None and options.out.suffix.lower() not in (".png", ".jpg"):
         raise ValueError(f"without --pick, -o names a picture (.png or .jpg), got {str(options.out)!r}")
-    with Video(options.source) as video:
+    with Video(options.source, topic=options.topic) as video:
         if options.frame is None:
             frame, found = ball_like_frame(video)
         else:
@@ -86,7 +86,7 @@ def show_candidates(options: LearnOptions) -> int:
     if live:
         _print_commands_for_camera(options, frame, found, path)
     else:
-        _print_commands(options.source, frame, found)
+        _print_commands(source_words(options), frame, found)
     return FOUND if found else NOT_FOUND
 
 
@@ -96,16 +96,16 @@ def _print_candidates(found: list[Candidate]) -> None:
         print(f"  {number}    {candidate.x:6.0f} {candidate.y:6.0f} {candidate.radius:7.0f}")
 
 
-def _print_commands(source: str, frame: Frame, found: list[Candidate]) -> None:
+def _print_commands(source: tuple[str, ...], frame: Frame, found: list[Candidate]) -> None:
     if found:
         print("\nIf the ball is number 1, type:\n")
-        print(f"  {shell_command('track', source, '--candidate', f'1@{frame.index}')}")
+        print(f"  {shell_command('track', *source, '--candidate', f'1@{frame.index}')}")
         print("\nIf it has no number, read a pixel on it from the grid and put it in:\n")
     else:
         print("\nRead a pixel on the ball from the grid and put it in:\n")
     height, width = frame.image.shape[:2]
     x, y = found[0].pick if found else (width // 2, height // 2)
-    print(f"  {shell_command('track', source, '--pick', f'{x},{y}@{frame.index}')}")
+    print(f"  {shell_command('track', *source, '--pick', f'{x},{y}@{frame.index}')}")
 
 
 def _print_commands_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate], path: Path) -> None:
@@ -125,6 +125,11 @@ def _print_commands_for_camera(options: LearnOptions, frame: Frame, found: list[
     print("\nIf it has no number, read a pixel on it from the grid and learn its color:\n")
     x, y = found[0].pick if found else (frame.image.shape[1] // 2, frame.image.shape[0] // 2)
     print(f"  {shell_command('learn', str(still), '--pick', f'{x},{y}')}")
+
+
+def source_words(options: LearnOptions) -> tuple[str, ...]:
+    """Return how the source was named, for the next command."""
+    return (options.source,) if options.topic is None else (options.source, "--topic", options.topic)
 
 
 def shell_command(*words: str) -> str:

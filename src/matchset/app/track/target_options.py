@@ -131,7 +131,7 @@ def target_for(source: str, video: Video, options: TargetOptions) -> tuple[Learn
     if video.live:
         target, frame = target_in(video, options)
         return msgspec.structs.replace(target, frame=frame.index), (frame,)
-    with Video(source) as second:
+    with Video(source, topic=video.topic) as second:
         target, _ = target_in(second, options)
     return target, ()
 

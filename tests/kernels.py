@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -12,7 +13,7 @@ from matchset.fitting.prior import FieldParameters, MotionParameters
 from matchset.fitting.robust_fit import FitParameters
 from matchset.fitting.workspace import MAX_LINES, PLACE_COLUMNS, STATE, EdgeCriteria, workspace_dtype
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import adapt_table
+from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Record, fields, new_block, store
 from matchset.shapes.circle import Circle
@@ -190,12 +191,20 @@ def look_inside(image: Bytes, color: ColorModel, circle: Circle) -> tuple[float,
     return work.fit.interior_share, work.fit.core_share, work.fit.hollowness
 
 
-def adapt(image: Bytes, color: ColorModel, first: npt.NDArray[np.float32], circle: Circle, rate: float) -> None:
+def adapt(
+    image: Bytes,
+    color: ColorModel,
+    first: npt.NDArray[np.float32],
+    circle: Circle,
+    rate: float,
+    limits: AdaptationParameters | None = None,
+) -> None:
     """Teach a color what is in and around a circle, as a tracker does in four frames."""
     outline, shares = _outline(circle, 64)
     target = color.log_odds, first, color.table, outline, shares
+    block = adaptation_block(msgspec.structs.replace(limits or AdaptationParameters(), rate=rate))
     for begin in range(4):
-        adapt_table(channels_last(image), *target, circle.x, circle.y, begin, rate)
+        adapt_table(channels_last(image), *target, circle.x, circle.y, begin, block)
 
 
 def _outline(circle: Circle, n: int) -> tuple[Floats, Floats]:

@@ -46,6 +46,8 @@ def test_a_file_may_hold_some_of_them(tmp_path: Path) -> None:
     assert found.coast == 1.0
     assert found.match.full_step == 0.07
     assert msgspec.structs.replace(found, coast=0.35, match=TrackerParameters().match) == TrackerParameters()
+    limits = read(tmp_path, "[adaptation]\nmax_drift = 1.5\nforeign_below = -1\n[brightness]\nsamples = 48\n")
+    assert (limits.adaptation.max_drift, limits.adaptation.foreign_below, limits.brightness.samples) == (1.5, -1.0, 48)
     assert read(tmp_path, "") == tracker_parameters(None) == TrackerParameters()
 
 

@@ -6,13 +6,14 @@ import pytest
 
 from kernels import adapt, look_inside
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import MAX_DRIFT
+from matchset.image.color_adaptation import AdaptationParameters
 from matchset.shapes.circle import Circle
 
 Picture = npt.NDArray[np.uint8]
 CIRCLE = Circle(80.0, 60.0, 30.0)
 WALL, BALL, FINGER = (140, 140, 140), (190, 80, 40), (110, 140, 200)
 ROWS, COLUMNS = np.indices((120, 160))
+MUCH = AdaptationParameters(foreign_below=-5.0, max_drift=8.0)
 INSIDE = np.hypot(COLUMNS - CIRCLE.x, ROWS - CIRCLE.y) <= CIRCLE.radius
 
 
@@ -75,17 +76,38 @@ def test_what_is_known_as_background_is_not_learned_in_front_of_the_target() -> 
         adapt(picture(finger=True, seed=k), color, first.log_odds, CIRCLE, 0.15)
     assert whiteness(color, FINGER) < 0.02
     assert whiteness(color, BALL) > 0.95
+    for k in range(300):
+        adapt(picture(finger=True, seed=k), color, first.log_odds, CIRCLE, 0.15, MUCH)
+    assert whiteness(color, FINGER) > 0.5
 
 
-def test_no_cell_leaves_its_leash() -> None:
+def test_a_cell_is_moved_until_it_is_sure() -> None:
+    image = np.where(INSIDE, 60, 180).astype(np.uint8)
+    for sure in (0.5, 2.5):
+        color = ColorModel(np.zeros(256, np.float32))
+        for _ in range(100):
+            adapt(image, color, np.zeros(256, np.float32), CIRCLE, 0.05, AdaptationParameters(sure_beyond=sure))
+        assert sure < color.log_odds[60] < sure + 0.06
+
+
+def test_the_background_is_read_so_far_outside() -> None:
+    rings = np.rint(np.hypot(COLUMNS - CIRCLE.x, ROWS - CIRCLE.y)).astype(np.uint8)
+    for outside in (6.0, 15.0):
+        color = ColorModel(np.zeros(256, np.float32))
+        adapt(rings, color, np.zeros(256, np.float32), CIRCLE, 0.15, AdaptationParameters(outside_px=outside))
+        assert abs(int(np.argmin(color.log_odds)) - (CIRCLE.radius + outside)) <= 1.0
+
+
+@pytest.mark.parametrize("limits", [AdaptationParameters(), AdaptationParameters(max_drift=0.75)])
+def test_no_cell_leaves_its_leash(limits: AdaptationParameters) -> None:
     rng = np.random.default_rng(1)
     first = rng.uniform(-1.5, 1.5, 32768).astype(np.float32)
     color = ColorModel(first)
     for seed in range(60):
         image = np.random.default_rng(seed % 3).integers(0, 256, (120, 160, 3), np.uint8)
-        adapt(image, color, first, CIRCLE, 5.0)
+        adapt(image, color, first, CIRCLE, 5.0, limits)
     change = color.log_odds - first
-    assert np.abs(change).max() == pytest.approx(MAX_DRIFT)
+    assert np.abs(change).max() == pytest.approx(limits.max_drift)
     assert np.isfinite(color.log_odds).all()
     np.testing.assert_array_equal(color.table, ColorModel(color.log_odds).table)
 

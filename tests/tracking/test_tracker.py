@@ -182,9 +182,10 @@ def test_the_color_adapts_in_a_copy_of_its_own() -> None:
     np.testing.assert_array_equal(color.log_odds, log_odds)
     np.testing.assert_array_equal(color.table, table)
     assert (tracker.color.log_odds != log_odds).any()
-    fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adaptation=AdaptationParameters(rate=0.0)))
-    assert not all(run(fixed, fading_images()))
-    np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
+    for limits in (AdaptationParameters(rate=0.0), AdaptationParameters(max_drift=0.0)):
+        fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adaptation=limits))
+        assert not all(run(fixed, fading_images()))
+        np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
 
 
 @pytest.mark.parametrize("stick", [(110, 140, 200), (40, 200, 220), (20, 20, 20)], ids=["skin", "yellow", "black"])

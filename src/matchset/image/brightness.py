@@ -45,7 +45,9 @@ class BrightnessParameters(msgspec.Struct, frozen=True):
 DEFAULT = BrightnessParameters()
 
 
-def log_odds_of(gray: Gray, level: float, channels: int) -> npt.NDArray[np.float32]:
+def log_odds_of(
+    gray: Gray, level: float, channels: int, parameters: BrightnessParameters = DEFAULT
+) -> npt.NDArray[np.float32]:
     """Log-odds of a table for dark or light things, or for edges.
 
     Parameters
@@ -55,6 +57,7 @@ def log_odds_of(gray: Gray, level: float, channels: int) -> npt.NDArray[np.float
         The gray value between target and background.
     channels : int
         3 for the 32 x 32 x 32 cells of color pictures, 1 for 256 gray values.
+    parameters : BrightnessParameters
 
     Returns
     -------
@@ -62,9 +65,9 @@ def log_odds_of(gray: Gray, level: float, channels: int) -> npt.NDArray[np.float
     """
     values = _lightness() if channels == 3 else np.arange(256, dtype=np.float32)
     if gray == "edges":
-        return np.full(values.shape, DEFAULT.edges_log_odds, np.float32)
+        return np.full(values.shape, parameters.edges_log_odds, np.float32)
     sign = 1.0 if gray == "light" else -1.0
-    return np.asarray(sign * (values - np.float32(level)) / DEFAULT.levels_per_unit, np.float32)
+    return np.asarray(sign * (values - np.float32(level)) / parameters.levels_per_unit, np.float32)
 
 
 @functools.cache
@@ -75,22 +78,25 @@ def _lightness() -> npt.NDArray[np.float32]:
     return np.asarray(0.114 * b + 0.587 * g + 0.299 * r, np.float32).ravel()
 
 
-def level_in(image: npt.NDArray[np.uint8]) -> float:
+def level_in(image: npt.NDArray[np.uint8], parameters: BrightnessParameters = DEFAULT) -> float:
     """Gray value that parts a picture best in dark and light, from a few thousand of its pixels.
 
     Parameters
     ----------
     image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+    parameters : BrightnessParameters
     """
-    rows, columns = image.shape[:2]
-    few = np.ascontiguousarray(image[:: max(rows // DEFAULT.samples, 1), :: max(columns // DEFAULT.samples, 1)])
+    down, right = (max(length // parameters.samples, 1) for length in image.shape[:2])
+    few = np.ascontiguousarray(image[::down, ::right])
     if few.ndim == 3:
         few = np.asarray(cv2.cvtColor(few, cv2.COLOR_BGR2GRAY) if few.shape[2] == 3 else few[:, :, 0], np.uint8)
     level, _ = cv2.threshold(few, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
     return float(level) + 0.5
 
 
-def level_across(image: npt.NDArray[np.uint8], points: Floats, x: float, y: float) -> float:
+def level_across(
+    image: npt.NDArray[np.uint8], points: Floats, x: float, y: float, parameters: BrightnessParameters = DEFAULT
+) -> float:
     """Gray value half way between the two sides of an outline.
 
     Parameters
@@ -100,6 +106,7 @@ def level_across(image: npt.NDArray[np.uint8], points: Floats, x: float, y: floa
         The outline, px.
     x, y : float
         Its center, px.
+    parameters : BrightnessParameters
 
     Returns
     -------
@@ -107,7 +114,7 @@ def level_across(image: npt.NDArray[np.uint8], points: Floats, x: float, y: floa
         NaN where the picture does not hold both sides.
     """
     center, sides = np.array([x, y]), []
-    for share in (DEFAULT.inner, DEFAULT.outer):
+    for share in (parameters.inner, parameters.outer):
         places = np.rint(center + share * (points - center)).astype(np.int64)
         inside = ((places >= 0) & (places < image.shape[1::-1])).all(axis=1)
         pixels = image[places[inside, 1], places[inside, 0]].reshape(int(inside.sum()), -1).astype(np.float64)

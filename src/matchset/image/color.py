@@ -13,7 +13,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.brightness import Gray, level_in, log_odds_of
+from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
+from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
 from matchset.image.color_learning import (
     DEFAULT,
     ColorParameters,
@@ -189,7 +190,12 @@ class ColorModel:
         """
         return cls(log_odds_of("edges", 127.5, 1), "edges")
 
-    def for_image(self, image: npt.NDArray[np.uint8], level: float | None = None) -> "ColorModel":
+    def for_image(
+        self,
+        image: npt.NDArray[np.uint8],
+        level: float | None = None,
+        parameters: BrightnessParameters = DEFAULT_BRIGHTNESS,
+    ) -> "ColorModel":
         """Model for a picture: itself for a color; for brightness with the picture's own level between dark and light.
 
         Parameters
@@ -197,6 +203,8 @@ class ColorModel:
         image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
         level : float, optional
             The level, if it is known.
+        parameters : BrightnessParameters
+            How a level is found and used; a color needs none.
 
         Raises
         ------
@@ -207,16 +215,20 @@ class ColorModel:
             self.check(image)
             return self
         channels = 3 if image.ndim == 3 and image.shape[2] == 3 else 1
-        if self.gray == "edges" and channels == self.channels:
+        same_table = channels == self.channels and self.log_odds[0] == np.float32(parameters.edges_log_odds)
+        if self.gray == "edges" and same_table:
             return self
-        return ColorModel(log_odds_of(self.gray, level_in(image) if level is None else level, channels), self.gray)
+        level = level_in(image, parameters) if level is None else level
+        return ColorModel(log_odds_of(self.gray, level, channels, parameters), self.gray)
 
-    def search_models(self, image: npt.NDArray[np.uint8]) -> "list[ColorModel]":
+    def search_models(
+        self, image: npt.NDArray[np.uint8], parameters: BrightnessParameters = DEFAULT_BRIGHTNESS
+    ) -> "list[ColorModel]":
         """Models by which a search finds candidates: itself, or dark and light where edges are asked for."""
         if self.gray != "edges":
             return [self]
-        level, channels = level_in(image), self.channels
-        return [ColorModel(log_odds_of(each, level, channels), each) for each in ("dark", "light")]
+        level, channels = level_in(image, parameters), self.channels
+        return [ColorModel(log_odds_of(each, level, channels, parameters), each) for each in ("dark", "light")]
 
     def __or__(self, other: "ColorModel") -> "ColorModel":
         """Either color: the larger log-odds of the two (Epstein & Feldman, Section 4, filter a)."""

@@ -3,8 +3,8 @@
 The log-odds L of the color cell of a pixel inside the outline moves up by ``rate * (1 - s(L))``, of one outside down by
 ``rate * s(L)``, with the softsign ``s(L) = 1/2 + L / (2 (1 + |L|))`` in place of the logistic function: online
 regression that moves a cell less the better it already tells target from background. Cells next to it in color move by
-half as much. No cell may leave its first value by more than `MAX_DRIFT`, and a pixel inside that looks clearly foreign
-teaches nothing: it is a finger, a stick or a marker.
+half as much. No cell may leave its first value by more than `AdaptationParameters.max_drift`, and a pixel inside that
+looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
 """
 
 import msgspec
@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from matchset.image import color
 from matchset.numeric.jit import kernel
+from matchset.numeric.record import Block, Record, fields, new_block, record_dtype, store
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -24,35 +25,6 @@ SHIFT = (
 )  # geometry: px, more than any picture has, so that a place before its border is positive when it is rounded
 ROUND = SHIFT + 0.5  # theorem: floor(x + 1/2) by cutting off the decimals of a positive number
 LIMIT, WHITE = np.float32(color.LIMIT), np.float32(color.WHITE)
-
-
-class DriftParameters(msgspec.Struct, frozen=True):
-    """How far adaptation may go; compiled into the kernel, so no options of a tracker.
-
-    Chosen by hand; `tests/image/test_color_adaptation.py` would show a change.
-
-    Parameters
-    ----------
-    max_drift : float
-        Largest change of a cell's log-odds from what was learned at first. More follows larger changes of the light,
-        and lets a wrong shape teach a wrong color.
-    foreign_below : float
-        Log-odds below which a pixel inside is something in front of the target, and teaches nothing.
-    sure_beyond : float
-        Log-odds beyond which a cell is not moved further.
-    outside_px : float
-        Distance from the outline at which the background is read, px: beyond the blur of an edge.
-    """
-
-    max_drift: float = 3.0
-    foreign_below: float = -0.5
-    sure_beyond: float = 2.5
-    outside_px: float = 6.0
-
-
-DRIFT = DriftParameters()
-MAX_DRIFT, FOREIGN = np.float32(DRIFT.max_drift), np.float32(DRIFT.foreign_below)
-SURE, OUTSIDE = DRIFT.sure_beyond, DRIFT.outside_px
 
 
 class AdaptationParameters(msgspec.Struct, frozen=True):
@@ -70,12 +42,37 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
         frame may change the color; the whole outline must be in the picture.
     period : int
         Every so many frames the color may change: light changes slowly.
+    max_drift : float
+        Largest change of a cell's log-odds from what was learned at first. More follows larger changes of the light,
+        and lets a wrong shape teach a wrong color.
+    foreign_below : float
+        Log-odds below which a pixel inside is something in front of the target, and teaches nothing: higher keeps more
+        of what is in front out, and follows sudden changes of the light less.
+    sure_beyond : float
+        Log-odds beyond which a cell is not moved further: more makes the color surer, and slower to turn.
+    outside_px : float
+        Distance from the outline at which the background is read, px: beyond the blur of an edge, and near enough to be
+        what the edge is seen against.
     """
 
     rate: float = 0.8
     min_support: float = 0.8
     min_interior: float = 0.6
     period: int = 3
+    max_drift: float = 3.0
+    foreign_below: float = -0.5
+    sure_beyond: float = 2.5
+    outside_px: float = 6.0
+
+
+_LIMITS = record_dtype(AdaptationParameters)
+
+
+def adaptation_block(parameters: AdaptationParameters) -> Block:
+    """Write parameters to a block of floats, as `adapt_table` reads them."""
+    block = new_block(_LIMITS)
+    store(fields(block, _LIMITS), parameters)
+    return block
 
 
 @kernel(refcount=False, entry=False)
@@ -95,31 +92,36 @@ def cell_at(image: Bytes, x: float, y: float) -> np.int64 | int:
 
 
 @kernel(refcount=False, entry=False)
-def _nudge(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
-    """Move one cell, toward target for a positive amount, toward background for a negative one."""
+def _nudge(
+    cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table, drift: np.float32
+) -> None:
+    """Move one cell, toward target for a positive amount, toward background for a negative one, but not too far."""
     old = log_odds[cell]
     belief = np.float32(0.5) + np.float32(0.5) * old / (np.float32(1.0) + abs(old))
     new = old + amount * (np.float32(1.0) - belief if amount > 0 else belief)
-    new = min(max(new, first[cell] - MAX_DRIFT, -LIMIT), first[cell] + MAX_DRIFT, LIMIT)
+    new = min(max(new, first[cell] - drift, -LIMIT), first[cell] + drift, LIMIT)
     log_odds[cell] = new
     half = np.float32(0.5) * new
     table[cell] = np.int8(np.rint(WHITE * np.tanh(half)))
 
 
 @kernel(refcount=False, entry=False)
-def _teach(cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table) -> None:
+def _teach(
+    cell: np.int64 | int, amount: np.float32, log_odds: Singles, first: Singles, table: Table, limits: Record
+) -> None:
     """Move a cell that is not sure yet and, half as much, its neighbors in color."""
-    if log_odds[cell] * (1.0 if amount > 0.0 else -1.0) > SURE:
+    if log_odds[cell] * (1.0 if amount > 0.0 else -1.0) > limits.sure_beyond:
         return
-    _nudge(cell, amount, log_odds, first, table)
+    drift = np.float32(limits.max_drift)
+    _nudge(cell, amount, log_odds, first, table, drift)
     half = np.float32(0.5) * amount
     shift = 1
     while shift < log_odds.size:
         place = (cell // shift) & 31 if log_odds.size > 256 else cell
         if place > 0:
-            _nudge(cell - shift, half, log_odds, first, table)
+            _nudge(cell - shift, half, log_odds, first, table, drift)
         if place < (31 if log_odds.size > 256 else 255):
-            _nudge(cell + shift, half, log_odds, first, table)
+            _nudge(cell + shift, half, log_odds, first, table, drift)
         shift = shift * 32 if log_odds.size > 256 else log_odds.size
 
 
@@ -134,9 +136,9 @@ def adapt_table(
     x: float,
     y: float,
     begin: int,
-    rate: float,
+    parameters: Block,
 ) -> None:
-    """Learn from every fourth outline point: one pixel inside, one `OUTSIDE` px outside.
+    """Learn from every fourth outline point: one pixel inside, one outside.
 
     Ten parameters, because a tuple or record of arrays that comes from Python costs several microseconds a call
     (decision 013), and this is called while a frame is answered.
@@ -150,15 +152,17 @@ def adapt_table(
     table : the same shape, int8, written
     begin : int
         The first outline point that takes part.
-    rate : float
-        Speed of learning.
+    parameters : (n,) float64
+        `adaptation_block`; `rate` and what follows `period` are read.
     """
+    limits = parameters.view(_LIMITS)[0]
+    rate = np.float32(limits.rate)
     for i in range(begin, points.shape[0], 4):
         dx, dy = points[i, 0] - x, points[i, 1] - y
         cell = cell_at(image, x + shares[i] * dx, y + shares[i] * dy)
-        if cell >= 0 and log_odds[cell] > FOREIGN:
-            _teach(cell, np.float32(rate), log_odds, first, table)
-        beyond = 1.0 + OUTSIDE / max(np.sqrt(dx * dx + dy * dy), 1.0)
+        if cell >= 0 and log_odds[cell] > limits.foreign_below:
+            _teach(cell, rate, log_odds, first, table, limits)
+        beyond = 1.0 + limits.outside_px / max(np.sqrt(dx * dx + dy * dy), 1.0)
         cell = cell_at(image, x + beyond * dx, y + beyond * dy)
         if cell >= 0:
-            _teach(cell, np.float32(-rate), log_odds, first, table)
+            _teach(cell, -rate, log_odds, first, table, limits)

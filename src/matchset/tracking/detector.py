@@ -12,6 +12,7 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
+from matchset.image.brightness import BrightnessParameters
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
@@ -79,6 +80,7 @@ class Detector(Generic[S]):
         Proposes them.
     limits : DetectionParameters, optional
     hypotheses : HypothesisParameters, optional
+    brightness : BrightnessParameters, optional
     """
 
     def __init__(
@@ -87,9 +89,11 @@ class Detector(Generic[S]):
         searcher: Searcher,
         limits: DetectionParameters | None = None,
         hypotheses: HypothesisParameters | None = None,
+        brightness: BrightnessParameters | None = None,
     ) -> None:
         self.fitter, self.searcher = fitter, searcher
         self.limits = limits or DetectionParameters()
+        self._brightness = brightness or BrightnessParameters()
         self._hypotheses = Hypotheses(fitter, hypotheses or HypothesisParameters())
 
     def detections(
@@ -143,7 +147,7 @@ class Detector(Generic[S]):
     def _starts(self, image: Image, color: ColorModel) -> Iterator[list[Start]]:
         """Where fits may begin: one or several for each candidate."""
         family = self.fitter.family
-        for sought in color.search_models(image):
+        for sought in color.search_models(image, self._brightness):
             if finds_itself(family):
                 for hull in self.searcher.hulls(image, sought):
                     states = [shape.state for shape in from_hull(family, hull)]

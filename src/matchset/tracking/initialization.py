@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Fitter
 from matchset.fitting.workspace import SearchWindow
-from matchset.image.brightness import level_in
+from matchset.image.brightness import DEFAULT, BrightnessParameters, level_in
 from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, from_hull, nearest, outline
 
@@ -69,7 +69,12 @@ class InitializationParameters(msgspec.Struct, frozen=True):
 
 
 def initialize_near(
-    image: Image, color: ColorModel, fitter: Fitter[S], given: S, limits: InitializationParameters
+    image: Image,
+    color: ColorModel,
+    fitter: Fitter[S],
+    given: S,
+    limits: InitializationParameters,
+    brightness: BrightnessParameters = DEFAULT,
 ) -> tuple[Floats, float]:
     """State to begin at: of the given shape and of the regions there, the one whose fit is best.
 
@@ -84,10 +89,11 @@ def initialize_near(
     given : Shape
         Where the shape is, roughly.
     limits : InitializationParameters
+    brightness : BrightnessParameters
     """
     best, most = given.state, 0.0
     last = fitter.work.motion.last_state[: len(best)]
-    for state in _starts(image, color, given, limits):
+    for state in _starts(image, color, given, limits, brightness):
         reach = max(limits.range_px, limits.range_share * float(fitter.family.half_width(state)))
         estimate = fitter.fit(image, color, state, SearchWindow(reach))
         if not estimate.is_fitted:
@@ -101,7 +107,9 @@ def initialize_near(
     return best, limits.sure_sigma if most > limits.clear_score else limits.sigma_px + limits.sigma_share * size
 
 
-def _starts(image: Image, color: ColorModel, given: S, limits: InitializationParameters) -> Iterator[Floats]:
+def _starts(
+    image: Image, color: ColorModel, given: S, limits: InitializationParameters, brightness: BrightnessParameters
+) -> Iterator[Floats]:
     """States to try: that which was given, then what the regions of the color in its box may be."""
     yield given.state
     points = outline(given)
@@ -112,22 +120,22 @@ def _starts(image: Image, color: ColorModel, given: S, limits: InitializationPar
     if right - left < 4 or bottom - top < 4:
         return
     part = np.ascontiguousarray(image[top:bottom, left:right])
-    for mask in _masks(part, color, limits.min_pixels):
+    for mask in _masks(part, color, limits.min_pixels, brightness):
         for hull in _regions(mask, limits.box_share * float(np.prod(high - low)), limits):
             for shape in from_hull(type(given), hull + np.array((left, top))):
                 yield shape.state
 
 
-def _masks(part: Image, color: ColorModel, min_pixels: int) -> Iterator[Image]:
+def _masks(part: Image, color: ColorModel, min_pixels: int, brightness: BrightnessParameters) -> Iterator[Image]:
     """Where a part of a picture looks like the target; of dark and light things also what is so among its like."""
     if not color.gray:
         yield color.mask(part)
         return
     gray = np.asarray(cv2.cvtColor(part, cv2.COLOR_BGR2GRAY) if part.shape[2] == 3 else part[:, :, 0], np.uint8)
-    level = level_in(gray)
+    level = level_in(gray, brightness)
     for kind in ("dark", "light") if color.gray == "edges" else (color.gray,):
         alike = gray[gray < level] if kind == "dark" else gray[gray >= level]
-        levels = [level, level_in(alike[:, np.newaxis])] if len(alike) > min_pixels else [level]
+        levels = [level, level_in(alike[:, np.newaxis], brightness)] if len(alike) > min_pixels else [level]
         for each in levels:
             yield np.asarray(((gray < each) == (kind == "dark")) * np.uint8(255), np.uint8)
 

@@ -3,6 +3,7 @@
 import msgspec
 
 from matchset.fitting.fitter import FittingParameters
+from matchset.image.brightness import BrightnessParameters
 from matchset.image.color_adaptation import AdaptationParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.hypotheses import HypothesisParameters
@@ -51,6 +52,8 @@ class TrackerParameters(FittingParameters, frozen=True):
         How the candidates of a search are fitted.
     adaptation : AdaptationParameters
         How the color follows the light.
+    brightness : BrightnessParameters
+        How a level between dark and light is found and used, for what has no color.
     coast : float
         How long a shape that is not seen is expected near its prediction, s; after that it may appear anywhere.
         Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
@@ -63,4 +66,5 @@ class TrackerParameters(FittingParameters, frozen=True):
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
+    brightness: BrightnessParameters = BrightnessParameters()
     coast: float = 0.35

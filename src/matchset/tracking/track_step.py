@@ -17,7 +17,7 @@ from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Rejection
 from matchset.fitting.workspace import FitStatistics, SearchWindow
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import adapt_table
+from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.jit import collection_paused, interpreted
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
@@ -179,7 +179,8 @@ def precompile(family: type[Any], points: int, cells: int, channels: int) -> Non
     initialize(fitter.work, estimate.state, 0.0, 1.0)
     make_accept(fitter.layout)(fitter.block, 2.0)
     rows, shares, first = fitter.work.outline[:points], fitter.work.interior[:points], color.log_odds.copy()
-    adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, 0.5)
+    limits = adaptation_block(AdaptationParameters())
+    adapt_table(image, color.log_odds, first, color.table, rows, shares, CENTER, CENTER, 0, limits)
 
 
 @functools.cache

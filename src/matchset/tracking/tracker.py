@@ -10,9 +10,9 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
-from matchset.image.brightness import level_across
+from matchset.image.brightness import BrightnessParameters, level_across
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import adapt_table
+from matchset.image.color_adaptation import adapt_table, adaptation_block
 from matchset.image.frame import Frame
 from matchset.shapes.shape import Shape, finds_itself, nearest, outline
 from matchset.tracking.compiled_step import tracking_fitter
@@ -100,6 +100,7 @@ class Tracker(Generic[S]):
         self._family, self._hint = family, _checked_hint(start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
+        self._adaptation = adaptation_block(self.parameters.adaptation)
         self._detector: Detector[S] | None
         self._format: tuple[int, ...] | None
         self._initial: S | None
@@ -231,11 +232,11 @@ class Tracker(Generic[S]):
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
         given, self._initial = self._initial, None
         if self.color.gray:
-            self.color = _model_for_image(self.color, image, given)
+            self.color = _model_for_image(self.color, image, given, self.parameters.brightness)
             self._learned = self.color.log_odds.copy()
         if given is not None and finds_itself(self._family):
-            limits = self.parameters.initialization
-            state, sigma = initialize_near(image, self.color, self._fitter, given, limits)
+            limits = self.parameters.initialization, self.parameters.brightness
+            state, sigma = initialize_near(image, self.color, self._fitter, given, *limits)
             initialize(self._fitter.work, state, -math.inf, sigma)
 
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
@@ -264,7 +265,7 @@ class Tracker(Generic[S]):
         """State of the detection to go on with, or None."""
         if self._detector is None:
             searcher = Searcher(image.shape[1], image.shape[0], self.parameters.search)
-            limits = self.parameters.detection, self.parameters.hypotheses
+            limits = self.parameters.detection, self.parameters.hypotheses, self.parameters.brightness
             self._detector = Detector(self._fitter, searcher, *limits)
         best, most, hint = None, 0.0, self._hint
         for estimate, merit in self._detector.detections(image, self.color, self._prior(predicted)):
@@ -329,9 +330,8 @@ class Tracker(Generic[S]):
             outline, interior = fitter.outline, fitter.interior
             x, y = fitter.state.tolist()[:2]
             quadrant = self._frames // limits.period % 4
-            adapt_table(
-                image, color.log_odds, self._learned, color.table, outline, interior, x, y, quadrant, limits.rate
-            )
+            tables = color.log_odds, self._learned, color.table
+            adapt_table(image, *tables, outline, interior, x, y, quadrant, self._adaptation)
 
 
 def _checked_hint(point: tuple[float, float] | None) -> tuple[float, float] | None:
@@ -341,10 +341,12 @@ def _checked_hint(point: tuple[float, float] | None) -> tuple[float, float] | No
     return point
 
 
-def _model_for_image(color: ColorModel, image: Image, shape: Shape | None) -> ColorModel:
+def _model_for_image(
+    color: ColorModel, image: Image, shape: Shape | None, parameters: BrightnessParameters
+) -> ColorModel:
     """Brightness model with the level of the picture, or that of the edge of a shape in it."""
     if shape is None:
-        return color.for_image(image)
+        return color.for_image(image, None, parameters)
     x, y = shape.state[:2].tolist()
-    level = level_across(image, outline(shape), x, y)
-    return color.for_image(image, None if math.isnan(level) else level)
+    level = level_across(image, outline(shape), x, y, parameters)
+    return color.for_image(image, None if math.isnan(level) else level, parameters)

@@ -26,7 +26,7 @@ COLUMNS = {  # column of the README -> title of the chapter, its column
     "`hard`": (RENDERED, "`hard`"),
     "valid": (RENDERED, "valid, all sequences"),
     "false locks": (RENDERED, "false locks"),
-    "real clip": (REAL, "median"),
+    "real": (REAL, "median"),
     "valid there": (REAL, "valid"),
 }
 
@@ -73,9 +73,9 @@ def block(results: str) -> str:
         rows.append([name, *(chapters[title][name][column] for title, column in COLUMNS.values())])
     where = re.search(r"^(\d{4}-\d\d-\d\d) .*?commit \w+\. (.*?), \d+ cores", results, flags=re.MULTILINE)
     made = f" {where[2]}, {where[1]}." if where else ""
-    clip = re.search(r"^\*\*(\w+)\*\*, (\d+) rows", chapter(results, REAL), flags=re.MULTILINE)
-    real = f" Real clip: {clip[1]}, {clip[2]} frames." if clip else ""
-    return f"{table(['', *COLUMNS], rows)}\n*Rendered sequences, then a real one.{real}{made}*\n"
+    clip = re.search(r"^\*\*([\w ]+)\*\*, (\d+) rows", chapter(results, REAL), flags=re.MULTILINE)
+    real = f": {clip[1]}, {clip[2]} frames" if clip else ""
+    return f"{table(['', *COLUMNS], rows)}\n*Rendered sequences, then real footage{real}.{made}*\n"
 
 
 def chapter(results: str, title: str) -> str:

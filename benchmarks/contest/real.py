@@ -1,5 +1,7 @@
 """Everybody on real footage: the clips of `--data DIR`, scored by their truth files."""
 
+from collections.abc import Mapping, Sequence
+
 import msgspec
 
 from benchmarks.contest.field import OURS, PEERS, missing, peer
@@ -30,7 +32,7 @@ def run(options: Options) -> Section:
         return Section(TITLE, [nothing], "Skipped: the real clips are not here.")
     keys = tuple(key for key in (QUICK_PEERS if options.quick else PEERS) if not missing(key))
     every = spread(scored, [Heat(clip, keys) for clip in clips], options.jobs)
-    findings, tables = [], []
+    findings, tables = [], [pooled_table(every)] if len(clips) > 1 else []
     for clip, scores in zip(clips, every, strict=True):
         findings.append(_finding(clip.name, scores))
         rows = [[peer(key).name, *(figure.text for figure in figures(each))] for key, each in scores.items()]
@@ -50,6 +52,35 @@ def scored(heat: Heat) -> dict[str, Score]:
     clip = heat.clip
     answers = follow_real_clip(clip, [peer(key) for key in heat.peers])
     return {key: score(each, clip.truths, start=clip.tight[0].frame + 1) for key, each in answers.items()}
+
+
+def pooled_table(every: Sequence[Mapping[str, Score]]) -> str:
+    """Write what everybody reached on all clips together, each clip counting the same.
+
+    *Mean* and *median* are means over the clips in which a peer answered at all, so they mean little where it is
+    valid in few.
+    """
+    rows = []
+    for key in every[0]:
+        own = [scores[key] for scores in every]
+        valid = [each.valid_percent or 0.0 for each in own]
+        cells = (
+            Figure("mean", _mean([each.mean_error_px for each in own]), "px", 3),
+            Figure("median", _mean([each.median_error_px for each in own]), "px", 3),
+            Figure("valid", _mean(valid), "%", 2),
+            Figure("least valid", min(valid), "%", 2),
+            Figure("lost", _mean([each.lost_percent for each in own]), "%", 2),
+            Figure("false locks", sum(each.false_locks for each in own), "", 0),
+        )
+        rows.append([peer(key).name, *(figure.text for figure in cells)])
+    tight = sum(scores[OURS].tight for scores in every)
+    head = ["", *(figure.name for figure in cells)]
+    return f"\n**{len(every)} clips**, {tight} rows with the ball well known, each clip alike\n\n{table(head, rows)}"
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
 
 
 def _finding(name: str, scores: dict[str, Score]) -> Finding:

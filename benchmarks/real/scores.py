@@ -8,6 +8,7 @@ from scipy.stats import chi2
 
 from benchmarks.real.clips import Clip
 from benchmarks.real.following import Run
+from benchmarks.real.starts import BEGINNINGS, CLICKS
 from benchmarks.results import Figure, Finding, Goal, table
 from benchmarks.tracking.covariance import FREEDOM, LEVEL
 from matchset.app.track.score import Score
@@ -155,6 +156,19 @@ def starts_table(clips: Sequence[Clip], runs: Runs) -> str:
         )
     names = [figure.name for figure in found]
     return table(["clip", "starts", *names, "median of means", "worst"], rows)
+
+
+def places_table(clips: Sequence[Clip], runs: Runs) -> str:
+    """Write the mean share of valid frames of each place of a click, and of each frame to begin at, as a table."""
+    rows = []
+    for clip in clips:
+        scored = [(run.start, run.score(clip).valid_percent or 0.0) for run in runs[clip.name]]
+        by_click = [[valid for start, valid in scored if start.click == k] for k in range(len(CLICKS))]
+        by_frame = [[valid for start, valid in scored if start.beginning == k] for k in range(BEGINNINGS)]
+        cells = [f"{np.mean(values):.0f} %" if values else "-" for values in (*by_click, *by_frame)]
+        rows.append([clip.name, *cells])
+    head = ["clip", *(f"{k}: ({x:+.1f}, {y:+.1f})" for k, (x, y) in enumerate(CLICKS))]
+    return table([*head, *(f"start {k}" for k in range(BEGINNINGS))], rows)
 
 
 def offsets_of(run: Run, clip: Clip) -> Offsets:

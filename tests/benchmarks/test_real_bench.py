@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks.contest.real import pooled_table
 from benchmarks.options import Options
 from benchmarks.real import failures, scores
 from benchmarks.real.clips import Clip, find_clips
@@ -17,7 +18,7 @@ from benchmarks.real.starts import CLICKS, Start, beginnings, starts_of
 
 import matchset as ms
 from matchset.app.drawing.clip_export import write_clip
-from matchset.app.track.score import Circle3, TruthRow
+from matchset.app.track.score import Circle3, TruthRow, score
 from matchset.sim.clips.clip import Clip as RenderedClip
 
 FRAMES, AWAY = 40, (20, 27)
@@ -196,6 +197,17 @@ def test_the_place_of_the_ball_is_examined_even_where_nothing_is(data: Path) -> 
     assert not is_near((115.0, 80.0, 20.0), CIRCLE)
 
 
+def test_everybody_is_compared_over_all_clips_alike() -> None:
+    truths = [TruthRow(k, CIRCLE) for k in range(4)]
+    whole, half = score(dict.fromkeys(range(4), CIRCLE), truths), score({0: CIRCLE, 1: CIRCLE}, truths)
+    nothing = score({}, truths)
+    text = pooled_table([{"matchset": whole, "contour_moments": half}, {"matchset": whole, "contour_moments": nothing}])
+    assert "**2 clips**, 8 rows" in text
+    ours, theirs = (line for line in text.splitlines() if " px |" in line)
+    assert ours == "| matchset | 0.000 px | 0.000 px | 100.00 % | 100.00 % | 0.00 % | 0 |"
+    assert theirs.endswith("| 0.000 px | 0.000 px | 25.00 % | 0.00 % | 75.00 % | 0 |")
+
+
 def test_colors_are_foreign_if_their_chroma_differs() -> None:
     color = ms.ColorModel.hsv((0, 80, 80), (10, 255, 255))
     balls = {"green": Ball((-0.1, 0.0), color), "leaf": Ball((0.0, 0.0), color), "red": Ball((-0.1, 0.3), color)}
@@ -230,3 +242,10 @@ def test_false_locks_are_counted_by_the_thousand() -> None:
     assert finding.verdict == "missed"
     assert "b 2 (first: 7)" in foreign_table(tallies)
     assert foreign_finding([]).verdict == "-"
+
+
+def test_places_of_the_click_are_told_apart() -> None:
+    clip = clip_of([TruthRow(k, CIRCLE) for k in range(4)])
+    runs = [run_of(dict.fromkeys(range(4), CIRCLE)), run_of({0: CIRCLE}, click=4)]
+    line = scores.places_table([clip], {"drawn": runs}).splitlines()[-1]
+    assert line == "| drawn | 100 % | - | - | - | 25 % | - | - | - | - | 62 % | - | - |"

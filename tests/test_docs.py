@@ -95,12 +95,18 @@ def is_blue(names: dict[str, Any]) -> None:
     assert names["tracker"].parameters.coast == 0.1
 
 
+def is_followed(names: dict[str, Any]) -> None:
+    assert len(names["errors"]) == 5
+    assert max(names["errors"]) < 1.0
+
+
 PAGES: dict[str, tuple[Callable[[], dict[str, Any]], Callable[[dict[str, Any]], None]]] = {
     "getting_started.md": (color_file, is_found),
     "localization.md": (flight, is_located),
     "camera.md": (flight_and_board, is_calibrated),
     "recording.md": (recording, is_decoded),
     "finding_your_way.md": (nothing, is_blue),
+    "clips.md": (nothing, is_followed),
 }
 
 

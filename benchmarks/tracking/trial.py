@@ -13,6 +13,10 @@ from benchmarks.workers import spread
 from matchset.app.track.score import Circle3, TruthRow, error_px
 from matchset.sim.clips.clip import Clip
 from matchset.sim.clips.truth import ClipTruth
+from matchset.sim.digital_camera.codec import Codec
+from matchset.sim.digital_camera.control_steps import ControlSteps
+from matchset.sim.digital_camera.digital_camera import DigitalCamera
+from matchset.sim.rendering.renderer import Light
 
 PRESETS = ("clean", "typical", "bad")
 SEQUENCES = (*PRESETS, "hard")
@@ -20,6 +24,9 @@ SEQUENCES = (*PRESETS, "hard")
 
 TRIALS = ("occlusion", "clutter", "light", "blur", "shrink", "fast", "return", "hidden", "empty")
 """`typical` with one difficulty each."""
+
+RECORDED = ("compressed", "phone")
+"""No analog link: what a codec, and a phone with all that it does, make of the picture."""
 
 FRAMES = 300
 QUICK_FRAMES = 100
@@ -41,6 +48,9 @@ WHAT = {
     "return": "`typical`, leaves the picture and returns, up to 40 px a frame",
     "hidden": "`typical`, a board hides all of it twice, for a second each",
     "empty": "`typical` with clutter of the same color and no ball at all",
+    "compressed": "`clean`, then H.264 at 300 kbit/s: blocks, 4:2:0 chroma, smeared motion",
+    "phone": "a phone's video: a hand over a quarter of the rim, a shadow on the ball, light × 1.6 and back with "
+    "exposure settling, rolling shutter, motion blur, noise, denoising, sharpening, H.264 at 700 kbit/s",
 }
 CHANGES: dict[str, dict[str, Any]] = {
     "occlusion": {"occluder": 0.3},
@@ -52,6 +62,22 @@ CHANGES: dict[str, dict[str, Any]] = {
     "return": {"away": GONE["return"]},
     "hidden": {"hidden": GONE["hidden"]},
     "empty": {"clutter": True, "ball": False},
+    "compressed": {"preset": "clean", "codec": Codec(name="h264", kbps=300.0)},
+    "phone": {
+        "preset": None,
+        "exposure": 0.4,
+        "hand": 0.25,
+        "light": Light(highlight=300.0, shadow=0.5),
+        "digital": DigitalCamera(
+            readout=0.5,
+            steps=ControlSteps(brightness=1.6, tint=0.05, every=0.8, settling=0.3),
+            noise=5.0,
+            denoising=0.5,
+            trail=0.4,
+            sharpening=1.0,
+        ),
+        "codec": Codec(name="h264", kbps=700.0),
+    },
 }
 
 
@@ -78,7 +104,8 @@ def sequence(name: str, seed: int, frames: int = FRAMES, **changes: Any) -> Clip
     if name not in WHAT:
         raise ValueError(f"a sequence is one of {', '.join(WHAT)}, got {name!r}")
     preset = name if name in PRESETS else "typical"
-    return Clip(preset=preset, seed=seed, frames=frames, **(CHANGES.get(name, {}) | changes))
+    settings: dict[str, Any] = {"preset": preset, "seed": seed, "frames": frames}
+    return Clip(**(settings | CHANGES.get(name, {}) | changes))
 
 
 LOWCONF_BELOW = 0.5

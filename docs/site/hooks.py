@@ -12,7 +12,18 @@ import matchset
 
 PAGES = ("*.md", "LICENSE", "benchmarks/*.md", "docs/*.md", "docs/decisions/*.md")
 BESIDE = ("docs/pictures/*.[pjw]*[gp]", "docs/site/*.css", "benchmarks/pictures/*.png")
-GUIDES = ("getting_started", "cli", "camera", "localization", "add_a_shape", "flight", "recording", "ros", "radio")
+GUIDES = (
+    "getting_started",
+    "cli",
+    "camera",
+    "localization",
+    "add_a_shape",
+    "flight",
+    "recording",
+    "ros",
+    "radio",
+    "clips",
+)
 INSIDE = ("ARCHITECTURE.md", "docs/finding_your_way.md", "CONTRIBUTING.md", "docs/log.md", "CHANGELOG.md")
 RESULTS = ("docs/evidence.md", "benchmarks/RESULTS.md", "benchmarks/FLIGHT.md", "docs/limits.md")
 

@@ -2,20 +2,29 @@
 
 import math
 from collections.abc import Iterator
+from typing import Literal
 
 import cv2
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.sim.analog_link import PRESETS, AnalogLink, degrade
 from matchset.sim.clips.balloon import Balloon
+from matchset.sim.clips.hand import HOLD, Hand, hand_at, shifted
 from matchset.sim.clips.occluder import Occluder, bar_over, board_over, visible_share
 from matchset.sim.clips.trajectory import BallTrajectory
 from matchset.sim.clips.truth import ClipTruth, SphereOutline, mean_circle, sphere_outline
-from matchset.sim.rendering.renderer import Picture, draw_balloon, draw_occluder
-from matchset.sim.rendering.shutter import Rows, channel_gain, fields, sub_exposures
+from matchset.sim.digital_camera.codec import Codec
+from matchset.sim.digital_camera.digital_camera import CameraPipeline, DigitalCamera
+from matchset.sim.rendering.capsules import draw_capsules
+from matchset.sim.rendering.coverage import Pinhole
+from matchset.sim.rendering.painted_ball import draw_painted_ball
+from matchset.sim.rendering.renderer import Light, Picture, draw_occluder
+from matchset.sim.rendering.shutter import Rows, channel_gain, fields, read_out, sub_exposures
+from matchset.sim.scene.grass import grass
 from matchset.sim.scene.scene import Scene, viewpoint
 
 __all__ = ["Clip", "ClipTruth"]
@@ -32,7 +41,10 @@ _LIMITS = {
     "scene_seed": (0, 2**62),
     "shrink_to": (0.5, 1e6),
     "jpeg": (1, 100),
+    "hand": (0.0, 0.4),
+    "blur_samples": (1, 1000),
 }
+BAND = 4  # geometry: rows that a rolling shutter is drawn to expose together
 
 
 class Clip(msgspec.Struct, frozen=True, kw_only=True):
@@ -73,6 +85,18 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         Share by which blue rises while red falls, and back, in 9 s. 0: steady.
     jpeg : int or None
         Quality of a JPEG step at the end, 1 ... 100.
+    hand : float
+        Share of the rim behind the fingers of a hand that holds the ball and moves with it, 0 ... 0.4. 0: no hand.
+    light : Light
+        Where light comes from, the highlight on the ball and its shadow on itself.
+    backdrop : str
+        "room", or "grass": a lawn, for green balls.
+    blur_samples : int
+        Most sub-exposures of motion blur, one per 1.5 px. More: smooth where blur is longer than 24 px; slower.
+    digital : DigitalCamera
+        Lens, shutter, sensor and processing of a phone or web camera, before the link of `preset`.
+    codec : Codec or None
+        A video encoder at a bit rate, at the very end; the whole clip goes through one encoder.
     fov : float
         Horizontal field of view, rad.
     radii : tuple of 2 floats
@@ -104,6 +128,12 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
     gain_swing: float = 1.0
     white_balance_drift: float = 0.0
     jpeg: int | None = None
+    hand: float = 0.0
+    light: Light = Light()
+    backdrop: Literal["room", "grass"] = "room"
+    blur_samples: int = 16
+    digital: DigitalCamera = DigitalCamera()
+    codec: Codec | None = None
     fov: float = 1.07
     radii: tuple[float, float] = (20.0, 120.0)
     shrink_to: float | None = None
@@ -118,6 +148,8 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"a preset is one of {', '.join(PRESETS)}, got {self.preset!r}")
         if not 0.0 < self.radii[0] <= self.radii[1] < min(self.width, self.height) / 2.2:
             raise ValueError(f"radii must rise and fit the picture, got {self.radii} px")
+        if self.backdrop not in ("room", "grass"):
+            raise ValueError(f"a backdrop is room or grass, got {self.backdrop!r}")
         for name, (low, high) in _LIMITS.items():
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
@@ -174,11 +206,14 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
 
     def __iter__(self) -> Iterator[tuple[Frame, ClipTruth]]:
         background, room = None, -1
+        pipeline = CameraPipeline(self.digital)
+        coder = None if self.codec is None else self.codec.start(self.width, self.height, self.fps)
         for index in range(self.frames):
             wanted = index // self.scene_frames if self.scene_frames > 0 else 0
             if background is None or wanted != room:
                 background, room = self.background(wanted), wanted
-            yield self.render(index, background), self.truth(index)
+            image = self._picture(index, background, pipeline)
+            yield Frame(image if coder is None else coder(image), index / self.fps, index), self.truth(index)
 
     def background(self, room: int = 0) -> Picture:
         """Render the room without the ball.
@@ -193,11 +228,13 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         ndarray of shape (h, w, 3), float32
             BGR, 0 ... 255.
         """
-        seed = (self.seed if self.scene_seed is None else self.scene_seed) + 7919 * room
+        if self.backdrop == "grass":
+            return grass(self._room_seed(room), self.width, self.height)
+        seed = self._room_seed(room)
         return Scene.room(seed, clutter=self.clutter).render(self.camera, *viewpoint(seed))
 
     def render(self, index: int, background: Picture) -> Frame:
-        """Render one frame.
+        """Render one frame by itself: nothing of the frames before it, so no `codec` and no trail.
 
         Parameters
         ----------
@@ -211,19 +248,31 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         Frame
             Its time is the middle of its exposure, index / fps.
         """
+        return Frame(self._picture(index, background, CameraPipeline(self.digital)), index / self.fps, index)
+
+    def _room_seed(self, room: int) -> int:
+        return (self.seed if self.scene_seed is None else self.scene_seed) + 7919 * room
+
+    def _picture(self, index: int, background: Picture, pipeline: CameraPipeline) -> npt.NDArray[np.uint8]:
+        """Render one frame's picture, up to the codec."""
         picture = background.copy()
         if self.ball:
             for rows, time in fields(index, self.link.interlaced):
-                self._draw_ball(picture, rows, time, index)
-        gain = channel_gain(index / self.fps, self.gain_swing, self.white_balance_drift)
-        image = degrade(picture, self.link, self.seed * 1_000_003 + index, gain)
+                self._draw_rows(picture, rows, time, index)
+        seed, seconds = self.seed * 1_000_003 + index, index / self.fps
+        gain = channel_gain(seconds, self.gain_swing, self.white_balance_drift)
+        if self.digital.changes_pictures:
+            picture, gain = pipeline(picture, seconds, gain, seed), (1.0, 1.0, 1.0)
+        image = degrade(picture, self.link, seed, gain)
         if self.jpeg is not None:
             _, packed = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg])
             image = np.asarray(cv2.imdecode(packed, cv2.IMREAD_COLOR), dtype=np.uint8)
-        return Frame(image, index / self.fps, index)
+        return image
 
     def truth(self, index: int) -> ClipTruth:
         """Truth of one frame, without rendering it.
+
+        With a rolling shutter it is that of the moment at which the row of the ball's center is exposed.
 
         Parameters
         ----------
@@ -236,16 +285,21 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         """
         if not self.ball:
             return ClipTruth(index=index, circle=None, visible=False, share=0.0, outline=None, position=None)
-        outlines = [self._outline(time) for _, time in fields(index, self.link.interlaced)]
-        shares = [visible_share(o, self.camera, self._occluders(o, index)) for o in outlines]
+        times = [self._when_read(time) for _, time in fields(index, self.link.interlaced)]
+        outlines = [self._outline(time) for time in times]
+        shares = [
+            visible_share(o, self.camera, self._occluders(o, index), self._hand(o, time).fingers)
+            for o, time in zip(outlines, times, strict=True)
+        ]
         share = sum(shares) / len(shares)
-        x, y, z = self._path.position(float(index)).tolist()
+        middle = self._when_read(float(index))
+        x, y, z = self._path.position(middle).tolist()
         return ClipTruth(
             index=index,
             circle=mean_circle([o.circle() for o in outlines]) if share > 0.0 else None,
             visible=share > 0.0,
             share=share,
-            outline=self._outline(float(index)),
+            outline=self._outline(middle),
             position=(x, y, z),
         )
 
@@ -278,14 +332,43 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
     def _is_hidden(self, index: int) -> bool:
         return any(begin <= index < end for begin, end in self.hidden)
 
-    def _draw_ball(self, picture: Picture, rows: Rows, time: float, index: int) -> None:
-        """Draw the ball and what hides it, over one exposure."""
+    def _hand(self, outline: SphereOutline, time: float) -> Hand:
+        return hand_at(outline, self.hand, time, self.seed) if self.hand > 0.0 else Hand(behind=[], fingers=[])
+
+    def _when_read(self, time: float) -> float:
+        """Time at which the row of the ball's center is exposed, frames, if the picture's middle is at `time`."""
+        at = time
+        if self.digital.readout > 0.0:
+            for _ in range(8):
+                y = min(max(self._outline(at).y, 0.0), self.height - 1.0)
+                at = time + read_out(0, 1, self.height, self.digital.readout) + self.digital.readout * y / self.height
+        return at
+
+    def _draw_rows(self, picture: Picture, rows: Rows, time: float, index: int) -> None:
+        """Draw the ball over rows of a picture: at once, or band after band as a rolling shutter exposes them."""
+        readout = self.digital.readout
+        if readout <= 0.0:
+            self._draw_ball(picture, rows, time, index)
+            return
+        for top in range(0, self.height, BAND):
+            bottom = min(top + BAND, self.height)
+            moment = time + read_out(top, bottom - top, self.height, readout)
+            self._draw_ball(picture[top:bottom], rows, moment, index, top)
+
+    def _draw_ball(self, picture: Picture, rows: Rows, time: float, index: int, top: int = 0) -> None:
+        """Draw the ball and what hides it, over one exposure; the picture begins with row `top`."""
         begin, end = self._outline(time - self.exposure / 2.0), self._outline(time + self.exposure / 2.0)
         smear = math.hypot(end.x - begin.x, end.y - begin.y) + abs(end.a - begin.a)
-        times = sub_exposures(time, self.exposure, smear)
+        times = sub_exposures(time, self.exposure, smear, self.blur_samples)
+        outlines = [self._outline(t) for t in times]
         if not self._is_hidden(index):
-            positions = [self._path.position(t) for t in times]
-            draw_balloon(picture, self.camera, self.balloon, positions, rows=rows)
-        places = [self._occluders(self._outline(t), index) for t in times]
-        if places[0]:
-            draw_occluder(picture, [o[0] for o in places], rows)
+            hands = [shifted(self._hand(o, t), top) for o, t in zip(outlines, times, strict=True)]
+            draw_capsules(picture, [hand.behind for hand in hands], HOLD.color, rows)
+            camera, positions = self.camera, np.array([self._path.position(t) for t in times])
+            window = Pinhole(camera.fx, camera.fy, camera.cx, camera.cy - top)
+            look = self.light, rows
+            draw_painted_ball(picture, window, self.balloon, positions, self.balloon.spin * time, look)
+            draw_capsules(picture, [hand.fingers for hand in hands], HOLD.color, rows)
+        places = [o for outline in outlines for o in self._occluders(outline, index)]
+        if places:
+            draw_occluder(picture, [msgspec.structs.replace(o, y=o.y - top) for o in places], rows)

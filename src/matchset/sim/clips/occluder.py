@@ -1,6 +1,7 @@
 """What hides a part of the ball: `Occluder`, a bar or a board in front of it."""
 
 import math
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -8,6 +9,7 @@ from scipy.optimize import brentq
 
 from matchset.camera.camera_model import CameraModel
 from matchset.sim.clips.truth import SphereOutline
+from matchset.sim.rendering.capsules import Capsule
 
 
 class Occluder(msgspec.Struct, frozen=True, kw_only=True):
@@ -117,8 +119,10 @@ def board_over(outline: SphereOutline) -> Occluder:
     )
 
 
-def visible_share(outline: SphereOutline, camera: CameraModel, occluders: list[Occluder]) -> float:
-    """Share of the ball's disc that lies in the picture and behind no occluder.
+def visible_share(
+    outline: SphereOutline, camera: CameraModel, occluders: list[Occluder], fingers: Sequence[Capsule] = ()
+) -> float:
+    """Share of the ball's disc that lies in the picture and behind nothing.
 
     Counted on about 3200 points of the disc: good to 0.01.
 
@@ -130,6 +134,8 @@ def visible_share(outline: SphereOutline, camera: CameraModel, occluders: list[O
         Gives the size of the picture.
     occluders : list of Occluder
         What stands in front.
+    fingers : sequence of Capsule
+        What else does.
 
     Returns
     -------
@@ -147,4 +153,6 @@ def visible_share(outline: SphereOutline, camera: CameraModel, occluders: list[O
         c, s = math.cos(o.angle), math.sin(o.angle)
         along, across = c * (x - o.x) + s * (y - o.y), -s * (x - o.x) + c * (y - o.y)
         seen &= (np.abs(along) > o.half_length) | (np.abs(across) > o.half_width)
+    for finger in fingers:
+        seen &= ~finger.covers(x, y)
     return float(seen.mean())

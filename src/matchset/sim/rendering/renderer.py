@@ -30,12 +30,22 @@ class Light(msgspec.Struct, frozen=True, kw_only=True):
     ambient : float
         Share of the surface color that shows without the light, 0 ... 1.
     highlight : float
-        Brightness of the small highlight, display units (0 ... 255).
+        Brightness of the small highlight, display units, 0 ... 2000. From 200 on it saturates, and the more the larger
+        the white spot is.
+    shadow : float
+        Share of the light that the side away from it loses, 0 ... 1: a shadow of the ball on itself. 0: only `ambient`
+        decides. `draw_painted_ball` draws it.
     """
 
     direction: tuple[float, float, float] = (-0.48, -0.72, -0.5)
     ambient: float = 0.45
     highlight: float = 150.0
+    shadow: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, most in (("ambient", 1.0), ("highlight", 2000.0), ("shadow", 1.0)):
+            if not 0.0 <= getattr(self, name) <= most:
+                raise ValueError(f"{name} of a light lies in 0 ... {most:g}, got {getattr(self, name)}")
 
 
 def draw_balloon(
@@ -78,10 +88,10 @@ def draw_balloon(
         raise ValueError(f"positions must have shape (n, 3), got {centers.shape}")
     if not (np.isfinite(centers).all() and centers[:, 2].min() > balloon.radius):
         raise ValueError(f"a balloon must lie in front of the camera, got {centers.tolist()}")
-    _draw_at(picture, Pinhole(camera.fx, camera.fy, camera.cx, camera.cy), balloon, centers, light, rows)
+    draw_at(picture, Pinhole(camera.fx, camera.fy, camera.cx, camera.cy), balloon, centers, light, rows)
 
 
-def _draw_at(
+def draw_at(
     picture: Picture,
     window: Pinhole,
     balloon: Balloon,

@@ -66,7 +66,29 @@ def fields(index: int, interlaced: bool) -> list[tuple[Rows, float]]:
     return [(Rows(0, 2), index - 0.25), (Rows(1, 2), index + 0.25)]
 
 
-def sub_exposures(time: float, exposure: float, smear: float) -> list[float]:
+def read_out(top: int, rows: int, height: int, readout: float) -> float:
+    """Time at which a rolling shutter exposes some rows, after the middle of the frame.
+
+    Row y is exposed ``readout ((y + 1/2) / height - 1/2)`` after it.
+
+    Parameters
+    ----------
+    top, rows : int
+        The first of the rows, and how many.
+    height : int
+        Of the picture, px.
+    readout : float
+        Time from the first row of the picture to the last, frames.
+
+    Returns
+    -------
+    float
+        Frames: that of the middle of the rows.
+    """
+    return readout * ((top + 0.5 * rows) / height - 0.5)
+
+
+def sub_exposures(time: float, exposure: float, smear: float, most: int | None = None) -> list[float]:
     """Choose times whose pictures, averaged, are one exposure; their mean is its middle.
 
     Parameters
@@ -77,13 +99,15 @@ def sub_exposures(time: float, exposure: float, smear: float) -> list[float]:
         Its length, frames.
     smear : float
         Motion of the ball in it, px: one sub-exposure per 1.5 px, at most 16.
+    most : int, optional
+        At most this many instead.
 
     Returns
     -------
     list of float
         Frames.
     """
-    count = min(max(math.ceil(smear / PARAMETERS.step_px), 1), PARAMETERS.most)
+    count = min(max(math.ceil(smear / PARAMETERS.step_px), 1), PARAMETERS.most if most is None else most)
     return [time + exposure * ((i + 0.5) / count - 0.5) for i in range(count)]
 
 

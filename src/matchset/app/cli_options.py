@@ -58,6 +58,10 @@ Folder = Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder f
 ToStdout = Annotated[
     bool, typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there.")
 ]
+Fps = Annotated[
+    float | None,
+    typer.Option(metavar="RATE", help="Frames per second: of a file whose own times are wrong, or asked of a camera."),
+]
 Params = Annotated[
     Path | None,
     typer.Option("--params", metavar="FILE.toml", help="Parameters of the tracker, as 'matchset params' prints them."),

@@ -1,6 +1,6 @@
 """Where pictures come from, and how much a pixel looks like the target.
 
-`frame` is one picture; `video` opens a file (`video_file`), a folder (`image_folder`), a camera or a stream
+`frame` is one picture; `video` opens a file (`video_files/`), a folder (`image_folder`), a camera or a stream
 (`camera_stream`), all through OpenCV (`capture`), or a recording of a robot (`bags/`). `color` is the table from pixel
 value to score: `color_learning` makes it from a click, `brightness` from gray values, and `color_adaptation` lets it
 follow the light. Read `frame`, `color`, then `color_learning`.

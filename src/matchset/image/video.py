@@ -11,7 +11,7 @@ from matchset.image.bags.bag import Bag, is_bag
 from matchset.image.camera_stream import Live, Settings, differences
 from matchset.image.frame import Frame
 from matchset.image.image_folder import Pictures, is_picture
-from matchset.image.video_file import Recording
+from matchset.image.video_files.video_file import Recording
 
 
 class Video:
@@ -33,7 +33,8 @@ class Video:
         White balance to hold a camera at, K. Left alone by default.
     fps : float, optional
         Frames per second. Asked of a camera; for files and folders it fixes the times, index / fps. By
-        default a file's own time stamps count, and a folder has 30.
+        default a file's own time stamps count, with times between their neighbors for frames whose stamps are
+        equal or missing, and a folder has 30.
     timeout : float, default 2.0
         Longest silence of a live source, s.
     topic : str, optional
@@ -42,13 +43,14 @@ class Video:
     Attributes
     ----------
     width, height : int
-        Size of the pictures, px.
+        Size of the pictures, px, as they come: those of a phone held upright are upright.
     channels : int
         3 for color, 1 for gray.
     fps : float or None
         Frames per second as far as known.
     length : int or None
-        Number of frames that a file announces or a folder holds; None when live or unknown.
+        Number of frames that a file announces or a folder holds; None when live or unknown. Only MP4, MOV and AVI
+        files count their frames; of others it is estimated from duration and rate.
     live : bool
         Whether frames come from a camera or a stream. Then the time of a frame is the moment of its capture
         on the clock of `time.monotonic`, so its age is ``time.monotonic() - frame.time``, and its index

@@ -17,6 +17,7 @@ from matchset.app.cli_options import (
     AnnotatedVideo,
     Folder,
     Force,
+    Fps,
     Params,
     Points,
     Source,
@@ -97,6 +98,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     force: Force = False
     points: Points = 64
     params: Params = None
+    fps: Fps = None
 
 
 def locate(options: LocateOptions) -> int:
@@ -114,7 +116,7 @@ def locate(options: LocateOptions) -> int:
     loaded = load_camera(options)
     if options.video is not None:
         codecs_for(options.video)
-    with StopRequest() as stop, Video(options.source, topic=options.topic) as video:
+    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
         camera = camera_for(video, options, loaded)
         locator, taken = locator_for(options, video, camera, ball)
         folder = output_folder(options.out, "locate", options.force)

@@ -12,7 +12,7 @@ from matchset.app.cli_options import TargetOptions
 from matchset.app.locate.command import LocateOptions, MarkerOptions
 from matchset.app.locate.loop import Locator
 from matchset.app.parameters_file import tracker_parameters
-from matchset.app.track.frame_picker import frame_at
+from matchset.app.track.frame_picker import lit_frame_at
 from matchset.app.track.loop import trackers_for
 from matchset.app.track.target_options import LearnedTarget, check_target_options, parse_pick, target_for
 from matchset.camera.camera_model import CameraModel
@@ -184,10 +184,10 @@ def _frame_of(source: str, video: Video, index: int, taken: tuple[Frame, ...]) -
     """Return the frame in which a marker was clicked; of a live source, the ball's frame if it is late enough."""
     if not video.live:
         with Video(source, topic=video.topic) as second:
-            return frame_at(second, index), taken
+            return lit_frame_at(second, index), taken
     if taken and taken[-1].index >= index:
         return taken[-1], taken
-    frame = frame_at(video, index)
+    frame = lit_frame_at(video, index)
     return frame, (*taken, frame)
 
 

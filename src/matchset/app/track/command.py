@@ -17,6 +17,7 @@ from matchset.app.cli_options import (
     AnnotatedVideo,
     Folder,
     Force,
+    Fps,
     GrayTargetOptions,
     Params,
     Points,
@@ -65,6 +66,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     force: Force = False
     points: Points = 64
     params: Params = None
+    fps: Fps = None
 
 
 def track(options: TrackOptions) -> int:
@@ -85,7 +87,7 @@ def track(options: TrackOptions) -> int:
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
     if options.video is not None:
         codecs_for(options.video)
-    with StopRequest() as stop, Video(options.source, topic=options.topic) as video:
+    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
         target, taken = target_for(options.source, video, options.target)
         tracker_at = trackers_for(target, make)
         folder = output_folder(options.out, "track", options.force)

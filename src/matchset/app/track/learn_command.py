@@ -12,7 +12,7 @@ from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.run_folder import output_file, output_folder
 from matchset.app.track.candidates import Candidate, find_candidates
 from matchset.app.track.command import LearnOptions
-from matchset.app.track.frame_picker import ball_like_frame, frame_at
+from matchset.app.track.frame_picker import ball_like_frame, lit_frame_at
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import parse_pick
@@ -38,7 +38,7 @@ def learn_color(options: LearnOptions) -> int:
     if options.out is not None and options.out.suffix.lower() != ".npz":
         raise ValueError(f"a color file's name must end in .npz, got {str(options.out)!r}")
     with Video(options.source, topic=options.topic) as video:
-        frame = frame_at(video, options.frame or at or 0)
+        frame = lit_frame_at(video, options.frame or at or 0)
     color = ColorModel.pick(frame.image, x, y)
     path = output_folder(None, "learn") / "ball.npz" if options.out is None else output_file(options.out, options.force)
     picture = output_file(path.with_name(path.stem + "-mask.png"), options.force)
@@ -70,7 +70,7 @@ def show_candidates(options: LearnOptions) -> int:
         if options.frame is None:
             frame, found = ball_like_frame(video)
         else:
-            frame = frame_at(video, options.frame)
+            frame = lit_frame_at(video, options.frame)
             found = find_candidates(frame.image)
         live = video.live
     if options.out is None:

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from matchset.app.cli_options import TargetOptions
-from matchset.app.track.frame_picker import ball_like_frame, frame_at, pick_in
+from matchset.app.track.frame_picker import ball_like_frame, frame_at, lit_frame_at, pick_in
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
@@ -95,7 +95,7 @@ def target_in(video: Video, options: TargetOptions) -> tuple[LearnedTarget, Fram
     """
     if options.pick is not None:
         x, y, index = parse_pick(options.pick)
-        frame = frame_at(video, index or 0)
+        frame = lit_frame_at(video, index or 0)
     else:
         number, index = parse_candidate(options.candidate or "")
         if index is None:
@@ -127,6 +127,9 @@ def target_for(source: str, video: Video, options: TargetOptions) -> tuple[Learn
     """
     known = target_without_picture(options)
     if known is not None:
+        if known.start is not None and not video.live:
+            with Video(source, topic=video.topic) as second:
+                lit_frame_at(second, known.frame)
         return known, ()
     if video.live:
         target, frame = target_in(video, options)

@@ -66,7 +66,7 @@ def write(
     Path
         The same.
     """
-    av = pytest.importorskip("av", reason="PyAV writes the clips of this test")
+    av = pytest.importorskip("av", reason="the package av is missing: it is in the dependency group `test`")
     equal = len(set(stamps)) < len(stamps)
     with av.open(str(path), "w", options=muxer or {}) as container:
         stream = container.add_stream(codec, rate=25, options=ENCODERS.get(codec, {}) | (options or {}))

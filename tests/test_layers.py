@@ -31,6 +31,7 @@ MAY_TOUCH_OUTSIDE = {
     "image/camera_stream.py",
     "image/image_folder.py",
     "image/video_files/container.py",
+    "image/video_files/pyav_capture.py",
     "image/video_files/video_file.py",
     "image/video.py",
     "image/bags/bag.py",

@@ -223,7 +223,7 @@ def test_videos_of_a_phone_come_upright(tmp_path: Path, quarters: int, monkeypat
         assert (video.width, video.height) == ((HEIGHT, WIDTH) if quarters % 2 else (WIDTH, HEIGHT))
         for frame, before in zip(video, plain, strict=True):
             np.testing.assert_array_equal(frame.image, np.rot90(before, -quarters))
-    pytest.importorskip("av", reason="the same through PyAV")
+    pytest.importorskip("av", reason="the package av is missing: it is in the dependency group `test`")
     monkeypatch.setattr(video_file, "open_capture", open_pyav)
     with Video(path) as video:
         for frame, before in zip(video, plain, strict=True):

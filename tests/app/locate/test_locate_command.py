@@ -192,7 +192,7 @@ class FakeCamera:
     live, fps, length, broken, warnings, dropped = True, 30.0, None, 0, (), 0
     width, height = SIZE
 
-    def __init__(self, _source: str) -> None:
+    def __init__(self, _source: str, **_: object) -> None:
         self.frames = iter(flight())
 
     def __iter__(self) -> Iterator[Frame]:

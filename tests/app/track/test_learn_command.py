@@ -86,7 +86,7 @@ class FakeCamera:
 
     live, length, warnings = True, None, ()
 
-    def __init__(self, _source: str) -> None:
+    def __init__(self, _source: str, **_: object) -> None:
         self.index = -1
 
     def __iter__(self) -> Iterator[Frame]:

@@ -141,7 +141,7 @@ class FakeCamera:
     live, fps, length, broken, warnings = True, 30.0, None, 0, ()
     width, height = SIZE
 
-    def __init__(self, _source: str) -> None:
+    def __init__(self, _source: str, **_: object) -> None:
         self.dropped = 0
 
     def __iter__(self) -> Iterator[Frame]:

@@ -146,14 +146,15 @@ class FileClock:
         float
             Its time, s.
         """
-        time = self._from_stamp(index, stamp + self._offset) if self._stamped else index / self.rate
+        shifted = stamp + self._offset if math.isfinite(stamp) else math.nan
+        time = self._from_stamp(index, shifted) if self._stamped else index / self.rate
         self.last = max(time, math.nextafter(self.last, math.inf))
         self._index = index
         return self.last
 
     def _from_stamp(self, index: int, stamp: float) -> float:
         steps = index - self._index
-        if math.isfinite(stamp) and stamp > self.last:
+        if stamp > self.last:
             if stamp > self._stamp:
                 self._rises.append((stamp - self._stamp) / steps)
             self._stamp, self._equal, self._rising = stamp, 0, 0

@@ -166,7 +166,8 @@ def _first_stamps(probe: Capture | None) -> list[float]:
 
 def _codec_of(capture: Capture) -> str:
     """FOURCC of the codec, such as h264 or AV01; empty if there is none."""
-    letters = (int(capture.get(cv2.CAP_PROP_FOURCC)) & MASK).to_bytes(4, "little")
+    code = capture.get(cv2.CAP_PROP_FOURCC)
+    letters = (int(code) & MASK if math.isfinite(code) else 0).to_bytes(4, "little")
     return letters.decode("ascii", "replace").strip() if all(FIRST <= letter <= LAST for letter in letters) else ""
 
 

@@ -1,10 +1,11 @@
 """Truth for real clips: circles placed by hand, refined by an offline fit, and every one looked at.
 
 1. By hand: a file of `frame,x,y,r,remark,skip,smoothing` (`labels/by_hand/NAME.csv`) from sheets of the clip's frames
-   with a grid. The remark is empty (fit), `lowconf` (fit, but good to 3-5 px only), `manual` or `manual|lowconf` (taken
-   as placed, where a fit is led astray: a streak, a covered rim), or `absent` (no circle). `skip` holds sectors in
-   which the rim is covered or merges with a shadow, as `200-340 10-40`: degrees from the x axis toward the y axis,
-   which points down. `smoothing` replaces the fit's where the rim is blurred.
+   with a grid. The remark is empty (fit), `lowconf` (fit, but good to 3-5 px only), `streak` or `streak|lowconf` (fit
+   of a swept disc, `benchmarks/real/streak.py`), `manual` or `manual|lowconf` (taken as placed, where a fit is led
+   astray: a blurred rim on a patterned wall, a covered rim), or `absent` (no circle). `skip` holds sectors in which the
+   rim is covered or merges with a shadow, as `200-340 10-40`: degrees from the x axis toward the y axis, which points
+   down. `smoothing` replaces the fit's where the rim is blurred.
 2. Fit: from the center go many rays. Along each, the color (CIELAB) is projected on the line from the ball's color to
    the color outside of this ray; the rim is the peak of the derivative by a Gaussian, to a fraction of a pixel by a
    parabola. A circle is fitted to all peaks by least squares with a soft-L1 loss; the search narrows around it, and it
@@ -32,6 +33,7 @@ import typer
 from scipy.ndimage import gaussian_filter1d, map_coordinates
 from scipy.optimize import least_squares
 
+from benchmarks.real.streak import fit_streak
 from matchset.app.track.score import TRUTH_COLUMNS, read_truth
 
 Image = npt.NDArray[np.uint8]
@@ -40,10 +42,16 @@ Circle3 = tuple[float, float, float]
 Sector = tuple[float, float]
 
 HERE = Path(__file__).resolve().parent
-REMARKS = ("", "lowconf", "manual", "manual|lowconf", "absent")
-METHODS = dict(
-    zip(REMARKS, ("edge-fit+eye", "edge-fit+eye|lowconf", "manual", "manual|lowconf", "eye:absent"), strict=True)
-)
+REMARKS = ("", "lowconf", "streak", "streak|lowconf", "manual", "manual|lowconf", "absent")
+METHODS = {
+    "": "edge-fit+eye",
+    "lowconf": "edge-fit+eye|lowconf",
+    "streak": "streak-fit+eye",
+    "streak|lowconf": "streak-fit+eye|lowconf",
+    "manual": "manual",
+    "manual|lowconf": "manual|lowconf",
+    "absent": "eye:absent",
+}
 
 
 class LabelParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -110,6 +118,8 @@ class Label(msgspec.Struct, frozen=True):
         Robust standard deviation of the residuals (1.4826 times their median magnitude), px; NaN without a fit.
     share : float
         Share of the rays whose peak is within `LabelParameters.inlier` of the circle; NaN without a fit.
+    sweep : float
+        Length of the motion during the exposure, px; NaN where no streak was fitted.
     """
 
     frame: int
@@ -117,6 +127,7 @@ class Label(msgspec.Struct, frozen=True):
     remark: str = ""
     spread: float = float("nan")
     share: float = float("nan")
+    sweep: float = float("nan")
 
 
 def fit_circle(
@@ -264,6 +275,9 @@ def label_frame(image: Image, start: Start) -> Label:
     """Fit a start, or take it as it was placed if its remark says so."""
     if start.circle is None or start.remark.startswith("manual"):
         return Label(start.frame, start.circle, start.remark)
+    if start.remark.startswith("streak"):
+        streak, sweep = fit_streak(image, start.circle)
+        return Label(start.frame, streak, start.remark, sweep=sweep)
     parameters = LabelParameters()
     if start.smoothing is not None:
         parameters = msgspec.structs.replace(parameters, smoothing=start.smoothing)
@@ -350,7 +364,7 @@ def label(
         if result.circle is not None and (circle := placed[frame].circle) is not None:
             moved = np.subtract(result.circle, circle)
             print(f"{frame:5d} {np.round(result.circle, 2)} moved {np.round(moved, 1)}", end=" ")
-            print(f"spread {result.spread:.2f} share {result.share:.2f} {result.remark}")
+            print(f"spread {result.spread:.2f} share {result.share:.2f} sweep {result.sweep:.1f} {result.remark}")
     write_labels(labels / f"{clip.stem}.csv", clip.name, fitted)
     if sheets is not None:
         write_sheets(sheets, clip.stem, tiles)

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from benchmarks.real.labelling import REMARKS, Label, fit_circle, read_starts, write_labels
+from benchmarks.real.streak import fit_streak
 
 from matchset.app.track.score import read_truth
 
@@ -43,6 +44,17 @@ def test_sectors_that_are_skipped_do_not_count() -> None:
 def test_a_picture_without_a_rim_is_an_error() -> None:
     with pytest.raises(ValueError, match="no rim"):
         fit_circle(np.full((100, 100, 3), 128, np.uint8), (50.0, 50.0, 20.0))
+
+
+@pytest.mark.parametrize("sweep", [(0.0, 24.0), (20.0, -8.0), (-40.0, 10.0)])
+def test_the_middle_of_a_streak_is_found(sweep: tuple[float, float]) -> None:
+    circle = (80.4, 77.7, 20.3)
+    shifts = np.linspace(-0.5, 0.5, 61)
+    discs = [soft_disc((circle[0] + a * sweep[0], circle[1] + a * sweep[1], circle[2])) for a in shifts]
+    image = np.asarray(np.round(np.mean(discs, axis=0)), dtype=np.uint8)
+    fitted, length = fit_streak(image, (83.0, 75.0, 22.0))
+    assert np.abs(np.subtract(fitted, circle)).max() < 0.2
+    assert length == pytest.approx(np.hypot(*sweep), abs=1.5)
 
 
 def test_labels_are_read_as_they_were_written(tmp_path: Path) -> None:

@@ -126,6 +126,24 @@ def test_a_trimmed_mp4_and_one_in_fragments_are_whole(tmp_path: Path) -> None:
         assert video.warnings == []
 
 
+@pytest.mark.parametrize(("kind", "codec"), [("mp4", "mp4v"), ("avi", "MJPG")])
+def test_a_whole_file_with_something_behind_it_is_whole(tmp_path: Path, kind: str, codec: str) -> None:
+    path = tmp_path / f"clip.{kind}"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), 25.0, (WIDTH, HEIGHT))
+    for index in range(FRAMES):
+        writer.write(numbered(index))
+    writer.release()
+    data = bytearray(path.read_bytes())
+    if kind == "avi":  # the length of the whole file in place of what follows
+        data[4:8] = len(data).to_bytes(4, "little")
+    else:
+        data += b"\x7f\xff\xff\xffgps " + bytes(100)
+    path.write_bytes(data)
+    with Video(path) as video:
+        assert times_of(video) == pytest.approx(CONSTANT)
+        assert video.warnings == []
+
+
 def test_an_mp4_that_was_never_finished_says_so(tmp_path: Path) -> None:
     path = tmp_path / "clip.mp4"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 25.0, (WIDTH, HEIGHT))

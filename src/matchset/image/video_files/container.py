@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 MP4_KINDS = {b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot", b"styp"}
+MP4_PARTS = {b"moov", b"moof", b"mdat"}
 FULL, LONG = 8, 16  # format: bytes of a box's header, and of one with a length of 64 bits
 
 
@@ -69,7 +70,7 @@ def look_into(path: Path) -> Container:
         if head[4:8] not in MP4_KINDS:
             return Container()
         boxes = list(inside(file, 0, size))
-        cut = any(box.end > size for box in boxes)
+        cut = any(box.end > size for box in boxes if box.kind in MP4_PARTS)
         movie = next((box for box in boxes if box.kind == b"moov"), None)
         if movie is None:
             return Container(cut=cut, indexed=False)
@@ -97,11 +98,13 @@ def inside(file: BinaryIO, begin: int, end: int) -> Iterator[Box]:
 
 
 def chunks(file: BinaryIO, end: int) -> Iterator[Box]:
-    """Yield the outermost chunks of an AVI file; a long one has several."""
+    """Yield the outermost chunks of an AVI file; a long one has several. What follows them is not looked at."""
     begin = 0
     while begin + FULL <= end:
         file.seek(begin)
         head = file.read(FULL)
+        if head[:4] != b"RIFF":
+            return
         length = int.from_bytes(head[4:], "little")
         yield Box(head[:4], begin + FULL, begin + FULL + length)
         begin += FULL + length + length % 2

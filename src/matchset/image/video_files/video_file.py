@@ -147,7 +147,7 @@ class Recording:
                 self._notes.append(f"the file announces {self._announced} frames, it ends after {self._next}")
             else:
                 self._notes.append(f"the file announces {self._duration:.2f} s, it ends at {self._latest:.2f} s")
-        elif kind.cut:
+        elif kind.cut and (unread > 0 or not kind.counts_ticks):  # some AVI writers state a few bytes too many
             self._notes.append(f"the file is cut off, it ends after {self._next} frames")
 
     def close(self) -> None:

@@ -5,11 +5,16 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 Picture = npt.NDArray[np.uint8]
+
+needs_opencv5 = pytest.mark.skipif(
+    int(cv2.__version__.split(".")[0]) < 5, reason="OpenCV 4 does not read this file right (docs/limits.md)"
+)
 
 WIDTH, HEIGHT, BITS = 160, 120, 6
 ENCODERS = {

@@ -76,6 +76,14 @@ def test_one_stamp_far_ahead_does_not_stop_the_clock() -> None:
     assert [late - early for early, late in pairwise(found[31:])] == pytest.approx([0.04] * 28)
 
 
+def test_time_begins_near_0_where_the_stamps_do_not() -> None:
+    stamps = [-4e9 + 0.125 * index for index in range(40)]
+    found, clock = times(stamps, 8.0)
+    assert found == even(40, 0.125)
+    assert clock.warnings == []
+    assert times([95000.0, 95000.5])[0] == [95000.0, 95000.5]
+
+
 def test_stamps_out_of_order_give_only_the_rate() -> None:
     found, clock = times([0.0, 0.3, 0.1, 0.2, 0.4, 0.7, 0.5, 0.6], 600.0)
     assert found == pytest.approx(even(8, 0.1))

@@ -13,7 +13,7 @@ from matchset.image.video import Video
 from matchset.image.video_files import video_file
 from matchset.image.video_files.container import Container, look_into
 from matchset.image.video_files.pyav_capture import open_pyav
-from strange_clips import HEIGHT, WIDTH, number_of, numbered, write
+from strange_clips import HEIGHT, WIDTH, needs_opencv5, number_of, numbered, write
 
 FRAMES = 40
 CONSTANT = [0.04 * index for index in range(FRAMES)]
@@ -61,6 +61,7 @@ def test_h264_in_avi_has_its_own_rate(tmp_path: Path, frames_between: str) -> No
         assert [words for words in video.warnings if "usable time stamp" not in words] == []
 
 
+@needs_opencv5
 def test_a_raw_stream_says_which_rate_is_assumed(tmp_path: Path) -> None:
     path = write(tmp_path / "clip.h264", "libx264", CONSTANT)
     with Video(path) as video:
@@ -189,6 +190,7 @@ def test_a_file_in_which_nothing_decodes_names_its_codec(tmp_path: Path, monkeyp
         Video(path)
 
 
+@needs_opencv5
 @pytest.mark.parametrize(
     ("codec", "pixels"), [("libx265", "yuv420p"), ("libx265", "yuv420p10le"), ("libx264", "yuv420p10le")]
 )

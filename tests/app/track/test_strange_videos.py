@@ -9,6 +9,7 @@ from blue_ball import CENTERS, RADIUS, SIZE, Matchset, Picture, ball_picture
 
 from matchset.app.track.frame_picker import is_black
 from matchset.app.track.rows import read_tracks
+from strange_clips import needs_opencv5
 
 BLACK = 7  # frames
 
@@ -112,6 +113,7 @@ def motion_jpeg(path: Path, pictures: list[Picture]) -> Path:
     return path
 
 
+@needs_opencv5
 def test_a_size_that_changes_inside_a_file_is_brought_to_the_first(matchset: Matchset, tmp_path: Path) -> None:
     sizes = [SIZE] * 10 + [(320, 240)] * 10 + [(240, 180)] * 10
     pictures = [
@@ -124,6 +126,7 @@ def test_a_size_that_changes_inside_a_file_is_brought_to_the_first(matchset: Mat
         assert [row.shape[name] for name in ("x", "y", "radius")] == pytest.approx([x, y, RADIUS], abs=1.5)
 
 
+@needs_opencv5
 @pytest.mark.parametrize("size", [(160, 200), (240, 120), (200, 300)])
 def test_a_ball_that_another_aspect_ratio_flattens_is_lost(
     matchset: Matchset, tmp_path: Path, size: tuple[int, int]

@@ -37,6 +37,9 @@ class ClockParameters(msgspec.Struct, frozen=True):
         How far stamps must have gone back, s, to count as begun anew.
     restart_frames : int
         Frames whose stamps must rise again until they are followed.
+    far_s : float
+        How far from 0 the first stamp may be, s. From farther on the first frame is at 0: OpenCV 4 makes such stamps of
+        a stream without a start. MPEG-TS counts to 95 444 s.
     """
 
     memory: int = 16
@@ -47,6 +50,7 @@ class ClockParameters(msgspec.Struct, frozen=True):
     equal_frames: int = 4
     restart_s: float = 1.0
     restart_frames: int = 3
+    far_s: float = 1e6
 
 
 DEFAULT = ClockParameters()
@@ -100,7 +104,8 @@ class FileClock:
             self._note_rate(stated)
         rises = [late - early for early, late in pairwise(sorted(known)) if late > early]
         self._rises = deque(rises or [1.0 / self.rate], parameters.memory)
-        self._index, self._stamp, self._offset = -1, math.nan, 0.0
+        self._index, self._stamp = -1, math.nan
+        self._offset = -known[0] if known and abs(known[0]) > parameters.far_s else 0.0
         self._equal = self._rising = 0
         self._interpolated, self._first_interpolated = 0, 0
 

@@ -2,10 +2,10 @@
 
 1. By hand: a file of `frame,x,y,r,remark,skip,smoothing` (`labels/by_hand/NAME.csv`) from sheets of the clip's frames
    with a grid. The remark is empty (fit), `lowconf` (fit, but good to 3-5 px only), `streak` or `streak|lowconf` (fit
-   of a swept disc, `benchmarks/real/streak.py`), `manual` or `manual|lowconf` (taken as placed, where a fit is led
-   astray: a blurred rim on a patterned wall, a covered rim), or `absent` (no circle). `skip` holds sectors in which the
-   rim is covered or merges with a shadow, as `200-340 10-40`: degrees from the x axis toward the y axis, which points
-   down. `smoothing` replaces the fit's where the rim is blurred.
+   of a swept disc, `benchmarks/real/streak.py`), `still` or `still|lowconf` (the same before the median of the labelled
+   frames, if the camera stands still), `manual` or `manual|lowconf` (taken as placed, where fits are led astray), or
+   `absent` (no circle). `skip` holds sectors in which the rim is covered or merges with a shadow, as `200-340 10-40`:
+   degrees from the x axis toward the y axis, which points down. `smoothing` replaces the fit's.
 2. Fit: from the center go many rays. Along each, the color (CIELAB) is projected on the line from the ball's color to
    the color outside of this ray; the rim is the peak of the derivative by a Gaussian, to a fraction of a pixel by a
    parabola. A circle is fitted to all peaks by least squares with a soft-L1 loss; the search narrows around it, and it
@@ -33,7 +33,7 @@ import typer
 from scipy.ndimage import gaussian_filter1d, map_coordinates
 from scipy.optimize import least_squares
 
-from benchmarks.real.streak import fit_streak
+from benchmarks.real.streak import fit_streak, still_background
 from matchset.app.track.score import TRUTH_COLUMNS, read_truth
 
 Image = npt.NDArray[np.uint8]
@@ -42,16 +42,18 @@ Circle3 = tuple[float, float, float]
 Sector = tuple[float, float]
 
 HERE = Path(__file__).resolve().parent
-REMARKS = ("", "lowconf", "streak", "streak|lowconf", "manual", "manual|lowconf", "absent")
 METHODS = {
     "": "edge-fit+eye",
     "lowconf": "edge-fit+eye|lowconf",
     "streak": "streak-fit+eye",
     "streak|lowconf": "streak-fit+eye|lowconf",
+    "still": "still-streak-fit+eye",
+    "still|lowconf": "still-streak-fit+eye|lowconf",
     "manual": "manual",
     "manual|lowconf": "manual|lowconf",
     "absent": "eye:absent",
 }
+REMARKS = tuple(METHODS)
 
 
 class LabelParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -271,12 +273,12 @@ def read_starts(path: Path) -> list[Start]:
     return [starts[frame] for frame in sorted(starts)]
 
 
-def label_frame(image: Image, start: Start) -> Label:
+def label_frame(image: Image, start: Start, background: Image | None = None) -> Label:
     """Fit a start, or take it as it was placed if its remark says so."""
     if start.circle is None or start.remark.startswith("manual"):
         return Label(start.frame, start.circle, start.remark)
-    if start.remark.startswith("streak"):
-        streak, sweep = fit_streak(image, start.circle)
+    if start.remark.startswith(("streak", "still")):
+        streak, sweep = fit_streak(image, start.circle, background if start.remark.startswith("still") else None)
         return Label(start.frame, streak, start.remark, sweep=sweep)
     parameters = LabelParameters()
     if start.smoothing is not None:
@@ -356,9 +358,11 @@ def label(
 ) -> None:
     """Fit the circles of STARTS in CLIP and write the truth file of the clip's name."""
     placed = {start.frame: start for start in read_starts(starts)}
+    still = any(start.remark.startswith("still") for start in placed.values())
+    background = still_background([image for _, image in pictures(clip, list(placed))]) if still else None
     fitted, tiles = [], []
     for frame, image in pictures(clip, list(placed)):
-        result = label_frame(image, placed[frame])
+        result = label_frame(image, placed[frame], background)
         fitted.append(result)
         tiles.append(crop(image, result, side))
         if result.circle is not None and (circle := placed[frame].circle) is not None:

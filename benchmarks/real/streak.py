@@ -3,8 +3,11 @@
 The picture around the ball is modeled as wall times (1 - cover) + ball times cover, where the cover of a pixel is the
 share of the exposure during which the disc lay over it. Wall and ball are linear in x and y for each color channel and
 solved for at every step (variable projection); center, radius and sweep are found by nonlinear least squares. This
-needs a wall without edges, and an exposure with constant light and speed.
+needs a wall without edges, and an exposure with constant light and speed. Where the camera stands still the wall may
+have any pattern: `still_background` gives it.
 """
+
+from collections.abc import Sequence
 
 import cv2
 import msgspec
@@ -37,8 +40,16 @@ class StreakParameters(msgspec.Struct, frozen=True, kw_only=True):
     scale: float = 3.0
 
 
+def still_background(images: Sequence[npt.NDArray[np.uint8]]) -> npt.NDArray[np.uint8]:
+    """Return what a still camera sees behind a ball that moves: the median of each pixel over many frames."""
+    return np.asarray(np.median(np.stack(images), axis=0), dtype=np.uint8)
+
+
 def fit_streak(
-    image: npt.NDArray[np.uint8], start: Circle3, parameters: StreakParameters | None = None
+    image: npt.NDArray[np.uint8],
+    start: Circle3,
+    background: npt.NDArray[np.uint8] | None = None,
+    parameters: StreakParameters | None = None,
 ) -> tuple[Circle3, float]:
     """Fit a swept disc near a start.
 
@@ -48,6 +59,8 @@ def fit_streak(
         BGR.
     start : tuple of three floats
         Center of the streak x, y and the ball's radius, px.
+    background : uint8 array (height, width, 3), optional
+        The same view without the ball; without it, the wall is linear in x and y.
     parameters : StreakParameters, optional
 
     Returns
@@ -64,16 +77,22 @@ def fit_streak(
     top, bottom = max(int(start[1] - half), 0), min(int(start[1] + half) + 1, height)
     step = max(round(start[2] / 12), 1)
     kernel = step + 1 - step % 2  # an even one would move the picture by half a pixel
-    smooth = cv2.blur(image, (kernel, kernel))
+
+    def sampled(picture: npt.NDArray[np.uint8]) -> Floats:
+        smooth = cv2.blur(picture, (kernel, kernel))
+        return np.asarray(smooth[top:bottom:step, left:right:step].reshape(-1, 3), dtype=np.float64)
+
     rows, columns = np.mgrid[top:bottom:step, left:right:step].astype(np.float64)
-    colors = smooth[top:bottom:step, left:right:step].reshape(-1, 3).astype(np.float64)
+    colors = sampled(image)
+    wall = None if background is None else sampled(background)
     across, down = columns.ravel() - start[0], rows.ravel() - start[1]
     plane = np.column_stack([np.ones_like(across), across / half, down / half])
 
     def misfit(state: Floats) -> Floats:
         cover = _cover(state, across, down, chosen)[:, None]
-        basis = np.hstack([plane * (1.0 - cover), plane * cover])
-        return np.asarray((basis @ np.linalg.lstsq(basis, colors, rcond=None)[0] - colors).ravel())
+        basis = plane * cover if wall is not None else np.hstack([plane * (1.0 - cover), plane * cover])
+        rest = colors if wall is None else colors - wall * (1.0 - cover)
+        return np.asarray((basis @ np.linalg.lstsq(basis, rest, rcond=None)[0] - rest).ravel())
 
     angles = np.arange(4) * np.pi / 4.0
     begins = [(0.0, 0.0, start[2], 0.6 * start[2] * np.cos(a), 0.6 * start[2] * np.sin(a)) for a in angles]

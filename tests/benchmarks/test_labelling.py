@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from benchmarks.real.labelling import REMARKS, Label, fit_circle, read_starts, write_labels
-from benchmarks.real.streak import fit_streak
+from benchmarks.real.streak import fit_streak, still_background
 
 from matchset.app.track.score import read_truth
 
@@ -55,6 +55,18 @@ def test_the_middle_of_a_streak_is_found(sweep: tuple[float, float]) -> None:
     fitted, length = fit_streak(image, (83.0, 75.0, 22.0))
     assert np.abs(np.subtract(fitted, circle)).max() < 0.2
     assert length == pytest.approx(np.hypot(*sweep), abs=1.5)
+
+
+def test_a_streak_is_found_before_a_pattern_that_stands_still() -> None:
+    circle = (80.4, 77.7, 20.3)
+    pattern = np.random.default_rng(1).integers(60, 200, (40, 40, 3)).repeat(4, axis=0).repeat(4, axis=1)
+    places = [(circle[0] + a, circle[1]) for a in np.linspace(-10.0, 10.0, 41)]
+    cover = np.mean([(170.0 - soft_disc((x, y, circle[2]))[..., :1]) / 110.0 for x, y in places], axis=0)
+    image = np.asarray(np.round(pattern * (1.0 - cover) + cover * np.array([40.0, 230.0, 220.0])), dtype=np.uint8)
+    background = still_background([image, *[pattern.astype(np.uint8)] * 4])
+    fitted, length = fit_streak(image, (83.0, 75.0, 22.0), background)
+    assert np.abs(np.subtract(fitted, circle)).max() < 0.2
+    assert length == pytest.approx(20.0, abs=1.5)
 
 
 def test_labels_are_read_as_they_were_written(tmp_path: Path) -> None:

@@ -11,12 +11,14 @@ import msgspec
 import numpy as np
 import pytest
 import typer
-from mcap.writer import Writer
 from scipy.spatial.transform import Rotation
 
 import boards
 import matchset as ms
 from matchset.app.cli import app
+from matchset.app.recording.encoding import to_png
+from matchset.app.recording.mcap_file import McapWriter, Message, Topic
+from matchset.app.recording.ros_messages import RosMessages
 from matchset.camera.board import Board
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -55,14 +57,10 @@ def flight_and_board() -> dict[str, Any]:
 
 
 def recording() -> dict[str, Any]:
-    with Path("flight.mcap").open("wb") as file:
-        writer = Writer(file)
-        writer.start()
-        channel = writer.register_channel(topic="/follower/1/frame", message_encoding="msgpack", schema_id=0)
-        png = cv2.imencode(".png", picture())[1].tobytes()
-        message = msgspec.msgpack.encode({"index": 0, "time": 0.0, "png": png})
-        writer.add_message(channel, log_time=0, data=message, publish_time=0)
-        writer.finish()  # type: ignore[no-untyped-call]
+    ros = RosMessages(1, ms.CameraModel.from_fov(160, 120, 1.2))
+    with McapWriter(Path("flight.mcap"), [*ros.topics, Topic("/follower_1/step", "step", b"{}")]) as out:
+        out.write(ros.picture(ms.Frame(picture()), to_png(picture())), 0.0, 0)
+        out.write(Message("/follower_1/step", msgspec.msgpack.encode({"tick": 1})), 0.0, 0)
     return {}
 
 
@@ -86,7 +84,8 @@ def is_calibrated(names: dict[str, Any]) -> None:
 
 
 def is_decoded(names: dict[str, Any]) -> None:
-    assert names["image"].shape == (120, 160, 3)
+    assert names["frame"].image.shape == (120, 160, 3)
+    assert names["step"] == {"tick": 1}
 
 
 def is_blue(names: dict[str, Any]) -> None:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
+from matchset.image.bags.ros_image import COMPRESSED_IMAGE, NANO, read_picture
 from matchset.image.frame import Frame
 from matchset.sim.vehicle import VehiclePose
 
@@ -69,6 +70,7 @@ def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
         tick=index,
         armed=armed,
         frame=None if step.frame is None else step.frame.index,
+        taken=None if step.frame is None else step.frame.time,
         now=step.now,
         command=step.command,
         spent=step.stage_times,
@@ -126,3 +128,27 @@ def frame_of(message: Picture) -> Frame:
     if image is None:
         raise ValueError(f"the picture of frame {message.index} does not decode")
     return Frame(np.asarray(image, np.uint8), message.time, message.index)
+
+
+def frame_of_image(data: bytes, index: int, taken: float) -> Frame:
+    """Make a frame of a message sensor_msgs/CompressedImage.
+
+    Parameters
+    ----------
+    data : bytes
+    index : int
+        Index of the picture in its step.
+    taken : float
+        When it was taken, s.
+
+    Raises
+    ------
+    ValueError
+        If the message is of another time, or its picture does not decode.
+    """
+    stamp, _, image, _ = read_picture(data, COMPRESSED_IMAGE, ros1=False)
+    if stamp != max(round(NANO * taken), 0):
+        raise ValueError(f"the picture of frame {index} is missing: there is one of {stamp / NANO} s, not {taken} s")
+    if image is None:
+        raise ValueError(f"the picture of frame {index} does not decode")
+    return Frame(image, taken, index)

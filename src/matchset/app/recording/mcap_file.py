@@ -1,13 +1,22 @@
-"""MCAP files, written and read: `McapWriter`, `McapReader`; the only file that imports the package mcap."""
+"""MCAP files, written and read: `McapWriter`, `McapReader`; it imports the package mcap when one is opened.
+
+A file is a bag of ROS 2 as well. rosbag2 opens a file only if all of its topics are CDR, so a message in msgpack is
+packed as the only member of a message of ROS 2, ``uint8[] msgpack``: eight bytes before it (decision 086).
+"""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from matchset.app.closing import Closing
+from matchset.app.recording.cdr import HEADER
 
 LARGEST_RECORD = 2**30  # format: bytes; a longer record is taken for damage
+PACKAGE = "matchset_msgs/msg/"
+BEGINNING = b"# MessagePack; its JSON Schema: "
+PACKED_SCHEMA = BEGINNING + b"%s\nuint8[] msgpack"
+PACKED = struct.Struct("<4sI")  # format: header of CDR, and length of the bytes that follow
 
 
 class Message(NamedTuple):
@@ -40,13 +49,30 @@ class Topic(NamedTuple):
     schema: bytes
 
 
+class RosTopic(NamedTuple):
+    """A topic with messages of ROS 2.
+
+    Attributes
+    ----------
+    topic : str
+    name : str
+        Name of the type: ``sensor_msgs/msg/CameraInfo``.
+    schema : bytes
+        Definitions of the type and of those in it, "ros2msg"; the content is CDR.
+    """
+
+    topic: str
+    name: str
+    schema: bytes
+
+
 class McapWriter(Closing):
     """Writes messages; if the program is killed, all but the last megabyte is on disk.
 
     Parameters
     ----------
     path : Path
-    topics : list of Topic
+    topics : list of Topic or RosTopic
 
     Raises
     ------
@@ -56,25 +82,28 @@ class McapWriter(Closing):
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, topics: list[Topic]) -> None:
+    def __init__(self, path: Path, topics: Sequence[Topic | RosTopic]) -> None:
         check_mcap()
         from mcap.writer import CompressionType, Writer
 
         self._file = path.open("wb")
         # Pictures are compressed already.
         self._writer: Any = Writer(self._file, compression=CompressionType.NONE)
-        self._writer.start(profile="matchset", library="matchset")
+        self._writer.start(profile="ros2", library="matchset")
         self._channels: dict[str, int] = {}
+        self._packed = {topic.topic for topic in topics if isinstance(topic, Topic)}
         schemas: dict[str, int] = {}
         for topic in topics:
             if topic.name not in schemas:
-                schemas[topic.name] = self._writer.register_schema(topic.name, "jsonschema", topic.schema)
-            self._channels[topic.topic] = self._writer.register_channel(topic.topic, "msgpack", schemas[topic.name])
+                schema = PACKED_SCHEMA % topic.schema if isinstance(topic, Topic) else topic.schema
+                schemas[topic.name] = self._writer.register_schema(topic.name, "ros2msg", schema)
+            self._channels[topic.topic] = self._writer.register_channel(topic.topic, "cdr", schemas[topic.name])
 
     def write(self, message: Message, time: float, number: int) -> None:
         """Append a message, of a time in s, with its number in its topic."""
         stamp = max(round(1e9 * time), 0)
-        self._writer.add_message(self._channels[message.topic], stamp, message.data, stamp, number % 2**32)
+        data = packed(message.data) if message.topic in self._packed else message.data
+        self._writer.add_message(self._channels[message.topic], stamp, data, stamp, number % 2**32)
 
     def close(self) -> None:
         """Finish the file."""
@@ -86,7 +115,7 @@ class McapWriter(Closing):
 
 
 class McapReader:
-    """Reads messages in the order in which they were written.
+    """Reads messages in the order in which they were written; those in msgpack without what they are packed in.
 
     Parameters
     ----------
@@ -109,27 +138,52 @@ class McapReader:
 
     def __iter__(self) -> Iterator[Message]:
         from mcap.exceptions import EndOfFile, InvalidMagic, McapError
-        from mcap.records import Channel
+        from mcap.records import Channel, Schema
         from mcap.records import Message as Record
         from mcap.stream_reader import StreamReader
 
         topics: dict[int, str] = {}
+        packing: set[int] = set()
+        inside: set[int] = set()
         with self.path.open("rb") as file:
             if not file.read(1):
                 raise ValueError(f"{self.path} is empty")
             file.seek(0)
             try:
                 for record in StreamReader(file, validate_crcs=True, record_size_limit=LARGEST_RECORD).records:
-                    if isinstance(record, Channel):
+                    if isinstance(record, Schema) and record.data.startswith(BEGINNING):
+                        packing.add(record.id)
+                    elif isinstance(record, Channel):
                         topics[record.id] = record.topic
+                        if record.schema_id in packing:
+                            inside.add(record.id)
                     elif isinstance(record, Record):
-                        yield Message(topics[record.channel_id], record.data)
+                        data = unpacked(record.data) if record.channel_id in inside else record.data
+                        yield Message(topics[record.channel_id], data)
             except InvalidMagic:
                 raise ValueError(f"{self.path} is no MCAP file") from None
             except EndOfFile:
                 self.cut_off = True
             except (McapError, ValueError, KeyError, IndexError, OverflowError, MemoryError, struct.error) as error:
                 raise ValueError(f"{self.path} is damaged: {str(error) or type(error).__name__}") from error
+
+
+def packed(data: bytes) -> bytes:
+    """Pack bytes as a message of ROS 2 whose only member is ``uint8[] msgpack``, in CDR."""
+    return PACKED.pack(HEADER, len(data)) + data
+
+
+def unpacked(data: bytes) -> bytes:
+    """Return the bytes in a message of ROS 2 whose only member is ``uint8[] msgpack``.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    if len(data) < PACKED.size or PACKED.unpack_from(data) != (HEADER, len(data) - PACKED.size):
+        raise ValueError("a message is not packed as its length says")
+    return data[PACKED.size :]
 
 
 def check_mcap() -> None:

@@ -1,4 +1,7 @@
-"""The messages of a recording, in msgpack; `encoding.py` makes and reads them. Names and fields are the format."""
+"""The messages of a recording, in msgpack; `encoding.py` makes and reads them. Names and fields are the format.
+
+Pictures and results are messages of ROS 2 beside them: `ros_messages.py`.
+"""
 
 from typing import Any
 
@@ -8,7 +11,7 @@ from matchset.app.flight.flight import Crash, FlightParameters
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 
-FORMAT = 1  # format: version of a recording; another one is refused
+FORMAT = 2  # format: version of a recording; another one is refused
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]
@@ -34,7 +37,7 @@ class Configuration(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Picture(msgspec.Struct, frozen=True):
-    """A frame of a camera, without loss. Topics ``/follower/1/sample`` and ``/follower/1/frame``.
+    """A picture without loss. Topic ``/follower_1/sample``.
 
     Parameters
     ----------
@@ -50,7 +53,7 @@ class Picture(msgspec.Struct, frozen=True):
 
 
 class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
-    """A step of a follower's loop. Topic ``/follower/1/step``.
+    """A step of a follower's loop. Topic ``/follower_1/step``.
 
     Parameters
     ----------
@@ -59,6 +62,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
         Whether the pilot was told to fly.
     frame : int or None
         Index of the picture; None if none came.
+    taken : float or None
+        When it was taken, s, to the last bit; the picture itself is in ``/follower_1/image/compressed``.
     now : float
         When the command was sent, s.
     command : Command
@@ -72,6 +77,7 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
     tick: int
     armed: bool
     frame: int | None
+    taken: float | None
     now: float
     command: Command
     spent: tuple[float, ...]
@@ -129,24 +135,29 @@ class TruthMessage(msgspec.Struct, frozen=True, kw_only=True):
 CONFIGURATION, TRUTH = "/configuration", "/truth"
 
 
+def namespace(number: int) -> str:
+    """Return what the names of a follower's topics begin with, from 1; ROS 2 allows no name with a digit first."""
+    return f"/follower_{number}"
+
+
 def sample_topic(number: int) -> str:
-    """Topic of the picture from which a follower, from 1, learned its colors."""
-    return f"/follower/{number}/sample"
+    """Topic of the picture from which a follower learned its colors."""
+    return f"{namespace(number)}/sample"
 
 
-def frame_topic(number: int) -> str:
-    """Topic of a follower's pictures."""
-    return f"/follower/{number}/frame"
+def image_topic(number: int) -> str:
+    """Topic of a follower's pictures, messages of ROS 2; without its last part, what ROS calls the camera's topic."""
+    return f"{namespace(number)}/image/compressed"
 
 
 def step_topic(number: int) -> str:
     """Topic of a follower's steps."""
-    return f"/follower/{number}/step"
+    return f"{namespace(number)}/step"
 
 
 def topics(followers: int) -> dict[str, type[msgspec.Struct]]:
-    """All topics of a recording with so many followers, and what their messages are."""
+    """Topics in msgpack of a recording with so many followers, and what their messages are."""
     found: dict[str, type[msgspec.Struct]] = {CONFIGURATION: Configuration, TRUTH: TruthMessage}
     for number in range(1, followers + 1):
-        found |= {sample_topic(number): Picture, frame_topic(number): Picture, step_topic(number): StepMessage}
+        found |= {sample_topic(number): Picture, step_topic(number): StepMessage}
     return found

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.flight.flight import FlightSetup
-from matchset.app.recording.encoding import decode, frame_of
+from matchset.app.recording.encoding import decode, frame_of, frame_of_image
 from matchset.app.recording.mcap_file import McapReader, Message
 from matchset.app.recording.messages import (
     CONFIGURATION,
@@ -18,7 +18,7 @@ from matchset.app.recording.messages import (
     Picture,
     StepMessage,
     TruthMessage,
-    frame_topic,
+    image_topic,
     sample_topic,
     step_topic,
 )
@@ -91,38 +91,37 @@ class RecordingReader:
 
     def __iter__(self) -> Iterator[RecordedChainStep]:
         steps: dict[int, StepMessage] = {}
-        frames: dict[int, Frame] = {}
+        pictures: dict[int, bytes] = {}
         numbers = range(1, self.setup.followers + 1)
         of_step = {step_topic(number): number for number in numbers}
-        of_frame = {frame_topic(number): number for number in numbers}
+        of_picture = {image_topic(number): number for number in numbers}
         for topic, data in self._messages:
             chain_step = None
             with _naming(self.path):
-                if topic in of_frame:
-                    frames[of_frame[topic]] = frame_of(decode(data, Picture))
+                if topic in of_picture:
+                    pictures[of_picture[topic]] = data
                 elif topic in of_step:
                     steps[of_step[topic]] = decode(data, StepMessage)
                 elif topic == TRUTH:
-                    chain_step = self._chain_step(steps, frames, decode(data, TruthMessage))
-                    steps, frames = {}, {}
+                    chain_step = self._chain_step(steps, pictures, decode(data, TruthMessage))
+                    steps, pictures = {}, {}
             if chain_step is not None:  # outside of the `with` block: an error of the caller is not about the file
                 yield chain_step
 
     def _chain_step(
-        self, steps: dict[int, StepMessage], frames: dict[int, Frame], truth: TruthMessage
+        self, steps: dict[int, StepMessage], pictures: dict[int, bytes], truth: TruthMessage
     ) -> RecordedChainStep:
         """Put a step together and check that nothing is missing."""
         count = self.setup.followers
+        frames: list[Frame | None] = []
         for number in range(1, count + 1):
-            step, frame = steps.get(number), frames.get(number)
+            step = steps.get(number)
             if step is None or step.tick != truth.index:
                 raise ValueError(f"tick {truth.index} lacks the step of follower {number}")
-            if step.frame != (None if frame is None else frame.index):
-                raise ValueError(f"tick {truth.index} lacks the picture of follower {number}")
+            frames.append(_frame(number, step, pictures.get(number)))
         if not len(truth.shown) == len(truth.truth) == count + 1 or not len(truth.places) == len(truth.inside) == count:
             raise ValueError(f"the truth of tick {truth.index} is of another number of vehicles")
-        numbers = range(1, count + 1)
-        return RecordedChainStep(tuple(steps[k] for k in numbers), tuple(frames.get(k) for k in numbers), truth)
+        return RecordedChainStep(tuple(steps[number] for number in range(1, count + 1)), tuple(frames), truth)
 
     def _check_format(self, first: Message) -> None:
         head = decode(first.data, _FormatHeader)
@@ -135,6 +134,15 @@ class RecordingReader:
             raise ValueError(f"{self.path} is damaged: {sample_topic(number)} is missing")
         with _naming(self.path):
             return frame_of(decode(message.data, Picture))
+
+
+def _frame(number: int, step: StepMessage, picture: bytes | None) -> Frame | None:
+    """Make the frame of a step; ValueError if its picture is missing, or there is one of no step."""
+    if picture is None and step.frame is None:
+        return None
+    if picture is None or step.frame is None or step.taken is None:
+        raise ValueError(f"tick {step.tick} lacks the picture of follower {number}")
+    return frame_of_image(picture, step.frame, step.taken)
 
 
 @contextlib.contextmanager

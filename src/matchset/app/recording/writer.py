@@ -12,19 +12,18 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
-from matchset.app.recording.mcap_file import McapWriter, Message, Topic
+from matchset.app.recording.mcap_file import PACKAGE, McapWriter, Message, Topic
 from matchset.app.recording.messages import (
     CONFIGURATION,
     FORMAT,
     TRUTH,
     Configuration,
     Picture,
-    frame_topic,
     sample_topic,
     step_topic,
     topics,
 )
-from matchset.image.frame import Frame
+from matchset.app.recording.ros_messages import TF, TRANSFORMS, RosMessages, ros_topic
 
 COMPRESSORS = 2  # format: threads that compress pictures
 MAX_WAITING = 8  # format: steps that wait for their pictures to be compressed; lost if the program is killed
@@ -39,7 +38,7 @@ class _Waiting(NamedTuple):
 
 
 class RecordingWriter(Closing):
-    """Writes everything of a flight that its replay needs, and the simulator's truth.
+    """Writes everything of a flight that its replay needs, the simulator's truth, and the results for tools of ROS.
 
     Parameters
     ----------
@@ -56,7 +55,10 @@ class RecordingWriter(Closing):
 
     def __init__(self, path: Path, setup: FlightSetup) -> None:
         self._setup = setup
-        self._writer = McapWriter(path, [_topic(*each) for each in topics(setup.followers).items()])
+        self._ros = [RosMessages(number, camera) for number, camera in enumerate(setup.cameras, 1)]
+        own = [_topic(*each) for each in topics(setup.followers).items()]
+        ros = [topic for each in self._ros for topic in each.topics]
+        self._writer = McapWriter(path, [*own, *ros, ros_topic(TF, TRANSFORMS)])
         self._pool = ThreadPoolExecutor(COMPRESSORS, "matchset recording")
         self._waiting: deque[_Waiting] = deque()
         configuration = Configuration(
@@ -64,7 +66,8 @@ class RecordingWriter(Closing):
         )
         self._writer.write(Message(CONFIGURATION, encode(configuration)), 0.0, 0)
         for number, sample in enumerate(setup.samples, 1):
-            self._write_picture(sample_topic(number), sample, to_png(sample.image))
+            message = Picture(sample.index, sample.time, to_png(sample.image))
+            self._writer.write(Message(sample_topic(number), encode(message)), sample.time, sample.index)
 
     def write(self, chain_step: ChainStep, armed: Sequence[bool]) -> None:
         """Append a step, and which pilots had been told to fly."""
@@ -87,15 +90,14 @@ class RecordingWriter(Closing):
     def _write_first(self) -> None:
         chain_step, armed, pictures = self._waiting.popleft()
         for number, (step, png) in enumerate(zip(chain_step.steps, pictures, strict=True), 1):
+            ros = self._ros[number - 1]
             if step.frame is not None and png is not None:
-                self._write_picture(frame_topic(number), step.frame, png.result())
+                self._writer.write(ros.picture(step.frame, png.result()), step.frame.time, step.frame.index)
+                for each in ros.results(step):
+                    self._writer.write(each, step.frame.time, step.frame.index)
             message = step_message(chain_step.index, step, armed[number - 1])
             self._writer.write(Message(step_topic(number), encode(message)), step.now, chain_step.index)
         self._writer.write(Message(TRUTH, encode(truth_message(chain_step))), chain_step.time, chain_step.index)
-
-    def _write_picture(self, topic: str, frame: Frame, png: bytes) -> None:
-        message = Picture(frame.index, frame.time, png)
-        self._writer.write(Message(topic, encode(message)), frame.time, frame.index)
 
 
 def _compressed(waiting: _Waiting) -> bool:
@@ -103,7 +105,7 @@ def _compressed(waiting: _Waiting) -> bool:
 
 
 def _topic(topic: str, struct: type[msgspec.Struct]) -> Topic:
-    return Topic(topic, f"matchset.{struct.__name__}", msgspec.json.encode(msgspec.json.schema(struct)))
+    return Topic(topic, f"{PACKAGE}{struct.__name__}", msgspec.json.encode(msgspec.json.schema(struct)))
 
 
 def _version() -> str:

@@ -258,3 +258,17 @@ def test_pyav_and_opencv_agree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     with Video(path) as video:
         assert times_of(video) == pytest.approx(expected)
         assert video.fps == pytest.approx(rate)
+
+
+def test_pyav_leaves_each_picture_its_size_and_the_video_ends_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("av", reason="the package av is missing: it is in the dependency group `test`")
+    path = tmp_path / "sizes.mjpeg"
+    pictures = [numbered(index) for index in range(5)] + [numbered(5, 320, 240)] * 5
+    path.write_bytes(b"".join(cv2.imencode(".jpg", picture)[1].tobytes() for picture in pictures))
+    monkeypatch.setattr(video_file, "open_capture", open_pyav)
+    with Video(path) as video:
+        assert [number_of(next(video).image) for _ in range(5)] == [0, 1, 2, 3, 4]
+        with pytest.raises(ValueError, match="frame 5 is 320 x 240 in color, those before it are 160 x 120 in color"):
+            next(video)

@@ -69,6 +69,11 @@ Params = Annotated[
 Points = Annotated[int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")]
 
 
+def source_words(source: str, topic: str | None) -> tuple[str, ...]:
+    """Return how a source was named on the command line, for the next command."""
+    return (source,) if topic is None else (source, "--topic", topic)
+
+
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options that say what to track: exactly one of them, or `pick` together with `gray`."""
 

@@ -48,6 +48,8 @@ def test_a_topic_is_chosen_and_kept_in_the_next_command(
     assert matchset("track", path, "--topic", "/up", "--pick", "50,60") == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
     words = path, "--topic", "/right/image_raw"
+    assert matchset("track", *words) == 2
+    assert "--topic /right/image_raw' shows where the ball is" in capsys.readouterr().err
     assert matchset("learn", *words, "--frame", "0") == 0
     printed = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  matchset track")]
     assert matchset(*shlex.split(printed[0])[1:]) == 0

@@ -242,6 +242,13 @@ def test_an_mcap_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path)
     assert video.warnings == [f"{path} ends in the middle: it was not closed"]
 
 
+def test_an_mcap_file_without_any_message_says_that_it_was_cut_off(tmp_path: Path) -> None:
+    path = bags.write_bag(tmp_path, "mcap file", pictures("mcap file"))
+    path.write_bytes(path.read_bytes()[:60])
+    with pytest.raises(ValueError, match="ends in the middle, before its first message"):
+        Video(path)
+
+
 @pytest.mark.parametrize("kind", bags.KINDS)
 def test_damage_is_a_value_error(kind: str, tmp_path: Path) -> None:
     """Bytes cut off, overwritten or put in at random: pictures or a ValueError, never another exception."""

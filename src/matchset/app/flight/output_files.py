@@ -18,7 +18,9 @@ ReportFile = Annotated[
 ]
 RecordingFile = Annotated[
     Path | None,
-    typer.Option("--record", metavar="OUT.mcap", help="Record everything, for 'matchset replay'; 40 MB a second."),
+    typer.Option(
+        "--record", metavar="OUT.mcap", help="Record everything, for 'matchset replay' and tools of ROS 2; 40 MB/s."
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show nothing while it flies.")]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.cli_options import TargetOptions
+from matchset.app.cli_options import TargetOptions, source_words
 from matchset.app.locate.command import LocateOptions, MarkerOptions
 from matchset.app.locate.loop import Locator
 from matchset.app.parameters_file import tracker_parameters
@@ -129,7 +129,7 @@ def check_options(options: LocateOptions) -> None:
         If none or several of them say what to track or what the camera is like, both say what color the markers have,
         or one cannot be read.
     """
-    check_target_options(options.target, shlex.quote(options.source))
+    check_target_options(options.target, shlex.join(source_words(options.source, options.topic)))
     marker = options.marker
     if marker.marker_pick is not None and marker.marker_color:
         raise ValueError("give one of --marker-pick and --marker-color, not both")

@@ -25,6 +25,7 @@ from matchset.app.cli_options import (
     Source,
     Topic,
     ToStdout,
+    source_words,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
 
@@ -81,7 +82,7 @@ def track(options: TrackOptions) -> int:
     from matchset.image.video import Video
     from matchset.tracking.tracker import Tracker
 
-    check_target_options(options.target, shlex.quote(options.source))
+    check_target_options(options.target, shlex.join(source_words(options.source, options.topic)))
     family = parse_shape(options.shape)
     parameters = tracker_parameters(options.params)
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.cli_options import source_words
 from matchset.app.drawing.annotate import as_color
 from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.run_folder import output_file, output_folder
@@ -51,7 +52,7 @@ def learn_color(options: LearnOptions) -> int:
     if words:
         found = detect(frame, family, color)
         print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
-    print(f"  {shell_command('track', *source_words(options), '--color', str(path), *words)}")
+    print(f"  {shell_command('track', *source_words(options.source, options.topic), '--color', str(path), *words)}")
     return FOUND
 
 
@@ -86,7 +87,7 @@ def show_candidates(options: LearnOptions) -> int:
     if live:
         _print_commands_for_camera(options, frame, found, path)
     else:
-        _print_commands(source_words(options), frame, found)
+        _print_commands(source_words(options.source, options.topic), frame, found)
     return FOUND if found else NOT_FOUND
 
 
@@ -125,11 +126,6 @@ def _print_commands_for_camera(options: LearnOptions, frame: Frame, found: list[
     print("\nIf it has no number, read a pixel on it from the grid and learn its color:\n")
     x, y = found[0].pick if found else (frame.image.shape[1] // 2, frame.image.shape[0] // 2)
     print(f"  {shell_command('learn', str(still), '--pick', f'{x},{y}')}")
-
-
-def source_words(options: LearnOptions) -> tuple[str, ...]:
-    """Return how the source was named, for the next command."""
-    return (options.source,) if options.topic is None else (options.source, "--topic", options.topic)
 
 
 def shell_command(*words: str) -> str:

@@ -75,6 +75,8 @@ class Bag:
         self.path, self.broken = path, 0
         self._file = open_bag(path)
         try:
+            if self._file.cut_off and not self._file.topics:
+                raise ValueError(f"{path} ends in the middle, before its first message")
             chosen = choose_topic(path, self._file.topics, topic)
             self.topic, self._kind, self.length = chosen.name, chosen.kind, chosen.messages
             messages = self._file.messages(chosen.name)

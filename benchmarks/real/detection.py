@@ -9,15 +9,13 @@ import numpy as np
 import matchset as ms
 from benchmarks.common.start import Image
 from benchmarks.real.clips import Clip
-from benchmarks.real.foreign import Ball
+from benchmarks.real.foreign import Ball, ball_of
 from benchmarks.real.starts import start_at
 from benchmarks.results import Figure, Finding, Goal, table
 from benchmarks.tracking.trial import circle
 from matchset.app.track.score import VALID_BELOW_PX, Circle3, TruthRow, error_px
-from matchset.image.color_learning import chroma
 
 BAR = (Goal("recall", low=90.0), Goal("false", high=0.0))
-INNER = 0.6  # radii: away from a blurred rim
 SHARE = 0.25
 """A detection is right with an error below 5 px or this share of the radius, whichever is more."""
 
@@ -78,9 +76,10 @@ class Seeker:
                 self._search(frame)
 
     def _learn(self, image: Image) -> None:
+        assert self._first.circle is not None
         start = start_at(self._first, click=0)
         try:
-            self.ball = Ball(chroma_of(image, self._first), ms.ColorModel.pick(image, start.x, start.y))
+            self.ball = ball_of(image, self._first.circle, ms.ColorModel.pick(image, start.x, start.y))
         except ValueError as error:
             self._refusal = str(error)
 
@@ -96,17 +95,6 @@ class Seeker:
         answered = sum(answer is not None for _, answer in shown)
         false = sum(answer is not None for answer in absent)
         return Detected(len(shown), right, answered - right, len(absent), false, self._refusal)
-
-
-def chroma_of(image: Image, row: TruthRow) -> tuple[float, float]:
-    """Return the median chroma of the middle of a row's disc, out to 0.6 radii."""
-    if row.circle is None:
-        raise ValueError(f"frame {row.frame} shows no ball to take a color from")
-    x, y, radius = row.circle
-    rows, columns = np.indices(image.shape[:2])
-    inside = image[np.hypot(columns - x, rows - y) < max(INNER * radius, 1.0)]
-    u, v, _ = np.median(chroma(inside), axis=0).tolist()
-    return u, v
 
 
 def is_right(answer: Circle3, truth: Circle3) -> bool:

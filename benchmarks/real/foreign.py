@@ -1,7 +1,7 @@
 """Does it see a ball where another one is: the color of one clip, searched for in frames of the others.
 
-Two clips count as foreign to each other if the chroma of their balls differs by more than `DIFFERENT`. Other videos
-below `stills` show no ball at all and are foreign to every clip.
+Two clips count as foreign to each other if their balls differ by more than `DIFFERENT` in chroma and by more than
+`TURNED` in hue. Other videos below `stills` show no ball at all and are foreign to every clip.
 """
 
 import math
@@ -10,18 +10,25 @@ from pathlib import Path
 
 import cv2
 import msgspec
+import numpy as np
 
 import matchset as ms
+from benchmarks.common.start import Image
 from benchmarks.options import Options
 from benchmarks.real.clips import Clip
 from benchmarks.results import Figure, Finding, Goal, table
 from benchmarks.tracking.trial import circle
 from benchmarks.workers import spread
+from matchset.app.track.score import Circle3
+from matchset.image.color_learning import chroma
 
 DIFFERENT = 0.15
-"""Chroma distance from which a ball is no ball of the color sought: 2.5 times the widest smoothing that a color model
-gives its target's density (`ColorParameters.widest`, 0.06); of a Gaussian 4 % of the peak are left there. The green
-balls lie within 0.04 of each other, red, yellow and green 0.18 and more apart."""
+"""Chroma distance that two colors must exceed: 2.5 times the widest smoothing that a color model gives its target's
+density (`ColorParameters.widest`, 0.06); of a Gaussian 4 % of the peak are left there."""
+TURNED = 30.0
+"""Degrees of hue in CIELAB that they must exceed too: one painted ball spreads over 15 in four clips (127 to 142). A
+pale and a saturated green differ in chroma, and yet a ball of the one is a ball of the other's color."""
+INNER = 0.6  # radii: away from a blurred rim
 FRAMES, QUICK_FRAMES = 4_000, 200
 SHOWN = 3  # pictures of a pair at most
 BAR = (Goal("false per 1,000", high=1.0),)
@@ -34,12 +41,15 @@ class Ball(msgspec.Struct, frozen=True):
     Parameters
     ----------
     chroma : tuple of 2 floats
-        Median u and v of its disc, see `matchset.image.color_learning.chroma`.
+        u and v of its median color, see `matchset.image.color_learning.chroma`.
+    hue : float
+        Angle of that color in the plane of CIELAB's a and b, degrees.
     color : ColorModel
         From the standard click.
     """
 
     chroma: tuple[float, float]
+    hue: float
     color: ms.ColorModel
 
 
@@ -110,12 +120,37 @@ def count_false_locks(
 
 def foreign_to(name: str, balls: Mapping[str, Ball]) -> dict[str, ms.ColorModel]:
     """Colors of the other clips' balls that differ from this clip's ball."""
-    here = balls[name].chroma
-    return {
-        other: ball.color
-        for other, ball in balls.items()
-        if math.dist(here, ball.chroma) > DIFFERENT  # the clip itself is not different
-    }
+    return {other: ball.color for other, ball in balls.items() if differ(balls[name], ball)}
+
+
+def differ(one: Ball, other: Ball) -> bool:
+    """Say whether two balls differ in color so much that neither should be taken for the other."""
+    turned = abs((one.hue - other.hue + 180.0) % 360.0 - 180.0)
+    return math.dist(one.chroma, other.chroma) > DIFFERENT and turned > TURNED
+
+
+def ball_of(image: Image, disc: Circle3, color: ms.ColorModel) -> Ball:
+    """Take the median color of the middle of a disc.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8
+    disc : (x, y, radius)
+        Where the ball is, px.
+    color : ColorModel
+        As it was learned.
+
+    Returns
+    -------
+    Ball
+    """
+    x, y, radius = disc
+    rows, columns = np.indices(image.shape[:2])
+    inside = image[np.hypot(columns - x, rows - y) < max(INNER * radius, 1.0)]
+    middle = np.median(inside, axis=0).astype(np.float32).reshape(1, 1, 3)
+    u, v, _ = chroma(middle)[0, 0].tolist()
+    _, a, b = cv2.cvtColor(middle / np.float32(255.0), cv2.COLOR_BGR2LAB)[0, 0].tolist()
+    return Ball((u, v), math.degrees(math.atan2(b, a)), color)
 
 
 def frames_each(lengths: Sequence[tuple[int, int]], wanted: int) -> int:

@@ -65,6 +65,6 @@ def text_of_foreign(tallies: Sequence[Tally]) -> str:
     """Say how false locks were counted, and what each color gave."""
     return (
         "**False locks**: a tracker that was told no place seeks the color of one clip in frames of the others, spread "
-        "over each, if the balls' chroma differs by more than what a color model smooths over, and in videos without "
+        "over each, if the balls differ in chroma and in hue, and in videos without "
         f"a ball.\n\n{foreign_table(tallies)}\n"
     )

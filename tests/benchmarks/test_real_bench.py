@@ -10,7 +10,18 @@ from benchmarks.real.clips import Clip, find_clips
 from benchmarks.real.detection import Detected, detection_finding, is_right
 from benchmarks.real.failures import look_at
 from benchmarks.real.following import Follower, Run
-from benchmarks.real.foreign import Ball, Hunt, Tally, foreign_finding, foreign_table, foreign_to, frames_each, search
+from benchmarks.real.foreign import (
+    Ball,
+    Hunt,
+    Tally,
+    ball_of,
+    differ,
+    foreign_finding,
+    foreign_table,
+    foreign_to,
+    frames_each,
+    search,
+)
 from benchmarks.real.gates import examine, is_near
 from benchmarks.real.measure import Task, measure
 from benchmarks.real.section import run
@@ -210,9 +221,25 @@ def test_everybody_is_compared_over_all_clips_alike() -> None:
 
 def test_colors_are_foreign_if_their_chroma_differs() -> None:
     color = ms.ColorModel.hsv((0, 80, 80), (10, 255, 255))
-    balls = {"green": Ball((-0.1, 0.0), color), "leaf": Ball((0.0, 0.0), color), "red": Ball((-0.1, 0.3), color)}
+    balls = {
+        "green": Ball((-0.1, 0.0), 130.0, color),
+        "leaf": Ball((-0.3, 0.0), 125.0, color),
+        "gray": Ball((0.0, 0.0), -170.0, color),
+        "red": Ball((-0.1, 0.3), 40.0, color),
+    }
     assert list(foreign_to("green", balls)) == ["red"]
-    assert list(foreign_to("red", balls)) == ["green", "leaf"]
+    assert list(foreign_to("leaf", balls)) == ["gray", "red"]
+    assert list(foreign_to("red", balls)) == ["green", "leaf", "gray"]
+    assert not differ(Ball((0.0, 0.0), 175.0, color), Ball((1.0, 0.0), -175.0, color))
+
+
+def test_the_color_of_a_disc_is_that_of_its_middle() -> None:
+    image = np.full((160, 200, 3), 128, np.uint8)
+    rows, columns = np.indices(image.shape[:2])
+    image[np.hypot(columns - 100, rows - 80) < 13.0] = (0, 0, 255)
+    ball = ball_of(image, CIRCLE, ms.ColorModel.hsv((0, 80, 80), (10, 255, 255)))
+    assert ball.chroma == pytest.approx((-0.2516, 0.5901), abs=1e-3)
+    assert ball.hue == pytest.approx(40.0, abs=1.0)
 
 
 def test_as_many_frames_are_searched_as_are_wanted() -> None:

@@ -63,6 +63,22 @@ def closure(held: object) -> object:
     return outer
 
 
+@kernel(refcount=False)
+def summed(rows: Floats) -> float:
+    total = 0.0
+    for i in range(rows.shape[0]):
+        total += max(rows[i, 0], rows[i, 1])
+    return total
+
+
+@kernel(refcount=False, reassociate=True)
+def summed_in_any_order(rows: Floats) -> float:
+    total = 0.0
+    for i in range(rows.shape[0]):
+        total += max(rows[i, 0], rows[i, 1])
+    return total
+
+
 def family(folder: Path, gain: float) -> ModuleType:
     """Import a user's file anew."""
     file = folder / "family_of_mine.py"
@@ -180,6 +196,38 @@ def test_references_are_counted_only_where_it_is_wanted(function: Any, counts: b
     fresh = njit(function.py_func, _nrt=counts)  # Numba does not show code that was kept
     assert fresh(np.ones((2, 2))) == 1.0
     assert all(("NRT_" in text) == counts for text in fresh.inspect_llvm().values())
+
+
+def test_kernels_without_arrays_of_their_own_run_few_passes() -> None:
+    """Otherwise a first answer takes a tenth longer: rewriting of what they do not contain, again and again."""
+    njit: Any = numba.njit
+    fresh = njit(_nrt=False, pipeline_class=jit._KernelCompiler)(borrowed.py_func)  # type: ignore[attr-defined]
+    assert fresh(np.ones((2, 2))) == 1.0
+    (compiled,) = fresh.overloads.values()
+    assert [*compiled.metadata["pipeline_times"]] == ["kernel"]
+    assert len(compiled.metadata["pipeline_times"]["kernel"]) == len(jit.PASSES)
+    assert isinstance(compiled.library, jit._KernelLibrary)
+    assert borrowed._compiler.pipeline_class is jit._KernelCompiler  # type: ignore[attr-defined]
+
+
+def test_types_are_looked_up_once_for_the_same_flags(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Otherwise every `a + b` is looked up several times, a tenth of a first answer; only while a kernel compiles."""
+    looked_up, before = [], jit._FUNCTION.get_call_type
+
+    def count(*call: Any) -> Any:
+        looked_up.append((*call[:1], *call[2:3], jit._flags()))
+        return jit_find(*call)
+
+    jit_find = jit._find_call_type
+    monkeypatch.setattr(jit, "_find_call_type", count)
+    monkeypatch.setattr(jit, "_FOUND", {})
+    rows = np.array(((1.0, 2.0), (4.0, 3.0)))
+    for function in (summed, summed_in_any_order):
+        function.recompile() if function.overloads else function(rows)  # type: ignore[attr-defined]
+        assert function(rows) == 6.0
+    assert len(looked_up) == len(set(looked_up)) > 0
+    assert len({flags for *_, flags in looked_up}) >= 2
+    assert jit._FUNCTION.get_call_type is before
 
 
 @helper

@@ -61,8 +61,9 @@ def test_circles_are_fitted_to_the_boundary() -> None:
     edges, limits = grid_edges(smooth), voting.SearchParameters()
     circles = voting.Accumulator(smooth.shape, (1, 20), 1, limits).find_circles(smooth, edges)
     assert np.abs(circles[0, :3] - (33.3, 28.6, 12.0)).max() < 2.0
+    chosen = np.array((limits.aim_fine, limits.band, limits.band_growth, limits.damping))
     for _ in range(limits.rounds):
-        peak_circles.fit_circles(edges, circles, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
+        peak_circles.fit_circles(edges, circles, chosen, np.zeros((3, 4)), np.zeros((3, 3)))
     np.testing.assert_allclose(circles[0, :3], (33.3, 28.6, 12.0), atol=0.3)
     assert circles[0, 3] == pytest.approx(1.0, abs=0.3)
 

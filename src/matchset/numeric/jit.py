@@ -5,7 +5,7 @@ divisions themselves. `fastmath` is off; with `reassociate` alone the order of a
 added several at a time. On one machine results are the same, bit for bit, from run to run.
 
 The machine code is kept on disk, so only the first run on a machine compiles. This file alone touches what Numba does
-not promise to keep (tests/numeric/test_jit.py says of each what breaks without it):
+not promise to keep (tests/numeric/test_private_hooks.py says of each what breaks without it):
 
 - ``Cache._cache_file._source_stamp``: Numba looks at a kernel's own file alone to see whether kept code is still good;
   here the files that it imports must be the same too (`source_stamp`), so that kernels may call kernels of other files.
@@ -16,7 +16,9 @@ not promise to keep (tests/numeric/test_jit.py says of each what breaks without 
 - ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
 - option ``_nrt=False``: no references are counted.
 - ``codegen.JITCodeLibrary``: Numba optimizes every function and makes machine code of it, and both again with each
-  that calls it; what only kernels call is left as it was written, and optimized with those (decision 081).
+  that calls it; what only kernels call is left as it was written, and optimized with those, once (decision 081).
+- ``compiler.Compiler``, passes: only those run that code without arrays of its own needs (`PASSES`).
+- ``BaseFunction.get_call_type``: Numba looks the type of every ``a + b`` up anew, several times; here once.
 """
 
 import contextlib
@@ -35,11 +37,13 @@ from typing import Any, TypeVar, cast, overload
 
 import numba
 import numpy as np
-from numba.core import codegen, compiler
+from numba.core import codegen, compiler, compiler_machinery, targetconfig, typed_passes, untyped_passes
+from numba.core.types.functions import BaseFunction
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LIBRARY: Any = codegen.JITCodeLibrary  # Numba's types are not complete
 _COMPILER: Any = compiler.Compiler
+_FUNCTION: Any = BaseFunction
 
 
 PACKAGE = Path(__file__).parent.parent
@@ -111,8 +115,8 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
     function : callable
         It keeps its signature.
     refcount : bool
-        Whether references to the arrays are counted: an atomic instruction for each view. A kernel that makes no arrays
-        may leave it out.
+        Whether references to the arrays are counted: an atomic instruction for each view. A kernel that makes neither
+        arrays nor functions may leave it out, and compiles faster then.
     reassociate : bool
         Whether the terms of a sum may be added in any order, several at a time: for long sums.
     entry : bool
@@ -123,7 +127,7 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
     callable
         The compiled function, or the decorator with these options.
     """
-    options: dict[str, Any] = {} if refcount else {"_nrt": False}
+    options: dict[str, Any] = {} if refcount else {"_nrt": False, "pipeline_class": _KernelCompiler}
     if reassociate:  # no set, whose order differs from run to run: it is in the key of kept code
         options["fastmath"] = {"reassoc": True, "nsz": True}
     make: Any = functools.partial(_kept if entry else _piece, **options)
@@ -152,7 +156,19 @@ class _Codegen:
         """Do nothing: kernels neither raise nor touch Python's objects."""
 
 
-class _PieceLibrary(_LIBRARY):  # type: ignore[misc]
+class _KernelLibrary(_LIBRARY):  # type: ignore[misc]
+    """Code of a kernel and of what it calls, optimized together and once: no counts of references are to be removed."""
+
+    def _optimize_functions(self, module: Any) -> None:
+        module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        super()._optimize_functions(self._final_module)
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+
+class _PieceLibrary(_KernelLibrary):
     """Code of a piece as the compiler wrote it: whoever takes it in optimizes it and makes machine code of it."""
 
     @property
@@ -168,13 +184,92 @@ class _PieceLibrary(_LIBRARY):  # type: ignore[misc]
         self._finalized = True
 
 
-class _PieceCompiler(_COMPILER):  # type: ignore[misc]
-    """Numba's compiler, whose library is a `_PieceLibrary`."""
+PASSES: tuple[Any, ...] = (
+    untyped_passes.TranslateByteCode,
+    untyped_passes.FixupArgs,
+    untyped_passes.IRProcessing,
+    untyped_passes.GenericRewrites,
+    untyped_passes.ReconstructSSA,
+    typed_passes.NopythonTypeInference,
+    typed_passes.PreLowerStripPhis,
+    typed_passes.IRLegalization,
+    typed_passes.AnnotateTypes,
+    typed_passes.NativeLowering,
+    typed_passes.NoPythonBackend,
+)
+
+
+class _KernelCompiler(_COMPILER):  # type: ignore[misc]
+    """Numba's compiler for code that makes no arrays and no functions: without the passes for those."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Name the passes."""
+        manager: Any = cast(Any, compiler_machinery).PassManager("kernel")
+        for each in PASSES:
+            manager.add_pass(each, each.__name__)
+        manager.finalize()
+        return [manager]
+
+    def library(self, name: str) -> Any:
+        """Make the library of a function; it is kept on disk."""
+        library = _KernelLibrary(self.state.targetctx.codegen(), name)
+        library.enable_object_caching()
+        return library
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function."""
-        self.state.library = _PieceLibrary(self.state.targetctx.codegen(), function.__qualname__)
-        return super().compile_extra(function)
+        self.state.library = self.library(function.__qualname__)
+        with _types_remembered():
+            return super().compile_extra(function)
+
+
+class _PieceCompiler(_KernelCompiler):
+    """The same, for a `_PieceLibrary`."""
+
+    def library(self, name: str) -> Any:
+        """Make the library of a function."""
+        return _PieceLibrary(self.state.targetctx.codegen(), name)
+
+
+@contextlib.contextmanager
+def _types_remembered() -> Iterator[None]:
+    """Let Numba remember, while a kernel compiles, what type a function of its own returns for given types.
+
+    What it found before holds for the same flags only: functions that Numba compiles take those of their caller.
+    Numba's lock is held, so that no other thread compiles.
+    """
+    before = _FUNCTION.get_call_type
+    _FUNCTION.get_call_type = _call_type
+    try:
+        yield
+    finally:
+        _FUNCTION.get_call_type = before
+
+
+_FOUND: dict[Any, Any] = {}
+_FLAGS: dict[int, tuple[Any, str]] = {}
+_find_call_type = _FUNCTION.get_call_type
+
+
+def _call_type(function: Any, context: Any, arguments: Any, named: Any) -> Any:
+    """Signature of a call, found once."""
+    if named:
+        return _find_call_type(function, context, arguments, named)
+    key = function, arguments, _flags()
+    if key not in _FOUND:
+        signature = _find_call_type(function, context, arguments, named)
+        _FOUND[key] = signature, function._impl_keys[signature.args]
+    signature, function._impl_keys[signature.args] = _FOUND[key]
+    return signature
+
+
+def _flags() -> str:
+    """Name the flags of the function that is being compiled in words: hashing them is what takes Numba long."""
+    flags = cast(Any, targetconfig).ConfigStack.top_or_none()
+    known = _FLAGS.get(id(flags))
+    if known is None or known[0] is not flags:
+        known = _FLAGS[id(flags)] = flags, flags.summary() if flags is not None else ""
+    return known[1]
 
 
 def _piece(function: F, **options: Any) -> F:

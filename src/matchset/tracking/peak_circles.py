@@ -123,8 +123,8 @@ def find_radii(edges: Floats, circles: Floats, votes: Floats, aim: float) -> Non
         circles[k, 2] = best
 
 
-@kernel
-def fit_circles(edges: Floats, circles: Floats, aim: float, band: float, growth: float, damping: float) -> None:
+@kernel(refcount=False)
+def fit_circles(edges: Floats, circles: Floats, limits: Floats, sums: Floats, inverse: Floats) -> None:
     """Take one step of a robust fit of circles to the boundary points near them, with Tukey's weights.
 
     Parameters
@@ -133,10 +133,12 @@ def fit_circles(edges: Floats, circles: Floats, aim: float, band: float, growth:
         See `voting.find_edges`.
     circles : (k, 4), written
         x, y, radius, cells; share of the circle that boundary points confirm.
-    aim, band, growth, damping : float
-        See `voting.SearchParameters`.
+    limits : (4,)
+        `aim_fine`, `band`, `band_growth` and `damping` of `voting.SearchParameters`.
+    sums, inverse : (3, 4) and (3, 3), written
+        Room for the normal equations: a kernel that makes no arrays compiles faster.
     """
-    sums, inverse = np.empty((3, 4)), np.empty((3, 3))
+    aim, band, growth, damping = limits[0], limits[1], limits[2], limits[3]
     for k in range(circles.shape[0]):
         for a in range(3):
             for b in range(4):

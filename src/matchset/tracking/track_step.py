@@ -69,7 +69,7 @@ class TrackStep(Generic[S]):
         """
         fitter = self.fitter
         rejection = fitter.track(image, color, time, interval)
-        if rejection == Rejection.NONE:
+        if not rejection:  # of an `IntEnum` that is faster than a comparison
             return None
         estimate = self._reacquire(image, color, fitter.estimate(rejection), (time, interval, index))
         if estimate.rejection:

@@ -105,6 +105,8 @@ class Searcher:
         self._grid = np.zeros((rows, columns), np.int16)
         self._edges = np.zeros((max(rows * columns // 3, 64), 4))
         limits, longest = self.parameters, int(self.parameters.largest_share * max(rows, columns))
+        self._fit_limits = np.array((limits.aim_fine, limits.band, limits.band_growth, limits.damping))
+        self._sums, self._inverse = np.zeros((3, 4)), np.zeros((3, 3))
         self._near = Accumulator((rows, columns), (1, limits.fine_radius), 1, limits)
         self._far = Accumulator((rows, columns), (limits.fine_radius - 3, longest), 2, limits)
 
@@ -131,7 +133,7 @@ class Searcher:
         if not len(rough):
             return rough
         for _ in range(limits.rounds):
-            fit_circles(edges, rough, limits.aim_fine, limits.band, limits.band_growth, limits.damping)
+            fit_circles(edges, rough, self._fit_limits, self._sums, self._inverse)
         rough = rough[rough[:, SHARE] >= limits.share]
         rough = rough[np.argsort(-rough[:, SHARE], kind="stable")]
         rough[:, :SHARE] *= self.stride
@@ -167,7 +169,7 @@ class Searcher:
         return smooth
 
 
-@kernel
+@kernel(refcount=False)
 def sample_grid(image: Bytes, table: npt.NDArray[np.int8], stride: int, grid: Scores) -> None:
     """Sum of the scores of two pixels in every cell of `stride` x `stride` pixels.
 
@@ -199,7 +201,7 @@ def sample_grid(image: Bytes, table: npt.NDArray[np.int8], stride: int, grid: Sc
             grid[i, j] = total
 
 
-@kernel
+@kernel(refcount=False)
 def find_edges(smooth: Scores, edges: Floats) -> int:
     """Boundary of the positive region of a smoothed grid.
 
@@ -298,7 +300,7 @@ class Accumulator:
         vote(smooth, voters, weights, self._gaps, self._shift, self.votes)
 
 
-@kernel
+@kernel(refcount=False)
 def vote(
     smooth: Scores, edges: Floats, weights: Floats, gaps: npt.NDArray[np.int64], shift: int, votes: Singles
 ) -> None:

@@ -53,8 +53,8 @@ def test_trackers_of_a_family_are_compiled_in_color_and_gray(
     trackers, frames, searches = [], [], []
 
     class FakeTracker:
-        def __init__(self, family: type[Any], color: ColorModel) -> None:
-            trackers.append((family, color.channels))
+        def __init__(self, family: type[Any], color: ColorModel, points: int = 64) -> None:
+            trackers.append((family, color.channels, points))
 
         def update(self, frame: Frame) -> None:
             frames.append(frame.image.ndim)
@@ -65,9 +65,9 @@ def test_trackers_of_a_family_are_compiled_in_color_and_gray(
     monkeypatch.setattr("matchset.tracking.tracker.Tracker", FakeTracker)
     monkeypatch.setattr("matchset.tracking.detector.detect", fake_detect)
     warm.groups()[name]()
-    assert [channels for _, channels in trackers] == [3, 1]
-    assert all(family in (None, each) and len(each.parameters) == parameters for each, _ in trackers)
-    assert searches == trackers
+    assert [(channels, points) for _, channels, points in trackers] == [(3, 64), (3, 4096), (1, 64), (1, 4096)]
+    assert all(family in (None, each) and len(each.parameters) == parameters for each, _, _ in trackers)
+    assert searches == [each[:2] for each in trackers[::2]]
     assert set(frames) == {3, 2}
 
 

@@ -59,9 +59,10 @@ def groups() -> dict[str, Callable[[], object]]:
 
 
 def _trackers(name: str) -> None:
-    """Trackers of one family, in color and gray, and a search."""
+    """Trackers of one family, in color and gray, with few points and many, and a search."""
     import numpy as np
 
+    from matchset.fitting.workspace import MAX_LINES
     from matchset.image.color import ColorModel
     from matchset.image.frame import Frame
     from matchset.shapes.circle import Circle
@@ -89,15 +90,20 @@ def _trackers(name: str) -> None:
         tracker: Tracker[Any] = Tracker(family, color)
         for index in range(3):
             tracker.update(Frame(image, index / 30, index))
+        Tracker(family, color, MAX_LINES)  # its workspace is laid out otherwise
         detect(Frame(image), family, color)
 
 
 def _localizer() -> object:
+    import numpy as np
+
     from matchset.camera.camera_model import CameraModel
     from matchset.localization.ball_target import BallTarget
     from matchset.localization.localizer import Localizer
 
-    return Localizer(CameraModel.from_fov(640, 480, 1.2), BallTarget())
+    camera = CameraModel.from_fov(640, 480, 1.2)
+    camera.rays(camera.project(np.array([[0.0, 0.0, 1.0]])))
+    return Localizer(camera, BallTarget())
 
 
 def _markers() -> object:

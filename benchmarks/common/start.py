@@ -25,11 +25,14 @@ class Start(msgspec.Struct, frozen=True):
         need a circle may begin at it.
     here : bool
         False: the image shows another room than the frames that follow, so only colors can be learned from it.
+    fps : float
+        Frames per second.
     """
 
     image: Image
     circle: Circle3
     here: bool = True
+    fps: float = 30.0
 
 
 class Method(NamedTuple):

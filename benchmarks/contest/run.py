@@ -10,7 +10,7 @@ from benchmarks.common.start import Circle3, Start, Step
 from benchmarks.contest.field import LIGHT, PAPER, PEERS, Peer, peer, present
 from benchmarks.options import Options
 from benchmarks.real.clips import Clip as RealClip
-from benchmarks.tracking.trial import WHAT, Trial, as_truth, sequence
+from benchmarks.tracking.trial import FPS, WHAT, Trial, as_truth, sequence
 from benchmarks.workers import spread
 from matchset.sim.clips.clip import Clip
 
@@ -133,9 +133,11 @@ def follow_real_clip(real: RealClip, peers: Iterable[Peer]) -> dict[str, dict[in
     assert first.circle is not None
     steps: dict[str, Step] = {}
     answers: dict[str, dict[int, Circle3 | None]] = {}
-    for frame in ms.Video(real.video):
+    video = ms.Video(real.video)
+    for frame in video:
         if frame.index == first.frame:
-            steps = {each.key: begun(each, Start(frame.image, first.circle)) for each in peers}
+            start = Start(frame.image, first.circle, fps=video.fps or FPS)
+            steps = {each.key: begun(each, start) for each in peers}
             answers = {key: {} for key in steps}
         elif frame.index > first.frame:
             for key, step in steps.items():

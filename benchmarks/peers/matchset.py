@@ -5,8 +5,6 @@ import msgspec
 import matchset as ms
 from benchmarks.common.start import Choices, Circle3, Image, Method, Start, Step
 
-FPS = 30.0
-
 
 class Parameters(msgspec.Struct, frozen=True):
     """None: the defaults."""
@@ -27,7 +25,7 @@ def follow(start: Start, parameters: Parameters) -> Step:  # noqa: ARG001
     def step(image: Image) -> Circle3 | None:
         nonlocal index
         index += 1
-        answer = tracker.update(ms.Frame(image, index / FPS, index))
+        answer = tracker.update(ms.Frame(image, index / start.fps, index))
         if isinstance(answer, ms.Lost):
             return None
         shape = answer.shape

@@ -31,7 +31,20 @@ QUARTER = 1.25
 ROUNDS = 3
 RADII = (20, 40, 120)
 POOL, LAPS = 24, 8
-SEQUENCES = ("clean", "typical", "bad", "hard", "occlusion", "clutter", "light", "shrink", "fast", "hidden")
+SEQUENCES = (
+    "clean",
+    "typical",
+    "bad",
+    "hard",
+    "occlusion",
+    "clutter",
+    "light",
+    "shrink",
+    "fast",
+    "hidden",
+    "compressed",
+    "phone",
+)
 SEEDS, FRAMES = (100, 101), 70
 NOISE_PERCENT = 0.5  # of the frames may be invalid more than before, whatever the quarter says
 

@@ -23,7 +23,7 @@ from matchset.sim.rendering.capsules import draw_capsules
 from matchset.sim.rendering.coverage import Pinhole
 from matchset.sim.rendering.painted_ball import draw_painted_ball
 from matchset.sim.rendering.renderer import Light, Picture, draw_occluder
-from matchset.sim.rendering.shutter import Rows, channel_gain, fields, read_out, sub_exposures
+from matchset.sim.rendering.shutter import Rows, bands, channel_gain, fields, read_out, sub_exposures
 from matchset.sim.scene.grass import grass
 from matchset.sim.scene.scene import Scene, viewpoint
 
@@ -44,7 +44,6 @@ _LIMITS = {
     "hand": (0.0, 0.4),
     "blur_samples": (1, 1000),
 }
-BAND = 4  # geometry: rows that a rolling shutter is drawn to expose together
 
 
 class Clip(msgspec.Struct, frozen=True, kw_only=True):
@@ -341,7 +340,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         if self.digital.readout > 0.0:
             for _ in range(8):
                 y = min(max(self._outline(at).y, 0.0), self.height - 1.0)
-                at = time + read_out(0, 1, self.height, self.digital.readout) + self.digital.readout * y / self.height
+                at = time + read_out(y, self.height, self.digital.readout)
         return at
 
     def _draw_rows(self, picture: Picture, rows: Rows, time: float, index: int) -> None:
@@ -350,10 +349,13 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
         if readout <= 0.0:
             self._draw_ball(picture, rows, time, index)
             return
-        for top in range(0, self.height, BAND):
-            bottom = min(top + BAND, self.height)
-            moment = time + read_out(top, bottom - top, self.height, readout)
-            self._draw_ball(picture[top:bottom], rows, moment, index, top)
+        alone = self.occluder <= 0.0 and not self._is_hidden(index)
+        for top, bottom, late in bands(self.height, readout, 10.0 * self.speed):
+            outline = self._outline(time + late)
+            reach = 1.5 * outline.a + 40.0 * self.speed * self.exposure + 4.0
+            above, below = bottom < outline.y - reach, top > outline.y + reach
+            if not (alone and (above or (below and self.hand <= 0.0))):  # nothing of the hand is above the ball
+                self._draw_ball(picture[top:bottom], rows, time + late, index, top)
 
     def _draw_ball(self, picture: Picture, rows: Rows, time: float, index: int, top: int = 0) -> None:
         """Draw the ball and what hides it, over one exposure; the picture begins with row `top`."""

@@ -92,7 +92,7 @@ def hand_at(outline: SphereOutline, share: float, time: float, seed: int) -> Han
         return Capsule(*begin, radius * radii[0], *end, radius * radii[1])
 
     behind = [
-        limb(at(1.5, base), at(9.0, base + 0.05), (0.48, 0.75)),
+        limb(at(1.5, base), at(30.0, base + 0.02), (0.48, 1.2)),
         limb(at(0.55, base), at(1.35, base), (0.75, 0.6)),
     ]
     fingers = []

@@ -40,7 +40,7 @@ class H264Coder:
         self._count = 0
         encoder: Any = av.CodecContext.create("libx264", "w")
         encoder.width, encoder.height, encoder.pix_fmt = width, height, "yuv420p"
-        encoder.time_base = 1 / Fraction(fps).limit_denominator(1000)
+        encoder.time_base = 1 / Fraction(fps).limit_denominator(1_000_000)
         encoder.framerate = 1 / encoder.time_base
         encoder.bit_rate, encoder.gop_size = int(kbps * 1000.0), keyframes
         # One thread: the same bytes everywhere. The buffer of half a second is what streams use.

@@ -18,12 +18,19 @@ class ShutterParameters(msgspec.Struct, frozen=True, kw_only=True):
         no sub-exposure shows as an edge of its own.
     most : int
         Most sub-exposures of an exposure.
+    band_px : float
+        Largest motion while a rolling shutter exposes the rows that are drawn together, px. Less: finer, slower. Chosen
+        by hand: half of it is as far as an edge can be from its place, to one side as often as to the other.
+    band_rows : int
+        Most rows that are drawn together; even, for fields.
     """
 
     swing_period: float = 4.0
     drift_period: float = 9.0
     step_px: float = 1.5
     most: int = 16
+    band_px: float = 0.1
+    band_rows: int = 16
 
 
 PARAMETERS = ShutterParameters()
@@ -66,15 +73,13 @@ def fields(index: int, interlaced: bool) -> list[tuple[Rows, float]]:
     return [(Rows(0, 2), index - 0.25), (Rows(1, 2), index + 0.25)]
 
 
-def read_out(top: int, rows: int, height: int, readout: float) -> float:
-    """Time at which a rolling shutter exposes some rows, after the middle of the frame.
-
-    Row y is exposed ``readout ((y + 1/2) / height - 1/2)`` after it.
+def read_out(y: float, height: int, readout: float) -> float:
+    """Time at which a rolling shutter exposes a row, after the middle of the frame: readout ((y + 1/2) / height - 1/2).
 
     Parameters
     ----------
-    top, rows : int
-        The first of the rows, and how many.
+    y : float
+        The row, px.
     height : int
         Of the picture, px.
     readout : float
@@ -83,9 +88,32 @@ def read_out(top: int, rows: int, height: int, readout: float) -> float:
     Returns
     -------
     float
-        Frames: that of the middle of the rows.
+        Frames.
     """
-    return readout * ((top + 0.5 * rows) / height - 0.5)
+    return readout * ((y + 0.5) / height - 0.5)
+
+
+def bands(height: int, readout: float, pace: float) -> list[tuple[int, int, float]]:
+    """Divide a picture into rows that a rolling shutter exposes nearly together.
+
+    Parameters
+    ----------
+    height : int
+        Of the picture, px.
+    readout : float
+        Time from the first row of the picture to the last, frames, more than 0.
+    pace : float
+        Fastest motion, px per frame.
+
+    Returns
+    -------
+    list of (int, int, float)
+        First row, the one after the last, and when the middle of the band is exposed, frames after that of the picture.
+    """
+    fit = PARAMETERS.band_px * height / max(readout * pace, 1e-9)
+    rows = 2 * max(int(min(fit, PARAMETERS.band_rows) / 2.0), 1)
+    ends = [(top, min(top + rows, height)) for top in range(0, height, rows)]
+    return [(top, bottom, read_out(0.5 * (top + bottom - 1), height, readout)) for top, bottom in ends]
 
 
 def sub_exposures(time: float, exposure: float, smear: float, most: int | None = None) -> list[float]:

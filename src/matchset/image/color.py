@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
+from matchset.image.click_region import disc_mask, regions_at_click
 from matchset.image.color_learning import (
     DEFAULT,
     ColorParameters,
@@ -24,7 +25,6 @@ from matchset.image.color_learning import (
     features,
     gray_log_odds,
     grow_region,
-    uniform_seed,
 )
 from matchset.image.frame import check_image
 
@@ -44,6 +44,13 @@ class ColorModel:
     gray : str
         "dark", "light" or "edges" for a model that asks for brightness and suits any picture; empty for a color.
 
+    Attributes
+    ----------
+    circle : (x, y, radius) or None
+        The most ball-like circle around the click that it was picked at, px: where a search may begin.
+    note : str
+        What a user should know of how it was learned; empty if nothing.
+
     Raises
     ------
     ValueError
@@ -52,6 +59,8 @@ class ColorModel:
 
     def __init__(self, log_odds: npt.NDArray[np.float32], gray: Gray = "") -> None:
         self.gray: Gray = gray
+        self.circle: tuple[float, float, float] | None = None
+        self.note = ""
         values = np.array(log_odds, np.float32)
         if values.shape not in ((32768,), (256,)) or not np.isfinite(values).all():
             raise ValueError(f"a color table has 32768 or 256 finite numbers, got shape {values.shape}")
@@ -110,15 +119,52 @@ class ColorModel:
         Raises
         ------
         ValueError
-            If the point is not in the picture, or its color cannot be told from the background.
+            If the point is not in the picture; or its color cannot be told from the background, and no closed outline
+            can be found around it either.
         """
         check_image(image)
         rows, columns = image.shape[:2]
         if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {columns} x {rows} picture")
-        values = features(image, parameters)
-        target = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
-        return cls._learned(image, target, f"pick ({x:g}, {y:g})", parameters)
+        targets, circle = regions_at_click(image, x, y, parameters)
+        refusal: ValueError | None = None
+        for target in targets:
+            try:
+                model = cls._learned(image, target, f"pick ({x:g}, {y:g})", parameters)
+            except ValueError as error:
+                refusal = refusal or error
+                continue
+            model.circle = circle
+            return model
+        if circle is None:
+            raise refusal or ValueError(f"pick ({x:g}, {y:g}): nothing stands out there")
+        return cls._in_its_surroundings(image, targets[-1], circle, parameters)
+
+    @classmethod
+    def _in_its_surroundings(
+        cls,
+        image: npt.NDArray[np.uint8],
+        target: npt.NDArray[np.bool_],
+        circle: tuple[float, float, float],
+        parameters: ColorParameters,
+    ) -> "ColorModel":
+        """Learn what tells the target from what is next to it, where its color is all over the picture.
+
+        Where not even that helps, only contrast counts (`edges`).
+        """
+        outside = background_mask(target, parameters) & disc_mask(target.shape, circle, parameters.surroundings)
+        words = f"the color at ({circle[0]:.0f}, {circle[1]:.0f}) is all over the picture"
+        if outside.any():
+            log_odds = color_log_odds if image.ndim == 3 else gray_log_odds
+            model = cls(log_odds(image[target], image[outside], parameters))
+            alike = model.scores(image) > 0
+            hits, false = np.mean(alike[target]), np.mean(alike[outside])
+            if hits >= parameters.least_hits and false <= parameters.most_false * hits:
+                model.circle, model.note = circle, f"{words}: learned against what is next to it"
+                return model
+        model = cls.edges().for_image(image)
+        model.circle, model.note = circle, f"{words}: only edges are followed, which is less sure"
+        return model
 
     @classmethod
     def _learned(
@@ -240,7 +286,9 @@ class ColorModel:
 
     def copy(self) -> "ColorModel":
         """Make a model of its own, so that adapting it leaves this one alone."""
-        return ColorModel(self.log_odds, self.gray)
+        model = ColorModel(self.log_odds, self.gray)
+        model.circle, model.note = self.circle, self.note
+        return model
 
     def scores(self, pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
         """Look pixels up in the table: positive where they look like the target.

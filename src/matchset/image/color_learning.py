@@ -67,6 +67,8 @@ class ColorParameters(msgspec.Struct, frozen=True):
         Smoothing of the background's density along u and v.
     gray_width : float
         Smoothing of the densities of gray pictures, gray levels.
+    surroundings : float
+        Where the color is all over the picture, only what is within so many radii of the clicked circle is background.
     least_hits, most_false : float
         A color is refused if less than this share of the region looks like the target, or if the background has more
         than this many times that share.
@@ -93,6 +95,7 @@ class ColorParameters(msgspec.Struct, frozen=True):
     background_octaves: float = 0.3
     background_width: float = 0.02
     gray_width: float = 6.0
+    surroundings: float = 3.0
     least_hits: float = 0.5
     most_false: float = 0.5
 

@@ -10,7 +10,7 @@ import pytest
 from blue_ball import Matchset, ball_picture
 
 from matchset.app.track import learn_command
-from matchset.app.track.candidates import find_candidates
+from matchset.image.candidates import find_candidates
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.sim.clips.clip import Clip

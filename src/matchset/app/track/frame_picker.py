@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.track.candidates import SCORE, Candidate, find_candidates
+from matchset.image.candidates import SCORE, Candidate, find_candidates
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from matchset.app.drawing.annotate import OUTLINE, as_color
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.track.candidates import Candidate
+from matchset.image.candidates import Candidate
 
 Picture = npt.NDArray[np.uint8]
 

@@ -11,12 +11,12 @@ from matchset.app.cli_options import source_words
 from matchset.app.drawing.annotate import as_color
 from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.run_folder import output_file, output_folder
-from matchset.app.track.candidates import Candidate, find_candidates
 from matchset.app.track.command import LearnOptions
 from matchset.app.track.frame_picker import ball_like_frame, lit_frame_at
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import parse_pick
+from matchset.image.candidates import Candidate, find_candidates
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video

@@ -3,6 +3,7 @@
 import functools
 import operator
 import re
+import sys
 from typing import Any
 
 import msgspec
@@ -104,7 +105,10 @@ def target_in(video: Video, options: TargetOptions) -> tuple[LearnedTarget, Fram
         else:
             frame = frame_at(video, index)
             x, y = pick_in(frame, number)
-    return LearnedTarget(ColorModel.pick(frame.image, x, y), (x, y), frame.index), frame
+    color = ColorModel.pick(frame.image, x, y)
+    if color.note:
+        print("note: " + color.note, file=sys.stderr)
+    return LearnedTarget(color, (x, y), frame.index), frame
 
 
 def target_for(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, tuple[Frame, ...]]:

@@ -201,8 +201,8 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     """
     scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
-    lab = _lab(small)
-    scored = sorted(((_score(lab, circle), circle) for circle in propose_circles(lab)), reverse=True)
+    lab = lab_of(small)
+    scored = sorted(((score_circle(lab, circle), circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []
     for score, circle in scored:
         if score < max(SCORE.min_score, SCORE.min_share * scored[0][0]) or len(kept) == limit:
@@ -212,8 +212,18 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     return [_candidate(lab, circle, score, scale) for score, circle in kept]
 
 
-def _lab(image: npt.NDArray[Any]) -> LabImage:
-    """Convert to CIE Lab, smoothed according to the noise, with lightness weighted less than chroma."""
+def lab_of(image: npt.NDArray[Any]) -> LabImage:
+    """Convert to CIE Lab, smoothed according to the noise, with lightness weighted less than chroma.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+        BGR or gray.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 3), float32
+    """
     color = image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     # The median of the Laplacian's magnitude measures the noise: edges are too few to change it.
     roughness = np.abs(cv2.Laplacian(color[..., 1], cv2.CV_32F))
@@ -314,7 +324,7 @@ def _hough_circles(lab: LabImage) -> list[CircleTuple]:
     return [(float(x), float(y), float(radius)) for x, y, radius in circles]
 
 
-def _score(lab: LabImage, circle: CircleTuple) -> float:
+def score_circle(lab: LabImage, circle: CircleTuple) -> float:
     """Score a circle: rim^3 x contrast x vividness x evenness x size, each 0 ... 1."""
     x, y, radius = circle
     angles = 2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays

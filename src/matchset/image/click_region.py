@@ -1,0 +1,223 @@
+"""From a click to the pixels of the target: `regions_at_click`.
+
+Two ways see different things. A region grown in color stops at a stripe or a shadow of the target and leaks where the
+background is alike; the most ball-like circle around the click knows no color and sees round things only. Where both
+agree the target is what either shows; where the region leaks or holds a part of the circle, the circle decides.
+"""
+
+import cv2
+import msgspec
+import numpy as np
+
+from matchset.image.candidates import SCORE, lab_of, propose_circles, score_circle
+from matchset.image.color_learning import (
+    DEFAULT,
+    Bytes,
+    ColorParameters,
+    Mask,
+    background_mask,
+    color_log_odds,
+    features,
+    gray_log_odds,
+    grow_region,
+    uniform_seed,
+)
+
+Circle3 = tuple[float, float, float]
+
+
+class RegionParameters(msgspec.Struct, frozen=True):
+    """When a circle around the click takes the place of the grown region.
+
+    Chosen by hand on `python -m benchmarks --only real`.
+
+    Parameters
+    ----------
+    rim : float
+        Share of the circle's radius within which its pixels are taken: beyond it blur mixes in the background.
+    part : float
+        Share of the region that must lie in the circle for it to be a part of the circle.
+    leaked : float
+        Share of the region in the circle below which it has leaked, if it is ...
+    solid : float
+        ... less than this share of its convex hull; a solid region is another thing, on which the circle is printed.
+    far : float
+        ... and if its enclosing circle is this many times as large.
+    whole, same, large : float
+        A region that is this share of its convex hull, of which circle and region together share less than `same`, and
+        that covers this share of the circle, is a thing of another shape: a card with a circle around it.
+    rarer : float
+        Log-odds, circle against background, from which a pixel of the circle belongs to the target.
+    """
+
+    rim: float = 0.88
+    part: float = 0.75
+    leaked: float = 0.6
+    solid: float = 0.8
+    far: float = 3.0
+    whole: float = 0.9
+    same: float = 0.8
+    large: float = 0.5
+    rarer: float = 0.0
+
+
+LIMITS = RegionParameters()
+
+
+class ClickParameters(msgspec.Struct, frozen=True):
+    """Where circles around a click are looked for: in windows of about one size, each in a scale of its own.
+
+    Chosen by hand on `python -m benchmarks --only real`.
+
+    Parameters
+    ----------
+    half_widths : tuple of float
+        Half the side of the windows around the click, px; the whole picture comes last.
+    window_px : int
+        Side to which a window is brought: a smaller one is enlarged, a larger one reduced. More finds circles more
+        exactly and takes longer.
+    max_enlargement : float
+        Largest factor of that.
+    offset : float
+        How far from the center of a circle the click may be, in radii.
+    full_size : float
+        Radius from which a circle in a window is not taken to be chance because it is small, px of the window.
+    min_score : float
+        Least score of a circle.
+    """
+
+    half_widths: tuple[float, ...] = (36.0, 140.0)
+    window_px: int = 280
+    max_enlargement: float = 4.0
+    offset: float = 0.95
+    full_size: float = 24.0
+    min_score: float = 0.05
+
+
+CLICK = ClickParameters()
+
+
+def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
+    """Find the most ball-like circle that holds a point.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+        BGR or gray.
+    x, y : float
+        The point, px.
+
+    Returns
+    -------
+    tuple of float and (x, y, radius), or None
+        Its score, 0 ... 1, and where it is, px; None where no circle stands out.
+    """
+    best: tuple[float, Circle3] | None = None
+    for half in (*CLICK.half_widths, float(max(image.shape[:2]))):
+        left, top = max(round(x - half), 0), max(round(y - half), 0)
+        window = image[top : round(y + half) + 1, left : round(x + half) + 1]
+        scale = min(CLICK.window_px / max(window.shape[:2]), CLICK.max_enlargement)
+        how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+        lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
+        place = (x - left + 0.5) * scale - 0.5, (y - top + 0.5) * scale - 0.5
+        for circle in propose_circles(lab):
+            if np.hypot(circle[0] - place[0], circle[1] - place[1]) > CLICK.offset * circle[2]:
+                continue
+            score = (
+                score_circle(lab, circle)
+                * min(1.0, circle[2] / CLICK.full_size)
+                / min(1.0, circle[2] / SCORE.full_size)
+            )
+            if score > max(CLICK.min_score, best[0] if best else 0.0):
+                whole = (circle[0] + 0.5) / scale - 0.5 + left, (circle[1] + 0.5) / scale - 0.5 + top
+                best = score, (*whole, circle[2] / scale)
+    return best
+
+
+def regions_at_click(
+    image: Bytes, x: float, y: float, parameters: ColorParameters = DEFAULT
+) -> tuple[list[Mask], Circle3 | None]:
+    """Find what may be the pixels of the target that was clicked at.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    x, y : float
+        The click, px.
+    parameters : ColorParameters
+
+    Returns
+    -------
+    regions : list of ndarray of shape (h, w), bool
+        Likeliest first.
+    circle : (x, y, radius) or None
+        The most ball-like circle around the click, px, if one stands out.
+    """
+    values = features(image, parameters)
+    region = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
+    found = circle_at(image, x, y)
+    if found is None:
+        return [region], None
+    circle = found[1]
+    disc = disc_mask(region.shape, circle, LIMITS.rim)
+    if not disc.any():
+        return [region], circle
+    both = float((region & disc).sum())
+    shared, union = both / float(region.sum()), float((region | disc).sum())
+    solid = _solidity(region)
+    if solid >= LIMITS.whole and both / union < LIMITS.same and both > LIMITS.large * float(disc.sum()):
+        return [region, disc], circle
+    if shared >= LIMITS.part:
+        return [region | _target_of(image, disc, region, parameters), disc], circle
+    if shared < LIMITS.leaked and solid < LIMITS.solid and _extent(region) > LIMITS.far * circle[2]:
+        return [_target_of(image, disc, disc, parameters), disc], circle
+    return [region, disc], circle
+
+
+def disc_mask(shape: tuple[int, ...], circle: Circle3, share: float) -> Mask:
+    """Pixels within a share of a circle's radius.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns.
+    circle : (x, y, radius)
+        px.
+    share : float
+
+    Returns
+    -------
+    ndarray of shape (h, w), bool
+    """
+    rows, columns = np.ogrid[: shape[0], : shape[1]]
+    return np.asarray((columns - circle[0]) ** 2 + (rows - circle[1]) ** 2 < (share * circle[2]) ** 2)
+
+
+def _target_of(image: Bytes, disc: Mask, region: Mask, parameters: ColorParameters) -> Mask:
+    """Pixels of a disc whose color is rarer in the background than in the disc: a finger before it is not."""
+    outside = background_mask(disc | region, parameters)
+    if not outside.any():
+        return disc
+    log_odds = color_log_odds if image.ndim == 3 else gray_log_odds
+    odds = log_odds(image[disc], image[outside], parameters)
+    if image.ndim == 3:
+        b, g, r = (image[disc][:, k].astype(np.int32) >> 3 for k in range(3))
+        cells = b << 10 | g << 5 | r
+    else:
+        cells = image[disc].astype(np.int32)
+    found = np.zeros(disc.shape, bool)
+    found[disc] = odds[cells] > LIMITS.rarer
+    return found if found.any() else disc
+
+
+def _solidity(region: Mask) -> float:
+    """Area of a region over the area of its convex hull."""
+    rows, columns = np.nonzero(region)
+    hull = cv2.convexHull(np.column_stack((columns, rows)).astype(np.int32))
+    return float(region.sum()) / max(float(cv2.contourArea(hull)), 1.0)
+
+
+def _extent(region: Mask) -> float:
+    """Radius of the circle that encloses a region, px."""
+    rows, columns = np.nonzero(region)
+    return float(cv2.minEnclosingCircle(np.column_stack((columns, rows)).astype(np.int32))[1])

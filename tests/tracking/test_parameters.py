@@ -5,6 +5,7 @@ import pytest
 from scenes import blue, run, scene
 
 import matchset as ms
+from matchset.fitting.evidence import EvidenceParameters
 from matchset.fitting.fit_quality import QualityParameters
 from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.validation import ValidationParameters
@@ -21,7 +22,10 @@ def follow(parameters: TrackerParameters) -> list[ms.Track[ms.Circle] | ms.Lost[
 @pytest.mark.parametrize(
     "parameters",
     [
-        TrackerParameters(validation=ValidationParameters(color_score=2.0)),
+        TrackerParameters(
+            evidence=EvidenceParameters(unknown=99.0, present=99.0, here=99.0),
+            validation=ValidationParameters(color_score=2.0),
+        ),
         TrackerParameters(validation=ValidationParameters(detection_interior=1.1)),
         TrackerParameters(search=SearchParameters(whole_frame=False)),
         TrackerParameters(search=SearchParameters(share=9.0)),

@@ -9,11 +9,12 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.evidence import BEST_STEP, EvidenceParameters, log_odds, measure_color_step, measure_near_step
 from matchset.fitting.fit_quality import QualityParameters, write_answer
 from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.prior import FieldParameters, GateParameters, MotionParameters, WindowParameters
 from matchset.fitting.robust_fit import FitParameters
-from matchset.fitting.validation import Rejection, ValidationParameters, Validator, is_fitted
+from matchset.fitting.validation import Prior, Rejection, ValidationParameters, Validator, is_fitted
 from matchset.fitting.workspace import (
     FEW_LINES,
     MAX_LINES,
@@ -52,6 +53,8 @@ class FittingParameters(msgspec.Struct, frozen=True):
         How a fit is measured.
     validation : ValidationParameters
         What confirms a shape.
+    evidence : EvidenceParameters
+        How much evidence a detection needs.
     motion : MotionParameters
         Constant-velocity motion, and how far its predictions are trusted.
     window : WindowParameters
@@ -66,6 +69,7 @@ class FittingParameters(msgspec.Struct, frozen=True):
     fit: FitParameters = FitParameters()
     quality: QualityParameters = QualityParameters()
     validation: ValidationParameters = ValidationParameters()
+    evidence: EvidenceParameters = EvidenceParameters()
     motion: MotionParameters = MotionParameters()
     window: WindowParameters = WindowParameters()
     gate: GateParameters = GateParameters()
@@ -83,11 +87,14 @@ class Estimate(NamedTuple):
         What it rests on.
     rejection : Rejection
         Why it is rejected as a track, `Rejection.NONE` if it is not.
+    evidence : float or None
+        Log-odds of being the target, once they were weighed, see `Fitter.weigh`.
     """
 
     state: Floats
     fit: FitStatistics
     rejection: Rejection
+    evidence: float | None = None
 
     @property
     def is_fitted(self) -> bool:
@@ -160,7 +167,7 @@ class Fitter(Generic[S]):
         self.layout = workspace_dtype(lines, max(len(shape.state), STATE), max(where.shape[1], PLACE_COLUMNS))
         self.block = new_block(self.layout)
         self.work: Record = fields(self.block, self.layout)
-        self.validator = Validator(self._limits(), points)
+        self.validator = Validator(self._limits(), points, self.parameters.evidence)
         self._fill(where, len(shape.state))
         self.state: Floats = self.work.state[: len(shape.state)]
         self.outline: Floats = self.work.outline[:points]
@@ -237,6 +244,29 @@ class Fitter(Generic[S]):
     def estimate(self, rejection: int) -> Estimate:
         """Estimate in the workspace, which was rejected or not."""
         return Estimate(self.state.copy(), self.statistics, Rejection(rejection))
+
+    def weigh(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
+        """Estimate of the last fit with its evidence; as it was for shapes with corners, and where brightness tells.
+
+        Where even the best step in color would not be enough, none is measured.
+        """
+        if self.has_corners or color.gray:
+            return estimate
+        fit, limits, quality = estimate.fit, self.parameters.evidence, self.parameters.quality
+        tolerance = min(max(quality.tolerance * fit.half_width, quality.min_tolerance), quality.max_tolerance)
+        best = log_odds(fit, BEST_STEP, tolerance, limits)
+        if best < limits.here:
+            return estimate._replace(evidence=best)
+        step = measure_color_step(image, color, self.outline, fit.half_width, limits)
+        return estimate._replace(evidence=log_odds(fit, step, tolerance, limits))
+
+    def near_step(self, estimate: Estimate, image: Image, color: ColorModel) -> float:
+        """Step in color near the outline of the last fit, 0 ... 1, see `measure_near_step`."""
+        return measure_near_step(image, color, self.outline, estimate.fit.half_width, self.parameters.evidence)
+
+    def validate_detection(self, estimate: Estimate, prior: Prior = Prior.PRESENT) -> Rejection:
+        """Say why a shape that a search found is rejected, see `Validator.validate_detection`."""
+        return self.validator.validate_detection(estimate.fit, prior, estimate.evidence)
 
     @property
     def statistics(self) -> FitStatistics:

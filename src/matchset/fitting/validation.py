@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from matchset.fitting.evidence import EvidenceParameters
 from matchset.numeric.jit import helper, interpreted
 
 Statistics = Any  # `FitStatistics`, or the record of the same fields
@@ -72,9 +73,11 @@ class Prior(enum.Enum):
         It is in the picture: somebody clicked at it, or it was tracked until now.
     HERE
         It is expected about here.
+    ASKED
+        Nothing, but somebody asks for this one picture.
     """
 
-    NONE, PRESENT, HERE = range(3)
+    NONE, PRESENT, HERE, ASKED = range(4)
 
 
 class ValidationParameters(msgspec.Struct, frozen=True):
@@ -230,12 +233,16 @@ class Validator:
         As they are for the family: the same that the compiled rules read.
     lines : int
         Lines across the outline.
+    evidence : EvidenceParameters, optional
+        How much of it a detection needs.
     """
 
-    def __init__(self, limits: ValidationParameters, lines: int) -> None:
-        self.limits, self.lines = limits, lines
+    def __init__(self, limits: ValidationParameters, lines: int, evidence: EvidenceParameters | None = None) -> None:
+        self.limits, self.lines, self.evidence = limits, lines, evidence or EvidenceParameters()
 
-    def validate_detection(self, fit: Statistics, prior: Prior = Prior.PRESENT) -> Rejection:
+    def validate_detection(
+        self, fit: Statistics, prior: Prior = Prior.PRESENT, evidence: float | None = None
+    ) -> Rejection:
         """Say why a shape that a search found is rejected.
 
         A shape that is expected about here needs less evidence than one that may be anywhere; one that nothing else
@@ -246,8 +253,15 @@ class Validator:
         fit : FitStatistics
         prior : Prior
             What is known of the shape before.
+        evidence : float, optional
+            Log-odds of being the target, if they were weighed; otherwise the color score decides. For a shape that may
+            be anywhere either is enough: two strict rules find more than one that is less strict.
         """
-        limits, unknown = self.limits, prior is Prior.NONE
+        if evidence is not None:
+            weighed = self._validate_weighed(fit, prior, evidence)
+            if prior is not Prior.NONE or not weighed or evidence < self.evidence.present:
+                return weighed
+        limits, unknown = self.limits, prior in (Prior.NONE, Prior.ASKED)
         if fit.visible < limits.min_visible * self.lines:
             return Rejection.OUT_OF_VIEW
         if fit.color_score < self._least_color_score(fit, prior):
@@ -260,13 +274,37 @@ class Validator:
             return Rejection.WRONG_INTERIOR
         return Rejection.NONE
 
+    def _validate_weighed(self, fit: Statistics, prior: Prior, evidence: float) -> Rejection:
+        """Say why a detection is rejected of which the evidence was weighed."""
+        limits, asked = self.limits, self.evidence
+        if fit.visible < limits.min_visible * self.lines:
+            return Rejection.OUT_OF_VIEW
+        hidden = max(limits.whole_visible - fit.visible / self.lines, 0.0)
+        least = {
+            Prior.NONE: asked.unknown,
+            Prior.PRESENT: asked.present,
+            Prior.HERE: asked.here,
+            Prior.ASKED: asked.asked,
+        }[prior]
+        least_msac = {Prior.NONE: asked.unknown_msac, Prior.ASKED: asked.asked_msac}.get(prior, 0.0)
+        if evidence < least + asked.hidden * hidden:
+            return Rejection.LOW_COLOR_SCORE
+        if fit.msac_score < least_msac:
+            return Rejection.WRONG_SHAPE
+        leeway = limits.hint_leeway if prior is Prior.PRESENT else 1.0
+        if fit.ellipticity > limits.max_ellipticity * leeway or fit.hollowness > limits.max_hollowness * leeway:
+            return Rejection.WRONG_SHAPE
+        if fit.interior_share < limits.detection_interior or fit.core_share < limits.detection_core:
+            return Rejection.WRONG_INTERIOR
+        return Rejection.NONE
+
     def _least_color_score(self, fit: Statistics, prior: Prior) -> float:
         """Color score that a detection must have."""
         limits, visible = self.limits, fit.visible / self.lines
         whole = fit.visible >= limits.whole_visible * self.lines
         factor = limits.expected_factor if prior is Prior.HERE and whole else 1.0
         penalty = limits.hidden_penalty * max(limits.whole_visible - visible, 0.0)
-        if prior is Prior.NONE and limits.max_harmonic < math.inf:
+        if prior in (Prior.NONE, Prior.ASKED) and limits.max_harmonic < math.inf:
             penalty += limits.harmonic_penalty * max(fit.harmonic_score - limits.round_harmonic, 0.0)
         sizes = limits.tiny_half_width, limits.small_half_width, limits.large_half_width
         scores = limits.tiny_color_score, limits.small_color_score, limits.color_score
@@ -276,8 +314,14 @@ class Validator:
         """Whether other hypotheses should be tested before the fit is believed."""
         return _is_ambiguous(fit, self.limits, self.lines)
 
-    def merit(self, fit: Statistics) -> float:
-        """Rank of a confirmed shape among others: color score of the visible outline times share of the inside."""
+    def merit(self, fit: Statistics, evidence: float | None = None) -> float:
+        """Rank of a confirmed shape among others, 0 ... 1.
+
+        Its probability, if its evidence was weighed; otherwise color score of the visible outline times share of the
+        inside.
+        """
+        if evidence is not None:
+            return 1.0 / (1.0 + math.exp(-evidence))
         return float(fit.color_score * fit.visible / self.lines * fit.interior_share)
 
     def describe(self, rejection: Rejection, fit: Statistics) -> str:

@@ -1,5 +1,6 @@
 """Detection: from the whole frame to shapes, best first (Epstein & Feldman, Alg. 2)."""
 
+import itertools
 import math
 import threading
 from collections.abc import Iterator
@@ -19,7 +20,7 @@ from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
 from matchset.tracking.track import Track
-from matchset.tracking.voting import Searcher, SearchParameters
+from matchset.tracking.voting import Searcher, SearchParameters, stride_for
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
@@ -44,6 +45,16 @@ class DetectionParameters(msgspec.Struct, frozen=True):
         Search range of the fits after the first one, px.
     same_distance, same_shrink, same_growth : float
         Two shapes are the same within this distance, in half-widths, if their sizes differ by a factor between these.
+    near, sure : float
+        Weight of the step in color near the outline in the rank of a fit beside its log-odds, and the rank from which
+        no other fit of a candidate is tried.
+    hopeless : float
+        Log-odds below which a candidate that is not expected here is not fitted again.
+    color_rounds, color_range, color_share, color_sigma
+        How often a candidate is fitted again where the target's color ends; the search range there, at least px or a
+        share of its half-width; and how far edge points are expected, px.
+    smaller : float
+        How much smaller than at the click a shape may be for a search of small cells, as a factor.
     hint_bonus : float
         Merit that a shape gains by holding the point that was given; the merit itself is 1 at most.
     """
@@ -57,6 +68,14 @@ class DetectionParameters(msgspec.Struct, frozen=True):
     same_distance: float = 0.5
     same_shrink: float = 0.6
     same_growth: float = 1.7
+    near: float = 6.0
+    sure: float = 11.0
+    hopeless: float = -3.0
+    color_rounds: int = 2
+    color_range: float = 2.0
+    color_share: float = 0.06
+    color_sigma: float = 1.0
+    smaller: float = 0.5
     hint_bonus: float = 2.0
 
 
@@ -97,7 +116,7 @@ class Detector(Generic[S]):
         self._hypotheses = Hypotheses(fitter, hypotheses or HypothesisParameters())
 
     def detections(
-        self, image: Image, color: ColorModel, prior: Prior = Prior.NONE
+        self, image: Image, color: ColorModel, prior: Prior = Prior.NONE, first: S | None = None
     ) -> Iterator[tuple[Estimate, float]]:
         """Yield the validated shapes of a picture, likeliest first, with their merit.
 
@@ -109,18 +128,24 @@ class Detector(Generic[S]):
         color : ColorModel
         prior : Prior
             What is known of them before.
+        first : Shape, optional
+            Where one may be, looked at first.
         """
         known: list[Start] = []
-        for starts in self._starts(image, color):
+        given = [] if first is None else [[_start_at(self.fitter.family, first.state)]]
+        for starts in itertools.chain(given, self._starts(image, color)):
             best, merit = self._best(image, color, starts, (known, prior))
             if best is None:
                 continue
             if len(starts) > 1:
                 x, y = best.state[:2].tolist()
-                best = self.fitter.fit(image, color, best.state, SearchWindow(self.limits.refit_range))
+                best = self.fitter.weigh(
+                    self.fitter.fit(image, color, best.state, SearchWindow(self.limits.refit_range)), image, color
+                )
             else:
                 x, y = best.state[:2].tolist()
-            known.append(Start(x, y, best.fit.half_width, best.state))
+            if starts not in given:  # a circle that a click showed does not keep a better one out
+                known.append(Start(x, y, best.fit.half_width, best.state))
             yield best, merit
 
     def _best(
@@ -136,10 +161,10 @@ class Detector(Generic[S]):
             estimate = self.fitter.fit(image, color, start.state, SearchWindow(reach, min_score=limits.min_score))
             if not estimate.is_fitted or self._is_known(_place_of(estimate), found):
                 continue
-            valid = self._validated(image, color, estimate, prior)
+            valid = self._validated(image, color, estimate, start, prior)
             if valid is None or self._is_known(_place_of(valid), found):
                 continue
-            merit = self.fitter.validator.merit(valid.fit)
+            merit = self.fitter.validator.merit(valid.fit, valid.evidence)
             if best is None or merit > most:
                 best, most = valid, merit
         return best, most
@@ -151,7 +176,7 @@ class Detector(Generic[S]):
             if finds_itself(family):
                 for hull in self.searcher.hulls(image, sought):
                     states = [shape.state for shape in from_hull(family, hull)]
-                    yield [Start(float(s[0]), float(s[1]), float(family.half_width(s)), s) for s in states]
+                    yield [_start_at(family, state) for state in states]
                 continue
             for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
                 yield [Start(x, y, radius, family.from_coarse(x, y, radius).state)]
@@ -165,28 +190,88 @@ class Detector(Generic[S]):
             for each in known
         )
 
-    def _validated(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate | None:
-        """Validate a fit, and if that fails two others; None where all do.
+    def _validated(
+        self, image: Image, color: ColorModel, estimate: Estimate, start: Start, prior: Prior
+    ) -> Estimate | None:
+        """Validate a fit, and if that fails others; None where all do.
 
-        The second lets the two fields of an interlaced picture disagree, as they do where the shape moves; the third
-        begins with larger modes, as a lens may ask for.
+        The next lets the two fields of an interlaced picture disagree, as they do where the shape moves; the next
+        begins where the target's color ends, or with larger modes, as a lens may ask for.
         """
-        validator, limits, fitter = self.fitter.validator, self.limits, self.fitter
-        if not validator.validate_detection(estimate.fit, prior):
+        fitter = self.fitter
+        estimate = fitter.weigh(estimate, image, color)
+        if estimate.evidence is not None:
+            return self._likeliest(image, color, estimate, start, prior)
+        if not fitter.validate_detection(estimate, prior):
             return estimate
-        window = SearchWindow(limits.refit_range, limits.speed, velocity_unknown=True)
-        estimate = fitter.fit(image, color, estimate.state, window)
-        if estimate.is_fitted and not validator.validate_detection(estimate.fit, prior):
+        estimate = fitter.fit(image, color, estimate.state, self._moving)
+        if estimate.is_fitted and not fitter.validate_detection(estimate, prior):
             return estimate
-        start = self._hypotheses.with_modes(estimate)
-        if start is None:
+        modes = self._hypotheses.with_modes(estimate)
+        if modes is None:
             return None
-        fitter.free_modes()
-        stretched = fitter.fit(image, color, start, SearchWindow(limits.mode_range))
-        if stretched.is_fitted and not validator.validate_detection(stretched.fit, prior):
+        stretched = self._stretched(image, color, modes)
+        if stretched.is_fitted and not fitter.validate_detection(stretched, prior):
             return stretched
         fitter.assume_noise(estimate.fit)  # what was found in vain is not remembered
         return None
+
+    @property
+    def _moving(self) -> SearchWindow:
+        return SearchWindow(self.limits.refit_range, self.limits.speed, velocity_unknown=True)
+
+    def _stretched(self, image: Image, color: ColorModel, modes: Floats) -> Estimate:
+        """Fit from a state with larger modes."""
+        self.fitter.free_modes()
+        return self.fitter.fit(image, color, modes, SearchWindow(self.limits.mode_range))
+
+    def _likeliest(
+        self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None, prior: Prior
+    ) -> Estimate | None:
+        """Fit with most evidence, of those that are validated; once one is sure, no other is tried."""
+        fitter, limits, best, most = self.fitter, self.limits, None, -math.inf
+        if prior is Prior.NONE or (prior is not Prior.HERE and (estimate.evidence or 0.0) < limits.hopeless):
+            start = None
+        for other in self._others(image, color, estimate, start):
+            weighed = fitter.weigh(other, image, color)
+            if not weighed.is_fitted or weighed.evidence is None or fitter.validate_detection(weighed, prior):
+                continue
+            rank = weighed.evidence + limits.near * fitter.near_step(weighed, image, color)
+            if best is None or rank > most:
+                best, most = weighed, rank
+            if rank > limits.sure:
+                break
+        return best
+
+    def _near(self, image: Image, color: ColorModel, start: Start) -> Iterator[Estimate]:
+        """Yield the fit that stays near where a candidate begins, and those where the target's color ends there."""
+        fitter, limits = self.fitter, self.limits
+        reach = max(limits.color_range, limits.color_share * start.half_width)
+        narrow = SearchWindow(reach, initial_sigma=limits.color_sigma)
+        near = fitter.fit(image, color, start.state, narrow)
+        yield near
+        for _ in range(limits.color_rounds):
+            state = self._hypotheses.at_color_boundary(near, image, color)
+            if state is None:
+                return
+            near = fitter.fit(image, color, state, narrow)
+            yield near
+
+    def _others(self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None) -> Iterator[Estimate]:
+        """Yield the fit of a candidate, and others of it; from where it begins only if something speaks for it."""
+        fitter = self.fitter
+        yield estimate
+        if start is not None:
+            yield from self._near(image, color, start)
+        yield fitter.fit(image, color, estimate.state, self._moving)
+        modes = self._hypotheses.with_modes(estimate)
+        if modes is not None:
+            yield self._stretched(image, color, modes)
+            fitter.assume_noise(estimate.fit)  # what was found in vain is not remembered
+
+
+def _start_at(family: type[Any], state: Floats) -> Start:
+    return Start(float(state[0]), float(state[1]), float(family.half_width(state)), state)
 
 
 def _place_of(estimate: Estimate) -> Start:
@@ -219,10 +304,12 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
         raise ValueError(f"detect needs a limit of at least 1, got {limit}")
     image, color = channels_last(frame.image), color.for_image(frame.image)
     search = SearchParameters()
-    detector = _detector(family, image.shape[1], image.shape[0], max(search.candidates, limit + limit // 5))
+    detector = _detector(
+        family, image.shape[1], image.shape[0], max(search.candidates, limit + limit // 5), _radius_of(color)
+    )
     last: S | None = None
     found: list[tuple[float, Track[S]]] = []
-    for _, merit in detector.detections(image, color):
+    for _, merit in detector.detections(image, color, Prior.ASKED):
         track = track_of(detector.fitter, last, frame.time)
         last = track.shape
         found.append((merit, track))
@@ -258,11 +345,17 @@ class _Memory(threading.local):
 _memory = _Memory()
 
 
-def _detector(family: type[S], width: int, height: int, candidates: int) -> Detector[S]:
+def _radius_of(color: ColorModel) -> float:
+    """Least radius to expect of what a color was picked at, px: half of that seen there."""
+    return math.inf if color.circle is None else DetectionParameters().smaller * color.circle[2]
+
+
+def _detector(family: type[S], width: int, height: int, candidates: int, radius: float) -> Detector[S]:
     """Detector of this thread."""
-    detector, wanted = _memory.detector, (family, width, height, candidates)
+    search = SearchParameters(candidates=candidates)
+    detector, wanted = _memory.detector, (family, width, height, candidates, stride_for(width, search, radius))
     if detector is None or _memory.wanted != wanted:
-        searcher = Searcher(width, height, SearchParameters(candidates=candidates))
+        searcher = Searcher(width, height, search, radius)
         detector = _memory.detector = Detector(tracking_fitter(family, DETECTION_LINES), searcher)
         _memory.wanted = wanted
     detector.fitter.forget()

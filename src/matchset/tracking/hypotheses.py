@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.evidence import find_color_boundary
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.image.color import ColorModel
 
@@ -59,8 +60,10 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
         Rounds of reweighting in which they are estimated.
     mode_range, mode_lines : float
         Half-widths up to which residuals count for that, and the share of the lines that must have one.
+    near_weight : float
+        Weight of the step in color near the outline of a round shape in the score.
     interior_weight : float
-        Weight of the share of the inside in the score, ...
+        Weight of the share of the inside, ...
     change_weight : float
         ... and of the change of size and place against what is usual and expected.
     prediction_px : float
@@ -88,6 +91,7 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
     mode_rounds: int = 4
     mode_range: float = 0.4
     mode_lines: float = 0.7
+    near_weight: float = 1.0
     interior_weight: float = 0.3
     change_weight: float = 0.5
     prediction_px: float = 1.0
@@ -186,7 +190,27 @@ class Hypotheses:
         if fitter.sides_move and fitter.uses_color:
             outside = float(self._target_outside(estimate, image, color).mean())
             score += score - fit.msac_score - limits.outside_penalty * outside
+        elif fitter.uses_color and not fitter.has_corners and not color.gray:
+            score += limits.near_weight * fitter.near_step(estimate, image, color)
         return score + limits.interior_weight * fit.interior_share - limits.change_weight * change
+
+    def at_color_boundary(self, estimate: Estimate, image: Image, color: ColorModel) -> Floats | None:
+        """State whose outline lies where the target's color ends, by least absolute residuals; None where it is lost.
+
+        Contrast misleads a fit where the background has stronger edges than a blurred target.
+        """
+        fitter, limits, count = self.fitter, self.limits, len(self.fitter.family.parameters)
+        evidence = fitter.parameters.evidence
+        residuals, seen = find_color_boundary(image, color, fitter.outline, estimate.fit.half_width, evidence)
+        if np.count_nonzero(seen) <= count:
+            return None
+        moves, residuals, step = fitter.outline[seen, 4 : 4 + count], residuals[seen], np.zeros(count)
+        for _ in range(limits.mode_rounds):
+            weights = 1.0 / np.sqrt(np.maximum(np.abs(residuals - moves @ step), 1.0))
+            step[:] = np.linalg.lstsq(moves * weights[:, np.newaxis], residuals * weights, rcond=None)[0]
+        state = estimate.state.copy()
+        state[:count] += step
+        return state if fitter.family.half_width(state) > 1.0 else None
 
     def with_modes(self, estimate: Estimate) -> Floats | None:
         """State with the modes that the residuals of the last fit ask for; None where they ask for little.

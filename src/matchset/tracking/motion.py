@@ -34,6 +34,9 @@ class ReachParameters(msgspec.Struct, frozen=True):
         Distance from the prediction within which a shape found again is the lost one, in half-widths, if its ...
     near_shrink, near_growth : float
         ... size changed by a factor between these.
+    remembered_s, remembered, remembered_growth : float
+        For how long after it was seen last, within how many half-widths of that place, and by which factor of size
+        changed at most, a shape is taken for the one that was lost: it was in the picture there.
     alone : float
         Distance from the prediction beyond which nothing speaks for a detection but itself, in half-widths.
     """
@@ -44,6 +47,9 @@ class ReachParameters(msgspec.Struct, frozen=True):
     near: float = 0.5
     near_shrink: float = 0.8
     near_growth: float = 1.25
+    remembered_s: float = 3.0
+    remembered: float = 1.5
+    remembered_growth: float = 1.4
     alone: float = 3.0
 
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Rejection
-from matchset.fitting.workspace import FitStatistics, SearchWindow
+from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.jit import collection_paused, interpreted
@@ -98,9 +98,9 @@ class TrackStep(Generic[S]):
         may_test = bool(estimate.rejection) or index % period == 0
         if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
             estimate = self._test_hypotheses(image, color, estimate, speed)
-        rejection = estimate.rejection or self._confidence_lost(estimate.fit)
+        rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
-            rejection = self._outside_gate(estimate, predicted, missed)
+            rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)
         return estimate._replace(rejection=rejection)
 
     def _outside_gate(self, estimate: Estimate, predicted: Floats, missed: float) -> Rejection:
@@ -108,16 +108,18 @@ class TrackStep(Generic[S]):
         here, there = gate_of(self.fitter.family, predicted), gate_of(self.fitter.family, estimate.state)
         if interpreted(in_gate)(self.fitter.work, there.half_width, here.half_width):
             return Rejection.NONE
-        rejection = self.fitter.validator.validate_detection(estimate.fit)
+        rejection = self.fitter.validate_detection(estimate)
         if not rejection and not here.reachable(there, missed, self.parameters.reach):
             return Rejection.UNREACHABLE
         return rejection
 
-    def _confidence_lost(self, fit: FitStatistics) -> Rejection:
+    def _confidence_lost(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
         """Give up a shape that has been seen faintly for too long."""
-        limits = self.parameters.confidence
+        limits, fit = self.parameters.confidence, estimate.fit
         if fit.color_score < limits.faint_score:
-            self.faint += 1
+            evidence = self.fitter.weigh(estimate, image, color).evidence
+            if evidence is None or evidence < self.parameters.evidence.present:
+                self.faint += 1
         elif fit.color_score > limits.clear_score:
             self.faint = 0
         return Rejection.FADED if self.faint > limits.faint_frames else Rejection.NONE
@@ -135,8 +137,12 @@ class TrackStep(Generic[S]):
             least = max(estimate.fit.color_score + limits.mode_gain, limits.mode_score)
             if not stretched.rejection and stretched.fit.color_score > least:
                 return stretched
+        window = SearchWindow(limits.range_px, speed, limits.initial_sigma)
+        if fitter.uses_color and not fitter.has_corners and not color.gray:
+            fitted = fitter.fit(image, color, estimate.state, window)  # the workspace holds the last hypothesis
+            by_color = self._hypotheses.at_color_boundary(fitted, image, color)
+            starts += [] if by_color is None else [by_color]
         for start in starts:
-            window = SearchWindow(limits.range_px, speed, limits.initial_sigma)
             other = fitter.fit(image, color, start, window)
             if not other.rejection and (score := self._hypotheses.score(other, image, color)) > most:
                 best, most = other.state, score

@@ -22,7 +22,7 @@ from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
-from matchset.tracking.voting import Searcher
+from matchset.tracking.voting import Searcher, stride_for
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
@@ -101,7 +101,7 @@ class Tracker(Generic[S]):
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._adaptation = adaptation_block(self.parameters.adaptation)
-        self._detector: Detector[S] | None
+        self._detectors: dict[int, Detector[S]]
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
@@ -160,7 +160,7 @@ class Tracker(Generic[S]):
         """Be as a tracker is that has seen nothing."""
         self.color, self.mode = self._given.copy(), Mode.SEARCHING
         self._learned = self.color.log_odds.copy()
-        self._detector = None
+        self._detectors = {}
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
@@ -263,20 +263,60 @@ class Tracker(Generic[S]):
 
     def _choose(self, image: Image, predicted: Floats | None) -> Floats | None:
         """State of the detection to go on with, or None."""
-        if self._detector is None:
-            searcher = Searcher(image.shape[1], image.shape[0], self.parameters.search)
-            limits = self.parameters.detection, self.parameters.hypotheses, self.parameters.brightness
-            self._detector = Detector(self._fitter, searcher, *limits)
-        best, most, hint = None, 0.0, self._hint
-        for estimate, merit in self._detector.detections(image, self.color, self._prior(predicted)):
+        best, most, first = None, 0.0, self._clicked() if predicted is None else None
+        detector = self._detector(image, predicted)
+        for estimate, merit in detector.detections(image, self.color, self._prior(predicted), first):
             if predicted is not None and not self._passes_gate(estimate, predicted):
                 continue
-            if predicted is None and hint is not None:
-                far = math.hypot(estimate.state[0] - hint[0], estimate.state[1] - hint[1])
-                merit += self.parameters.detection.hint_bonus * (far < self._family.half_width(estimate.state))
+            if predicted is None and self._hint is not None:
+                if self._holds_hint(estimate.state):
+                    merit += self.parameters.detection.hint_bonus
+                elif self._fitter.validate_detection(estimate, Prior.PRESENT):
+                    continue
+            elif predicted is None and not self._is_expected(estimate):
+                continue
             if merit > most:
                 best, most = estimate.state, merit
         return best
+
+    def _detector(self, image: Image, predicted: Floats | None) -> Detector[S]:
+        """Detector for pictures of this size, whose cells suit the shape that is expected."""
+        limits, size = self.parameters, math.inf
+        if predicted is not None:
+            size = float(self._family.half_width(predicted))
+        elif self.color.circle is not None:
+            size = limits.detection.smaller * self.color.circle[2]
+        stride = stride_for(image.shape[1], limits.search, size)
+        if stride not in self._detectors:
+            searcher = Searcher(image.shape[1], image.shape[0], limits.search, size)
+            self._detectors[stride] = Detector(
+                self._fitter, searcher, limits.detection, limits.hypotheses, limits.brightness
+            )
+        return self._detectors[stride]
+
+    def _clicked(self) -> S | None:
+        """Shape of the circle that was found around the click, if that is where the search shall begin."""
+        circle = self.color.circle
+        if self._hint is None or circle is None or self._fitter.has_corners:
+            return None
+        return self._family.from_coarse(*circle) if math.dist(self._hint, circle[:2]) < circle[2] else None
+
+    def _is_expected(self, estimate: Estimate) -> bool:
+        """Whether a detection can be the target: about where it was seen last, or else with full evidence."""
+        limits, last = self.parameters.reach, self._last
+        if last is not None and estimate.evidence is not None:
+            here, there = gate_of(self._family, last.state), gate_of(self._family, estimate.state)
+            ratio = max(here.half_width, there.half_width) / min(here.half_width, there.half_width)
+            recent = self._time - float(self._fitter.work.motion.time) < limits.remembered_s
+            near = here.distance(there) < limits.remembered * here.half_width
+            if recent and near and ratio < limits.remembered_growth:
+                return True
+        return not self._fitter.validate_detection(estimate, Prior.NONE)
+
+    def _holds_hint(self, state: Floats) -> bool:
+        """Whether a shape holds the point that was given."""
+        assert self._hint is not None
+        return math.dist(state[:2].tolist(), self._hint) < self._family.half_width(state)
 
     def _passes_gate(self, estimate: Estimate, predicted: Floats) -> bool:
         """Whether a detection can be the lost shape: near its prediction, or farther off with full evidence."""
@@ -286,7 +326,7 @@ class Tracker(Generic[S]):
             return True
         alone = here.distance(there) > limits.alone * max(here.half_width, there.half_width)
         prior = Prior.NONE if alone else Prior.PRESENT
-        valid = not self._fitter.validator.validate_detection(estimate.fit, prior)
+        valid = not self._fitter.validate_detection(estimate, prior)
         return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
 
     def _confirm(self, image: Image, state: Floats, predicted: Floats | None) -> str | None:
@@ -294,9 +334,12 @@ class Tracker(Generic[S]):
         fitter, limits, family = self._fitter, self.parameters.detection, self._family
         alone = predicted is None and self._hint is None
         start = nearest(family, state, fitter.work.motion.last_state[: len(state)])
-        window = SearchWindow(limits.refit_range, limits.speed if alone else 0.0, velocity_unknown=True)
-        estimate = fitter.fit(image, self.color, start, window)
-        rejection = fitter.validator.validate_detection(estimate.fit, self._prior(predicted))
+        reach = limits.refit_range
+        if not (fitter.has_corners or self.color.gray):
+            reach = max(limits.color_range, limits.color_share * float(family.half_width(state)))
+        window = SearchWindow(reach, limits.speed if alone else 0.0, velocity_unknown=True)
+        estimate = fitter.weigh(fitter.fit(image, self.color, start, window), image, self.color)
+        rejection = fitter.validate_detection(estimate, self._prior(predicted))
         if rejection or not family.half_width(estimate.state) > 0.0:  # the second fit ran away
             return fitter.validator.describe(rejection, estimate.fit)
         if predicted is None:
@@ -310,7 +353,11 @@ class Tracker(Generic[S]):
 
     def _prior(self, predicted: Floats | None) -> Prior:
         """Say what is known of a detection beforehand."""
-        return Prior.HERE if predicted is not None else Prior.PRESENT if self._hint is not None else Prior.NONE
+        if predicted is not None:
+            return Prior.HERE
+        if self._hint is None:
+            return Prior.NONE if self._last is None or self._fitter.has_corners else Prior.PRESENT
+        return Prior.PRESENT if self._fitter.has_corners or self.color.gray else Prior.HERE
 
     def _shape_of(self, state: Floats) -> S | None:
         """Shape of an extrapolated state, None where it has shrunk to nothing."""

@@ -35,6 +35,8 @@ class SearchParameters(msgspec.Struct, frozen=True):
         Whether a tracker searches the whole frame for a shape that it lost; without it nothing of a search is compiled.
     cells : int
         The grid has about this many columns, of 2 to 8 px each: more finds smaller shapes and takes longer.
+    radius_cells : float
+        Cells that the radius of the ball that is expected must have.
     votes : float
         Least votes of a candidate, summed over 5 x 5 cells; a full circle collects about 30.
     share : float
@@ -68,6 +70,7 @@ class SearchParameters(msgspec.Struct, frozen=True):
 
     whole_frame: bool = True
     cells: int = 160
+    radius_cells: float = 2.5
     votes: float = 1.6
     share: float = 0.25
     candidates: int = 12
@@ -86,6 +89,12 @@ class SearchParameters(msgspec.Struct, frozen=True):
     region: float = 4.0
 
 
+def stride_for(width: int, limits: SearchParameters, radius: float = math.inf) -> int:
+    """Size of a cell, px, for pictures of a width in which a ball of a radius is expected, px."""
+    coarse = min(max(width // limits.cells, 2), 8)
+    return max(min(coarse, int(min(radius, 1e6) / limits.radius_cells)), 1)
+
+
 class Searcher:
     """Coarse search of pictures of one size.
 
@@ -94,12 +103,16 @@ class Searcher:
     width, height : int
         Size of the picture, px.
     parameters : SearchParameters
+    radius : float, optional
+        Of the ball that is expected, px: for a small one the cells are smaller.
     """
 
-    def __init__(self, width: int, height: int, parameters: SearchParameters | None = None) -> None:
+    def __init__(
+        self, width: int, height: int, parameters: SearchParameters | None = None, radius: float = math.inf
+    ) -> None:
         self.parameters = parameters or SearchParameters()
         self.size = width, height
-        self.stride = min(max(width // self.parameters.cells, 2), 8)
+        self.stride = stride_for(width, self.parameters, radius)
         rows, columns = max(height // self.stride, 3), max(width // self.stride, 3)
         self.fits = height >= 3 * self.stride and width >= 3 * self.stride
         self._grid = np.zeros((rows, columns), np.int16)

@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights bench-radio toolchain wheel-check \
-    clean
+.PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
+    wheel-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
@@ -53,6 +53,9 @@ bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 
 weights: $(READY)  ## fit the weights of hypotheses and of first sight again (ten minutes)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.weights $(ARGS)
+
+evidence: $(READY)  ## fit the weights of the evidence for a detection again (some minutes; ARGS="--data DIR")
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.evidence $(ARGS)
 
 bench-fly: $(READY)  ## fly rows of twenty simulated flights (about two hours on two cores)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.fly $(ARGS)

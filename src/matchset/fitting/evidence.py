@@ -26,8 +26,9 @@ Statistics = Any  # `FitStatistics`, or the record of the same fields
 class EvidenceParameters(msgspec.Struct, frozen=True):
     """How figures are weighed, and how much evidence a detection needs.
 
-    The weights are those of `python -m benchmarks.evidence`: logistic regression over candidates of rendered sequences
-    and of real clips.
+    The weights come from logistic regression over candidates of rendered sequences and of real clips, once, by hand.
+    `python -m benchmarks.evidence` does such a fit again; it finds somewhat other weights (docs/log.md), which were not
+    taken, since what is asked goes with the scale of these.
 
     Parameters
     ----------

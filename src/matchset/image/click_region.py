@@ -163,7 +163,8 @@ def regions_at_click(
     if not disc.any():
         return [region], circle
     both = float((region & disc).sum())
-    shared, union = both / float(region.sum()), float((region | disc).sum())
+    union = float((region | disc).sum())
+    shared = float((region & disc_mask(region.shape, circle, 1.0)).sum()) / float(region.sum())
     solid = _solidity(region)
     if solid >= LIMITS.whole and both / union < LIMITS.same and both > LIMITS.large * float(disc.sum()):
         return [region, disc], circle

@@ -186,3 +186,18 @@ def test_a_click_counts_in_its_own_frame(matchset: Matchset) -> None:
         assert matchset("track", "frames", "--pick", f"{x},60@4", "-o", f"out{x}") == 0
         shapes = [row.shape for row in read_tracks(f"out{x}/tracks.csv")]
         assert all(shape is not None and abs(shape["x"] - x) < 2.0 for shape in shapes[4:])
+
+
+def test_a_note_on_the_color_is_told(matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "everywhere"
+    folder.mkdir()
+    for index in range(3):
+        image = np.full((240, 320, 3), (40, 150, 60), np.uint8)
+        cv2.circle(image, (160, 120), 75, (130, 130, 130), cv2.FILLED, cv2.LINE_AA)
+        cv2.circle(image, (160, 120), 20, (40, 150, 60), cv2.FILLED, cv2.LINE_AA)
+        noise = np.random.default_rng(index).integers(-3, 4, image.shape)
+        cv2.imwrite(str(folder / f"{index}.png"), (image.astype(int) + noise).clip(0, 255).astype(np.uint8))
+    assert matchset("track", folder, "--pick", "158,120") == 0
+    out, err = capsys.readouterr()
+    assert "note: the color at (160, 120) is all over the picture: learned against what is next to it\n" in err
+    assert "found in 3 of 3 frames" in out

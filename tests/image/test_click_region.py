@@ -1,0 +1,171 @@
+"""From one click to the pixels of the target, on rendered things before textured backgrounds."""
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import matchset as ms
+from matchset.image.click_region import circle_at, disc_mask, regions_at_click
+
+Picture = npt.NDArray[np.uint8]
+Mask = npt.NDArray[np.bool_]
+RADII = [4, 7, 14, 40, 120]
+X, Y = 330.4, 241.7
+
+
+def textured(seed: int = 0, size: tuple[int, int] = (480, 640), spread: float = 10.0) -> Picture:
+    """A wall with large and small spots and with noise."""
+    rng = np.random.default_rng(seed)
+    image = np.full((*size, 3), (120.0, 125.0, 130.0))
+    for blur in (3.0, 20.0):
+        spots = cv2.GaussianBlur(rng.normal(0.0, 1.0, image.shape), (0, 0), blur)
+        image += 0.5 * spread * spots / spots.std()
+    image += rng.normal(0.0, 2.0, image.shape)
+    rounded: Picture = np.rint(image).clip(0, 255).astype(np.uint8)
+    return rounded
+
+
+def paint(image: Picture, inside: Mask, color: tuple[float, float, float]) -> Picture:
+    """The picture with a region in one color, with some noise and a soft rim."""
+    cover = cv2.GaussianBlur(inside.astype(np.float32), (0, 0), 0.7)[..., np.newaxis]
+    value = np.asarray(color) + np.random.default_rng(7).normal(0.0, 3.0, image.shape)
+    mixed: Picture = np.rint(image + cover * (value - image)).clip(0, 255).astype(np.uint8)
+    return mixed
+
+
+def disc(shape: tuple[int, ...], x: float = X, y: float = Y, radius: float = 40.0) -> Mask:
+    return disc_mask(shape, (x, y, radius), 1.0)
+
+
+def gray_of(image: Picture) -> Picture:
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8)
+
+
+def overlap(a: Mask, b: Mask) -> float:
+    return float((a & b).sum() / (a | b).sum())
+
+
+@pytest.mark.parametrize("gray", [False, True])
+@pytest.mark.parametrize("radius", RADII)
+def test_a_disc_is_found_wherever_it_is_clicked(radius: int, gray: bool) -> None:
+    image = paint(textured(radius), disc((480, 640), radius=radius), (190.0, 60.0, 30.0))
+    image = gray_of(image) if gray else image
+    for turn, share in ((0.3, 0.0), (2.9, 0.6), (5.3, 0.6)):
+        click = X + share * radius * math.cos(turn), Y + share * radius * math.sin(turn)
+        found = circle_at(image, *click)
+        assert found is not None, click
+        score, (x, y, r) = found
+        assert 0.0 < score <= 1.0
+        assert math.hypot(x - X, y - Y) < 0.1 * radius + 1.0, click
+        assert abs(r - radius) < 0.1 * radius + 1.0, click
+
+
+def test_a_picture_of_one_value_has_no_circle() -> None:
+    assert circle_at(np.full((60, 80, 3), 90, np.uint8), 40.0, 30.0) is None
+    assert circle_at(np.full((60, 80), 90, np.uint8), 0.0, 59.0) is None
+
+
+@pytest.mark.parametrize("size", [(1, 1), (3, 5), (9, 400)])
+def test_small_and_narrow_pictures_are_no_error(size: tuple[int, int]) -> None:
+    image = np.random.default_rng(1).integers(0, 256, (*size, 3), np.uint8)
+    for x, y in ((0.0, 0.0), (size[1] - 1.0, size[0] - 1.0)):
+        regions, _ = regions_at_click(image, x, y)
+        assert all(region.shape == size and region.any() for region in regions)
+
+
+@settings(max_examples=25, deadline=None)
+@given(x=st.floats(-30.0, 60.0), y=st.floats(-30.0, 60.0), radius=st.floats(0.0, 50.0), share=st.floats(0.1, 1.0))
+def test_the_pixels_of_a_disc_are_those_within_it(x: float, y: float, radius: float, share: float) -> None:
+    mask = disc_mask((24, 33), (x, y, radius), share)
+    for row, column in ((0, 0), (23, 32), (12, 16), (round(min(max(y, 0), 23)), round(min(max(x, 0), 32)))):
+        away = math.hypot(column - x, row - y)
+        if abs(away - share * radius) > 1e-6:
+            assert mask[row, column] == (away < share * radius)
+
+
+@pytest.mark.parametrize(("border", "share"), [(-8.0, -0.6), (0.0, -0.6), (0.0, 0.6), (8.0, 0.6)])
+def test_a_ball_of_two_tones_is_taken_whole(border: float, share: float) -> None:
+    """Clicked at the smaller of its parts, which looks like a half disc or a cap."""
+    whole = disc((480, 640), radius=45.0)
+    upper = whole & (np.indices((480, 640))[0] < Y + border)
+    image = paint(paint(textured(spread=4.0), whole, (40.0, 60.0, 200.0)), upper, (110.0, 130.0, 225.0))
+    regions, circle = regions_at_click(image, X, Y + share * 45.0)
+    assert circle is not None
+    assert np.hypot(circle[0] - X, circle[1] - Y) < 4.0
+    assert overlap(regions[0], whole) > 0.7
+    assert regions[0][whole & ~upper].mean() > 0.7
+    assert regions[0][upper].mean() > 0.7
+
+
+def leaking() -> tuple[Picture, Mask]:
+    """A ball that runs into a long thin bar and a far beam of its own color."""
+    ball = disc((480, 640), radius=30.0)
+    bars = np.zeros((480, 640), bool)
+    bars[round(Y) - 7 : round(Y) + 7, 40 : round(X)] = True
+    bars[40:440, 40:60] = True
+    bars[40:60, 40:600] = True
+    return paint(textured(spread=4.0), ball | bars, (60.0, 180.0, 60.0)), ball
+
+
+def test_a_region_that_leaks_is_replaced_by_the_circle() -> None:
+    image, ball = leaking()
+    regions, circle = regions_at_click(image, X + 5.0, Y)
+    assert circle is not None
+    assert math.hypot(circle[0] - X, circle[1] - Y) < 4.0
+    assert not (regions[0] & ~disc((480, 640), radius=34.0)).any()
+    assert overlap(regions[0], ball) > 0.6
+
+
+@pytest.mark.parametrize(("width", "height"), [(120, 120), (160, 80), (90, 140)])
+def test_a_card_stays_a_card(width: int, height: int) -> None:
+    card = np.zeros((480, 640), bool)
+    card[180 : 180 + height, 250 : 250 + width] = True
+    image = paint(textured(spread=4.0), card, (40.0, 60.0, 200.0))
+    regions, _ = regions_at_click(image, 250.0 + 0.5 * width, 180.0 + 0.5 * height)
+    assert overlap(regions[0], card) > 0.85
+
+
+def everywhere() -> Picture:
+    """A ball on a plain gray board; beyond the board all has the color of the ball."""
+    image = paint(textured(spread=4.0), ~disc((480, 640), radius=150.0), (40.0, 150.0, 60.0))
+    return paint(image, disc((480, 640), radius=30.0), (40.0, 150.0, 60.0))
+
+
+def test_a_color_that_is_everywhere_but_beside_the_target_is_noted_and_tracked() -> None:
+    image = everywhere()
+    color = ms.ColorModel.pick(image, X - 4.0, Y)
+    assert color.note.endswith("is all over the picture: learned against what is next to it")
+    assert not color.gray
+    assert color.circle is not None
+    tracker = ms.Tracker(ms.Circle, color, start=(X - 4.0, Y))
+    for index in range(3):
+        track = tracker.update(ms.Frame(image, index / 30.0, index))
+        assert isinstance(track, ms.Track)
+        assert math.hypot(track.shape.x - X, track.shape.y - Y) < 1.0
+        assert abs(track.shape.radius - 30.0) < 1.0
+
+
+def test_a_click_where_nothing_stands_out_is_refused() -> None:
+    image = np.full((240, 320, 3), 128, np.uint8)
+    with pytest.raises(ValueError, match=r"pick \(160, 120\)"):
+        ms.ColorModel.pick(image, 160.0, 120.0)
+    with pytest.raises(ValueError, match=r"pick \(160, 120\)"):
+        ms.ColorModel.pick(image[:, :, 0], 160.0, 120.0)
+
+
+def test_a_copy_keeps_circle_and_note_and_a_file_does_not(tmp_path: Path) -> None:
+    color = ms.ColorModel.pick(everywhere(), X, Y)
+    copy = color.copy()
+    assert copy.circle == color.circle is not None
+    assert copy.note == color.note != ""
+    color.save(tmp_path / "ball.npz")
+    loaded = ms.ColorModel.load(tmp_path / "ball.npz")
+    np.testing.assert_array_equal(loaded.table, color.table)
+    assert loaded.circle is None
+    assert loaded.note == ""

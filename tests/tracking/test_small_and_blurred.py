@@ -6,6 +6,9 @@ import pytest
 from scenes import Picture, at, off, run, with_ball
 
 import matchset as ms
+from matchset.fitting.validation import Prior
+from matchset.tracking.compiled_step import tracking_fitter
+from matchset.tracking.detector import Detector, track_of
 from matchset.tracking.voting import Searcher, SearchParameters, stride_for
 
 SIZE = 480, 848, 3
@@ -71,6 +74,23 @@ def test_a_blurred_or_compressed_ball_is_tracked_and_found_again(blur: float, qu
             assert isinstance(answer, ms.Lost), k
         elif k != gone.stop:  # it may take a frame to be sure of it
             assert off(answer, balls[k]) < 4.0, k
+
+
+@pytest.mark.parametrize("prior", Prior)
+@pytest.mark.parametrize(("blur", "quality"), [(0.7, 0), (0.7, 15), (2.0, 15), (4.0, 0)])
+def test_the_match_set_is_that_of_the_fit_that_was_validated(blur: float, quality: int, prior: Prior) -> None:
+    ball = 300.0, 200.0, 15.0
+    image = shot(ball, 3, blur, quality)
+    color = picked(image, ball)
+    detector = Detector(tracking_fitter(ms.Circle, 64), Searcher(SIZE[1], SIZE[0], None, 7.5))
+    found = 0
+    for estimate, merit in detector.detections(image, color, prior):
+        found += 1
+        np.testing.assert_array_equal(detector.fitter.state, estimate.state)
+        assert detector.fitter.statistics == estimate.fit
+        assert 0.0 < merit <= 1.0
+        assert off(track_of(detector.fitter, None, 0.0), ball) < 3.0
+    assert found == 1 or prior is Prior.NONE  # which asks for more than a coded picture may show
 
 
 def test_a_search_for_a_small_ball_has_small_cells() -> None:

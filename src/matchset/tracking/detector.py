@@ -137,15 +137,13 @@ class Detector(Generic[S]):
             best, merit = self._best(image, color, starts, (known, prior))
             if best is None:
                 continue
+            place = _place_of(best)
             if len(starts) > 1:
-                x, y = best.state[:2].tolist()
                 best = self.fitter.weigh(
                     self.fitter.fit(image, color, best.state, SearchWindow(self.limits.refit_range)), image, color
                 )
-            else:
-                x, y = best.state[:2].tolist()
             if starts not in given:  # a circle that a click showed does not keep a better one out
-                known.append(Start(x, y, best.fit.half_width, best.state))
+                known.append(place._replace(half_width=best.fit.half_width, state=best.state))
             yield best, merit
 
     def _best(
@@ -228,8 +226,12 @@ class Detector(Generic[S]):
     def _likeliest(
         self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None, prior: Prior
     ) -> Estimate | None:
-        """Fit with most evidence, of those that are validated; once one is sure, no other is tried."""
+        """Fit with most evidence, of those that are validated; once one is sure, no other is tried.
+
+        The workspace is left as that fit made it.
+        """
         fitter, limits, best, most = self.fitter, self.limits, None, -math.inf
+        made = fitter.block
         if prior is Prior.NONE or (prior is not Prior.HERE and (estimate.evidence or 0.0) < limits.hopeless):
             start = None
         for other in self._others(image, color, estimate, start):
@@ -238,9 +240,10 @@ class Detector(Generic[S]):
                 continue
             rank = weighed.evidence + limits.near * fitter.near_step(weighed, image, color)
             if best is None or rank > most:
-                best, most = weighed, rank
+                best, most, made = weighed, rank, fitter.block.copy()
             if rank > limits.sure:
                 break
+        fitter.block[:] = made
         return best
 
     def _near(self, image: Image, color: ColorModel, start: Start) -> Iterator[Estimate]:

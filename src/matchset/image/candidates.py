@@ -44,6 +44,8 @@ class ProposalParameters(msgspec.Struct, frozen=True):
         Area of a region over the area of its convex hull.
     max_area : float
         Area of a region, as a share of the square over the picture's longer side.
+    reach : float
+        How far outside the box around a region a point may lie that the region's circle holds, in sides of the box.
     fit_rounds : int
         Fits of a circle, each without the points far from the one before.
     fit_tolerance, fit_tolerance_px : float
@@ -73,6 +75,7 @@ class ProposalParameters(msgspec.Struct, frozen=True):
     area_above: float = 1.5
     min_solidity: float = 0.6
     max_area: float = 0.5
+    reach: float = 0.15
     fit_rounds: int = 4
     fit_tolerance: float = 0.12
     fit_tolerance_px: float = 1.5
@@ -226,8 +229,8 @@ def lab_of(image: npt.NDArray[Any]) -> LabImage:
     """
     color = image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     # The median of the Laplacian's magnitude measures the noise: edges are too few to change it.
-    roughness = np.abs(cv2.Laplacian(color[..., 1], cv2.CV_32F))
-    sigma = min(SCORE.max_blur, SCORE.blur + float(np.median(roughness)) / SCORE.blur_scale)
+    roughness = np.abs(cv2.Laplacian(color[..., 1], cv2.CV_32F)).ravel()
+    sigma = min(SCORE.max_blur, SCORE.blur + float(_median(roughness)) / SCORE.blur_scale)
     smooth = cv2.GaussianBlur(color, (0, 0), sigma).astype(np.float32) / 255.0
     lab = cv2.cvtColor(smooth, cv2.COLOR_BGR2LAB).astype(np.float32, copy=False)
     gray = float(np.percentile(np.abs(lab[..., 1:]), 99.0)) < SCORE.gray_chroma
@@ -235,25 +238,27 @@ def lab_of(image: npt.NDArray[Any]) -> LabImage:
     return lab
 
 
-def propose_circles(lab: LabImage) -> list[CircleTuple]:
+def propose_circles(lab: LabImage, point: tuple[float, float] | None = None) -> list[CircleTuple]:
     """Propose circles.
 
     Parameters
     ----------
     lab : ndarray of shape (h, w, 3), float32
         The picture in CIE Lab.
+    point : tuple of float, optional
+        x, y, px: only circles of regions that reach around it are wanted.
 
     Returns
     -------
     list of (x, y, radius)
         In px, many, in no particular order, but the same for the same picture.
     """
-    return [circle for mask in _threshold_masks(lab) for circle in _region_circles(mask)] + _hough_circles(lab)
+    return [circle for mask in _threshold_masks(lab) for circle in _region_circles(mask, point)] + _hough_circles(lab)
 
 
 def _threshold_masks(lab: LabImage) -> Iterator[Picture]:
     """Threshold every channel at several levels; yield what is above and what is below."""
-    common = np.median(lab.reshape(-1, 3), axis=0)
+    common = _median(lab.reshape(-1, 3))
     distance = np.linalg.norm(lab[..., 1:] - common[1:], axis=2)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (PROPOSAL.opening, PROPOSAL.opening))
     for channel in (lab[..., 0], lab[..., 1], lab[..., 2], distance):
@@ -266,13 +271,15 @@ def _threshold_masks(lab: LabImage) -> Iterator[Picture]:
                 yield cv2.morphologyEx(mask, cv2.MORPH_OPEN, kernel).astype(np.uint8, copy=False)
 
 
-def _region_circles(mask: Picture) -> Iterator[CircleTuple]:
+def _region_circles(mask: Picture, point: tuple[float, float] | None) -> Iterator[CircleTuple]:
     """Fit a circle to the outline of every region of a mask that may be a disc."""
     contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
     side = max(mask.shape)
     low, high = PROPOSAL.min_radius, PROPOSAL.max_radius
     smallest, largest = PROPOSAL.area_below * low * low * np.pi, PROPOSAL.area_above * high * high * np.pi
     for contour in contours:
+        if point is not None and not _reaches(contour, point):
+            continue
         area = cv2.contourArea(contour)
         if len(contour) < PROPOSAL.min_outline or not smallest < area < largest:
             continue
@@ -282,6 +289,14 @@ def _region_circles(mask: Picture) -> Iterator[CircleTuple]:
         circle = _fit_circle(contour[:, 0, :].astype(np.float64))
         if circle is not None and low <= circle[2] <= high:
             yield circle
+
+
+def _reaches(contour: npt.NDArray[Any], point: tuple[float, float]) -> bool:
+    """Whether a point lies in the box around a contour, enlarged by `PROPOSAL.reach`."""
+    left, top, width, height = cv2.boundingRect(contour)
+    room = PROPOSAL.reach * max(width, height)
+    x, y = point
+    return left - room <= x <= left + width + room and top - room <= y <= top + height + room
 
 
 def _fit_circle(points: Floats) -> CircleTuple | None:
@@ -337,16 +352,22 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> float:
     if visible.sum() < SCORE.min_visible * SCORE.rays:
         return 0.0
     interior = np.concatenate([core, inner])
-    color = np.nanmedian(interior, axis=0)
+    color = _median(interior[np.isfinite(interior[:, 0])])
     deviation = np.linalg.norm((interior - color)[:, 1:], axis=1)
     difference = np.linalg.norm(inner - outer, axis=1)[visible]
     shading = np.linalg.norm(inner - middle, axis=1)[visible]
     rim = float(np.mean((difference > SCORE.rim_edge) & (difference > SCORE.rim_shading * shading)))
-    contrast = SCORE.contrast_base + float(np.median(difference)) / SCORE.contrast_scale
+    contrast = SCORE.contrast_base + float(_median(difference)) / SCORE.contrast_scale
     vivid = SCORE.vivid_base + float(np.linalg.norm(color[1:])) / SCORE.vivid_scale
-    even = 1.0 / (1.0 + float(np.nanmedian(deviation)) / SCORE.even_scale)
+    even = 1.0 / (1.0 + float(_median(deviation[np.isfinite(deviation)])) / SCORE.even_scale)
     size = min(1.0, radius / SCORE.full_size) * float(visible.mean())
     return rim * rim * rim * min(1.0, contrast) * min(1.0, vivid) * even * size
+
+
+def _median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Median of each column; `np.median` would load `numpy.ma`, which takes longer than all else here."""
+    ordered, middle = np.sort(values, axis=0), len(values) // 2
+    return ordered[middle] if len(values) % 2 else np.asarray(0.5 * (ordered[middle - 1] + ordered[middle]))
 
 
 def _sample(lab: LabImage, x: Floats, y: Floats) -> Floats:
@@ -371,7 +392,7 @@ def _candidate(lab: LabImage, circle: CircleTuple, score: float, scale: float) -
     rows, columns = np.mgrid[0:height, 0:width]
     distance = np.hypot(columns - x, rows - y)
     disc = lab[distance < 0.75 * radius]
-    deviation = np.linalg.norm(lab - np.median(disc, axis=0), axis=2)
+    deviation = np.linalg.norm(lab - _median(disc), axis=2)
     # Among pixels that are equally typical, the one closest to the center is the safest click.
     best = np.argmin(np.where(distance < 0.5 * radius, deviation + 4.0 * distance / radius, np.inf))
     row, column = divmod(int(best), width)

@@ -82,16 +82,20 @@ class ClickParameters(msgspec.Struct, frozen=True):
         How far from the center of a circle the click may be, in radii.
     full_size : float
         Radius from which a circle in a window is not taken to be chance because it is small, px of the window.
-    min_score : float
-        Least score of a circle.
+    min_score, clear_score : float
+        Least score of a circle, and the score from which windows of other sizes are not looked at.
+    same_px : float
+        Circles that agree to so many px of the window are one.
     """
 
-    half_widths: tuple[float, ...] = (36.0, 140.0)
+    half_widths: tuple[float, ...] = (140.0, 36.0)
     window_px: int = 280
     max_enlargement: float = 4.0
     offset: float = 0.95
     full_size: float = 24.0
     min_score: float = 0.05
+    clear_score: float = 0.3
+    same_px: float = 1.5
 
 
 CLICK = ClickParameters()
@@ -120,7 +124,7 @@ def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
         how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
         lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
         place = (x - left + 0.5) * scale - 0.5, (y - top + 0.5) * scale - 0.5
-        for circle in propose_circles(lab):
+        for circle in _distinct(propose_circles(lab, place)):
             if np.hypot(circle[0] - place[0], circle[1] - place[1]) > CLICK.offset * circle[2]:
                 continue
             score = (
@@ -131,7 +135,14 @@ def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
             if score > max(CLICK.min_score, best[0] if best else 0.0):
                 whole = (circle[0] + 0.5) / scale - 0.5 + left, (circle[1] + 0.5) / scale - 0.5 + top
                 best = score, (*whole, circle[2] / scale)
+        if best is not None and best[0] > CLICK.clear_score:
+            break
     return best
+
+
+def _distinct(circles: list[Circle3]) -> list[Circle3]:
+    """One of the circles that agree to about a pixel: many thresholds show the same region."""
+    return list({tuple(round(value / CLICK.same_px) for value in circle): circle for circle in circles}.values())
 
 
 def regions_at_click(

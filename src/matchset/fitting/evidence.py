@@ -62,7 +62,7 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
         Where the step in color is read, on both sides of the outline: in half-widths, at least and at most px.
     near_way, min_near_px : float
         The same nearer to the outline, where it tells which of two outlines is right.
-    boundary, min_boundary_px, boundary_samples
+    boundary, min_boundary_px, boundary_samples : float
         How far on both sides of the outline the end of the target's color is looked for: in half-widths and at least
         px; and in how many places at most.
     full_step : float

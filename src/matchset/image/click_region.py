@@ -5,6 +5,8 @@ background is alike; the most ball-like circle around the click knows no color a
 agree the target is what either shows; where the region leaks or holds a part of the circle, the circle decides.
 """
 
+import math
+
 import cv2
 import msgspec
 import numpy as np
@@ -14,6 +16,7 @@ from matchset.image.color_learning import (
     DEFAULT,
     Bytes,
     ColorParameters,
+    Floats,
     Mask,
     background_mask,
     color_log_odds,
@@ -46,6 +49,9 @@ class RegionParameters(msgspec.Struct, frozen=True):
     whole, same, large : float
         A region that is this share of its convex hull, of which circle and region together share less than `same`, and
         that covers this share of the circle, is a thing of another shape: a card with a circle around it.
+    hue, gray : float
+        Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
+        below which a pixel has no hue: a marker on a ball is another thing than the ball.
     rarer : float
         Log-odds, circle against background, from which a pixel of the circle belongs to the target.
     """
@@ -58,6 +64,8 @@ class RegionParameters(msgspec.Struct, frozen=True):
     whole: float = 0.9
     same: float = 0.8
     large: float = 0.5
+    hue: float = 0.3
+    gray: float = 0.03
     rarer: float = 0.0
 
 
@@ -180,7 +188,8 @@ def regions_at_click(
     if solid >= LIMITS.whole and both / union < LIMITS.same and both > LIMITS.large * float(disc.sum()):
         return [region, disc], circle
     if shared >= LIMITS.part:
-        return [region | _target_of(image, disc, region, parameters), disc], circle
+        part = _target_of(image, disc, region, parameters) & _alike(values, region)
+        return [region | part, disc], circle
     if shared < LIMITS.leaked and solid < LIMITS.solid and _extent(region) > LIMITS.far * circle[2]:
         return [_target_of(image, disc, disc, parameters), disc], circle
     return [region, disc], circle
@@ -233,3 +242,14 @@ def _extent(region: Mask) -> float:
     """Radius of the circle that encloses a region, px."""
     rows, columns = np.nonzero(region)
     return float(cv2.minEnclosingCircle(np.column_stack((columns, rows)).astype(np.int32))[1])
+
+
+def _alike(values: Floats, region: Mask) -> Mask:
+    """Pixels of about the hue of a region, and those without one; all of them where the region has none."""
+    u, v = values[..., 0], values[..., 1]
+    typical = complex(float(u[region].mean()), float(v[region].mean()))
+    if abs(typical) < LIMITS.gray:
+        return np.ones(region.shape, bool)
+    along = u * (typical.real / abs(typical)) + v * (typical.imag / abs(typical))
+    chroma = np.hypot(u, v)
+    return np.asarray((along > math.cos(LIMITS.hue) * chroma) | (chroma < LIMITS.gray))

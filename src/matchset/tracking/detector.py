@@ -50,7 +50,7 @@ class DetectionParameters(msgspec.Struct, frozen=True):
         no other fit of a candidate is tried.
     hopeless : float
         Log-odds below which a candidate that is not expected here is not fitted again.
-    color_rounds, color_range, color_share, color_sigma
+    color_rounds, color_range, color_share, color_sigma : float
         How often a candidate is fitted again where the target's color ends; the search range there, at least px or a
         share of its half-width; and how far edge points are expected, px.
     smaller : float

@@ -45,9 +45,9 @@ class DetectionParameters(msgspec.Struct, frozen=True):
         Search range of the fits after the first one, px.
     same_distance, same_shrink, same_growth : float
         Two shapes are the same within this distance, in half-widths, if their sizes differ by a factor between these.
-    near, sure : float
-        Weight of the step in color near the outline in the rank of a fit beside its log-odds, and the rank from which
-        no other fit of a candidate is tried.
+    near, agreed, sure : float
+        Weights of the step in color near the outline and of the MSAC score in the rank of a fit beside its log-odds,
+        and the rank from which no other fit of a candidate is tried.
     hopeless : float
         Log-odds below which a candidate that is not expected here is not fitted again.
     color_rounds, color_range, color_share, color_sigma : float
@@ -69,7 +69,8 @@ class DetectionParameters(msgspec.Struct, frozen=True):
     same_shrink: float = 0.6
     same_growth: float = 1.7
     near: float = 6.0
-    sure: float = 11.0
+    agreed: float = 4.0
+    sure: float = 14.5
     hopeless: float = -3.0
     color_rounds: int = 2
     color_range: float = 2.0
@@ -238,7 +239,8 @@ class Detector(Generic[S]):
             weighed = fitter.weigh(other, image, color)
             if not weighed.is_fitted or weighed.evidence is None or fitter.validate_detection(weighed, prior):
                 continue
-            rank = weighed.evidence + limits.near * fitter.near_step(weighed, image, color)
+            rank = weighed.evidence + limits.agreed * weighed.fit.msac_score
+            rank += limits.near * fitter.near_step(weighed, image, color)
             if best is None or rank > most:
                 best, most, made = weighed, rank, fitter.block.copy()
             if rank > limits.sure:

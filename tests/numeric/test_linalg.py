@@ -10,9 +10,7 @@ from matchset.numeric.jit import kernel
 from matchset.numeric.linalg import (
     add_propagated_covariance,
     cross,
-    factor_cholesky,
     norm,
-    solve_cholesky,
     transform,
 )
 
@@ -23,6 +21,16 @@ RNG = np.random.default_rng(0)
 @kernel(refcount=False)
 def invert_3x3(a: Floats, inverse: Floats) -> bool:
     return linalg.invert_3x3(a, inverse)
+
+
+@kernel(refcount=False)
+def factor_cholesky(a: Floats, n: int, least_pivot: float) -> bool:
+    return linalg.factor_cholesky(a, n, least_pivot)
+
+
+@kernel(refcount=False)
+def solve_cholesky(factor: Floats, b: Floats, x: Floats, n: int) -> None:
+    linalg.solve_cholesky(factor, b, x, n)
 
 
 def positive(n: int) -> Floats:

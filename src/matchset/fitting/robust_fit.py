@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from matchset.fitting.match_set import CANDIDATES
 from matchset.numeric.jit import helper, kernel
+from matchset.numeric.linalg import factor_cholesky, solve_cholesky
 from matchset.numeric.record import Record
 
 Floats = npt.NDArray[np.float64]
@@ -130,40 +131,6 @@ def median_of(values: Singles, wanted: int) -> float:
     return math.inf
 
 
-@helper
-def _factor(a: Floats, n: int) -> bool:
-    """Cholesky factor of the lower triangle of a (n, n) in one row, in place; False if it is not positive definite."""
-    for j in range(n):
-        d = a[j * n + j]
-        for k in range(j):
-            d -= a[j * n + k] * a[j * n + k]
-        if not d > TINY:
-            return False
-        d = math.sqrt(d)
-        a[j * n + j] = d
-        for i in range(j + 1, n):
-            t = a[i * n + j]
-            for k in range(j):
-                t -= a[i * n + k] * a[j * n + k]
-            a[i * n + j] = t / d
-    return True
-
-
-@kernel(refcount=False, entry=False)
-def _substitute(a: Floats, b: Floats, x: Floats, n: int) -> None:
-    """Solve with a Cholesky factor (n, n) in one row."""
-    for i in range(n):
-        t = b[i]
-        for k in range(i):
-            t -= a[i * n + k] * x[k]
-        x[i] = t / a[i * n + i]
-    for i in range(n - 1, -1, -1):
-        t = x[i]
-        for k in range(i + 1, n):
-            t -= a[k * n + i] * x[k]
-        x[i] = t / a[i * n + i]
-
-
 @kernel(refcount=False, reassociate=True, entry=False)
 def _add_lines(columns: Floats, weights: Floats, offsets: Floats, scaled: Floats, normal: Floats, p: int) -> None:
     """Add the weighted normal equations of the lines to `normal`: a lower triangle, in one row, and the right side.
@@ -195,9 +162,9 @@ def _solve(work: Record, n: int, p: int) -> bool:
         a[k * p + k] = priors[3 * k] + priors[3 * k + 2]
     columns, scaled = work.columns[: n * p], work.predicted[:n]  # the predicted offsets are not needed any more
     _add_lines(columns, work.weights[:n], work.offsets[:n], scaled, work.normal, p)
-    if not _factor(a, p):
+    if not factor_cholesky(a, p, TINY):
         return False
-    _substitute(a, b, work.step[:p], p)
+    solve_cholesky(a, b, work.step[:p], p)
     return True
 
 
@@ -384,7 +351,7 @@ def robust_fit(work: Record) -> None:
     for j in range(free):
         for k in range(p):
             b[k] = noise * noise if k == j else 0.0
-        _substitute(a, b, work.covariance[j], p)
+        solve_cholesky(a, b, work.covariance[j], p)
     _take_field_offset(work, n, s, p)
     moved = 0.0
     for k in range(s):

@@ -91,7 +91,7 @@ def add_propagated_covariance(jacobian: Floats, covariance: Floats, total: Float
                     total[a, b] += part * jacobian[b, k]
 
 
-@kernel(refcount=False)
+@kernel(refcount=False, entry=False)
 def factor_cholesky(a: Floats, n: int, least_pivot: float) -> bool:
     """Factor ``a = L L^T`` in place.
 
@@ -124,7 +124,7 @@ def factor_cholesky(a: Floats, n: int, least_pivot: float) -> bool:
     return True
 
 
-@kernel(refcount=False)
+@kernel(refcount=False, entry=False)
 def solve_cholesky(factor: Floats, b: Floats, x: Floats, n: int) -> None:
     """Solve ``L L^T x = b``.
 

@@ -115,6 +115,47 @@ def test_a_controller_without_an_answer_levels_the_sticks() -> None:
     assert (command, state.phase) == (Command(throttle=0.5), "holding")
 
 
+NO_ANSWER = st.none() | st.builds(
+    lambda values, broken, where: DesiredCommand(*(broken if k == where else each for k, each in enumerate(values))),
+    st.tuples(*[ANYTHING] * 4),
+    st.sampled_from((math.nan, math.inf, -math.inf)),
+    st.integers(0, 3),
+)
+
+
+@given(st.lists(st.tuples(NO_ANSWER, st.floats(0.001, 0.2)), min_size=5, max_size=400))
+def test_a_controller_without_an_answer_is_a_ball_that_is_not_seen(
+    calls: list[tuple[DesiredCommand | None, float]],
+) -> None:
+    state, now = fly()
+    answered, descent = now - 0.05, math.inf
+    for desired, step in calls:
+        now += step
+        command, state = safety_filter(desired, SafetyInputs(now, now, now, True), state)
+        assert command.throttle <= 0.5
+        if now - answered <= LIMITS.hold_time:
+            assert state.phase == "holding"
+            continue
+        descent = min(descent, now)
+        assert state.phase == ("descending" if now - descent < LIMITS.descent_duration else "cut")
+        assert command.throttle < 0.5
+        assert "controller has not answered" in state.reason
+
+
+@given(st.lists(st.tuples(st.booleans(), st.integers(1, 60)), max_size=12))
+def test_it_makes_no_difference_whether_the_ball_or_the_answer_is_missing(runs: list[tuple[bool, int]]) -> None:
+    without_ball, now = fly()
+    without_answer, seen = without_ball, now - 0.05
+    for answered in (answered for answered, length in runs for _ in range(length)):
+        now += STEP
+        seen = now if answered else seen
+        _, without_ball = safety_filter(HOVER, SafetyInputs(now, now, seen, True), without_ball)
+        wanted = HOVER if answered else None
+        _, without_answer = safety_filter(wanted, SafetyInputs(now, now, now, True), without_answer)
+        assert without_answer.phase == without_ball.phase
+        assert without_answer.command.throttle == without_ball.command.throttle
+
+
 @given(
     st.lists(
         st.tuples(

@@ -1,8 +1,8 @@
 """What may be sent: `safety_filter`, a pure function of the desired command, the situation and its last state.
 
 Phases: ``locked -> flying <-> descending -> cut``. A ball that is not seen is tolerated for `hold_time`, while the
-controller flies on its prediction; then, or as soon as no frames come, the throttle is lowered, and then the motors are
-stopped.
+controller flies on its prediction; so is a controller without an answer. Then, or as soon as no frames come, the
+throttle is lowered, and then the motors are stopped.
 """
 
 import math
@@ -57,7 +57,8 @@ class SafetyParameters(
         Largest age of the newest frame, s; an older one means that no frames come. Chosen by: the project's safety
         rules (``fresh``).
     hold_time : float
-        How long the ball may be unseen while frames come, s. Chosen by: the project's safety rules (``hold``).
+        How long the ball may be unseen, or the controller without an answer, while frames come, s. Chosen by: the
+        project's safety rules (``hold``).
     reacquisition_time : float
         How long the ball must be seen again without a gap until a descent is called off, s. Chosen by hand: three
         frames (``seen_again``).
@@ -143,6 +144,8 @@ class SafetyState(NamedTuple):
         When the last command was made, s.
     descent_start : float
         When the descent began, s.
+    seen_time : float
+        When the newest frame was taken in which the ball was confirmed and for which the controller had an answer, s.
     seen_since : float
         Since when the ball is seen without a gap, s.
     initial_throttle : float
@@ -155,6 +158,7 @@ class SafetyState(NamedTuple):
     reason: str = "not armed"
     time: float = -math.inf
     descent_start: float = math.inf
+    seen_time: float = -math.inf
     seen_since: float = math.inf
     initial_throttle: float = 0.0
     command: Command = Command()
@@ -168,7 +172,8 @@ def safety_filter(
     Parameters
     ----------
     desired : DesiredCommand or None
-        What the controller wants; None, or anything not finite, counts as no output: neutral sticks, same throttle.
+        What the controller wants; None, or anything not finite, counts as no answer: neutral sticks, same throttle, and
+        the ball counts as not seen.
     inputs : SafetyInputs
         The situation. A time that is not finite or in the future counts as too old.
     state : SafetyState
@@ -187,7 +192,9 @@ def safety_filter(
         return Command(), SafetyState(reason="not armed", time=inputs.now)
     usable = desired is not None and all(map(math.isfinite, desired))
     seen_since = _seen_since(inputs, state, usable, limits)
-    reason = _reason_to_descend(inputs, limits)
+    answered = usable or state.phase == "locked"
+    state = state._replace(seen_time=inputs.seen_time if answered else min(inputs.seen_time, state.seen_time))
+    reason = _reason_to_descend(inputs, state.seen_time, limits)
     if state.phase == "cut":
         return Command(), state._replace(time=inputs.now)
     if state.phase == "locked" and (reason or not usable):
@@ -202,7 +209,9 @@ def safety_filter(
     seen = usable and inputs.seen_time == inputs.frame_time
     phase: Phase = "flying" if seen else "holding"
     reason = "" if seen else "the ball is not seen" if usable else "the controller has no answer"
-    return command, SafetyState(phase, reason, inputs.now, seen_since=seen_since, command=command)
+    return command, SafetyState(
+        phase, reason, inputs.now, seen_time=state.seen_time, seen_since=seen_since, command=command
+    )
 
 
 def _seen_since(inputs: SafetyInputs, state: SafetyState, usable: bool, limits: SafetyParameters) -> float:
@@ -212,12 +221,14 @@ def _seen_since(inputs: SafetyInputs, state: SafetyState, usable: bool, limits: 
     return min(state.seen_since, inputs.now) if seen else math.inf
 
 
-def _reason_to_descend(inputs: SafetyInputs, limits: SafetyParameters) -> str:
-    """Say why the flight must end; empty if there is no reason."""
+def _reason_to_descend(inputs: SafetyInputs, seen_time: float, limits: SafetyParameters) -> str:
+    """Say why the flight must end; empty if there is no reason. The ball was seen, and answered, at a time, s."""
     if not 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age:
         return f"no new frame for {limits.max_frame_age:g} s"
     if not 0.0 <= inputs.now - inputs.seen_time <= limits.hold_time:
         return f"the ball has not been seen for {limits.hold_time:g} s"
+    if not inputs.now - seen_time <= limits.hold_time:
+        return f"the controller has not answered for {limits.hold_time:g} s"
     return ""
 
 

@@ -64,6 +64,10 @@ bench-radio: $(READY) $(TOOLCHAIN)  ## the radio's tests at full length, with th
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
 	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)
 
+fuzz: $(READY) $(TOOLCHAIN)  ## a thousand million bytes of noise through the firmware (2 min; ARGS="SEEDS BYTES MODE")
+	nice -n 19 $$(PYTHONPATH=tests/emu $(BIN)/python -c "import toolchain; print(toolchain.host_fuzz())") \
+	    $(or $(ARGS),1-300 1120000 3)
+
 toolchain: $(READY)  ## install the compiler and the emulators that the radio's tests need (Debian, as root)
 	.ci/toolchain
 

@@ -5,7 +5,7 @@
 #include "config.h"
 #include "crc8.h"
 
-enum verdict { NO_FRAME, NOT_YET, BAD_SUM, GOOD };
+enum verdict { NO_FRAME, NOT_YET, BAD, GOOD };
 
 /* Required value of the length byte for this type; 0 for unknown types. */
 static uint8_t length_of(uint8_t type)
@@ -19,8 +19,40 @@ static uint8_t length_of(uint8_t type)
     }
 }
 
-static enum verdict judge(const uint8_t *bytes, uint8_t count)
+/* Unpack the channels of a payload of 22 bytes; false if one is out of 172 ... 1811. */
+static bool unpack(const uint8_t *payload, uint16_t channels[CHANNELS])
 {
+    uint32_t pool = 0;
+    uint8_t bits = 0;
+    for (uint8_t i = 0; i < CHANNELS; i++) {
+        while (bits < 11) {
+            pool |= (uint32_t)*payload++ << bits;
+            bits = (uint8_t)(bits + 8);
+        }
+        channels[i] = (uint16_t)(pool & 0x7FF);
+        pool >>= 11;
+        bits = (uint8_t)(bits - 11);
+        if (channels[i] < CHANNEL_LOW || channels[i] > CHANNEL_HIGH)
+            return false;
+    }
+    return true;
+}
+
+/* Noise has the right CRC once in 256 times: what it says must make sense, too. */
+static bool sensible(struct crsf *crsf, const uint8_t *bytes)
+{
+    switch (bytes[2]) {
+    case CRSF_CHANNELS: return unpack(bytes + 3, crsf->channels);
+    case CRSF_WRITE_CONFIG: return memcmp(bytes + 3, "SET", 3) == 0;
+    case CRSF_BIND: return memcmp(bytes + 3, "BIND", 4) == 0;
+    default: return true;
+    }
+}
+
+static enum verdict judge(struct crsf *crsf, uint8_t start)
+{
+    const uint8_t *bytes = crsf->bytes + start;
+    uint8_t count = (uint8_t)(crsf->count - start);
     if (bytes[0] != CRSF_SYNC)
         return NO_FRAME;
     if (count < 3)
@@ -30,7 +62,8 @@ static enum verdict judge(const uint8_t *bytes, uint8_t count)
         return NO_FRAME;
     if (count < length + 2)
         return NOT_YET;
-    return crc8(bytes + 2, (uint8_t)(length - 1)) == bytes[length + 1] ? GOOD : BAD_SUM;
+    bool good = crc8(bytes + 2, (uint8_t)(length - 1)) == bytes[length + 1] && sensible(crsf, bytes);
+    return good ? GOOD : BAD;
 }
 
 static void drop(struct crsf *crsf, uint8_t count)
@@ -53,8 +86,8 @@ bool crsf_next(struct crsf *crsf)
     uint8_t start = 0;
     enum verdict verdict = NO_FRAME;
     for (; start < crsf->count; start++) {
-        verdict = judge(crsf->bytes + start, (uint8_t)(crsf->count - start));
-        if (verdict == BAD_SUM)
+        verdict = judge(crsf, start);
+        if (verdict == BAD)
             crsf->bad++;
         if (verdict == NOT_YET || verdict == GOOD)
             break;
@@ -63,24 +96,6 @@ bool crsf_next(struct crsf *crsf)
         drop(crsf, start);
     crsf->whole = verdict == GOOD;
     return crsf->whole;
-}
-
-bool crsf_channels(const uint8_t *payload, uint16_t channels[CHANNELS])
-{
-    uint32_t pool = 0;
-    uint8_t bits = 0;
-    for (uint8_t i = 0; i < CHANNELS; i++) {
-        while (bits < 11) {
-            pool |= (uint32_t)*payload++ << bits;
-            bits = (uint8_t)(bits + 8);
-        }
-        channels[i] = (uint16_t)(pool & 0x7FF);
-        pool >>= 11;
-        bits = (uint8_t)(bits - 11);
-        if (channels[i] < CHANNEL_LOW || channels[i] > CHANNEL_HIGH)
-            return false;
-    }
-    return true;
 }
 
 uint8_t crsf_frame(uint8_t *frame, uint8_t type, uint8_t count)

@@ -1,4 +1,6 @@
-/* CRSF frames: sync, length, type, payload, CRC. The parser synchronizes again after noise, byte by byte.
+/* CRSF frames: sync, length, type, payload, CRC. The parser synchronizes again after noise, byte by byte; a frame whose
+ * CRC is right but whose content makes no sense (a channel out of range, SET or BIND missing) is noise, too, so that no
+ * good frame that begins within it is skipped.
  *
  *   C8 | n | type | n - 2 bytes of payload | CRC-8 over type and payload
  *
@@ -33,15 +35,14 @@ struct crsf {
     uint8_t bytes[CRSF_LONGEST];
     uint8_t count;
     bool whole;   /* bytes[] begins with the frame that crsf_next() found */
-    uint16_t bad; /* frames with a wrong CRC */
+    uint16_t bad; /* frames with a wrong CRC, or a value out of range */
+    uint16_t channels[CHANNELS]; /* of that frame if it is CRSF_CHANNELS, each 172 ... 1811 */
 };
 
 /* Append a byte. Then call crsf_next() until it returns false. */
 void crsf_take(struct crsf *crsf, uint8_t byte);
 /* True if there is another good frame: its type is bytes[2], its payload begins at bytes[3], until the next call. */
 bool crsf_next(struct crsf *crsf);
-/* Unpack the channels of a payload of 22 bytes; false if one is out of 172 ... 1811. */
-bool crsf_channels(const uint8_t *payload, uint16_t channels[CHANNELS]);
 /* Complete a frame whose payload of count bytes is in frame[3 ...]. Returns the size of the frame. */
 uint8_t crsf_frame(uint8_t *frame, uint8_t type, uint8_t count);
 

@@ -25,7 +25,7 @@ static struct {
     uint8_t channels[4];    /* of the configured id */
     uint16_t number;        /* of the next packet, counted since this address was set */
     uint8_t throttle;       /* of the last packet */
-    uint16_t good, refused; /* counts of channel frames; refused: good CRC, but values out of range */
+    uint16_t good;          /* count of channel frames */
     uint16_t echo;          /* channel 16 of the last good frame */
     uint8_t status_age;     /* ticks since the last status */
     bool status_due, config_due;
@@ -124,7 +124,7 @@ static bool send_status(void)
     p[3] = (uint8_t)t.pilot.state;
     p[4] = (uint8_t)(t.flags | (may_arm ? FLAG_MAY_ARM : 0));
     put16(p + 5, t.good);
-    put16(p + 7, (uint16_t)(t.crsf.bad + t.refused));
+    put16(p + 7, t.crsf.bad);
     p[9] = serial_lost();
     put16(p + 10, age);
     put16(p + 12, t.echo);
@@ -163,16 +163,11 @@ static enum config_result write_config(const uint8_t *bytes)
 static void handle_frame(void)
 {
     const uint8_t *payload = t.crsf.bytes + 3;
-    uint16_t channels[CHANNELS];
     switch (t.crsf.bytes[2]) {
     case CRSF_CHANNELS:
-        if (!crsf_channels(payload, channels)) {
-            t.refused++;
-            return;
-        }
         t.good++;
-        t.echo = channels[CHANNELS - 1];
-        pilot_frame(&t.pilot, channels);
+        t.echo = t.crsf.channels[CHANNELS - 1];
+        pilot_frame(&t.pilot, t.crsf.channels);
         t.status_due = true;
         return;
     case CRSF_READ_CONFIG:
@@ -180,14 +175,11 @@ static void handle_frame(void)
         t.config_due = true;
         return;
     case CRSF_WRITE_CONFIG:
-        if (memcmp(payload, "SET", 3) == 0) {
-            t.config_result = write_config(payload + 3);
-            t.config_due = true;
-        }
+        t.config_result = write_config(payload + 3);
+        t.config_due = true;
         return;
     case CRSF_BIND:
-        if (memcmp(payload, "BIND", 4) == 0)
-            pilot_bind(&t.pilot);
+        pilot_bind(&t.pilot);
         t.status_due = true;
         return;
     }

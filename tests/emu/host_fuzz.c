@@ -1,9 +1,11 @@
 /* Feeds the firmware bytes that no host would send and looks at every packet: throttle above zero while disarmed is
- * a failure. What "armed" means is decided here once more, from every byte string that could be a frame wherever it
- * begins, so an error of the firmware's parser is not shared.
+ * a failure. Which frames there are, what "armed" means, and how fast the throttle may rise is decided here once more,
+ * from the rules and not from the firmware's code, so an error of the firmware is not shared.
  *
- * host_fuzz SEED BYTES MODE     mode 0 noise, 1 good frames with anything in them, 2 flights that are damaged
- * Prints: bytes, packets, packets with throttle, good frames that the judge saw, times that it saw arming.
+ * host_fuzz SEED[-LAST] BYTES MODE     mode 0 noise, 1 good frames with anything in them, 2 flights that are damaged,
+ *                                      3 each of them; BYTES is for each seed and mode
+ * Prints: bytes, packets, packets with throttle, good frames that the judge saw, times that it saw arming; the sums of
+ * all seeds. The first failure ends it with one line that says seed and mode, and exit code 1.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,11 +38,14 @@ static bool chance(uint32_t one_in)
 /* ---- the judge ---- */
 
 static struct {
-    uint8_t last[FRAME];
-    unsigned long lows, frames, armings;
+    uint8_t stream[64]; /* bytes that are in no frame yet */
+    int waiting;
+    int lows;                 /* frames in a row that prepare arming */
     unsigned long since_good; /* ticks since a good frame */
     bool armed;
 } judge;
+
+static unsigned long frames, armings;
 
 static unsigned channel(const uint8_t *payload, int which)
 {
@@ -63,41 +68,83 @@ static uint8_t slow_crc(const uint8_t *bytes, int count)
     return crc;
 }
 
+/* Whether the bytes that wait begin with a frame: its size, 0 if they do not, -1 if more of them must come first. */
+static int frame_size(const uint8_t *f, int count)
+{
+    static const struct { uint8_t type, size; const char *begin; } known[] = {
+        {0x16, 26, ""}, {0xE2, 4, ""}, {0xE3, 21, "SET"}, {0xE4, 8, "BIND"},
+    };
+    if (f[0] != 0xC8)
+        return 0;
+    if (count < 3)
+        return -1;
+    for (unsigned i = 0; i < sizeof known / sizeof *known; i++) {
+        int size = known[i].size;
+        if (f[2] != known[i].type || f[1] != size - 2)
+            continue;
+        if (count < size)
+            return -1;
+        if (slow_crc(f + 2, size - 3) != f[size - 1] || memcmp(f + 3, known[i].begin, strlen(known[i].begin)) != 0)
+            return 0;
+        for (int which = 0; f[2] == 0x16 && which < 16; which++)
+            if (channel(f + 3, which) < 172 || channel(f + 3, which) > 1811)
+                return 0;
+        return size;
+    }
+    return 0;
+}
+
+static void judge_channels(const uint8_t *payload)
+{
+    unsigned arm = channel(payload, 4);
+    bool idle = channel(payload, 2) <= 175;
+    frames++;
+    judge.since_good = 0;
+    if (arm <= 500) {
+        judge.lows = idle ? judge.lows + 1 : 0;
+        judge.armed = false;
+        return;
+    }
+    if (arm < 1500) {
+        judge.armed = false;
+    } else if (!judge.armed && idle && judge.lows >= 3) {
+        judge.armed = true;
+        armings++;
+    }
+    judge.lows = 0;
+}
+
 static void judge_byte(uint8_t byte)
 {
-    const uint8_t *f = judge.last;
-    memmove(judge.last, judge.last + 1, FRAME - 1);
-    judge.last[FRAME - 1] = byte;
-    if (f[0] != 0xC8 || f[1] != 24 || f[2] != 0x16 || slow_crc(f + 2, 23) != f[25])
-        return;
-    for (int i = 0; i < 16; i++)
-        if (channel(f + 3, i) < 172 || channel(f + 3, i) > 1811)
+    judge.stream[judge.waiting++] = byte;
+    while (judge.waiting) {
+        int size = frame_size(judge.stream, judge.waiting);
+        if (size < 0)
             return;
-    judge.frames++;
-    judge.since_good = 0;
-    bool idle = channel(f + 3, 2) <= 175;
-    if (channel(f + 3, 4) <= 500) {
-        judge.lows += idle;
-        judge.armed = false;
-    } else if (channel(f + 3, 4) >= 1500) {
-        if (!judge.armed && idle && judge.lows >= 3) {
-            judge.armed = true;
-            judge.armings++;
-            judge.lows = 0;
-        }
-    } else {
-        judge.armed = false;
+        if (size == FRAME)
+            judge_channels(judge.stream + 3);
+        judge.waiting -= size ? size : 1;
+        memmove(judge.stream, judge.stream + (size ? size : 1), (size_t)judge.waiting);
     }
+}
+
+static void judge_tick(void)
+{
+    if (++judge.since_good >= 61)
+        judge.armed = false, judge.lows = 0;
 }
 
 /* ---- what is fed ---- */
 
+static unsigned long seed;
+static int mode;
+
 static uint8_t queue[64];
-static unsigned queued, taken;
+static unsigned queued, taken, in_header;
+static int phase; /* of a flight: disarmed, arming, flying */
 
 static void make_frame(bool sane)
 {
-    static int phase; /* of a flight: disarmed, arming, flying */
     uint8_t *f = queue;
     uint16_t values[16];
     for (int i = 0; i < 16; i++)
@@ -133,12 +180,11 @@ static void make_other(void)
     queued = crsf_frame(queue, types[which], sizes[which]), taken = 0;
 }
 
-static uint8_t next_byte(int mode)
+static uint8_t next_byte(void)
 {
     if (mode == 0 || (taken == queued && chance(8))) {
         uint32_t kind = random32() % 8;
         static const uint8_t header[3] = {CRSF_SYNC, 24, CRSF_CHANNELS};
-        static unsigned in_header;
         if (in_header % 3 || chance(60))
             return header[in_header++ % 3];
         return kind == 0 ? CRSF_SYNC : (uint8_t)random32();
@@ -159,6 +205,12 @@ static uint8_t next_byte(int mode)
 
 static unsigned long packets, with_throttle;
 
+static void fail(const char *what, uint8_t throttle)
+{
+    printf("seed %lu, mode %d, packet %lu: %s, throttle %u\n", seed, mode, packets, what, throttle);
+    exit(1);
+}
+
 static void look(void)
 {
     uint8_t packet[32], size, channel_now, address[5];
@@ -168,17 +220,58 @@ static void look(void)
     uint8_t sum = 0;
     for (int i = 0; i < 9; i++)
         sum ^= packet[i];
-    if (size != 10 || channel_now > 83 || packet[9] != (uint8_t)(sum + 0x55)) {
-        printf("malformed packet %lu\n", packets);
-        exit(1);
+    if (size != 10 || channel_now > 83 || packet[9] != (uint8_t)(sum + 0x55))
+        fail("malformed", packet[0]);
+    if (memcmp(address, "\xAB\xAC\xAD\xAE\xAF", 5) == 0) {
+        if (memcmp(packet + 5, "\xAA\xAA\xAA", 3) != 0)
+            fail("malformed bind packet", packet[0]);
+    } else if (packet[0] != 0) {
+        with_throttle++;
+        if (!judge.armed)
+            fail("throttle while disarmed", packet[0]);
     }
-    bool bind = memcmp(address, "\xAB\xAC\xAD\xAE\xAF", 5) == 0;
-    if (bind ? memcmp(packet + 5, "\xAA\xAA\xAA", 3) != 0 : packet[0] != 0) {
-        with_throttle += !bind;
-        if (bind || !judge.armed || judge.since_good > 61) {
-            printf("packet %lu has throttle %u while disarmed\n", packets, packet[0]);
-            exit(1);
+}
+
+static void tick(void)
+{
+    judge_tick();
+    transmitter_tick();
+    look();
+}
+
+static void start(enum start why)
+{
+    memset(&judge, 0, sizeof judge);
+    judge.since_good = 61;
+    host_power_on();
+    transmitter_begin(why);
+}
+
+static void run(unsigned long count)
+{
+    uint8_t sink[256];
+    state = 0x9E3779B97F4A7C15u ^ seed * 0xD1342543DE82EF95u;
+    queued = taken = in_header = 0, phase = 0;
+    memset(host_memory, 0xFF, sizeof host_memory);
+    start(START_OTHER_RESET);
+    for (unsigned long i = 0; i < count; i++) {
+        uint8_t byte = next_byte();
+        judge_byte(byte);
+        host_serial_in(&byte, 1);
+        while (transmitter_work())
+            host_serial_out(sink, sizeof sink);
+        if (i % BYTES_PER_TICK == BYTES_PER_TICK / 2)
+            transmitter_prepare();
+        if (i % BYTES_PER_TICK != BYTES_PER_TICK - 1)
+            continue;
+        tick();
+        /* Rarely the host is gone for longer than the failsafe takes, and more rarely the board restarts. */
+        for (uint32_t idle = chance(2000) ? 20 + random32() % 100 : 0; idle; idle--) {
+            transmitter_prepare();
+            tick();
         }
+        if (chance(20000))
+            start((enum start)(random32() % 3));
     }
 }
 
@@ -186,36 +279,13 @@ int main(int argc, char **argv)
 {
     if (argc != 4)
         return 2;
-    state = 0x9E3779B97F4A7C15u ^ strtoull(argv[1], NULL, 10) * 0xD1342543DE82EF95u;
-    unsigned long count = strtoul(argv[2], NULL, 10);
-    int mode = atoi(argv[3]);
-    uint8_t sink[256];
-    memset(host_memory, 0xFF, sizeof host_memory);
-    host_power_on();
-    transmitter_begin(START_OTHER_RESET);
-    for (unsigned long i = 0; i < count; i++) {
-        uint8_t byte = next_byte(mode);
-        judge_byte(byte);
-        host_serial_in(&byte, 1);
-        while (transmitter_work())
-            host_serial_out(sink, sizeof sink);
-        if (i % BYTES_PER_TICK == BYTES_PER_TICK / 2)
-            transmitter_prepare();
-        if (i % BYTES_PER_TICK == BYTES_PER_TICK - 1) {
-            judge.since_good++;
-            transmitter_tick();
-            look();
-            /* Rarely the host is gone for longer than the failsafe takes. */
-            for (uint32_t idle = chance(2000) ? 20 + random32() % 100 : 0; idle; idle--) {
-                judge.since_good++;
-                transmitter_prepare();
-                transmitter_tick();
-                look();
-            }
-            if (judge.since_good > 61)
-                judge.armed = false, judge.lows = 0;
-        }
-    }
-    printf("%lu %lu %lu %lu %lu\n", count, packets, with_throttle, judge.frames, judge.armings);
+    char *dash;
+    unsigned long first = strtoul(argv[1], &dash, 10), count = strtoul(argv[2], NULL, 10), fed = 0;
+    unsigned long last = *dash == '-' ? strtoul(dash + 1, NULL, 10) : first;
+    int chosen = atoi(argv[3]);
+    for (seed = first; seed <= last; seed++)
+        for (mode = chosen < 3 ? chosen : 0; mode <= (chosen < 3 ? chosen : 2); mode++, fed += count)
+            run(count);
+    printf("%lu %lu %lu %lu %lu\n", fed, packets, with_throttle, frames, armings);
     return 0;
 }

@@ -5,42 +5,27 @@ from typing import Any
 
 import pytest
 import syma
-import toolchain
 from emulator import Board
+from firmware_in_c import Pilot, Sticks, hear, library, parse
 from vectors import HOPS, VECTORS, channel_lists, octets
 
 from matchset.links.arduino import channels, crsf
 from matchset.links.arduino.messages import Config
 
 
-class SticksInC(ctypes.Structure):
-    _fields_ = (
-        ("throttle", ctypes.c_uint8),
-        ("pitch", ctypes.c_int8),
-        ("yaw", ctypes.c_int8),
-        ("roll", ctypes.c_int8),
-        ("fast", ctypes.c_bool),
-        ("flip", ctypes.c_bool),
-    )
-
-
-def in_c() -> ctypes.CDLL:
-    return ctypes.CDLL(str(toolchain.host_library()))
-
-
 @pytest.mark.parametrize("case", VECTORS["data"])
 def test_a_data_packet_of_the_firmware_is_the_known_one(case: dict[str, Any]) -> None:
     pitch, yaw, roll = case["sticks"]
-    wanted = SticksInC(case["throttle"], pitch, yaw, roll, case.get("fast", False), case.get("flip", False))
+    wanted = Sticks(case["throttle"], pitch, yaw, roll, case.get("fast", False), case.get("flip", False))
     packet = ctypes.create_string_buffer(10)
-    in_c().syma_data_packet(packet, octets(str(case["config"])), ctypes.byref(wanted))
+    library().syma_data_packet(packet, octets(str(case["config"])), ctypes.byref(wanted))
     assert packet.raw == octets(str(case["packet"]))
 
 
 @pytest.mark.parametrize("case", VECTORS["bind"])
 def test_a_bind_packet_of_the_firmware_is_the_known_one(case: dict[str, str]) -> None:
     packet = ctypes.create_string_buffer(10)
-    in_c().syma_bind_packet(packet, Config(id=octets(case["id"])).encode())
+    library().syma_bind_packet(packet, Config(id=octets(case["id"])).encode())
     assert packet.raw == octets(case["packet"])
 
 
@@ -66,10 +51,9 @@ def test_captured_trims_are_read_as_they_were_set() -> None:
 
 
 def test_every_row_of_the_hop_table() -> None:
-    library = in_c()
     for id0 in range(256):
         hops = ctypes.create_string_buffer(4)
-        library.syma_channels(ctypes.c_uint8(id0), hops)
+        library().syma_channels(ctypes.c_uint8(id0), hops)
         assert list(hops.raw) == HOPS[id0 % 32], id0
     for id0, captured in VECTORS["hops_captured"].items():
         hops_of = HOPS[int(id0, 16) % 32]
@@ -82,34 +66,19 @@ def test_channel_frames_are_the_known_ones_on_both_sides(values: list[int], fram
     assert crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(values)) == frame
     assert crsf.Parser().feed(frame) == [(crsf.CHANNELS_PACKED, frame[3:-1])]
     assert crsf.unpack_channels(frame[3:-1]) == values
-    unpacked = (ctypes.c_uint16 * 16)()
-    assert in_c().crsf_channels(frame[3:-1], unpacked)
-    assert list(unpacked) == values
+    found, parser = parse(frame)
+    assert found == [(crsf.CHANNELS_PACKED, frame[3:-1])]
+    assert list(parser.channels) == values
 
 
 def test_host_and_firmware_round_alike() -> None:
-    library = in_c()
-    pilot = ctypes.create_string_buffer(64)
-    library.pilot_begin(pilot, False, False)
-    heard = SticksInC()
-    offset = next(
-        place for place in range(58) if _heard_at(library, place) == (255, 127, -127, 64)
-    )  # wherever the compiler puts the field
+    pilot = Pilot()
+    library().pilot_begin(ctypes.byref(pilot), False, False)
     for value in range(crsf.CHANNEL_LOW, crsf.CHANNEL_HIGH + 1):
-        values = (ctypes.c_uint16 * 16)(*[value] * 16)
-        library.pilot_frame(pilot, values)
-        ctypes.memmove(ctypes.byref(heard), ctypes.addressof(pilot) + offset, ctypes.sizeof(heard))
+        hear(pilot, [value] * 16)
+        heard = pilot.heard
         assert heard.throttle == channels.throttle_byte(value)
         assert heard.pitch == heard.yaw == heard.roll == channels.stick_byte(value)
-
-
-def _heard_at(library: ctypes.CDLL, place: int) -> tuple[int, int, int, int]:
-    pilot = ctypes.create_string_buffer(64)
-    library.pilot_begin(pilot, False, False)
-    values = (ctypes.c_uint16 * 16)(*[crsf.CHANNEL_LOW] * 16)
-    values[0], values[1], values[2], values[3] = 992 + 413, 1811, 1811, 172
-    library.pilot_frame(pilot, values)
-    return tuple(ctypes.c_int8(byte).value if at else byte for at, byte in enumerate(pilot.raw[place : place + 4]))  # type: ignore[return-value]
 
 
 def test_the_firmware_sets_up_its_radio_as_a_handset_does() -> None:

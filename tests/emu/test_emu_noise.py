@@ -15,7 +15,7 @@ EMULATED_BYTES = int(os.environ.get("MATCHSET_NOISE_BYTES", MILLION // 10))  # a
 
 
 def fuzz(seeds: str, count: int, mode: int) -> tuple[int, int, int, int, int]:
-    """Bytes, packets, packets with throttle, frames, armings; the program is the judge, sanitizers end it at a fault."""
+    """Bytes, packets, packets with throttle, frames, armings; the program is the judge."""
     command = [str(toolchain.host_fuzz()), seeds, str(count), str(mode)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -6,7 +6,8 @@ import pytest
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.connect import connect
-from matchset.links.simulated import SimulatedChain, SimulatedLink, SimulationParameters, parse_uri
+from matchset.links.simulated import SimulatedChain, SimulationParameters, parse_uri
+from matchset.links.simulated_link import SimulatedLink
 
 SMALL = SimulationParameters(vehicles=2, width=160, height=120, pal="clean")
 

@@ -1,4 +1,4 @@
-"""The contract of every link to a vehicle: a URI, five methods, and a `with` block that lands when it ends."""
+"""The contract of every link to a vehicle: a URI, six methods, and a `with` block that lands when it ends."""
 
 from types import TracebackType
 from typing import Literal, Protocol, Self
@@ -14,6 +14,14 @@ State = Literal["binding", "locked", "armed", "holding", "failsafe"]
 ``holding``: armed, but no commands arrive; sticks neutral, throttle unchanged. ``failsafe``: no commands for too long,
 or the transmitter restarted; motors off until `Link.arm`.
 """
+
+
+REFUSALS: dict[State, str] = {
+    "failsafe": "the transmitter stopped the motors: it heard nothing for too long, or was restarted",
+    "locked": "the transmitter is disarmed",
+    "binding": "the transmitter is binding",
+}
+"""Why a link that was armed flies no command, by the state of its transmitter."""
 
 
 class LinkStatus(msgspec.Struct, frozen=True):
@@ -37,6 +45,11 @@ class LinkStatus(msgspec.Struct, frozen=True):
     errors: int
     age: float
     warnings: tuple[str, ...] = ()
+
+    @property
+    def refusal(self) -> str:
+        """Why the commands of a link that was armed are not flown, in words; empty if they are."""
+        return REFUSALS.get(self.state, "")
 
 
 class Link(Protocol):
@@ -69,6 +82,9 @@ class Link(Protocol):
 
     def land(self, duration: float = 1.5) -> None:
         """Lower the throttle to zero over so many seconds, sticks neutral, then disarm; 0 stops the motors at once."""
+
+    def cut(self) -> None:
+        """Stop the motors at once and disarm; never waits, so another thread or a signal handler may call it."""
 
     def close(self) -> None:
         """Land, then close the device."""

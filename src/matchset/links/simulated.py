@@ -15,11 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
-from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
-from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
-from matchset.links.link import Link, LinkStatus
+from matchset.links.simulated_link import SCHEME, SimulatedLink
 from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.rope import RopeParameters
@@ -28,7 +26,6 @@ from matchset.sim.world import RATE, ChainParameters, World
 
 FPS = 30  # format: pictures a second, PAL without interlace
 STEPS_PER_FRAME = RATE // FPS
-SCHEME = "sim://"
 START = RelativeSetpoint(height=-0.19)  # geometry: at the height of the next vehicle, whose ball is above its frame
 
 
@@ -62,6 +59,9 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         Time from one hiding to the next, s.
     cable : float
         When the cables of the cameras are pulled, s; inf for never.
+    silent, silent_for : float
+        When the transmitters begin to hear nothing, and for how long, s; inf for never. A vehicle in flight that hears
+        nothing for `VehicleParameters.failsafe` is refused until its link is armed again.
     distortion : float
         Radial distortion k1 of the lenses (OpenCV), no unit.
     width, height : int
@@ -85,6 +85,8 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     hidden: float = 0.0
     hidden_every: float = 6.0
     cable: float = math.inf
+    silent: float = math.inf
+    silent_for: float = 0.3
     distortion: float = -0.08
     width: int = 640
     height: int = 480
@@ -100,6 +102,8 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             ("hidden", 0.0, 60.0),
             ("hidden_every", 0.1, 1e6),
             ("cable", 0.0, math.inf),
+            ("silent", 0.0, math.inf),
+            ("silent_for", 0.0, math.inf),
             ("distortion", -0.3, 0.3),
             ("vehicles", 2, 20),
             ("width", 64, 1920),
@@ -245,51 +249,6 @@ class SimulatedCamera:
     def now(self) -> float:
         """Return the time on the clock of the pictures, s."""
         return self._chain.now()
-
-
-class SimulatedLink(Link):
-    """The radio to one simulated vehicle; implements `matchset.links.link.Link`."""
-
-    def __init__(self, chain: SimulatedChain, who: int) -> None:
-        self.uri = f"{SCHEME}chain#{who + 1}"
-        self.chain, self._who = chain, who
-        self._armed, self._open, self._sent = False, True, Command()
-
-    def arm(self) -> None:
-        """Enable the throttle."""
-        self._check()
-        self._armed = True
-
-    def send(self, command: Command) -> Command:
-        """Send a command; returns what the vehicle receives."""
-        self._check()
-        self._sent = self.chain.world.send(self._who, command if self._armed else Command())
-        return self._sent
-
-    def status(self) -> LinkStatus:
-        """Return the state, with crashes as warnings."""
-        self._check()
-        fallen = [what for _, who, what in self.chain.world.crashes if who == self._who]
-        return LinkStatus("armed" if self._armed else "locked", "simulated", 0, 0.0, tuple(fallen))
-
-    def land(self, duration: float = 1.5) -> None:
-        """Lower the throttle to zero over so many seconds of simulated time, then disarm."""
-        self._check()
-        steps = max(round(duration * FPS), 1) if self._armed else 0
-        for k in range(1, steps + 1):
-            command = Command(throttle=self._sent.throttle * (1.0 - k / steps))
-            self.chain.world.send(self._who, command, after=duration * k / steps)
-        self._armed, self._sent = False, Command()
-
-    def close(self) -> None:
-        """Land and close the link."""
-        if self._open:
-            self.land()
-            self._open = False
-
-    def _check(self) -> None:
-        if not self._open:
-            raise LinkError(f"{self.uri} is closed")
 
 
 def parse_uri(uri: str) -> SimulationParameters:

@@ -24,6 +24,7 @@ from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay, first_difference
 from matchset.app.recording.writer import RecordingWriter
 from matchset.control.command import Command
+from matchset.links.link import REFUSALS
 
 ROS = {"/tf"} | {
     f"/follower_{number}/{name}"
@@ -81,11 +82,11 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras"]
     assert list(messages["/configuration"]["parameters"]) == ["duration", "together", "stagger", "world", "pilot"]
     assert list(messages["/follower_1/sample"]) == ["index", "time", "png"]
-    assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome"]
+    assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped"]
     assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
     assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
     assert list(step["outcome"]["ball"]) == ["shape", "covariance", "support", "match_set", "time"]
-    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (9, 7)
+    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (9, 8)
     assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]
     assert list(truth["truth"][0]) == ["place", "turn", "ball"]
 
@@ -116,6 +117,21 @@ def test_a_pilot_that_was_not_armed_stays_so(flown: Flown, tmp_path: Path) -> No
     chain_steps = list(replayed)
     assert {chain_step.steps[1].safety.reason for chain_step in chain_steps} == {"not armed"}
     assert {each.follower for each in replayed.differences} == {2}
+
+
+def test_a_refusal_is_recorded_with_its_reason_and_replayed(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    uri = "sim://chain?vehicles=2&seed=5&silent=0.4"
+    assert matchset("fly", uri, "--duration", "1", "--record", "a.mcap", "--report", "a.html") == 1
+    said = capsys.readouterr()
+    assert "vehicle 1 was cut: the transmitter stopped the motors" in said.out
+    steps = [chain_step.steps[0] for chain_step in RecordingReader(Path("a.mcap"))]
+    assert [step.stopped for step in steps if step.stopped] == [REFUSALS["failsafe"]]
+    assert "cut: the transmitter stopped the motors" in Path("a.html").read_text(encoding="utf-8")
+    assert matchset("replay", "a.mcap") == 0
+    said = capsys.readouterr()
+    assert "bit for bit" in said.out
 
 
 def test_a_recording_that_was_cut_off_is_replayed_as_far_as_it_goes(recording: Path, tmp_path: Path) -> None:
@@ -188,7 +204,7 @@ def test_the_first_difference_is_named(flown: Flown) -> None:
     step: PilotStep = flown.chain_steps[5].steps[0]
     other = msgspec.structs.replace(step, safety=step.safety._replace(command=Command(throttle=0.5)))
     words = first_difference(outcome_of(step), outcome_of(other))
-    assert words.startswith("memory.6.")
+    assert words.startswith("memory.7.")
     assert first_difference(outcome_of(step), outcome_of(step)) == "the bytes differ"
     minus = msgspec.structs.replace(step, age=-0.0)
     assert first_difference(outcome_of(msgspec.structs.replace(step, age=0.0)), outcome_of(minus)) == (

@@ -231,3 +231,54 @@ def test_without_pyserial_the_error_says_what_to_install(monkeypatch: pytest.Mon
 
 def test_the_clock_of_the_fake_is_its_own() -> None:
     assert Clock()() == 0.0
+
+
+def test_a_cut_is_one_frame_and_lasts_until_it_is_armed_again(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    fly(link, port, 0.5)
+    assert port.throttle > 0
+    frames = len(port.heard)
+    link.cut()
+    assert (len(port.heard) - frames, port.state, port.throttle) == (1, "locked", 0)
+    assert fly(link, port, 0.5) == Command()
+    assert port.state == "locked"
+    assert link.status().refusal
+    link.arm()
+    assert fly(link, port, 0.2).throttle > 0.0
+
+
+def test_a_frame_that_leaves_after_a_cut_does_not_turn_the_motors(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    fly(link, port, 0.5)
+    send = link.firmware.send_channels
+
+    def cut_first(values: list[int], armed: bool) -> None:
+        if not link._cut:
+            link.cut()
+        send(values, armed)
+
+    link.firmware.send_channels = cut_first  # type: ignore[method-assign]
+    link.send(FLIGHT)
+    assert (port.state, port.throttle) == ("locked", 0)
+    assert fly(link, port, 0.2) == Command()
+
+
+def test_a_cut_while_it_arms_leaves_it_disarmed(link: ArduinoLink, port: FakePort) -> None:
+    sleep = port.clock.sleep
+
+    def interrupted(seconds: float) -> None:
+        sleep(seconds)
+        link.cut()
+
+    link._sleep = interrupted
+    with pytest.raises(LinkError, match="did not arm"):
+        link.arm()
+    assert (port.state, port.throttle) == ("locked", 0)
+
+
+def test_a_cut_of_a_link_that_has_gone_raises_with_the_next_command(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    port.unplugged = True
+    link.cut()
+    with pytest.raises(LinkError, match="unplugged"):
+        link.send(FLIGHT)

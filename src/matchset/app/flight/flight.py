@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from matchset.app.closing import Closing
 from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep, learn_colors
+from matchset.app.flight.real_time.memory import steady_memory
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
@@ -154,13 +155,19 @@ class Flight(Closing):
 
     def __iter__(self) -> Iterator[ChainStep]:
         """Arm one after the other and fly for the duration."""
-        for index in range(1, self.length + 1):
-            yield self._chain_step(index)
+        with steady_memory():
+            for index in range(1, self.length + 1):
+                yield self._chain_step(index)
 
     @property
     def length(self) -> int:
         """Number of steps of the flight."""
         return max(round(self.parameters.duration * FPS), 1)
+
+    def cut(self, reason: str) -> None:
+        """Stop everyone's motors at once; may be called by another thread or a signal handler."""
+        for pilot in self.pilots:
+            pilot.cut(reason)
 
     def close(self) -> None:
         """Land everyone and let go of the world."""
@@ -170,7 +177,8 @@ class Flight(Closing):
 
     def _chain_step(self, index: int) -> ChainStep:
         for follower, pilot in enumerate(self.pilots):
-            if not pilot.armed and (index - 1) / FPS >= self.parameters.arming_time(follower):
+            waits = not pilot.armed and not pilot.killed
+            if waits and (index - 1) / FPS >= self.parameters.arming_time(follower):
                 pilot.arm()
         steps = tuple(pilot.step() for pilot in self.pilots)
         truth, truth_at_exposure = self.chain.truth(), self.chain.truth(index)

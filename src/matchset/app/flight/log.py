@@ -122,6 +122,8 @@ class FlightLog:
     followers : list of FollowerLog
     counters : FlightCounters
     crashes : tuple of Crash
+    stops : dict of int to str
+        Why the motors of a follower, from 0, were stopped from outside, see `PilotStep.stopped`.
     """
 
     def __init__(self, setup: FlightSetup) -> None:
@@ -129,6 +131,7 @@ class FlightLog:
         self.followers = [FollowerLog() for _ in range(setup.followers)]
         self.counters = FlightCounters(setup.followers)
         self.crashes: tuple[Crash, ...] = ()
+        self.stops: dict[int, str] = {}
         self._balls_in_room = array("d")
 
     def add(self, chain_step: ChainStep) -> None:
@@ -137,6 +140,7 @@ class FlightLog:
         self.crashes = chain_step.crashes
         for sight in chain_step.truth_at_exposure:
             self._balls_in_room.extend(sight.ball.tolist())
+        self.stops |= {number: step.stopped for number, step in enumerate(chain_step.steps) if step.stopped}
         for number, position in enumerate(camera_positions(chain_step.steps)):
             self.followers[number].add(self._row(chain_step, number, position))
 
@@ -233,6 +237,8 @@ def flight_summary(log: FlightLog) -> str:
         return f"{time}; " + "; ".join(each.description for each in log.crashes)
     if not log.counters.chain_steps:
         return "nothing was flown"
+    if log.stops:
+        return f"{time}; " + "; ".join(f"vehicle {k + 1} was cut: {reason}" for k, reason in sorted(log.stops.items()))
     down = [str(k + 1) for k, follower in enumerate(log.followers) if PHASES[follower.phase[-1]] == "cut"]
     if down:
         return f"{time}; vehicle {' and '.join(down)} came down along the safety path"
@@ -247,4 +253,6 @@ def _end(log: FlightLog, number: int) -> str:
         if crash.vehicle == number + 1:
             return f"{crash.what} at {crash.time:.1f} s"
     phase = log.followers[number].phase
+    if number in log.stops:
+        return f"cut: {log.stops[number]}"
     return PHASES[phase[-1]] if len(phase) else "-"

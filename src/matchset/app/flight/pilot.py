@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.flight.real_time.rehearsal import RehearsalCamera, RehearsalLink
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
@@ -82,6 +83,9 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
         From capture to command, s; inf before the first picture.
     stage_times : tuple of float
         Computing time of each of `STAGES`, s.
+    stopped : str
+        Why the motors were stopped in this step although the safety filter saw no reason: by `Pilot.cut`, or since the
+        link refused. Empty if they were not.
     """
 
     now: float
@@ -94,6 +98,7 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     safety: SafetyState
     age: float
     stage_times: tuple[float, ...]
+    stopped: str = ""
 
     @property
     def processing(self) -> float:
@@ -154,7 +159,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
 
 class Pilot:
-    """Flies one follower by its own camera. Its constructor compiles everything that `step` calls.
+    """Flies one follower by its own camera. Its constructor compiles everything that `step` calls, and rehearses it.
 
     Parameters
     ----------
@@ -162,29 +167,73 @@ class Pilot:
     link : Link
     colors : Colors
     parameters : PilotParameters, optional
+
+    Attributes
+    ----------
+    parameters : PilotParameters
+    camera : Camera
+    link : Link
+    armed : bool
+        Whether it was told to fly.
+    killed : str
+        Why its motors were stopped by `cut`; empty if they were not.
     """
 
     def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
         self.parameters = parameters or PilotParameters()
-        self.camera, self.link = camera, link
-        self.armed = False
+        self.camera, self.link, self._colors = camera, link, colors
+        self._begin()
+        self._pixel(np.array((0.0, 0.0, 1.0)))  # compiles what it calls
+        self._rehearse()
+
+    def _begin(self) -> None:
+        """Know nothing, and be disarmed."""
         target = self.parameters.target
-        self._colors, self._rejected_poses = colors, 0
-        self._tracker = Tracker(Circle, colors.ball)
-        self._markers = MarkerTracker(colors.marker, target)
-        self._localizer = Localizer(camera.model, target)
+        self.armed, self.killed = False, ""
+        self._rejected_poses = 0
+        self._tracker = Tracker(Circle, self._colors.ball)
+        self._markers = MarkerTracker(self._colors.marker, target)
+        self._localizer = Localizer(self.camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._safety = SafetyState()
         self._frame_time = self._seen_time = -math.inf
-        self._pixel(np.array((0.0, 0.0, 1.0)))  # compiles what it calls
+
+    def _rehearse(self) -> None:
+        """Take some steps with painted pictures and nobody at the other end, then forget them."""
+        camera, link, place = self.camera, self.link, self.parameters.place
+        painted = RehearsalCamera(
+            camera.model, *self._colors, self.parameters.target, (place.side, place.height, place.heading)
+        )
+        self.camera, self.link = painted, RehearsalLink()
+        try:
+            self.arm()
+            for _ in range(len(painted) + 1):
+                self.step()
+        finally:
+            self.camera, self.link = camera, link
+            self._begin()
 
     def arm(self) -> None:
-        """Fly from the next step on, as soon as the ball is seen."""
+        """Fly from the next step on, as soon as the ball is seen; also after the motors were stopped."""
+        self._safety, self.killed = SafetyState(), ""
         self.link.arm()
         self.armed = True
 
+    def cut(self, reason: str) -> None:
+        """Stop the motors at once, until `arm`: the vehicle falls. May be called by another thread or a signal handler.
+
+        Parameters
+        ----------
+        reason : str
+            Why, in words.
+        """
+        self.killed = reason
+        self.link.cut()
+
     def step(self) -> PilotStep:
         """Wait for the newest picture and answer it with a command.
+
+        After `cut`, or when the link refuses to fly, the phase is ``cut`` until the pilot is armed again.
 
         Raises
         ------
@@ -200,6 +249,9 @@ class Pilot:
         self._check_association(pose)
         inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed)
         wanted, self._safety = safety_filter(control and control.desired, inputs, self._safety, self.parameters.safety)
+        stopped = self._stop_reason()
+        if stopped:
+            wanted, self._safety = Command(), SafetyState("cut", stopped, now)
         stamps.append(time.perf_counter())
         command = self.link.send(wanted)
         self._follower.sent(command, now)
@@ -215,7 +267,14 @@ class Pilot:
             safety=self._safety,
             age=now - self._frame_time,
             stage_times=tuple(b - a for a, b in itertools.pairwise(stamps)),
+            stopped=stopped,
         )
+
+    def _stop_reason(self) -> str:
+        """Say why the motors have stopped although the safety filter would fly on; empty if they have not."""
+        if self._safety.phase == "cut":
+            return ""
+        return self.killed or (self.link.status().refusal if self.armed else "")
 
     def _locate(
         self, frame: Frame | None, now: float, stamps: list[float]

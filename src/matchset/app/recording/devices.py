@@ -51,8 +51,11 @@ class RecordedLink(Link):
         return self.confirmed
 
     def status(self) -> LinkStatus:
-        """Return that this is a recording."""
-        return LinkStatus("locked", "recording", 0, 0.0)
+        """Return that it flies: where the recorded one refused, the replay stops the pilot itself."""
+        return LinkStatus("armed", "recording", 0, 0.0)
+
+    def cut(self) -> None:
+        """Do nothing."""
 
     def land(self, duration: float = 1.5) -> None:
         """Do nothing."""

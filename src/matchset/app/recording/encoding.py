@@ -75,6 +75,7 @@ def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
         command=step.command,
         spent=step.stage_times,
         outcome=msgspec.Raw(outcome_of(step)),
+        stopped=step.stopped,
     )
 
 

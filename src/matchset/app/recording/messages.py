@@ -72,6 +72,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
         Computing time of each stage, s; this alone differs from run to run.
     outcome : Raw
         `Outcome`: everything else, as the bytes that a replay must reproduce.
+    stopped : str
+        Why the motors were stopped in this step from outside, `PilotStep.stopped`; empty if they were not.
     """
 
     tick: int
@@ -82,6 +84,7 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
     command: Command
     spent: tuple[float, ...]
     outcome: msgspec.Raw
+    stopped: str = ""
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):

@@ -87,6 +87,8 @@ class Replay:
         camera.frame, camera.time, link.confirmed = frame, message.now, message.command
         if message.armed and not pilot.armed:
             pilot.arm()
+        if message.stopped:
+            pilot.cut(message.stopped)
         step = pilot.step()
         self.steps += 1
         if outcome_of(step) != bytes(message.outcome):

@@ -8,6 +8,7 @@ The firmware has a failsafe that the host cannot switch off: without a good fram
 within 250 ms the throttle is zero and stays so until the host disarms and arms again.
 """
 
+import contextlib
 import time
 from collections.abc import Callable
 
@@ -58,6 +59,7 @@ class ArduinoLink(Link):
         self.parameters = parameters or ArduinoParameters()
         self._clock, self._sleep = clock, sleep
         self._armed, self._throttle, self._open = False, 0.0, True
+        self._cut = False
         port = SerialPort(self.uri.removeprefix(SCHEME)) if port is None else port
         self.firmware = FirmwareClient(self.uri, port, self.parameters, clock, sleep)
         try:
@@ -83,7 +85,7 @@ class ArduinoLink(Link):
         again.
         """
         _ = self.report  # raises if the board is gone or silent
-        self._armed = self._armed and not self.firmware.refused
+        self._armed = self._armed and not self.firmware.refused and not self._cut
         if not self._armed:
             command = Command()
         self.firmware.send_channels(channels.channels(command, self._armed, self.parameters.high_rate), self._armed)
@@ -96,9 +98,9 @@ class ArduinoLink(Link):
         Raises
         ------
         LinkError
-            If the firmware does not confirm it in time.
+            If the firmware does not confirm it in time, or `cut` came meanwhile.
         """
-        self._armed = False
+        self._armed = self._cut = False
         self._repeat(lambda: self.report.may_arm, "it cannot be armed")
         self._armed = True
         try:
@@ -128,6 +130,16 @@ class ArduinoLink(Link):
             self._sleep(self.parameters.frame_period)
         self._armed = False
         self._repeat(lambda: self.report.state not in ("armed", "holding"), "it did not disarm")
+
+    def cut(self) -> None:
+        """Stop the motors by one frame with the arm switch low, sent at once; never waits for an answer.
+
+        Another thread or a signal handler may call it. A frame of another thread that leaves after it cannot arm: for
+        that the firmware wants three frames with the switch low.
+        """
+        self._cut = True
+        with contextlib.suppress(LinkError):  # the next `send` raises it
+            self.firmware.disarm()
 
     def bind(self) -> None:
         """Start sending bind packets, for 1.38 s; the firmware refuses while armed."""

@@ -118,6 +118,10 @@ class FirmwareClient:
         self.sent += 1
         self.write(crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(values)))
 
+    def disarm(self) -> None:
+        """Send one frame with the arm switch low and no number; neither reads nor waits."""
+        self.write(crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(channels.channels(Command()))))
+
     def write(self, data: bytes) -> None:
         """Send bytes.
 
@@ -165,9 +169,8 @@ class FirmwareClient:
     def close(self) -> None:
         """Close the device; one that stopped answering is sent a last frame that disarms."""
         if self.broken:  # it may still receive
-            last = channels.channels(Command())
-            with contextlib.suppress(OSError):
-                self._port.write(crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(last)))
+            with contextlib.suppress(LinkError):
+                self.disarm()
         self._port.close()
 
     def _update(self, report: Report) -> None:

@@ -1,0 +1,5 @@
+"""What keeps the loop of a flight in time, so that a vehicle never waits for a command.
+
+Read `rehearsal` (everything that a first step does is done once before arming) and `memory` (the garbage collector's
+pauses).
+"""

@@ -15,7 +15,8 @@ NOT_FOUND = 1  # format: it ran to the end, but the ball was never found
 BAD_INPUT = 2  # format: a wrong option, or a file that cannot be read or written
 DEVICE = 3  # format: a camera or stream cannot be opened, or was disconnected
 INTERRUPTED = 130  # format: stopped by Ctrl-C (128 + SIGINT); the files are complete
-TERMINATED = 143  # format: stopped by SIGTERM (128 + 15); the files are complete
+STOPPING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""Signals that stop a command; its exit code is then 128 + the number, and the files are complete."""
 
 EXIT_CODES = (
     "Exit codes: 0 done, 1 the ball was never found, 2 bad input or options, 3 camera or stream broke, "
@@ -57,9 +58,10 @@ def errors_in_one_line() -> Iterator[None]:
 
 
 class StopRequest:
-    """Within its `with` block Ctrl-C and SIGTERM only set a flag, so that a loop finishes its frame first.
+    """Within its `with` block Ctrl-C, SIGTERM and SIGHUP only set a flag, so that a loop finishes its frame first.
 
-    It is true once a signal has come. A second Ctrl-C interrupts at once.
+    It is true once a signal has come. A second Ctrl-C interrupts at once. A SIGHUP that is ignored, as `nohup` lets it,
+    stays so.
 
     Attributes
     ----------
@@ -72,14 +74,16 @@ class StopRequest:
         self._previous_handlers: dict[signal.Signals, object] = {}
 
     def _set_code(self, number: int, _frame: FrameType | None) -> None:
-        self.code = INTERRUPTED if number == signal.SIGINT else TERMINATED
+        self.code = 128 + number
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def __bool__(self) -> bool:
         return self.code != 0
 
     def __enter__(self) -> Self:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in STOPPING:
+            if number != signal.SIGINT and signal.getsignal(number) is signal.SIG_IGN:
+                continue
             # Only the main thread may set handlers; in another one (a notebook) signals keep theirs.
             with contextlib.suppress(ValueError):
                 self._previous_handlers[number] = signal.signal(number, self._set_code)

@@ -6,6 +6,7 @@ from typing import Literal, Protocol, Self
 import msgspec
 
 from matchset.control.command import Command
+from matchset.links import landing_signals
 
 State = Literal["binding", "locked", "armed", "holding", "failsafe"]
 """State of the transmitter.
@@ -56,7 +57,8 @@ class Link(Protocol):
     """The connection to a vehicle that accepts commands; a class of the same methods need not be derived from it.
 
     Used in a `with` block: at its end, also after an error, the vehicle lands and its motors stop. If the link itself
-    is broken nothing can be sent any more, and the failsafe of the transmitter has to act.
+    is broken nothing can be sent any more, and the failsafe of the transmitter has to act. In the block, if the main
+    thread has entered it, SIGTERM and SIGHUP raise `SystemExit` in place of ending the program at once: `landing_signals`.
 
     Attributes
     ----------
@@ -90,11 +92,18 @@ class Link(Protocol):
         """Land, then close the device."""
 
     def __enter__(self) -> Self:
-        """Return the link."""
+        """Return the link; SIGTERM and SIGHUP land from now on."""
+        landing_signals.enter()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Land and close the device."""
-        self.close()
+        """Land and close the device; a signal that comes meanwhile waits until that is done."""
+        try:
+            self.close()
+        finally:
+            landing_signals.leave()
+
+
+landing_signals.LANDING.add(Link.__exit__.__code__)

@@ -76,7 +76,7 @@ def run_stick_test(radio: Radio, motor_test: MotorTestParameters | None) -> int:
             return exit_codes.FOUND
         try:
             run_motors(radio, motor_test)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemExit):  # Ctrl-C; SIGTERM and SIGHUP
             radio.link.land(0)
             raise
     return exit_codes.FOUND

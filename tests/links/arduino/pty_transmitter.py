@@ -1,0 +1,94 @@
+"""The transmitter of `fakes.py` at the other end of a pseudo-terminal, in real time, for programs in processes of their own."""
+
+import os
+import pty
+import select
+import threading
+import time
+import tty
+from typing import NamedTuple, Self
+
+from fakes import FakePort
+
+from matchset.links.link import State
+
+LOOK = 0.002  # s between two looks at the transmitter
+
+
+class Moment(NamedTuple):
+    """What the transmitter did at a time, s on the monotonic clock; throttle 0 ... 255."""
+
+    time: float
+    state: State
+    throttle: int
+
+
+class RealClock:
+    """The time since it was made, s."""
+
+    def __init__(self) -> None:
+        self._begin = time.monotonic()
+
+    def __call__(self) -> float:
+        return time.monotonic() - self._begin
+
+    def sleep(self, seconds: float) -> None:
+        time.sleep(seconds)
+
+
+class PtyTransmitter:
+    """A transmitter that any process can open.
+
+    Attributes
+    ----------
+    path : str
+        What to open.
+    port : FakePort
+    moments : list of Moment
+        Whenever state or throttle changed.
+    """
+
+    def __init__(self) -> None:
+        self._end, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        self.path = os.ttyname(self._slave)
+        os.set_blocking(self._end, False)
+        self.port = FakePort(clock=RealClock())  # type: ignore[arg-type]
+        self.moments: list[Moment] = []
+        self._stop, self._thread = threading.Event(), threading.Thread(target=self._run, daemon=True)
+
+    def wait_for(self, throttle: int, timeout: float = 60.0) -> Moment:
+        """Wait until the throttle is at least so high."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            if self.moments and self.moments[-1].throttle >= throttle:
+                return self.moments[-1]
+            time.sleep(LOOK)
+        raise AssertionError(f"no throttle of {throttle} within {timeout} s: {self.moments[-5:]}")
+
+    def since(self, begin: float) -> list[Moment]:
+        """What it did from a time on, the state at that time first."""
+        before = [each for each in self.moments if each.time <= begin]
+        return before[-1:] + [each for each in self.moments if each.time > begin]
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop.set()
+        self._thread.join()
+        os.close(self._slave)
+        os.close(self._end)
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            if select.select([self._end], [], [], LOOK)[0]:
+                self.port.write(os.read(self._end, 4096))
+            said = self.port.read()
+            if said:
+                os.write(self._end, said)
+            throttle = self.port.throttle
+            last = self.moments[-1] if self.moments else None
+            if last is None or (last.state, last.throttle) != (self.port.state, throttle):
+                self.moments.append(Moment(time.monotonic(), self.port.state, throttle))

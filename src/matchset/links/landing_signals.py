@@ -1,6 +1,6 @@
 """SIGTERM and SIGHUP end the `with` block of a link by an exception, so that it lands: `enter`, `leave`, `LANDING`.
 
-By their default action they would end the program at once, and the vehicle would fall when the transmitter's failsafe acts.
+By their default action they would end the program at once, and the vehicle would fall when the failsafe acts.
 Python runs handlers in the main thread only: a block that another thread has entered is not protected.
 """
 

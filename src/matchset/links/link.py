@@ -58,7 +58,7 @@ class Link(Protocol):
 
     Used in a `with` block: at its end, also after an error, the vehicle lands and its motors stop. If the link itself
     is broken nothing can be sent any more, and the failsafe of the transmitter has to act. In the block, if the main
-    thread has entered it, SIGTERM and SIGHUP raise `SystemExit` in place of ending the program at once: `landing_signals`.
+    thread has entered it, SIGTERM and SIGHUP raise `SystemExit` in place of ending the program: `landing_signals`.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The transmitter of `fakes.py` at the other end of a pseudo-terminal, in real time, for programs in other processes."""
+"""The transmitter of `fakes.py` at the other end of a pseudo-terminal, in real time, for other processes."""
 
 import os
 import pty

@@ -245,12 +245,22 @@ class Fitter(Generic[S]):
         """Estimate in the workspace, which was rejected or not."""
         return Estimate(self.state.copy(), self.statistics, Rejection(rejection))
 
+    def weighs(self, color: ColorModel) -> bool:
+        """Whether the evidence of fits is weighed: not of shapes with corners, nor where brightness tells.
+
+        Parameters
+        ----------
+        color : ColorModel
+            Of the target.
+        """
+        return not (self.has_corners or color.gray)
+
     def weigh(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
-        """Estimate of the last fit with its evidence; as it was for shapes with corners, and where brightness tells.
+        """Estimate of the last fit with its evidence, if that is weighed.
 
         Where even the best step in color would not be enough, none is measured.
         """
-        if self.has_corners or color.gray:
+        if not self.weighs(color):
             return estimate
         fit, limits, quality = estimate.fit, self.parameters.evidence, self.parameters.quality
         tolerance = min(max(quality.tolerance * fit.half_width, quality.min_tolerance), quality.max_tolerance)

@@ -190,7 +190,7 @@ class Hypotheses:
         if fitter.sides_move and fitter.uses_color:
             outside = float(self._target_outside(estimate, image, color).mean())
             score += score - fit.msac_score - limits.outside_penalty * outside
-        elif fitter.uses_color and not fitter.has_corners and not color.gray:
+        elif fitter.weighs(color):
             score += limits.near_weight * fitter.near_step(estimate, image, color)
         return score + limits.interior_weight * fit.interior_share - limits.change_weight * change
 

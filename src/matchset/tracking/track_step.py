@@ -138,7 +138,7 @@ class TrackStep(Generic[S]):
             if not stretched.rejection and stretched.fit.color_score > least:
                 return stretched
         window = SearchWindow(limits.range_px, speed, limits.initial_sigma)
-        if fitter.uses_color and not fitter.has_corners and not color.gray:
+        if fitter.weighs(color):
             fitted = fitter.fit(image, color, estimate.state, window)  # the workspace holds the last hypothesis
             by_color = self._hypotheses.at_color_boundary(fitted, image, color)
             starts += [] if by_color is None else [by_color]

@@ -335,7 +335,7 @@ class Tracker(Generic[S]):
         alone = predicted is None and self._hint is None
         start = nearest(family, state, fitter.work.motion.last_state[: len(state)])
         reach = limits.refit_range
-        if not (fitter.has_corners or self.color.gray):
+        if fitter.weighs(self.color):
             reach = max(limits.color_range, limits.color_share * float(family.half_width(state)))
         window = SearchWindow(reach, limits.speed if alone else 0.0, velocity_unknown=True)
         estimate = fitter.weigh(fitter.fit(image, self.color, start, window), image, self.color)
@@ -357,7 +357,7 @@ class Tracker(Generic[S]):
             return Prior.HERE
         if self._hint is None:
             return Prior.NONE if self._last is None or self._fitter.has_corners else Prior.PRESENT
-        return Prior.PRESENT if self._fitter.has_corners or self.color.gray else Prior.HERE
+        return Prior.HERE if self._fitter.weighs(self.color) else Prior.PRESENT
 
     def _shape_of(self, state: Floats) -> S | None:
         """Shape of an extrapolated state, None where it has shrunk to nothing."""

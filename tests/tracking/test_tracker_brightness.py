@@ -1,10 +1,13 @@
 """How a level between dark and light is found and used can be said to a tracker."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 import matchset as ms
+from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.image.brightness import BrightnessParameters, level_across, level_in
 from matchset.tracking.parameters import TrackerParameters
 
@@ -56,3 +59,23 @@ def test_a_level_is_computed_from_so_many_rows_and_columns() -> None:
     image[1::2] = 40  # seen only by those who look at every row
     image[:, :80] -= 20
     assert 40.0 < level_in(image) < 180.0 < level_in(image, BrightnessParameters(samples=60)) < 200.0
+
+
+@pytest.mark.parametrize(("dark", "expected"), [(True, {Prior.NONE}), (False, {Prior.NONE, Prior.PRESENT})])
+def test_after_a_loss_brightness_alone_is_no_reason_to_expect_the_shape(
+    monkeypatch: pytest.MonkeyPatch, dark: bool, expected: set[Prior]
+) -> None:
+    asked, validate = [], Validator.validate_detection
+
+    def noted(self: Validator, fit: Any, prior: Prior = Prior.PRESENT, evidence: float | None = None) -> Rejection:
+        asked.append(prior)
+        return validate(self, fit, prior, evidence)
+
+    image = np.repeat(IMAGE[:, :, np.newaxis], 3, axis=2) + np.array([60, 0, 0], np.uint8)
+    color = ms.ColorModel.dark() if dark else ms.ColorModel.pick(image, 80, 60)
+    tracker = ms.Tracker(ms.Circle, color)
+    assert isinstance(tracker.update(ms.Frame(image, 0.0, 0)), ms.Track)
+    assert isinstance(tracker.update(ms.Frame(np.full_like(image, 180), 5.0, 1)), ms.Lost)
+    monkeypatch.setattr(Validator, "validate_detection", noted)
+    assert isinstance(tracker.update(ms.Frame(image, 10.0, 2)), ms.Track)
+    assert set(asked) == expected

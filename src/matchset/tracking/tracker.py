@@ -355,9 +355,10 @@ class Tracker(Generic[S]):
         """Say what is known of a detection beforehand."""
         if predicted is not None:
             return Prior.HERE
+        weighs = self._fitter.weighs(self.color)
         if self._hint is None:
-            return Prior.NONE if self._last is None or self._fitter.has_corners else Prior.PRESENT
-        return Prior.HERE if self._fitter.weighs(self.color) else Prior.PRESENT
+            return Prior.PRESENT if weighs and self._last is not None else Prior.NONE
+        return Prior.HERE if weighs else Prior.PRESENT
 
     def _shape_of(self, state: Floats) -> S | None:
         """Shape of an extrapolated state, None where it has shrunk to nothing."""

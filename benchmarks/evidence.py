@@ -33,8 +33,10 @@ from benchmarks.tracking.trial import as_truth, sequence
 from benchmarks.workers import one_thread
 from matchset.app.track.score import VALID_BELOW_PX, Circle3, TruthRow, error_px
 from matchset.fitting.evidence import ColorStep, EvidenceParameters, log_odds, measure_color_step
+from matchset.fitting.fit_quality import tolerance_of
 from matchset.fitting.validation import Statistics, ValidationParameters
 from matchset.fitting.workspace import SearchWindow
+from matchset.numeric.jit import interpreted
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, channels_last
 from matchset.tracking.voting import Searcher, SearchParameters, stride_for
@@ -105,7 +107,7 @@ class Collector:
             if not is_target and is_beside(place, picture.truth.circle):
                 continue
             step = measure_color_step(image, color, fitter.outline, found.fit.half_width, evidence)
-            tolerance = min(max(quality.tolerance * place[2], quality.min_tolerance), quality.max_tolerance)
+            tolerance = interpreted(tolerance_of)(quality, place[2])
             yield Sample(picture.source, picture.reported, terms_of(found.fit, step, tolerance), is_target)
 
     def _searcher(self, image: Image, color: ms.ColorModel) -> Searcher:

@@ -1,6 +1,7 @@
 """What a fit rests on: how many lines agree with the outline, what is inside it, its match-set and its covariance."""
 
 import math
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -13,6 +14,7 @@ from matchset.numeric.record import Record
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 Scores = npt.NDArray[np.int8]
+Limits = Any  # `QualityParameters`, or the record of the same fields
 
 TINY = 1e-9
 
@@ -71,11 +73,9 @@ class QualityParameters(msgspec.Struct, frozen=True):
 
 
 @helper
-def tolerance_of(work: Record) -> float:
-    """How near an edge point must be to the outline to be an inlier, px."""
-    limits = work.quality_limits
-    tolerance = limits.tolerance * work.iteration.half_width
-    return float(min(max(tolerance, limits.min_tolerance), limits.max_tolerance))
+def tolerance_of(limits: Limits, half_width: float) -> float:
+    """How near an edge point must be to the outline of a shape of this half-width to be an inlier, px."""
+    return float(min(max(limits.tolerance * half_width, limits.min_tolerance), limits.max_tolerance))
 
 
 @kernel(refcount=False, entry=False)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.evidence import BEST_STEP, EvidenceParameters, log_odds, measure_color_step, measure_near_step
-from matchset.fitting.fit_quality import QualityParameters, write_answer
+from matchset.fitting.fit_quality import QualityParameters, tolerance_of, write_answer
 from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.prior import FieldParameters, GateParameters, MotionParameters, WindowParameters
 from matchset.fitting.robust_fit import FitParameters
@@ -25,7 +25,7 @@ from matchset.fitting.workspace import (
     workspace_dtype,
 )
 from matchset.image.color import ColorModel
-from matchset.numeric.jit import compile_user_function, kernel
+from matchset.numeric.jit import compile_user_function, interpreted, kernel
 from matchset.numeric.record import Block, Record, fields, new_block, store
 from matchset.shapes.family_check import check_family
 from matchset.shapes.shape import Shape, corners, places, slopes, steady
@@ -262,8 +262,8 @@ class Fitter(Generic[S]):
         """
         if not self.weighs(color):
             return estimate
-        fit, limits, quality = estimate.fit, self.parameters.evidence, self.parameters.quality
-        tolerance = min(max(quality.tolerance * fit.half_width, quality.min_tolerance), quality.max_tolerance)
+        fit, limits = estimate.fit, self.parameters.evidence
+        tolerance = _tolerance_of(self.parameters.quality, fit.half_width)
         best = log_odds(fit, BEST_STEP, tolerance, limits)
         if best < limits.here:
             return estimate._replace(evidence=best)
@@ -301,3 +301,6 @@ class Fitter(Generic[S]):
         """Forget what was learned from earlier pictures."""
         self.work["fit"] = (0.0,) * len(FitStatistics._fields)
         self.work.fit.pixel_noise = self.parameters.fit.initial_pixel_noise
+
+
+_tolerance_of = interpreted(tolerance_of)

@@ -38,7 +38,7 @@ def _match_and_fit(image: Bytes, table: Scores, work: Record) -> None:
     noise = find_edge_points(image, table, work)
     fit.pixel_noise = memory * fit.pixel_noise + (1.0 - memory) * noise
     robust_fit(work)
-    measure_lines(work, tolerance_of(work))
+    measure_lines(work, tolerance_of(work.quality_limits, work.iteration.half_width))
     measure_interior(image, table, work)
 
 

@@ -20,6 +20,8 @@ from matchset.image.color import ColorModel
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+Lines = npt.NDArray[np.bool_]
+Scores = npt.NDArray[np.int8]
 Statistics = Any  # `FitStatistics`, or the record of the same fields
 
 
@@ -155,17 +157,37 @@ def measure_near_step(
 
 def _steps(image: Image, color: ColorModel, outline: Floats, way: float, full_step: float) -> tuple[Floats, Floats]:
     """Step in color of every line that lies in the picture, 0 ... 1, and the whiteness outside."""
-    places = outline[:, :2] + way * DISTANCES[:, np.newaxis, np.newaxis] * outline[:, 2:4]
-    columns, rows = np.rint(places).astype(np.intp).transpose(2, 0, 1)
-    seen = ((columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])).all(axis=0)
-    white = color.scores(image[rows[:, seen], columns[:, seen]]).reshape(len(DISTANCES), -1) / 127.0
+    white = scores_along(image, color, outline, way * DISTANCES)[0] / 127.0
     inside, outside = white[:3].mean(axis=0), white[3:].mean(axis=0)
     return np.clip((inside - outside) / full_step, 0.0, 1.0), np.asarray(outside)
 
 
+def scores_along(image: Image, color: ColorModel, outline: Floats, offsets: Floats) -> tuple[Scores, Lines]:
+    """Look pixels up in the color table along the normals of an outline.
+
+    Parameters
+    ----------
+    image, color, outline
+        See `measure_color_step`.
+    offsets : ndarray of shape (m,), float64
+        From the outline outward, px.
+
+    Returns
+    -------
+    scores : ndarray of shape (m, k), int8
+        Of the k lines that lie in the picture.
+    seen : ndarray of shape (n,), bool
+        Which lines these are.
+    """
+    places = outline[:, :2] + offsets[:, np.newaxis, np.newaxis] * outline[:, 2:4]
+    columns, rows = np.rint(places).astype(np.intp).transpose(2, 0, 1)
+    seen = ((columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])).all(axis=0)
+    return color.scores(image[rows[:, seen], columns[:, seen]]).reshape(len(offsets), -1), seen
+
+
 def find_color_boundary(
     image: Image, color: ColorModel, outline: Floats, half_width: float, limits: EvidenceParameters
-) -> tuple[Floats, npt.NDArray[np.bool_]]:
+) -> tuple[Floats, Lines]:
     """Find where the target's color ends on each line across an outline: the split with most whiteness inside.
 
     It does not ask for contrast, so neither blur nor a background with stronger edges leads it astray; but it is as
@@ -185,12 +207,9 @@ def find_color_boundary(
     """
     span = max(limits.boundary * half_width, limits.min_boundary_px)
     offsets = np.linspace(-span, span, min(max(2 * round(span) + 1, 9), limits.boundary_samples))
-    places = outline[:, :2] + offsets[:, np.newaxis, np.newaxis] * outline[:, 2:4]
-    columns, rows = np.rint(places).astype(np.intp).transpose(2, 0, 1)
-    seen = ((columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])).all(axis=0)
+    white, seen = scores_along(image, color, outline, offsets)
     distances = np.zeros(len(outline))
     if seen.any():
-        white = color.scores(image[rows[:, seen], columns[:, seen]]).reshape(len(offsets), -1).astype(np.int64)
         inside = np.zeros((len(offsets) + 1, white.shape[1]), np.int64)
         np.cumsum(white, axis=0, out=inside[1:])
         split = np.argmax(2 * inside - inside[-1], axis=0)

@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.evidence import find_color_boundary
+from matchset.fitting.evidence import find_color_boundary, scores_along
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.image.color import ColorModel
 
@@ -169,10 +169,9 @@ class Hypotheses:
         """Which lines show the target beyond the outline: what stands before it hides it, and never adds to it."""
         outline = self.fitter.work.outline[: self.fitter.points]
         beyond = max(self.limits.beyond * estimate.fit.half_width, self.limits.beyond_px)
-        columns, rows = np.rint(outline[:, :2] + beyond * outline[:, 2:4]).astype(np.intp).T
-        seen = (columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])
-        seen[seen] = color.scores(image[rows[seen], columns[seen]]).ravel() > 0
-        return np.asarray(seen)
+        scores, seen = scores_along(image, color, outline, np.array([beyond]))
+        seen[seen] = scores[0] > 0
+        return seen
 
     def score(self, estimate: Estimate, image: Image, color: ColorModel) -> float:
         """Score the last fit beside others: color score, inside of the right color, usual size, expected place.

@@ -192,37 +192,17 @@ class Detector(Generic[S]):
     def _validated(
         self, image: Image, color: ColorModel, estimate: Estimate, start: Start, prior: Prior
     ) -> Estimate | None:
-        """Validate a fit, and if that fails others; None where all do.
+        """Validate a fit and others of the same candidate: the likeliest, or the first where no evidence is weighed.
 
-        The next lets the two fields of an interlaced picture disagree, as they do where the shape moves; the next
-        begins where the target's color ends, or with larger modes, as a lens may ask for.
+        None where all fail.
         """
         fitter = self.fitter
-        estimate = fitter.weigh(estimate, image, color)
-        if estimate.evidence is not None:
-            return self._likeliest(image, color, estimate, start, prior)
-        if not fitter.validate_detection(estimate, prior):
-            return estimate
-        estimate = fitter.fit(image, color, estimate.state, self._moving)
-        if estimate.is_fitted and not fitter.validate_detection(estimate, prior):
-            return estimate
-        modes = self._hypotheses.with_modes(estimate)
-        if modes is None:
-            return None
-        stretched = self._stretched(image, color, modes)
-        if stretched.is_fitted and not fitter.validate_detection(stretched, prior):
-            return stretched
-        fitter.assume_noise(estimate.fit)  # what was found in vain is not remembered
+        if fitter.weighs(color):
+            return self._likeliest(image, color, fitter.weigh(estimate, image, color), start, prior)
+        for other in self._others(image, color, estimate, None):
+            if other.is_fitted and not fitter.validate_detection(other, prior):
+                return other
         return None
-
-    @property
-    def _moving(self) -> SearchWindow:
-        return SearchWindow(self.limits.refit_range, self.limits.speed, velocity_unknown=True)
-
-    def _stretched(self, image: Image, color: ColorModel, modes: Floats) -> Estimate:
-        """Fit from a state with larger modes."""
-        self.fitter.free_modes()
-        return self.fitter.fit(image, color, modes, SearchWindow(self.limits.mode_range))
 
     def _likeliest(
         self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None, prior: Prior
@@ -263,16 +243,23 @@ class Detector(Generic[S]):
             yield near
 
     def _others(self, image: Image, color: ColorModel, estimate: Estimate, start: Start | None) -> Iterator[Estimate]:
-        """Yield the fit of a candidate, and others of it; from where it begins only if something speaks for it."""
-        fitter = self.fitter
+        """Yield the fit of a candidate, and others of it; from where it begins only if something speaks for it.
+
+        One lets the two fields of an interlaced picture disagree, as they do where the shape moves; one begins with
+        larger modes, as a lens may ask for.
+        """
+        fitter, limits = self.fitter, self.limits
         yield estimate
         if start is not None:
             yield from self._near(image, color, start)
-        yield fitter.fit(image, color, estimate.state, self._moving)
-        modes = self._hypotheses.with_modes(estimate)
+        moving = SearchWindow(limits.refit_range, limits.speed, velocity_unknown=True)
+        moved = fitter.fit(image, color, estimate.state, moving)
+        yield moved
+        modes = self._hypotheses.with_modes(moved)
         if modes is not None:
-            yield self._stretched(image, color, modes)
-            fitter.assume_noise(estimate.fit)  # what was found in vain is not remembered
+            fitter.free_modes()
+            yield fitter.fit(image, color, modes, SearchWindow(limits.mode_range))
+            fitter.assume_noise(moved.fit)  # what was found in vain is not remembered
 
 
 def _start_at(family: type[Any], state: Floats) -> Start:

@@ -19,19 +19,26 @@ static uint8_t length_of(uint8_t type)
     }
 }
 
+/* Unpack eight channels of 11 bits. Every shift is by a constant: others take this processor longer than a task may. */
+static void unpack_eight(const uint8_t *p, uint16_t channels[8])
+{
+    channels[0] = (uint16_t)(p[0] | (p[1] & 7) << 8);
+    channels[1] = (uint16_t)(p[1] >> 3 | p[2] << 5);
+    channels[2] = (uint16_t)(p[2] >> 6 | p[3] << 2 | (p[4] & 1) << 10);
+    channels[3] = (uint16_t)(p[4] >> 1 | p[5] << 7);
+    channels[4] = (uint16_t)(p[5] >> 4 | p[6] << 4);
+    channels[5] = (uint16_t)(p[6] >> 7 | p[7] << 1 | (p[8] & 3) << 9);
+    channels[6] = (uint16_t)(p[8] >> 2 | p[9] << 6);
+    channels[7] = (uint16_t)(p[9] >> 5 | p[10] << 3);
+}
+
 /* Unpack the channels of a payload of 22 bytes; false if one is out of 172 ... 1811. */
 static bool unpack(const uint8_t *payload, uint16_t channels[CHANNELS])
 {
-    uint32_t pool = 0;
-    uint8_t bits = 0;
+    unpack_eight(payload, channels);
+    unpack_eight(payload + 11, channels + 8);
     for (uint8_t i = 0; i < CHANNELS; i++) {
-        while (bits < 11) {
-            pool |= (uint32_t)*payload++ << bits;
-            bits = (uint8_t)(bits + 8);
-        }
-        channels[i] = (uint16_t)(pool & 0x7FF);
-        pool >>= 11;
-        bits = (uint8_t)(bits - 11);
+        channels[i] &= 0x7FF;
         if (channels[i] < CHANNEL_LOW || channels[i] > CHANNEL_HIGH)
             return false;
     }

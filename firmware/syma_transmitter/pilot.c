@@ -18,6 +18,45 @@ static int8_t stick_of(uint16_t channel)
     return (int8_t)(channel < CHANNEL_CENTER ? -stick : stick);
 }
 
+struct range {
+    int16_t low, high;
+};
+
+/* What is flown and what the two frames before said, neutral and a step on both sides. */
+static struct range range_of(int16_t flown, int16_t one, int16_t two, int16_t step)
+{
+    struct range range = {0, 0};
+    const int16_t values[3] = {flown, one, two};
+    for (uint8_t i = 0; i < 3; i++) {
+        if (values[i] < range.low)
+            range.low = values[i];
+        if (values[i] > range.high)
+            range.high = values[i];
+    }
+    range.low = (int16_t)(range.low - step);
+    range.high = (int16_t)(range.high + step);
+    return range;
+}
+
+static int16_t within(struct range range, int16_t said)
+{
+    return said < range.low ? range.low : said > range.high ? range.high : said;
+}
+
+static void believe(struct pilot *pilot, const struct sticks *one, const struct sticks *two)
+{
+    const struct sticks *said = &pilot->heard;
+    struct sticks *flown = &pilot->flown;
+    uint8_t steps = (uint8_t)(1 + (uint8_t)pilot->age / STEP_TICKS); /* in flight, so the age is small */
+    int16_t step = (int16_t)(STICK_STEP * steps), rise = (int16_t)(THROTTLE_STEP * steps);
+    flown->throttle = (uint8_t)within(range_of(flown->throttle, one->throttle, two->throttle, rise), said->throttle);
+    flown->pitch = (int8_t)within(range_of(flown->pitch, one->pitch, two->pitch, step), said->pitch);
+    flown->yaw = (int8_t)within(range_of(flown->yaw, one->yaw, two->yaw, step), said->yaw);
+    flown->roll = (int8_t)within(range_of(flown->roll, one->roll, two->roll, step), said->roll);
+    flown->fast = said->fast && one->fast;
+    flown->flip = said->flip && one->flip;
+}
+
 void pilot_begin(struct pilot *pilot, bool bind, bool in_flight)
 {
     *pilot = (struct pilot){.state = in_flight ? STATE_FAILSAFE : STATE_LOCKED, .age = UINT16_MAX};
@@ -48,13 +87,16 @@ void pilot_bind_packet(struct pilot *pilot)
 
 void pilot_frame(struct pilot *pilot, const uint16_t channels[CHANNELS])
 {
-    struct sticks *heard = &pilot->heard;
+    struct sticks *heard = &pilot->heard, one = pilot->heard, two = pilot->before;
     heard->throttle = throttle_of(channels[THROTTLE]);
     heard->pitch = stick_of(channels[PITCH]);
     heard->yaw = stick_of(channels[YAW]);
     heard->roll = stick_of(channels[ROLL]);
     heard->fast = channels[RATE] >= SWITCH_HIGH;
     heard->flip = channels[FLIP] >= SWITCH_HIGH;
+    if (pilot_flying(pilot))
+        believe(pilot, &one, &two);
+    pilot->before = one;
     pilot->age = 0;
     if (pilot->state == STATE_BINDING)
         return;
@@ -71,6 +113,7 @@ void pilot_frame(struct pilot *pilot, const uint16_t channels[CHANNELS])
             pilot->low_frames++;
     } else if (high && heard->throttle == 0 && pilot->low_frames == ARM_LOW_FRAMES) {
         pilot->state = STATE_ARMED;
+        pilot->flown = (struct sticks){.fast = heard->fast && one.fast};
     } else {
         pilot->low_frames = 0;
     }
@@ -93,8 +136,8 @@ struct sticks pilot_sticks(const struct pilot *pilot)
 {
     struct sticks sticks = {0};
     if (pilot->state == STATE_ARMED)
-        sticks = pilot->heard;
+        sticks = pilot->flown;
     else if (pilot->state == STATE_HOLDING)
-        sticks.throttle = pilot->heard.throttle;
+        sticks.throttle = pilot->flown.throttle;
     return sticks;
 }

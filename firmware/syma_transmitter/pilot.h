@@ -21,6 +21,16 @@ enum state {
     STATE_FAILSAFE  /* none for 240 ms, or a reset in flight: throttle zero until the host disarms */
 };
 
+/* A damaged frame has the right CRC once in 256 times, so one frame alone may move a stick away from neutral, or raise
+ * the throttle, by no more than a step; the second one alike takes it all the way, and one that was alone is forgotten
+ * with the next. The host's safety filter changes a
+ * stick by up to 8 and the throttle by up to 3 in a second, 41 and 31 of these units in the 40 ms of a picture: that
+ * passes at once. The steps are for each STEP_TICKS since the last good frame. Lower throttle, a stick toward neutral,
+ * and the arm switch never wait. */
+#define STICK_STEP 48
+#define THROTTLE_STEP 38
+#define STEP_TICKS 10
+
 struct sticks {
     uint8_t throttle;       /* 0 ... 255 */
     int8_t pitch, yaw, roll; /* -127 ... 127; forward, right, right */
@@ -32,7 +42,8 @@ struct pilot {
     uint8_t low_frames;      /* counts up to ARM_LOW_FRAMES */
     uint16_t age;            /* of the last good frame, ticks, saturated */
     uint16_t bind_left;      /* bind packets still to send */
-    struct sticks heard;     /* sticks of the last good frame */
+    struct sticks heard, before; /* sticks of the last good frame, and of the one before it */
+    struct sticks flown;     /* those of them that are believed: what is sent while armed */
 };
 
 /* Start with bind packets, or locked; in_flight: after a reset that was no power-on. */

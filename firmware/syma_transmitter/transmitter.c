@@ -11,6 +11,7 @@
 
 #define STATUS_SIZE 19
 #define STATUS_TICKS 25  /* longest time between two status frames: 100 ms */
+#define ALIKE 2          /* status frames at once after a change of state: a host need not believe a single one */
 #define WAKE_TICKS 3     /* the radio needs up to 5 ms after power-up */
 #define HEALTH_PACKETS 64
 
@@ -28,6 +29,8 @@ static struct {
     uint16_t good;          /* count of channel frames */
     uint16_t echo;          /* channel 16 of the last good frame */
     uint8_t status_age;     /* ticks since the last status */
+    enum state told;        /* state in the last status, */
+    uint8_t told_times;     /* in so many of them in a row, up to ALIKE */
     bool status_due, config_due;
     enum config_result config_result;
 } t;
@@ -85,7 +88,7 @@ void transmitter_prepare(void)
 void transmitter_tick(void)
 {
     pilot_tick(&t.pilot);
-    if (++t.status_age >= STATUS_TICKS)
+    if (++t.status_age >= STATUS_TICKS || t.pilot.state != t.told || t.told_times < ALIKE)
         t.status_due = true;
     if (t.wake)
         t.wake--;
@@ -133,7 +136,15 @@ static bool send_status(void)
     p[16] = (uint8_t)t.pilot.heard.pitch;
     p[17] = (uint8_t)t.pilot.heard.yaw;
     p[18] = (uint8_t)t.pilot.heard.roll;
-    return serial_write(frame, crsf_frame(frame, CRSF_STATUS, STATUS_SIZE));
+    if (!serial_write(frame, crsf_frame(frame, CRSF_STATUS, STATUS_SIZE)))
+        return false;
+    if (t.pilot.state != t.told)
+        t.told_times = 0;
+    t.told = t.pilot.state;
+    if (t.told_times < ALIKE)
+        t.told_times++;
+    t.status_age = 0;
+    return true;
 }
 
 static bool send_config(void)
@@ -198,7 +209,6 @@ bool transmitter_work(void)
     }
     if (t.status_due && send_status()) {
         t.status_due = false;
-        t.status_age = 0;
         return true;
     }
     if (t.config_due && send_config()) {

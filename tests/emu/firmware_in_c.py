@@ -37,6 +37,8 @@ class Pilot(ctypes.Structure):
         ("age", ctypes.c_uint16),
         ("bind_left", ctypes.c_uint16),
         ("heard", Sticks),
+        ("before", Sticks),
+        ("flown", Sticks),
     )
 
 

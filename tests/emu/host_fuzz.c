@@ -43,6 +43,7 @@ static struct {
     int lows;                 /* frames in a row that prepare arming */
     unsigned long since_good; /* ticks since a good frame */
     bool armed;
+    unsigned flown, one, two; /* the highest throttle that may be flown, and those of the last two frames */
 } judge;
 
 static unsigned long frames, armings;
@@ -98,6 +99,13 @@ static void judge_channels(const uint8_t *payload)
 {
     unsigned arm = channel(payload, 4);
     bool idle = channel(payload, 2) <= 175;
+    /* One frame alone raises the throttle by 38 of 255 for each 40 ms since the last; 1 more for rounding. */
+    unsigned said = ((channel(payload, 2) - 172) * 510 + 1639) / 3278 + 1;
+    unsigned most = judge.one > judge.two ? judge.one : judge.two;
+    most = (most > judge.flown ? most : judge.flown) + 38 * (1 + (unsigned)judge.since_good / 10);
+    judge.flown = said < most ? said : most;
+    judge.two = judge.one;
+    judge.one = said;
     frames++;
     judge.since_good = 0;
     if (arm <= 500) {
@@ -109,6 +117,7 @@ static void judge_channels(const uint8_t *payload)
         judge.armed = false;
     } else if (!judge.armed && idle && judge.lows >= 3) {
         judge.armed = true;
+        judge.flown = 0;
         armings++;
     }
     judge.lows = 0;
@@ -229,6 +238,8 @@ static void look(void)
         with_throttle++;
         if (!judge.armed)
             fail("throttle while disarmed", packet[0]);
+        if (packet[0] > judge.flown)
+            fail("more throttle than two frames said", packet[0]);
     }
 }
 

@@ -1,7 +1,7 @@
 """The firmware's parser, built for this computer: what noise cannot hide from it."""
 
 import pytest
-from firmware_in_c import parse
+from firmware_in_c import library, parse
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,6 +12,11 @@ from matchset.links.arduino.messages import BIND, READ_CONFIG, WRITE_CONFIG, Con
 DISARM = frame(FULL, armed=False)
 ANY = st.binary(max_size=60)
 SIZES = {crsf.CHANNELS_PACKED: 22, WRITE_CONFIG: 17, BIND: 4}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _built() -> None:
+    library()
 
 
 def overlapped(kind: int) -> bytes:

@@ -13,6 +13,7 @@ from matchset.links.arduino.messages import BIND, CONFIG, READ_CONFIG, STATUS, W
 from matchset.links.link import State
 
 TICK = 0.004  # s
+STICK_STEP, THROTTLE_STEP, STEP_TICKS = 48, 38, 10  # as in pilot.h
 STATES: tuple[State, ...] = ("binding", "locked", "armed", "holding", "failsafe")
 
 
@@ -62,7 +63,9 @@ class FakePort:
         self._parser, self._out = crsf.Parser(), bytearray()
         self._tick, self._age, self._status_age = 0, 16384, 0
         self._lows = self._bind_left = self._good = self._refused = 0
-        self._sticks = (0, 0, 0, 0)
+        self._sticks = self._before = self._flown = (0, 0, 0, 0)
+        self._told: State = self.state
+        self._told_times = 0
 
     # ---- Port ----
 
@@ -96,7 +99,7 @@ class FakePort:
     @property
     def throttle(self) -> int:
         self._pass()
-        return self._sticks[0] if self.state in ("armed", "holding") else 0
+        return self._flown[0] if self.state in ("armed", "holding") else 0
 
     def _check(self) -> None:
         if self.unplugged:
@@ -107,17 +110,18 @@ class FakePort:
             self._tick += 1
             self._age = min(self._age + 1, 16384)
             self._status_age += 1
-            if self._status_age >= 25:
-                self._status()
-            if self.state == "binding":
-                self._bind_left -= 1
-                self.state = "binding" if self._bind_left > 0 else "locked"
             if self._age >= 61:
                 self._lows = 0
                 if self.state in ("armed", "holding"):
                     self.state = "failsafe"
             elif self._age >= 26 and self.state == "armed":
                 self.state = "holding"
+            due = self._status_age >= 25 or self.state != self._told or self._told_times < 2
+            if self.state == "binding":
+                self._bind_left -= 1
+                self.state = "binding" if self._bind_left > 0 else "locked"
+            if due:
+                self._status()
 
     def _channels(self, values: list[int]) -> None:
         if any(not crsf.CHANNEL_LOW <= value <= crsf.CHANNEL_HIGH for value in values):
@@ -126,7 +130,9 @@ class FakePort:
         self.heard.append(values)
         roll, pitch, throttle, yaw, arm = values[:5]
         top, sticks = channels.throttle_byte(throttle), map(channels.stick_byte, (pitch, yaw, roll))
-        self._sticks = (top, *sticks)  # type: ignore[assignment]
+        before, self._sticks = self._sticks, (top, *sticks)  # type: ignore[assignment]
+        self._believe(before)
+        self._before = before
         self._good, self._age = self._good + 1, 0
         if self.state in ("armed", "holding"):
             self.state, self._lows = ("armed" if arm >= 1500 else "locked"), 0
@@ -134,10 +140,18 @@ class FakePort:
             self.state, self._lows = "locked", 0 if top else min(self._lows + 1, 3)
         elif self.state != "binding":
             if arm >= 1500 and top == 0 and self._lows == 3 and not self.stubborn:
-                self.state = "armed"
+                self.state, self._flown = "armed", (0, 0, 0, 0)
             else:
                 self._lows = 0
         self._status()
+
+    def _believe(self, before: tuple[int, int, int, int]) -> None:
+        steps = 1 + self._age // STEP_TICKS
+        bounds = [THROTTLE_STEP * steps] + [STICK_STEP * steps] * 3
+        believed = []
+        for said, step, *known in zip(self._sticks, bounds, before, self._before, self._flown, strict=True):
+            believed.append(min(max(said, min(*known, 0) - step), max(*known, 0) + step))
+        self._flown = (believed[0], believed[1], believed[2], believed[3])
 
     def _status(self) -> None:
         may_arm = self.state == "locked" and self._lows == 3
@@ -145,10 +159,11 @@ class FakePort:
         echo = self.heard[-1][15] if self.heard else 0
         age_ms = min(self._age * 4, 65535)
         counts = self._good & 0xFFFF, self._parser.bad + self._refused & 0xFFFF, 0, age_ms, echo
-        on_air = self._sticks[0] if self.state in ("armed", "holding") else 0
+        on_air = self._flown[0] if self.state in ("armed", "holding") else 0
         state = STATES.index(self.state)
         self._say(STATUS, struct.pack(">BBBBBHHBHHBBbbb", 1, 1, 0, state, flags, *counts, on_air, *self._sticks))
-        self._status_age = 0
+        self._told_times = min(self._told_times + 1, 2) if self.state == self._told else 1
+        self._told, self._status_age = self.state, 0
 
     def _say(self, kind: int, payload: bytes) -> None:
         self._out += crsf.frame(kind, payload)

@@ -10,6 +10,9 @@ from matchset.image.errors import LinkError
 from matchset.links.arduino import channels, crsf, messages
 from matchset.links.arduino.messages import Config, Report, Result
 from matchset.links.arduino.serial_port import Port
+from matchset.links.link import State
+
+GROUNDED = ("binding", "locked", "failsafe")  # format: states in which the motors are off
 
 
 class ArduinoParameters(msgspec.Struct, frozen=True):
@@ -32,6 +35,11 @@ class ArduinoParameters(msgspec.Struct, frozen=True):
         How long storing a configuration may take, s: 30 bytes of an EEPROM take 0.1 s.
     poll_period : float
         Time between looks for messages while waiting, s.
+    alike : int
+        Status frames in a row, 1 or more, that must say that the motors are off until it is believed in flight: a CRC
+        of 8 bits lets one damaged frame of 256 pass. More is surer and later, by a frame each; the firmware sends two
+        at once when its state changes, and stops the motors whatever the host believes. Derived: two damaged frames in
+        a row pass once in 65536 times.
     high_rate : bool
         Fly with the toy's high rate: more tilt, less resolution.
     """
@@ -43,7 +51,12 @@ class ArduinoParameters(msgspec.Struct, frozen=True):
     answer_timeout: float = 1.0
     store_timeout: float = 2.0
     poll_period: float = 0.01
+    alike: int = 2
     high_rate: bool = False
+
+    def __post_init__(self) -> None:
+        if self.alike < 1:
+            raise ValueError(f"at least one status frame must be believed, got alike {self.alike}")
 
 
 class FirmwareClient:
@@ -65,7 +78,9 @@ class FirmwareClient:
     round_trip : float or None
         From sending the last answered frame to the arrival of its answer, s.
     refused : bool
-        The firmware received a frame with the arm switch high and is not armed.
+        The firmware received frames with the arm switch high and is not armed, by `alike` status frames in a row.
+    strange : int
+        Messages with a good CRC that make no sense: damaged, or another firmware's.
     broken : bool
         The device is gone or no longer answers.
     """
@@ -79,7 +94,7 @@ class FirmwareClient:
         sleep: Callable[[float], None],
     ) -> None:
         self.name, self.parameters = name, parameters
-        self.sent = self.answered = 0
+        self.sent = self.answered = self.strange = 0
         self.round_trip: float | None = None
         self.refused = self.broken = False
         self._port, self._clock, self._sleep = port, clock, sleep
@@ -87,6 +102,11 @@ class FirmwareClient:
         self._pending: dict[int, tuple[float, bool]] = {}  # frame number: when it was sent, arm switch
         self._config: tuple[Result, Config] | None = None
         self._report: Report | None = None
+        self._asked = False  # about the configuration
+        self._echo: tuple[int, bool] = -1, False  # channel 16 of the last status, arm switch of that frame
+        self._refusals: tuple[State | None, int] = None, 0  # state, status frames in a row that refuse with it
+        self._ends: tuple[State | None, int] = None, 0  # state, status frames in a row that end a flight with it
+        self._strange_in_row = 0
         self._received_at = clock()
 
     @property
@@ -142,17 +162,26 @@ class FirmwareClient:
         except OSError as error:
             raise self._lost(error) from error
         for kind, payload in self._parser.feed(data):
-            if kind == messages.STATUS:
-                self._update(Report.decode(payload))
-            elif kind == messages.CONFIG:
-                self._config = messages.decode_config(payload)
+            try:
+                if kind == messages.STATUS:
+                    self._update(Report.decode(payload))
+                elif kind == messages.CONFIG and self._asked:
+                    self._config = messages.decode_config(payload)
+            except LinkError:
+                self.strange, self._strange_in_row = self.strange + 1, self._strange_in_row + 1
+                another_firmware = self._report is None and self._strange_in_row >= self.parameters.alike
+                if another_firmware or kind == messages.CONFIG:
+                    raise
 
     def request(self, frame: bytes) -> tuple[Result, Config]:
         """Send a request about the configuration and wait for the answer."""
-        self._config = None
+        self._config, self._asked = None, True
         self.write(frame)
         message = "no answer to a question about the configuration"
-        self.wait(lambda: self._config is not None, self.parameters.answer_timeout, message)
+        try:
+            self.wait(lambda: self._config is not None, self.parameters.answer_timeout, message)
+        finally:
+            self._asked = False
         assert self._config is not None
         return self._config
 
@@ -174,14 +203,28 @@ class FirmwareClient:
         self._port.close()
 
     def _update(self, report: Report) -> None:
-        self._report = report
-        self._received_at = self._clock()
-        sent_at, armed = self._pending.pop(report.echo - crsf.CHANNEL_LOW, (None, False))
+        self._received_at, self._strange_in_row = self._clock(), 0
+        default = None, report.echo == self._echo[0] and self._echo[1]
+        sent_at, armed = self._pending.pop(report.echo - crsf.CHANNEL_LOW, default)
+        self._echo = report.echo, armed
         if sent_at is not None and report.good:
             self.answered += 1
             self.round_trip = self._received_at - sent_at
-        self.refused = report.state in ("failsafe", "binding") or (armed and report.state == "locked")
+        refuses = report.state in ("failsafe", "binding") or (armed and report.state == "locked")
+        self._refusals = _in_a_row(self._refusals, report.state if refuses else None)
+        self.refused = self._refusals[1] >= self.parameters.alike
+        flying = self._report is not None and self._report.state not in GROUNDED
+        self._ends = _in_a_row(self._ends, report.state if flying and report.state in GROUNDED else None)
+        if not self._ends[1] or self._ends[1] >= self.parameters.alike:
+            self._report = report
 
     def _lost(self, error: OSError) -> LinkError:
         self.broken = True
         return LinkError(f"{self.name} has gone (unplugged?): {error}")
+
+
+def _in_a_row(before: tuple[State | None, int], state: State | None) -> tuple[State | None, int]:
+    """Count the status frames in a row with a state; None begins anew."""
+    if state is None:
+        return None, 0
+    return state, before[1] + 1 if state == before[0] else 1

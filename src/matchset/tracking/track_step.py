@@ -139,7 +139,7 @@ class TrackStep(Generic[S]):
                 return stretched
         window = SearchWindow(limits.range_px, speed, limits.initial_sigma)
         if fitter.weighs(color):
-            fitted = fitter.fit(image, color, estimate.state, window)  # the workspace holds the last hypothesis
+            fitted = fitter.fit(image, color, estimate.state, window)  # the window decides it too
             by_color = self._hypotheses.at_color_boundary(fitted, image, color)
             starts += [] if by_color is None else [by_color]
         for start in starts:

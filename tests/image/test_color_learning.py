@@ -2,7 +2,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.image.color_learning import background_mask, features, grow_region, uniform_seed
+from matchset.image.click_region import grow_region, uniform_seed
+from matchset.image.color_learning import background_mask, features
 
 Mask = npt.NDArray[np.bool_]
 ROWS, COLUMNS = np.indices((120, 160))

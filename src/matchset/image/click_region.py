@@ -5,6 +5,7 @@ background is alike; the most ball-like circle around the click knows no color a
 agree the target is what either shows; where the region leaks or holds a part of the circle, the circle decides.
 """
 
+import itertools
 import math
 
 import cv2
@@ -22,8 +23,6 @@ from matchset.image.color_learning import (
     color_log_odds,
     features,
     gray_log_odds,
-    grow_region,
-    uniform_seed,
 )
 
 Circle3 = tuple[float, float, float]
@@ -112,6 +111,113 @@ class ClickParameters(msgspec.Struct, frozen=True):
 
 
 CLICK = ClickParameters()
+
+
+def uniform_seed(values: Floats, x: float, y: float, parameters: ColorParameters = DEFAULT) -> Mask:
+    """Small disc near a click where the color hardly varies.
+
+    Parameters
+    ----------
+    values : ndarray of shape (h, w, 3), float32
+        See `features`.
+    x, y : float
+        The click, px.
+    parameters : ColorParameters
+
+    Returns
+    -------
+    ndarray of shape (h, w), bool
+        A disc of `seed_radius_px` at most `seed_search_px` from the click.
+    """
+    height, width = values.shape[:2]
+    size = 2 * int(parameters.seed_radius_px) + 1
+    far = int(parameters.seed_search_px) + size  # what the search sees, and a border that its means need
+    left, top = max(round(x) - far, 0), max(round(y) - far, 0)
+    near = values[top : round(y) + far + 1, left : round(x) + far + 1].copy()
+    near[..., 2] *= parameters.lightness_weight
+    mean, square = cv2.blur(near, (size, size)), cv2.blur(near**2, (size, size))
+    deviation = np.sqrt(np.maximum(square - mean**2, 0.0).sum(axis=-1))
+    rows, columns = np.indices(deviation.shape)
+    away = np.hypot(columns + left - x, rows + top - y)
+    allowed = away <= parameters.seed_search_px
+    best = np.argmin(np.where(allowed, deviation + parameters.seed_distance_cost * away, np.inf))
+    row, column = np.unravel_index(best, deviation.shape)
+    rows, columns = np.ogrid[:height, :width]
+    squared = (columns - (column + left)) ** 2 + (rows - (row + top)) ** 2
+    return np.asarray(squared <= parameters.seed_radius_px**2)
+
+
+def grow_region(values: Floats, seed: Mask, parameters: ColorParameters = DEFAULT) -> Mask:
+    """Grow the connected region around the seed that is set off from what surrounds it.
+
+    The tolerance is not chosen by hand: the region is grown with rising tolerances, and the one is taken around which
+    its area stands still longest, since that is where it has met the target's own edge (as maximally stable extremal
+    regions do, Matas et al. 2002).
+
+    Parameters
+    ----------
+    values : ndarray of shape (h, w, 3), float32
+        See `features`.
+    seed : ndarray of shape (h, w), bool
+        Pixels known to be target.
+    parameters : ColorParameters
+
+    Returns
+    -------
+    ndarray of shape (h, w), bool
+        The seed and what grew from it.
+    """
+    levels = _tolerance_needed(values, seed, parameters)
+    starts = [(int(x), int(y), int(levels[y, x])) for y, x in np.argwhere(seed).tolist()]
+    areas = []
+    for level in range(parameters.tolerances):
+        area, _ = _flood(levels, starts, level)
+        if area > parameters.largest_share * seed.size:
+            break
+        areas.append(area)
+    return seed | _flood(levels, starts, most_stable(areas, parameters.stable_growth))[1] if areas else seed
+
+
+def _tolerance_needed(values: Floats, seed: Mask, parameters: ColorParameters) -> Bytes:
+    """Index of the first tolerance within which a pixel is like the seed, (h, w); their number where none is."""
+    typical = _median(values[seed])
+    u, v, lightness = (values[..., k] - typical[k] for k in range(3))
+    lightness *= parameters.lightness_weight
+    distance = np.sqrt(u**2 + v**2 + lightness**2)
+    levels = np.zeros(distance.shape, np.uint8)
+    for tolerance in parameters.first_tolerance * parameters.tolerance_ratio ** np.arange(parameters.tolerances):
+        single = np.float32(tolerance)  # the smallest number of single precision that is not below it
+        levels += distance >= (single if single >= tolerance else np.nextafter(single, np.float32(np.inf)))
+    return levels
+
+
+def _median(values: Floats) -> Floats:
+    """Median of each column; `np.median` would load `numpy.ma`, which takes longer than all else here."""
+    ordered, middle = np.sort(values, axis=0), len(values) // 2
+    return ordered[middle] if len(values) % 2 else np.asarray(ordered[middle - 1 : middle + 1].mean(axis=0))
+
+
+def _flood(levels: Bytes, starts: list[tuple[int, int, int]], most: int) -> tuple[int, Mask]:
+    """Area and mask of the pixels up to a level that are connected (4 neighbors) with starts up to that level."""
+    mask, area = np.zeros((levels.shape[0] + 2, levels.shape[1] + 2), np.uint8), 0
+    how = 4 | cv2.FLOODFILL_FIXED_RANGE | cv2.FLOODFILL_MASK_ONLY | 1 << 8
+    for x, y, level in starts:
+        if level <= most and not mask[y + 1, x + 1]:
+            area += cv2.floodFill(levels, mask, (x, y), 0, level, most - level, how)[0]
+    return area, np.asarray(mask[1:-1, 1:-1] == 1)
+
+
+def most_stable(areas: list[int], stable_growth: float) -> int:
+    """Index in the middle of the longest run over which the area hardly grows; of equal runs, the larger area's."""
+    best, run = (0, 0), 0
+    growth = [later / max(sooner, 1) for sooner, later in itertools.pairwise(areas)]
+    for k, factor in enumerate(growth):
+        run = run + 1 if factor < stable_growth and areas[k] > 0 else 0
+        if run and run >= best[0]:
+            best = (run, k + 1 - (run + 1) // 2)
+    if best[0]:
+        return best[1]
+    return growth.index(min(growth)) if growth else 0
 
 
 def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
-from matchset.image.click_region import disc_mask, regions_at_click
+from matchset.image.click_region import disc_mask, grow_region, regions_at_click
 from matchset.image.color_learning import (
     DEFAULT,
     ColorParameters,
@@ -24,7 +24,6 @@ from matchset.image.color_learning import (
     color_log_odds,
     features,
     gray_log_odds,
-    grow_region,
 )
 from matchset.image.frame import check_image
 

@@ -171,3 +171,17 @@ def test_no_port_there_is_one_line(matchset: Matchset, capsys: Out) -> None:
     assert matchset("radio", "monitor", "/dev/not-there") == 3
     (line,) = capsys.readouterr().err.splitlines()
     assert "cannot open /dev/not-there" in line
+
+
+def test_a_link_that_disarms_in_the_motor_test_is_said(matchset: Matchset, port: FakePort, capsys: Out) -> None:
+    sleep: Callable[[float], None] = port.clock.sleep
+
+    def stalled(seconds: float) -> None:
+        sleep(seconds + (0.3 if port.throttle else 0.0))
+
+    port.clock.sleep = stalled  # type: ignore[method-assign]
+    assert matchset("radio", "test-sticks", "/dev/x", "--arm") == 1
+    said = capsys.readouterr()
+    assert said.err.startswith("error: the motors are off: the transmitter")
+    assert "Motors off." not in said.out
+    assert port.throttle == 0

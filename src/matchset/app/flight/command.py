@@ -30,6 +30,8 @@ FLY_EPILOG = """
 
 Exit codes: 0 everyone flew to the end, 1 not, 2 bad input or options, 3 a device broke, 130 stopped by Ctrl-C \
 (everyone lands, files are whole).
+
+The space key, and SIGUSR1, stop all motors at once: the vehicles fall.
 """
 
 Uri = Annotated[str, typer.Argument(metavar="URI", help="Whom to fly: sim://chain?vehicles=3&seed=7")]
@@ -90,6 +92,7 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     from matchset.app.flight.outputs import FlightOutputs
     from matchset.app.flight.pacer import Pacer
     from matchset.app.flight.score import FlightScorer
+    from matchset.app.kill_switch import KillSwitch
     from matchset.app.progress import announce_if_slow
     from matchset.links.simulated import FPS
 
@@ -103,11 +106,16 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
         flight,
         FlightOutputs(flight_setup(flight), options.files, options.quiet) as outputs,
         flight,  # once more: everyone lands before the files are finished, which takes longer
+        KillSwitch(flight.cut) as kill,
     ):
+        if kill.reads_keys and not options.quiet:
+            print("space stops all motors at once", file=sys.stderr)
         for chain_step in flight:
             scorer.add(chain_step)
             outputs.add(chain_step, [pilot.armed for pilot in flight.pilots])
-            if stop or scorer.crashed:
+            if kill.reason and not chain_step.down:
+                flight.cut(kill.reason)  # once more, for one that was just being armed
+            elif stop or scorer.crashed or kill.reason:
                 break
             if pacer is not None:
                 pacer.wait()

@@ -119,6 +119,11 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
     in_view: tuple[bool, ...]
     crashes: tuple[Crash, ...]
 
+    @property
+    def down(self) -> bool:
+        """Whether everyone's motors were stopped."""
+        return all(step.safety.phase == "cut" for step in self.steps)
+
 
 class Flight(Closing):
     """A simulated chain with a pilot for every follower, in lock step: `for chain_step in flight`.

@@ -7,6 +7,7 @@ after a countdown, they do.
 import msgspec
 
 from matchset.app import exit_codes
+from matchset.app.kill_switch import KillSwitch
 from matchset.app.radio.connection import REFUSED, Radio
 from matchset.control.command import Command
 
@@ -21,6 +22,10 @@ MOVES = (
     ("yaw to the right", Command(yaw=0.5)),
     ("yaw to the left", Command(yaw=-0.5)),
 )
+
+
+class MotorsStopped(Exception):  # noqa: N818 - it is no error of the program
+    """The motors stopped before the end of the test; says why."""
 
 
 class MotorTestParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -75,7 +80,12 @@ def run_stick_test(radio: Radio, motor_test: MotorTestParameters | None) -> int:
             print("Every stick arrives. The motors stayed off; with --arm they turn, after a countdown.")
             return exit_codes.FOUND
         try:
-            run_motors(radio, motor_test)
+            with KillSwitch(lambda _: radio.link.cut()) as kill:
+                run_motors(radio, motor_test, kill)
+        except MotorsStopped as stopped:
+            radio.link.land(0)
+            exit_codes.print_error(f"the motors are off: {stopped}")
+            return REFUSED
         except (KeyboardInterrupt, SystemExit):  # Ctrl-C; SIGTERM and SIGHUP
             radio.link.land(0)
             raise
@@ -99,29 +109,47 @@ def all_heard(radio: Radio) -> bool:
     return good
 
 
-def run_motors(radio: Radio, motor_test: MotorTestParameters) -> None:
-    """Count down, arm, and move every stick while the motors turn slowly."""
-    print("\nTAKE THE PROPELLERS OFF, or hold the quadcopter down. Ctrl-C stops the motors at any time.")
+def run_motors(radio: Radio, motor_test: MotorTestParameters, kill: KillSwitch) -> None:
+    """Count down, arm, and move every stick while the motors turn slowly.
+
+    Raises
+    ------
+    MotorsStopped
+        If the kill switch was used, or the link disarmed.
+    """
+    key = "The space key and Ctrl-C stop" if kill.reads_keys else "Ctrl-C stops"
+    print(f"\nTAKE THE PROPELLERS OFF, or hold the quadcopter down. {key} the motors at any time.")
     for left in range(motor_test.countdown, 0, -1):
         print(f"  the motors start in {left} s", flush=True)
-        hold(radio, Command(), 1.0, armed=False)
+        hold(radio, kill, Command(), 1.0, armed=False)
     radio.link.arm()
     base = Command(throttle=motor_test.throttle)
     print("  all four turn alike", flush=True)
-    hold(radio, base, motor_test.hold)
+    hold(radio, kill, base, motor_test.hold)
     for name, command in MOVES[1:]:
         print(f"  {name}", flush=True)
-        hold(radio, msgspec.structs.replace(command, throttle=motor_test.throttle), motor_test.hold)
-        hold(radio, base, motor_test.hold / 2)
+        hold(radio, kill, msgspec.structs.replace(command, throttle=motor_test.throttle), motor_test.hold)
+        hold(radio, kill, base, motor_test.hold / 2)
     radio.link.land(0)
     print("Motors off. Where a side answered the wrong way: matchset radio config PORT --reverse roll,pitch,yaw")
 
 
-def hold(radio: Radio, command: Command, duration: float, armed: bool = True) -> None:
-    """Send the same command for a time, s."""
+def hold(radio: Radio, kill: KillSwitch, command: Command, duration: float, armed: bool = True) -> None:
+    """Send the same command for a time, s.
+
+    Raises
+    ------
+    MotorsStopped
+        If the kill switch was used, or the link, which was armed, is not any more.
+    """
     end = radio.clock() + duration
     while radio.clock() < end:
+        if kill.reason:  # before the first command, since `arm` begins anew
+            raise MotorsStopped(kill.reason)
         if armed:
+            refusal = radio.link.status().refusal
+            if refusal:
+                raise MotorsStopped(refusal)
             radio.link.send(command)
         else:
             radio.link.send_disarmed(command)

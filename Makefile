@@ -67,6 +67,7 @@ bench-radio: $(READY) $(TOOLCHAIN)  ## the radio's tests at full length, with th
 fuzz: $(READY) $(TOOLCHAIN)  ## a thousand million bytes of noise through the firmware (2 min; ARGS="SEEDS BYTES MODE")
 	nice -n 19 $$(PYTHONPATH=tests/emu $(BIN)/python -c "import toolchain; print(toolchain.host_fuzz())") \
 	    $(or $(ARGS),1-300 1120000 3)
+	MATCHSET_WALK_EVENTS=5 $(ONE_THREAD) nice -n 19 $(BIN)/python -m pytest -q tests/emu/test_emu_walk.py
 
 toolchain: $(READY)  ## install the compiler and the emulators that the radio's tests need (Debian, as root)
 	.ci/toolchain

@@ -1,6 +1,5 @@
-/* Feeds the firmware bytes that no host would send and looks at every packet: throttle above zero while disarmed is
- * a failure. Which frames there are, what "armed" means, and how fast the throttle may rise is decided here once more,
- * from the rules and not from the firmware's code, so an error of the firmware is not shared.
+/* Feeds the firmware bytes that no host would send and looks at every packet: throttle above zero while disarmed, or more
+ * than two frames said, is a failure. host_judge.c decides.
  *
  * host_fuzz SEED[-LAST] BYTES MODE     mode 0 noise, 1 good frames with anything in them, 2 flights that are damaged,
  *                                      3 each of them; BYTES is for each seed and mode
@@ -15,10 +14,10 @@
 #include "crc8.h"
 #include "crsf.h"
 #include "host_board.h"
+#include "host_judge.h"
 #include "transmitter.h"
 
 #define BYTES_PER_TICK 46 /* 115200 baud */
-#define FRAME 26
 
 static uint64_t state;
 
@@ -33,114 +32,6 @@ static uint32_t random32(void)
 static bool chance(uint32_t one_in)
 {
     return random32() % one_in == 0;
-}
-
-/* ---- the judge ---- */
-
-static struct {
-    uint8_t stream[64]; /* bytes that are in no frame yet */
-    int waiting;
-    int lows;                 /* frames in a row that prepare arming */
-    unsigned long since_good; /* ticks since a good frame */
-    bool armed;
-    unsigned flown, one, two; /* the highest throttle that may be flown, and those of the last two frames */
-} judge;
-
-static unsigned long frames, armings;
-
-static unsigned channel(const uint8_t *payload, int which)
-{
-    unsigned value = 0;
-    for (int bit = 0; bit < 11; bit++) {
-        int place = which * 11 + bit;
-        value |= (unsigned)(payload[place / 8] >> (place % 8) & 1) << bit;
-    }
-    return value;
-}
-
-static uint8_t slow_crc(const uint8_t *bytes, int count)
-{
-    uint8_t crc = 0;
-    while (count--) {
-        crc ^= *bytes++;
-        for (int bit = 0; bit < 8; bit++)
-            crc = (uint8_t)(crc & 0x80 ? crc << 1 ^ 0xD5 : crc << 1);
-    }
-    return crc;
-}
-
-/* Whether the bytes that wait begin with a frame: its size, 0 if they do not, -1 if more of them must come first. */
-static int frame_size(const uint8_t *f, int count)
-{
-    static const struct { uint8_t type, size; const char *begin; } known[] = {
-        {0x16, 26, ""}, {0xE2, 4, ""}, {0xE3, 21, "SET"}, {0xE4, 8, "BIND"},
-    };
-    if (f[0] != 0xC8)
-        return 0;
-    if (count < 3)
-        return -1;
-    for (unsigned i = 0; i < sizeof known / sizeof *known; i++) {
-        int size = known[i].size;
-        if (f[2] != known[i].type || f[1] != size - 2)
-            continue;
-        if (count < size)
-            return -1;
-        if (slow_crc(f + 2, size - 3) != f[size - 1] || memcmp(f + 3, known[i].begin, strlen(known[i].begin)) != 0)
-            return 0;
-        for (int which = 0; f[2] == 0x16 && which < 16; which++)
-            if (channel(f + 3, which) < 172 || channel(f + 3, which) > 1811)
-                return 0;
-        return size;
-    }
-    return 0;
-}
-
-static void judge_channels(const uint8_t *payload)
-{
-    unsigned arm = channel(payload, 4);
-    bool idle = channel(payload, 2) <= 175;
-    /* One frame alone raises the throttle by 38 of 255 for each 40 ms since the last; 1 more for rounding. */
-    unsigned said = ((channel(payload, 2) - 172) * 510 + 1639) / 3278 + 1;
-    unsigned most = judge.one > judge.two ? judge.one : judge.two;
-    most = (most > judge.flown ? most : judge.flown) + 38 * (1 + (unsigned)judge.since_good / 10);
-    judge.flown = said < most ? said : most;
-    judge.two = judge.one;
-    judge.one = said;
-    frames++;
-    judge.since_good = 0;
-    if (arm <= 500) {
-        judge.lows = idle ? judge.lows + 1 : 0;
-        judge.armed = false;
-        return;
-    }
-    if (arm < 1500) {
-        judge.armed = false;
-    } else if (!judge.armed && idle && judge.lows >= 3) {
-        judge.armed = true;
-        judge.flown = 0;
-        armings++;
-    }
-    judge.lows = 0;
-}
-
-static void judge_byte(uint8_t byte)
-{
-    judge.stream[judge.waiting++] = byte;
-    while (judge.waiting) {
-        int size = frame_size(judge.stream, judge.waiting);
-        if (size < 0)
-            return;
-        if (size == FRAME)
-            judge_channels(judge.stream + 3);
-        judge.waiting -= size ? size : 1;
-        memmove(judge.stream, judge.stream + (size ? size : 1), (size_t)judge.waiting);
-    }
-}
-
-static void judge_tick(void)
-{
-    if (++judge.since_good >= 61)
-        judge.armed = false, judge.lows = 0;
 }
 
 /* ---- what is fed ---- */
@@ -171,7 +62,7 @@ static void make_frame(bool sane)
             f[place++] = (uint8_t)pool;
     }
     f[0] = CRSF_SYNC, f[1] = 24, f[2] = CRSF_CHANNELS;
-    f[25] = slow_crc(f + 2, 23);
+    f[25] = judge_crc(f + 2, 23);
     queued = FRAME, taken = 0;
 }
 
@@ -214,32 +105,17 @@ static uint8_t next_byte(void)
 
 static unsigned long packets, with_throttle;
 
-static void fail(const char *what, uint8_t throttle)
-{
-    printf("seed %lu, mode %d, packet %lu: %s, throttle %u\n", seed, mode, packets, what, throttle);
-    exit(1);
-}
-
 static void look(void)
 {
-    uint8_t packet[32], size, channel_now, address[5];
-    if (!host_packet(packet, &size, &channel_now, address))
+    uint8_t packet[32], size, channel, address[5];
+    if (!host_packet(packet, &size, &channel, address))
         return;
     packets++;
-    uint8_t sum = 0;
-    for (int i = 0; i < 9; i++)
-        sum ^= packet[i];
-    if (size != 10 || channel_now > 83 || packet[9] != (uint8_t)(sum + 0x55))
-        fail("malformed", packet[0]);
-    if (memcmp(address, "\xAB\xAC\xAD\xAE\xAF", 5) == 0) {
-        if (memcmp(packet + 5, "\xAA\xAA\xAA", 3) != 0)
-            fail("malformed bind packet", packet[0]);
-    } else if (packet[0] != 0) {
-        with_throttle++;
-        if (!judge.armed)
-            fail("throttle while disarmed", packet[0]);
-        if (packet[0] > judge.flown)
-            fail("more throttle than two frames said", packet[0]);
+    with_throttle += packet[0] && memcmp(packet + 5, "\xAA\xAA\xAA", 3) != 0;
+    const char *wrong = judge_packet(packet, size, channel, address);
+    if (wrong) {
+        printf("seed %lu, mode %d, packet %lu: %s, throttle %u\n", seed, mode, packets, wrong, packet[0]);
+        exit(1);
     }
 }
 
@@ -252,8 +128,7 @@ static void tick(void)
 
 static void start(enum start why)
 {
-    memset(&judge, 0, sizeof judge);
-    judge.since_good = 61;
+    judge_begin();
     host_power_on();
     transmitter_begin(why);
 }
@@ -297,6 +172,6 @@ int main(int argc, char **argv)
     for (seed = first; seed <= last; seed++)
         for (mode = chosen < 3 ? chosen : 0; mode <= (chosen < 3 ? chosen : 2); mode++, fed += count)
             run(count);
-    printf("%lu %lu %lu %lu %lu\n", fed, packets, with_throttle, frames, armings);
+    printf("%lu %lu %lu %lu %lu\n", fed, packets, with_throttle, judge_frames, judge_armings);
     return 0;
 }

@@ -101,7 +101,7 @@ def arduino_sketch() -> Path:
 
 
 def _host_sources() -> list[Path]:
-    return [*(FIRMWARE / name for name in CORE), HERE / "host_board.c"]
+    return [*(FIRMWARE / name for name in CORE), HERE / "host_board.c", HERE / "host_judge.c"]
 
 
 def _host(target: Path, extra: list[Path], *options: str) -> Path:
@@ -127,6 +127,12 @@ def host_session() -> Path:
 def host_fuzz() -> Path:
     """The same C under ASan and UBSan: a program that feeds it noise and looks at the packets."""
     return _host(BUILD / "host_fuzz", [HERE / "host_fuzz.c"], *SANITIZERS)
+
+
+@functools.cache
+def host_walk() -> Path:
+    """The same C under ASan and UBSan: a program that plays every sequence of some events to it."""
+    return _host(BUILD / "host_walk", [HERE / "host_walk.c"], *SANITIZERS)
 
 
 @functools.cache

@@ -1,7 +1,7 @@
-"""From a click or a box on the target to the log-odds of a color table.
+"""From the pixels of the target to the log-odds of a color table.
 
-The region of the target is grown in chroma and lightness, which tell what a color keeps and what it loses when the
-light changes; densities of both over target and background then give the log-odds. A BGR pixel with luma
+Chroma and lightness tell what a color keeps and what it loses when the light changes: in them the region of the target
+is grown (`click_region`), and densities of both over target and background give the log-odds. A BGR pixel with luma
 ``y = 0.114 b + 0.587 g + 0.299 r`` becomes three numbers,
 
     u = (b - y) / (b + g + r + 48),   v = (r - y) / (b + g + r + 48),   l = log2((y + 8) / 64).

@@ -230,7 +230,7 @@ def lab_of(image: npt.NDArray[Any]) -> LabImage:
     color = image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     # The median of the Laplacian's magnitude measures the noise: edges are too few to change it.
     roughness = np.abs(cv2.Laplacian(color[..., 1], cv2.CV_32F)).ravel()
-    sigma = min(SCORE.max_blur, SCORE.blur + float(_median(roughness)) / SCORE.blur_scale)
+    sigma = min(SCORE.max_blur, SCORE.blur + float(median(roughness)) / SCORE.blur_scale)
     smooth = cv2.GaussianBlur(color, (0, 0), sigma).astype(np.float32) / 255.0
     lab = cv2.cvtColor(smooth, cv2.COLOR_BGR2LAB).astype(np.float32, copy=False)
     gray = float(np.percentile(np.abs(lab[..., 1:]), 99.0)) < SCORE.gray_chroma
@@ -258,7 +258,7 @@ def propose_circles(lab: LabImage, point: tuple[float, float] | None = None) -> 
 
 def _threshold_masks(lab: LabImage) -> Iterator[Picture]:
     """Threshold every channel at several levels; yield what is above and what is below."""
-    common = _median(lab.reshape(-1, 3))
+    common = median(lab.reshape(-1, 3))
     distance = np.linalg.norm(lab[..., 1:] - common[1:], axis=2)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (PROPOSAL.opening, PROPOSAL.opening))
     for channel in (lab[..., 0], lab[..., 1], lab[..., 2], distance):
@@ -352,19 +352,19 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> float:
     if visible.sum() < SCORE.min_visible * SCORE.rays:
         return 0.0
     interior = np.concatenate([core, inner])
-    color = _median(interior[np.isfinite(interior[:, 0])])
+    color = median(interior[np.isfinite(interior[:, 0])])
     deviation = np.linalg.norm((interior - color)[:, 1:], axis=1)
     difference = np.linalg.norm(inner - outer, axis=1)[visible]
     shading = np.linalg.norm(inner - middle, axis=1)[visible]
     rim = float(np.mean((difference > SCORE.rim_edge) & (difference > SCORE.rim_shading * shading)))
-    contrast = SCORE.contrast_base + float(_median(difference)) / SCORE.contrast_scale
+    contrast = SCORE.contrast_base + float(median(difference)) / SCORE.contrast_scale
     vivid = SCORE.vivid_base + float(np.linalg.norm(color[1:])) / SCORE.vivid_scale
-    even = 1.0 / (1.0 + float(_median(deviation[np.isfinite(deviation)])) / SCORE.even_scale)
+    even = 1.0 / (1.0 + float(median(deviation[np.isfinite(deviation)])) / SCORE.even_scale)
     size = min(1.0, radius / SCORE.full_size) * float(visible.mean())
     return rim * rim * rim * min(1.0, contrast) * min(1.0, vivid) * even * size
 
 
-def _median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Median of each column; `np.median` would load `numpy.ma`, which takes longer than all else here."""
     ordered, middle = np.sort(values, axis=0), len(values) // 2
     return ordered[middle] if len(values) % 2 else np.asarray(0.5 * (ordered[middle - 1] + ordered[middle]))
@@ -392,7 +392,7 @@ def _candidate(lab: LabImage, circle: CircleTuple, score: float, scale: float) -
     rows, columns = np.mgrid[0:height, 0:width]
     distance = np.hypot(columns - x, rows - y)
     disc = lab[distance < 0.75 * radius]
-    deviation = np.linalg.norm(lab - _median(disc), axis=2)
+    deviation = np.linalg.norm(lab - median(disc), axis=2)
     # Among pixels that are equally typical, the one closest to the center is the safest click.
     best = np.argmin(np.where(distance < 0.5 * radius, deviation + 4.0 * distance / radius, np.inf))
     row, column = divmod(int(best), width)

@@ -12,7 +12,7 @@ import cv2
 import msgspec
 import numpy as np
 
-from matchset.image.candidates import SCORE, lab_of, propose_circles, score_circle
+from matchset.image.candidates import SCORE, lab_of, median, propose_circles, score_circle
 from matchset.image.color_learning import (
     DEFAULT,
     Bytes,
@@ -180,7 +180,7 @@ def grow_region(values: Floats, seed: Mask, parameters: ColorParameters = DEFAUL
 
 def _tolerance_needed(values: Floats, seed: Mask, parameters: ColorParameters) -> Bytes:
     """Index of the first tolerance within which a pixel is like the seed, (h, w); their number where none is."""
-    typical = _median(values[seed])
+    typical = median(values[seed])
     u, v, lightness = (values[..., k] - typical[k] for k in range(3))
     lightness *= parameters.lightness_weight
     distance = np.sqrt(u**2 + v**2 + lightness**2)
@@ -189,12 +189,6 @@ def _tolerance_needed(values: Floats, seed: Mask, parameters: ColorParameters) -
         single = np.float32(tolerance)  # the smallest number of single precision that is not below it
         levels += distance >= (single if single >= tolerance else np.nextafter(single, np.float32(np.inf)))
     return levels
-
-
-def _median(values: Floats) -> Floats:
-    """Median of each column; `np.median` would load `numpy.ma`, which takes longer than all else here."""
-    ordered, middle = np.sort(values, axis=0), len(values) // 2
-    return ordered[middle] if len(values) % 2 else np.asarray(ordered[middle - 1 : middle + 1].mean(axis=0))
 
 
 def _flood(levels: Bytes, starts: list[tuple[int, int, int]], most: int) -> tuple[int, Mask]:

@@ -20,9 +20,9 @@ from matchset.image.color_learning import (
     Floats,
     Mask,
     background_mask,
-    color_log_odds,
+    cells_of,
     features,
-    gray_log_odds,
+    log_odds_between,
 )
 
 Circle3 = tuple[float, float, float]
@@ -327,15 +327,9 @@ def _target_of(image: Bytes, disc: Mask, region: Mask, parameters: ColorParamete
     outside = background_mask(disc | region, parameters)
     if not outside.any():
         return disc
-    log_odds = color_log_odds if image.ndim == 3 else gray_log_odds
-    odds = log_odds(image[disc], image[outside], parameters)
-    if image.ndim == 3:
-        b, g, r = (image[disc][:, k].astype(np.int32) >> 3 for k in range(3))
-        cells = b << 10 | g << 5 | r
-    else:
-        cells = image[disc].astype(np.int32)
+    odds = log_odds_between(image, disc, outside, parameters)
     found = np.zeros(disc.shape, bool)
-    found[disc] = odds[cells] > LIMITS.rarer
+    found[disc] = odds[cells_of(image[disc], len(odds))] > LIMITS.rarer
     return found if found.any() else disc
 
 

@@ -21,9 +21,9 @@ from matchset.image.color_learning import (
     ColorParameters,
     background_mask,
     bin_centers,
-    color_log_odds,
+    cells_of,
     features,
-    gray_log_odds,
+    log_odds_between,
 )
 from matchset.image.frame import check_image
 
@@ -100,7 +100,10 @@ class ColorModel:
         seed = np.zeros((rows, columns), bool)
         seed[y : y + height, x : x + width] = True
         target = grow_region(features(image, parameters), seed, parameters)
-        return cls._learned(image, target, f"region {region}", parameters)
+        model = cls._told_apart(image, target, background_mask(target, parameters), parameters)
+        if isinstance(model, str):
+            raise ValueError(f"region {region}: {model}")
+        return model
 
     @classmethod
     def pick(
@@ -126,17 +129,15 @@ class ColorModel:
         if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {columns} x {rows} picture")
         targets, circle = regions_at_click(image, x, y, parameters)
-        refusal: ValueError | None = None
+        refusals = []
         for target in targets:
-            try:
-                model = cls._learned(image, target, f"pick ({x:g}, {y:g})", parameters)
-            except ValueError as error:
-                refusal = refusal or error
-                continue
-            model.circle = circle
-            return model
+            model = cls._told_apart(image, target, background_mask(target, parameters), parameters)
+            if isinstance(model, ColorModel):
+                model.circle = circle
+                return model
+            refusals.append(model)
         if circle is None:
-            raise refusal or ValueError(f"pick ({x:g}, {y:g}): nothing stands out there")
+            raise ValueError(f"pick ({x:g}, {y:g}): {refusals[0]}")
         return cls._in_its_surroundings(image, targets[-1], circle, parameters)
 
     @classmethod
@@ -153,36 +154,33 @@ class ColorModel:
         """
         outside = background_mask(target, parameters) & disc_mask(target.shape, circle, parameters.surroundings)
         words = f"the color at ({circle[0]:.0f}, {circle[1]:.0f}) is all over the picture"
-        if outside.any():
-            log_odds = color_log_odds if image.ndim == 3 else gray_log_odds
-            model = cls(log_odds(image[target], image[outside], parameters))
-            alike = model.scores(image) > 0
-            hits, false = np.mean(alike[target]), np.mean(alike[outside])
-            if hits >= parameters.least_hits and false <= parameters.most_false * hits:
-                model.circle, model.note = circle, f"{words}: learned against what is next to it"
-                return model
-        model = cls.edges().for_image(image)
-        model.circle, model.note = circle, f"{words}: only edges are followed, which is less sure"
+        model = cls._told_apart(image, target, outside, parameters)
+        how = "learned against what is next to it"
+        if isinstance(model, str):
+            model, how = cls.edges().for_image(image), "only edges are followed, which is less sure"
+        model.circle, model.note = circle, f"{words}: {how}"
         return model
 
     @classmethod
-    def _learned(
-        cls, image: npt.NDArray[np.uint8], target: npt.NDArray[np.bool_], origin: str, parameters: ColorParameters
-    ) -> "ColorModel":
-        """Learn from the pixels of the target; a ValueError with the origin if the rest looks like them."""
-        outside = background_mask(target, parameters)
+    def _told_apart(
+        cls,
+        image: npt.NDArray[np.uint8],
+        target: npt.NDArray[np.bool_],
+        outside: npt.NDArray[np.bool_],
+        parameters: ColorParameters,
+    ) -> "ColorModel | str":
+        """Learn what tells a target from what is outside; if hardly anything does, the reason in words."""
         if not outside.any():
-            raise ValueError(f"{origin}: no background is left to learn from")
-        log_odds = color_log_odds if image.ndim == 3 else gray_log_odds
-        model = cls(log_odds(image[target], image[outside], parameters))
+            return "no background is left to learn from"
+        model = cls(log_odds_between(image, target, outside, parameters))
         alike = model.scores(image) > 0
         hits, false = np.mean(alike[target]), np.mean(alike[outside])
-        if hits < parameters.least_hits or false > parameters.most_false * hits:
-            raise ValueError(
-                f"{origin}: its color cannot be told from the background "
-                f"({100 * hits:.0f} % of it stands out, and so does {100 * false:.0f} % of the rest)"
-            )
-        return model
+        if hits >= parameters.least_hits and false <= parameters.most_false * hits:
+            return model
+        return (
+            "its color cannot be told from the background "
+            f"({100 * hits:.0f} % of it stands out, and so does {100 * false:.0f} % of the rest)"
+        )
 
     @classmethod
     def hsv(cls, low: tuple[int, int, int], high: tuple[int, int, int]) -> "ColorModel":
@@ -297,10 +295,7 @@ class ColorModel:
         pixels : ndarray, uint8
             Of the kind that the model was learned on: B, G and R along the last axis, or gray values.
         """
-        if self.channels == 1:
-            return np.asarray(self.table[pixels])
-        blue, green, red = ((pixels[..., k] >> 3).astype(np.uint16) for k in range(3))
-        return np.asarray(self.table[blue << 10 | green << 5 | red])
+        return np.asarray(self.table[cells_of(pixels, self.table.size)])
 
     def mask(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
         """Picture of what looks like the target; to look at, the tracking loop never makes one.

@@ -186,6 +186,39 @@ def gray_log_odds(target: Bytes, background: Bytes, parameters: ColorParameters 
     return np.asarray(np.log(densities[0] / densities[1]), np.float32)
 
 
+def log_odds_between(image: Bytes, target: Mask, background: Mask, parameters: ColorParameters = DEFAULT) -> Floats:
+    """Log-odds of the BGR cells of a color picture, or of the values of a gray one, from two regions of it.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    target, background : ndarray of shape (h, w), bool
+    parameters : ColorParameters
+
+    Returns
+    -------
+    ndarray of shape (32768,) or (256,), float32
+    """
+    learn = color_log_odds if image.ndim == 3 else gray_log_odds
+    return learn(image[target], image[background], parameters)
+
+
+def cells_of(pixels: Bytes, cells: int) -> npt.NDArray[np.uint16] | Bytes:
+    """Places of pixels in a table: BGR cells ``(b >> 3) << 10 | (g >> 3) << 5 | r >> 3``, or gray values.
+
+    Parameters
+    ----------
+    pixels : ndarray, uint8
+        B, G and R along the last axis, or gray values.
+    cells : int
+        Size of the table: 32768, or 256 for gray.
+    """
+    if cells == 256:
+        return pixels
+    blue, green, red = ((pixels[..., k] >> 3).astype(np.uint16) for k in range(3))
+    return np.asarray(blue << 10 | green << 5 | red)
+
+
 def chroma(pixels: Bytes | Floats) -> Floats:
     """Chroma and lightness of pixels.
 

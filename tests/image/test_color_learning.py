@@ -2,8 +2,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.image.click_region import grow_region, uniform_seed
-from matchset.image.color_learning import background_mask, features
+from matchset.image.click_region import background_mask, grow_region, uniform_seed
+from matchset.image.color_learning import features
 
 Mask = npt.NDArray[np.bool_]
 ROWS, COLUMNS = np.indices((120, 160))

@@ -11,6 +11,7 @@ import math
 import cv2
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from matchset.image.candidates import SCORE, lab_of, median, propose_circles, score_circle
 from matchset.image.color_learning import (
@@ -19,13 +20,13 @@ from matchset.image.color_learning import (
     ColorParameters,
     Floats,
     Mask,
-    background_mask,
     cells_of,
     features,
     log_odds_between,
 )
 
 Circle3 = tuple[float, float, float]
+Points = npt.NDArray[np.int32]
 
 
 class RegionParameters(msgspec.Struct, frozen=True):
@@ -214,6 +215,31 @@ def most_stable(areas: list[int], stable_growth: float) -> int:
     return growth.index(min(growth)) if growth else 0
 
 
+def points_of(region: Mask) -> Points:
+    """Column and row of each pixel of a region, (n, 2)."""
+    rows, columns = np.nonzero(region)
+    return np.column_stack((columns, rows)).astype(np.int32)
+
+
+def background_mask(region: Mask, parameters: ColorParameters = DEFAULT) -> Mask:
+    """Pixels that are surely not target: outside a circle larger than the one that encloses the region.
+
+    Parameters
+    ----------
+    region : ndarray of shape (h, w), bool
+    parameters : ColorParameters
+
+    Returns
+    -------
+    ndarray of shape (h, w), bool
+    """
+    (x, y), radius = cv2.minEnclosingCircle(points_of(region))
+    outside = np.ones(region.shape, np.uint8)
+    reach = int(parameters.background_ratio * radius) + parameters.background_margin_px
+    cv2.circle(outside, (round(x), round(y)), reach, 0, -1)
+    return outside.astype(bool)
+
+
 def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
     """Find the most ball-like circle that holds a point.
 
@@ -279,7 +305,9 @@ def regions_at_click(
     """
     values = features(image, parameters)
     region = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
-    round_region = _circle_of(region)
+    points = points_of(region)
+    extent = float(cv2.minEnclosingCircle(points)[1])
+    round_region = _circle_of(points, extent)
     if round_region is not None:
         return [region], round_region
     found = circle_at(image, x, y)
@@ -292,13 +320,13 @@ def regions_at_click(
     both = float((region & disc).sum())
     union = float((region | disc).sum())
     shared = float((region & disc_mask(region.shape, circle, 1.0)).sum()) / float(region.sum())
-    solid = _solidity(region)
+    solid = _solidity(points)
     if solid >= LIMITS.whole and both / union < LIMITS.same and both > LIMITS.large * float(disc.sum()):
         return [region, disc], circle
     if shared >= LIMITS.part:
         part = _target_of(image, disc, region, parameters) & _alike(values, region)
         return [region | part, disc], circle
-    if shared < LIMITS.leaked and solid < LIMITS.solid and _extent(region) > LIMITS.far * circle[2]:
+    if shared < LIMITS.leaked and solid < LIMITS.solid and extent > LIMITS.far * circle[2]:
         return [_target_of(image, disc, disc, parameters), disc], circle
     return [region, disc], circle
 
@@ -333,27 +361,18 @@ def _target_of(image: Bytes, disc: Mask, region: Mask, parameters: ColorParamete
     return found if found.any() else disc
 
 
-def _circle_of(region: Mask) -> Circle3 | None:
+def _circle_of(points: Points, extent: float) -> Circle3 | None:
     """Circle of a region that is a disc already, so that none needs to be looked for."""
-    rows, columns = np.nonzero(region)
-    area, (x, y) = float(len(rows)), (float(columns.mean()), float(rows.mean()))
+    area, (x, y) = float(len(points)), points.mean(axis=0).tolist()
     radius = math.sqrt(area / math.pi)
-    if _extent(region) ** 2 * math.pi * LIMITS.disc > area or radius < LIMITS.disc_px:
+    if extent**2 * math.pi * LIMITS.disc > area or radius < LIMITS.disc_px:
         return None
     return x, y, radius
 
 
-def _solidity(region: Mask) -> float:
+def _solidity(points: Points) -> float:
     """Area of a region over the area of its convex hull."""
-    rows, columns = np.nonzero(region)
-    hull = cv2.convexHull(np.column_stack((columns, rows)).astype(np.int32))
-    return float(region.sum()) / max(float(cv2.contourArea(hull)), 1.0)
-
-
-def _extent(region: Mask) -> float:
-    """Radius of the circle that encloses a region, px."""
-    rows, columns = np.nonzero(region)
-    return float(cv2.minEnclosingCircle(np.column_stack((columns, rows)).astype(np.int32))[1])
+    return len(points) / max(float(cv2.contourArea(cv2.convexHull(points))), 1.0)
 
 
 def _alike(values: Floats, region: Mask) -> Mask:

@@ -15,11 +15,10 @@ import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
-from matchset.image.click_region import disc_mask, grow_region, regions_at_click
+from matchset.image.click_region import background_mask, disc_mask, grow_region, regions_at_click
 from matchset.image.color_learning import (
     DEFAULT,
     ColorParameters,
-    background_mask,
     bin_centers,
     cells_of,
     features,

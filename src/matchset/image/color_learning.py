@@ -122,27 +122,6 @@ def features(image: Bytes, parameters: ColorParameters = DEFAULT) -> Floats:
     return np.stack((level, level, np.zeros_like(level)), axis=-1)
 
 
-def background_mask(region: Mask, parameters: ColorParameters = DEFAULT) -> Mask:
-    """Pixels that are surely not target: outside a circle larger than the one that encloses the region.
-
-    Parameters
-    ----------
-    region : ndarray of shape (h, w), bool
-    parameters : ColorParameters
-
-    Returns
-    -------
-    ndarray of shape (h, w), bool
-    """
-    rows, columns = np.nonzero(region)
-    points = np.column_stack((columns, rows)).astype(np.int32)
-    (x, y), radius = cv2.minEnclosingCircle(points)
-    outside = np.ones(region.shape, np.uint8)
-    reach = int(parameters.background_ratio * radius) + parameters.background_margin_px
-    cv2.circle(outside, (round(x), round(y)), reach, 0, -1)
-    return outside.astype(bool)
-
-
 def bin_centers() -> Floats:
     """BGR value in the middle of each of the 32 x 32 x 32 cells, (32768, 3)."""
     level = np.arange(32, dtype=np.float32) * 8.0 + 3.5

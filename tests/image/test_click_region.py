@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import matchset as ms
 from matchset.image.click_region import circle_at, disc_mask, regions_at_click
+from matchset.image.color_learning import ClickParameters, ColorParameters, RegionParameters
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
@@ -120,6 +121,19 @@ def test_a_region_that_leaks_is_replaced_by_the_circle() -> None:
     assert math.hypot(circle[0] - X, circle[1] - Y) < 4.0
     assert not (regions[0] & ~disc((480, 640), radius=34.0)).any()
     assert overlap(regions[0], ball) > 0.6
+
+
+def test_how_a_click_is_understood_can_be_said() -> None:
+    image, _ = leaking()
+    leaks = ColorParameters(region=RegionParameters(far=100.0))
+    regions, circle = regions_at_click(image, X + 5.0, Y, leaks)
+    assert circle is not None
+    assert (regions[0] & ~disc((480, 640), radius=34.0)).any()
+    assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == circle
+    no_circle = ColorParameters(click=ClickParameters(min_score=1.0))
+    assert regions_at_click(image, X + 5.0, Y, no_circle)[1] is None
+    with pytest.raises(ValueError, match="cannot be told from the background"):
+        ms.ColorModel.pick(image, X + 5.0, Y, no_circle)
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (160, 80), (90, 140)])

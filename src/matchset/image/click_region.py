@@ -9,7 +9,6 @@ import itertools
 import math
 
 import cv2
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -17,9 +16,11 @@ from matchset.image.candidates import SCORE, lab_of, median, propose_circles, sc
 from matchset.image.color_learning import (
     DEFAULT,
     Bytes,
+    ClickParameters,
     ColorParameters,
     Floats,
     Mask,
+    RegionParameters,
     cells_of,
     features,
     log_odds_between,
@@ -27,91 +28,6 @@ from matchset.image.color_learning import (
 
 Circle3 = tuple[float, float, float]
 Points = npt.NDArray[np.int32]
-
-
-class RegionParameters(msgspec.Struct, frozen=True):
-    """When a circle around the click takes the place of the grown region.
-
-    Chosen by hand on `python -m benchmarks --only real`.
-
-    Parameters
-    ----------
-    rim : float
-        Share of the circle's radius within which its pixels are taken: beyond it blur mixes in the background.
-    part : float
-        Share of the region that must lie in the circle for it to be a part of the circle.
-    leaked : float
-        Share of the region in the circle below which it has leaked, if it is ...
-    solid : float
-        ... less than this share of its convex hull; a solid region is another thing, on which the circle is printed.
-    far : float
-        ... and if its enclosing circle is this many times as large.
-    whole, same, large : float
-        A region that is this share of its convex hull, of which circle and region together share less than `same`, and
-        that covers this share of the circle, is a thing of another shape: a card with a circle around it.
-    disc, disc_px : float
-        Share of its enclosing circle from which a region is a disc, and the least radius of one, px: it is the ball,
-        and no other circle is looked for, which takes most of the time of a click.
-    hue, gray : float
-        Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
-        below which a pixel has no hue: a marker on a ball is another thing than the ball.
-    rarer : float
-        Log-odds, circle against background, from which a pixel of the circle belongs to the target.
-    """
-
-    rim: float = 0.88
-    part: float = 0.75
-    leaked: float = 0.6
-    solid: float = 0.8
-    far: float = 3.0
-    whole: float = 0.9
-    same: float = 0.8
-    large: float = 0.5
-    disc: float = 0.9
-    disc_px: float = 8.0
-    hue: float = 0.3
-    gray: float = 0.03
-    rarer: float = 0.0
-
-
-LIMITS = RegionParameters()
-
-
-class ClickParameters(msgspec.Struct, frozen=True):
-    """Where circles around a click are looked for: in windows of about one size, each in a scale of its own.
-
-    Chosen by hand on `python -m benchmarks --only real`.
-
-    Parameters
-    ----------
-    half_widths : tuple of float
-        Half the side of the windows around the click, px; the whole picture comes last.
-    window_px : int
-        Side to which a window is brought: a smaller one is enlarged, a larger one reduced. More finds circles more
-        exactly and takes longer.
-    max_enlargement : float
-        Largest factor of that.
-    offset : float
-        How far from the center of a circle the click may be, in radii.
-    full_size : float
-        Radius from which a circle in a window is not taken to be chance because it is small, px of the window.
-    min_score, clear_score : float
-        Least score of a circle, and the score from which windows of other sizes are not looked at.
-    same_px : float
-        Circles that agree to so many px of the window are one.
-    """
-
-    half_widths: tuple[float, ...] = (140.0, 36.0)
-    window_px: int = 280
-    max_enlargement: float = 4.0
-    offset: float = 0.95
-    full_size: float = 24.0
-    min_score: float = 0.05
-    clear_score: float = 0.3
-    same_px: float = 1.5
-
-
-CLICK = ClickParameters()
 
 
 def uniform_seed(values: Floats, x: float, y: float, parameters: ColorParameters = DEFAULT) -> Mask:
@@ -240,7 +156,9 @@ def background_mask(region: Mask, parameters: ColorParameters = DEFAULT) -> Mask
     return outside.astype(bool)
 
 
-def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
+def circle_at(
+    image: Bytes, x: float, y: float, limits: ClickParameters = DEFAULT.click
+) -> tuple[float, Circle3] | None:
     """Find the most ball-like circle that holds a point.
 
     Parameters
@@ -249,6 +167,7 @@ def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
         BGR or gray.
     x, y : float
         The point, px.
+    limits : ClickParameters
 
     Returns
     -------
@@ -256,32 +175,32 @@ def circle_at(image: Bytes, x: float, y: float) -> tuple[float, Circle3] | None:
         Its score, 0 ... 1, and where it is, px; None where no circle stands out.
     """
     best: tuple[float, Circle3] | None = None
-    for half in (*CLICK.half_widths, float(max(image.shape[:2]))):
+    for half in (*limits.half_widths, float(max(image.shape[:2]))):
         left, top = max(round(x - half), 0), max(round(y - half), 0)
         window = image[top : round(y + half) + 1, left : round(x + half) + 1]
-        scale = min(CLICK.window_px / max(window.shape[:2]), CLICK.max_enlargement)
+        scale = min(limits.window_px / max(window.shape[:2]), limits.max_enlargement)
         how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
         lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
         place = (x - left + 0.5) * scale - 0.5, (y - top + 0.5) * scale - 0.5
-        for circle in _distinct(propose_circles(lab, place)):
-            if np.hypot(circle[0] - place[0], circle[1] - place[1]) > CLICK.offset * circle[2]:
+        for circle in _distinct(propose_circles(lab, place), limits.same_px):
+            if np.hypot(circle[0] - place[0], circle[1] - place[1]) > limits.offset * circle[2]:
                 continue
             score = (
                 score_circle(lab, circle)
-                * min(1.0, circle[2] / CLICK.full_size)
+                * min(1.0, circle[2] / limits.full_size)
                 / min(1.0, circle[2] / SCORE.full_size)
             )
-            if score > max(CLICK.min_score, best[0] if best else 0.0):
+            if score > max(limits.min_score, best[0] if best else 0.0):
                 whole = (circle[0] + 0.5) / scale - 0.5 + left, (circle[1] + 0.5) / scale - 0.5 + top
                 best = score, (*whole, circle[2] / scale)
-        if best is not None and best[0] > CLICK.clear_score:
+        if best is not None and best[0] > limits.clear_score:
             break
     return best
 
 
-def _distinct(circles: list[Circle3]) -> list[Circle3]:
+def _distinct(circles: list[Circle3], same_px: float) -> list[Circle3]:
     """One of the circles that agree to about a pixel: many thresholds show the same region."""
-    return list({tuple(round(value / CLICK.same_px) for value in circle): circle for circle in circles}.values())
+    return list({tuple(round(value / same_px) for value in circle): circle for circle in circles}.values())
 
 
 def regions_at_click(
@@ -303,30 +222,30 @@ def regions_at_click(
     circle : (x, y, radius) or None
         The most ball-like circle around the click, px, if one stands out.
     """
-    values = features(image, parameters)
+    values, limits = features(image, parameters), parameters.region
     region = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
     points = points_of(region)
     extent = float(cv2.minEnclosingCircle(points)[1])
-    round_region = _circle_of(points, extent)
+    round_region = _circle_of(points, extent, limits)
     if round_region is not None:
         return [region], round_region
-    found = circle_at(image, x, y)
+    found = circle_at(image, x, y, parameters.click)
     if found is None:
         return [region], None
     circle = found[1]
-    disc = disc_mask(region.shape, circle, LIMITS.rim)
+    disc = disc_mask(region.shape, circle, limits.rim)
     if not disc.any():
         return [region], circle
     both = float((region & disc).sum())
     union = float((region | disc).sum())
     shared = float((region & disc_mask(region.shape, circle, 1.0)).sum()) / float(region.sum())
     solid = _solidity(points)
-    if solid >= LIMITS.whole and both / union < LIMITS.same and both > LIMITS.large * float(disc.sum()):
+    if solid >= limits.whole and both / union < limits.same and both > limits.large * float(disc.sum()):
         return [region, disc], circle
-    if shared >= LIMITS.part:
-        part = _target_of(image, disc, region, parameters) & _alike(values, region)
+    if shared >= limits.part:
+        part = _target_of(image, disc, region, parameters) & _alike(values, region, limits)
         return [region | part, disc], circle
-    if shared < LIMITS.leaked and solid < LIMITS.solid and extent > LIMITS.far * circle[2]:
+    if shared < limits.leaked and solid < limits.solid and extent > limits.far * circle[2]:
         return [_target_of(image, disc, disc, parameters), disc], circle
     return [region, disc], circle
 
@@ -357,15 +276,15 @@ def _target_of(image: Bytes, disc: Mask, region: Mask, parameters: ColorParamete
         return disc
     odds = log_odds_between(image, disc, outside, parameters)
     found = np.zeros(disc.shape, bool)
-    found[disc] = odds[cells_of(image[disc], len(odds))] > LIMITS.rarer
+    found[disc] = odds[cells_of(image[disc], len(odds))] > parameters.region.rarer
     return found if found.any() else disc
 
 
-def _circle_of(points: Points, extent: float) -> Circle3 | None:
+def _circle_of(points: Points, extent: float, limits: RegionParameters) -> Circle3 | None:
     """Circle of a region that is a disc already, so that none needs to be looked for."""
     area, (x, y) = float(len(points)), points.mean(axis=0).tolist()
     radius = math.sqrt(area / math.pi)
-    if extent**2 * math.pi * LIMITS.disc > area or radius < LIMITS.disc_px:
+    if extent**2 * math.pi * limits.disc > area or radius < limits.disc_px:
         return None
     return x, y, radius
 
@@ -375,12 +294,12 @@ def _solidity(points: Points) -> float:
     return len(points) / max(float(cv2.contourArea(cv2.convexHull(points))), 1.0)
 
 
-def _alike(values: Floats, region: Mask) -> Mask:
+def _alike(values: Floats, region: Mask, limits: RegionParameters) -> Mask:
     """Pixels of about the hue of a region, and those without one; all of them where the region has none."""
     u, v = values[..., 0], values[..., 1]
     typical = complex(float(u[region].mean()), float(v[region].mean()))
-    if abs(typical) < LIMITS.gray:
+    if abs(typical) < limits.gray:
         return np.ones(region.shape, bool)
     along = u * (typical.real / abs(typical)) + v * (typical.imag / abs(typical))
     chroma = np.hypot(u, v)
-    return np.asarray((along > math.cos(LIMITS.hue) * chroma) | (chroma < LIMITS.gray))
+    return np.asarray((along > math.cos(limits.hue) * chroma) | (chroma < limits.gray))

@@ -29,6 +29,85 @@ CELLS = (62, 62, 37)  # geometry: cells of a histogram along u, v, l
 TINY = 1e-9
 
 
+class RegionParameters(msgspec.Struct, frozen=True):
+    """When a circle around the click takes the place of the grown region.
+
+    Chosen by hand on `python -m benchmarks --only real`.
+
+    Parameters
+    ----------
+    rim : float
+        Share of the circle's radius within which its pixels are taken: beyond it blur mixes in the background.
+    part : float
+        Share of the region that must lie in the circle for it to be a part of the circle.
+    leaked : float
+        Share of the region in the circle below which it has leaked, if it is ...
+    solid : float
+        ... less than this share of its convex hull; a solid region is another thing, on which the circle is printed.
+    far : float
+        ... and if its enclosing circle is this many times as large.
+    whole, same, large : float
+        A region that is this share of its convex hull, of which circle and region together share less than `same`, and
+        that covers this share of the circle, is a thing of another shape: a card with a circle around it.
+    disc, disc_px : float
+        Share of its enclosing circle from which a region is a disc, and the least radius of one, px: it is the ball,
+        and no other circle is looked for, which takes most of the time of a click.
+    hue, gray : float
+        Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
+        below which a pixel has no hue: a marker on a ball is another thing than the ball.
+    rarer : float
+        Log-odds, circle against background, from which a pixel of the circle belongs to the target.
+    """
+
+    rim: float = 0.88
+    part: float = 0.75
+    leaked: float = 0.6
+    solid: float = 0.8
+    far: float = 3.0
+    whole: float = 0.9
+    same: float = 0.8
+    large: float = 0.5
+    disc: float = 0.9
+    disc_px: float = 8.0
+    hue: float = 0.3
+    gray: float = 0.03
+    rarer: float = 0.0
+
+
+class ClickParameters(msgspec.Struct, frozen=True):
+    """Where circles around a click are looked for: in windows of about one size, each in a scale of its own.
+
+    Chosen by hand on `python -m benchmarks --only real`.
+
+    Parameters
+    ----------
+    half_widths : tuple of float
+        Half the side of the windows around the click, px; the whole picture comes last.
+    window_px : int
+        Side to which a window is brought: a smaller one is enlarged, a larger one reduced. More finds circles more
+        exactly and takes longer.
+    max_enlargement : float
+        Largest factor of that.
+    offset : float
+        How far from the center of a circle the click may be, in radii.
+    full_size : float
+        Radius from which a circle in a window is not taken to be chance because it is small, px of the window.
+    min_score, clear_score : float
+        Least score of a circle, and the score from which windows of other sizes are not looked at.
+    same_px : float
+        Circles that agree to so many px of the window are one.
+    """
+
+    half_widths: tuple[float, ...] = (140.0, 36.0)
+    window_px: int = 280
+    max_enlargement: float = 4.0
+    offset: float = 0.95
+    full_size: float = 24.0
+    min_score: float = 0.05
+    clear_score: float = 0.3
+    same_px: float = 1.5
+
+
 class ColorParameters(msgspec.Struct, frozen=True):
     """How a color is learned from a click or a box.
 
@@ -72,6 +151,10 @@ class ColorParameters(msgspec.Struct, frozen=True):
     least_hits, most_false : float
         A color is refused if less than this share of the region looks like the target, or if the background has more
         than this many times that share.
+    region : RegionParameters
+        When a circle around a click takes the place of the grown region.
+    click : ClickParameters
+        Where circles around a click are looked for.
     """
 
     smoothing_px: float = 2.0
@@ -98,6 +181,8 @@ class ColorParameters(msgspec.Struct, frozen=True):
     surroundings: float = 3.0
     least_hits: float = 0.5
     most_false: float = 0.5
+    region: RegionParameters = RegionParameters()
+    click: ClickParameters = ClickParameters()
 
 
 DEFAULT = ColorParameters()

@@ -132,7 +132,7 @@ def test_how_a_click_is_understood_can_be_said() -> None:
     assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == circle
     no_circle = ColorParameters(click=ClickParameters(min_score=1.0))
     assert regions_at_click(image, X + 5.0, Y, no_circle)[1] is None
-    with pytest.raises(ValueError, match="cannot be told from the background"):
+    with pytest.raises(ValueError, match="no background is left to learn from"):
         ms.ColorModel.pick(image, X + 5.0, Y, no_circle)
 
 

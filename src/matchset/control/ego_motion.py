@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.parameter_checks import require_positive
+from matchset.numeric.copies import Copied
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.record import Block, fields, new_block, record_dtype, store
 
@@ -180,7 +181,7 @@ class EgoState:
         return rotation
 
 
-class EgoMotion:
+class EgoMotion(Copied):
     """Dead reckoning of one vehicle. The constructor compiles all kernels.
 
     Parameters
@@ -192,6 +193,9 @@ class EgoMotion:
         self.parameters = parameters or EgoMotionParameters()
         self._block = new_block(WORK)
         store(fields(self._block, WORK).parameters, self.parameters)
+        self._make_derived()
+
+    def _derive(self) -> None:
         start = WORK.fields["command"][1] // 8 if WORK.fields else 0
         self._command = self._block[start : start + len(AttitudeCommand._fields)]
         precompile()

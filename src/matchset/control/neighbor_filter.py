@@ -27,6 +27,7 @@ from matchset.control.neighbor_model import (
     write_oscillation_transition,
 )
 from matchset.localization.pose import Pose
+from matchset.numeric.copies import Copied
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.kalman import add_prediction, correct_by_scalar
 from matchset.numeric.record import Block, fields, new_block, record_dtype, store
@@ -65,7 +66,7 @@ class _Work:
 WORK = record_dtype(_Work)
 
 
-class NeighborFilter:
+class NeighborFilter(Copied):
     """Filters one neighbor in the frame at rest. The constructor compiles all kernels.
 
     Parameters
@@ -84,6 +85,9 @@ class NeighborFilter:
         self.parameters = parameters or NeighborFilterParameters()
         self.time = self.yaw_time = -math.inf
         self._block = initial_block(self.parameters)
+        self._make_derived()
+
+    def _derive(self) -> None:
         self._work = fields(self._block, WORK)
         self._ball, self._pose_covariance = self._work.ball, self._work.pose_covariance
         self._ball_rotation, self._ego = self._work.ball_rotation, self._work.ego

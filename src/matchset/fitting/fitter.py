@@ -25,6 +25,7 @@ from matchset.fitting.workspace import (
     workspace_dtype,
 )
 from matchset.image.color import ColorModel
+from matchset.numeric.copies import Copied
 from matchset.numeric.jit import compile_user_function, interpreted, kernel
 from matchset.numeric.record import Block, Record, fields, new_block, store
 from matchset.shapes.family_check import check_family
@@ -113,7 +114,7 @@ def make_answer(layout: "np.dtype[np.void]") -> Callable[[Floats, Floats, Block]
     return answer
 
 
-class Fitter(Generic[S]):
+class Fitter(Copied, Generic[S]):
     """Fits shapes of one family to pictures.
 
     Everything is compiled in the constructor's module on first use of a family; see `precompile`.
@@ -166,18 +167,23 @@ class Fitter(Generic[S]):
         lines = FEW_LINES if points <= FEW_LINES else MAX_LINES
         self.layout = workspace_dtype(lines, max(len(shape.state), STATE), max(where.shape[1], PLACE_COLUMNS))
         self.block = new_block(self.layout)
-        self.work: Record = fields(self.block, self.layout)
         self.validator = Validator(self._limits(), points, self.parameters.evidence)
-        self._fill(where, len(shape.state))
-        self.state: Floats = self.work.state[: len(shape.state)]
+        self._fill(fields(self.block, self.layout), where, len(shape.state))
+        self._answer_shape = (points, 2), (len(family.parameters),) * 2
+        self._make_step = make_step
+        self._make_derived()
+
+    def _derive(self) -> None:
+        points, family = self.points, self.family
+        self.work: Record = fields(self.block, self.layout)
+        self.state: Floats = self.work.state[: self.work.state_count]
         self.outline: Floats = self.work.outline[:points]
         self.interior: Floats = self.work.interior[:points]
         first = self.layout.fields["fit"][1] // 8 if self.layout.fields else 0
         self._statistics: Floats = self.block[first : first + len(FitStatistics._fields)]
         compiled = compile_user_function(family.trace), compile_user_function(family.half_width)
-        self._step = make_step(*compiled, self.layout)
+        self._step = self._make_step(*compiled, self.layout)
         self._answer = make_answer(self.layout)
-        self._answer_shape = (points, 2), (len(family.parameters),) * 2
 
     def _limits(self) -> ValidationParameters:
         """Limits as they are for the family.
@@ -193,9 +199,9 @@ class Fitter(Generic[S]):
             changes["ambiguous_msac_score"] = limits.colorless_msac_score
         return msgspec.structs.replace(limits, **changes)
 
-    def _fill(self, where: Floats, state: int) -> None:
+    def _fill(self, work: Record, where: Floats, state: int) -> None:
         """Write the parameters, and what tells the family's lines apart."""
-        work, chosen, n = self.work, self.parameters, self.points
+        chosen, n = self.parameters, self.points
         work.line_count, work.place_columns = where.shape
         work.state_count, work.parameter_count = state, len(self.family.parameters)
         work.places[: where.size] = where.ravel()

@@ -25,13 +25,14 @@ from matchset.image.color_learning import (
     log_odds_between,
 )
 from matchset.image.frame import check_image
+from matchset.numeric.copies import Copied
 
 LIMIT = 4.0  # format: largest log-odds that a table holds, since any one pixel can be wrong
 WHITE = 127  # format: table value of a pixel that is surely target, the largest signed byte
 VERSION = 1  # format: of a color file
 
 
-class ColorModel:
+class ColorModel(Copied):
     """How much a pixel looks like the target.
 
     Parameters

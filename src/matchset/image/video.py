@@ -12,9 +12,10 @@ from matchset.image.camera_stream import Live, Settings, differences
 from matchset.image.frame import Frame
 from matchset.image.image_folder import Pictures, is_picture
 from matchset.image.video_files.video_file import Recording
+from matchset.numeric.copies import NotCopied
 
 
-class Video:
+class Video(NotCopied):
     """Frames of a file, a folder of pictures, a bag, a camera or a stream, one after the other.
 
     A file, folder or bag delivers every frame, in decode order. A live source delivers the newest frame and drops
@@ -82,6 +83,8 @@ class Video:
     ...     for frame in video:
     ...         print(frame.index, frame.time)
     """
+
+    instead = "make another Video of the same source where one is needed, or pass its frames on"
 
     def __init__(
         self,

@@ -15,6 +15,7 @@ from matchset.localization.cone import BallParameters, ConeFailure
 from matchset.localization.marker_identification import RotationSource, assignments
 from matchset.localization.pose import Observed, Pose
 from matchset.localization.pose_estimation import POSE, estimate_pose
+from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -54,7 +55,7 @@ class LocalizerParameters(msgspec.Struct, frozen=True):
     memory: float = 0.5
 
 
-class Localizer:
+class Localizer(Copied):
     """Turns tracks into poses; one localizer per ball, since it remembers which marker was where.
 
     Its kernels are compiled here; `update` compiles nothing.
@@ -84,8 +85,11 @@ class Localizer:
         self._shared = np.diag((limits.center_sigma_px**2, limits.center_sigma_px**2, limits.size_sigma_px**2))
         self._rotation_time = -math.inf
         self._block = new_block(POSE)
+        _describe(fields(self._block, POSE), camera, target, self.parameters)
+        self._make_derived()
+
+    def _derive(self) -> None:
         work = fields(self._block, POSE)
-        _describe(work, camera, target, self.parameters)
         # What every frame reads or writes; an array of NumPy is reached faster than the fields of a record.
         cone, attitude = self._block.view(POSE)["cone"], self._block.view(POSE)["attitude"]
         self._robust, self._pixel_count = cone["robust"], attitude["pixel_count"]  # each has one element
@@ -94,7 +98,7 @@ class Localizer:
         self._pixels, self._pixel_covariances = work.attitude.pixels, work.attitude.pixel_covariances
         self._last_rotation, self._rotation = work.attitude.last_rotation, work.attitude.rotation
         self._position, self._covariance = work.cone.position, work.covariance
-        estimate_pose(self._block, np.empty((0, 2)), *assignments(1, 0))  # compiles
+        precompile()
 
     def update(
         self, ball: Track[Circle] | Lost[Circle], markers: Iterable[Track[Circle] | Lost[Circle]] = ()
@@ -157,6 +161,11 @@ class Localizer:
                     count += 1
         self._pixel_count[0] = count
         return count
+
+
+def precompile() -> None:
+    """Compile the kernels of a localizer, so that no frame waits for them."""
+    estimate_pose(new_block(POSE), np.empty((0, 2)), *assignments(1, 0))
 
 
 def _describe(work: Any, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters) -> None:

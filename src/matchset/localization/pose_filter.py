@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.pose import UNOBSERVED_VARIANCE, Observed, Pose
+from matchset.numeric.copies import Copied
 from matchset.numeric.kalman import predict_constant_velocity, update
 from matchset.numeric.rotation import rotate, rotation_vector_between
 from matchset.tracking.track import Lost
@@ -85,7 +86,7 @@ def precompile() -> None:
     rotate(rotation, state[:3])
 
 
-class PoseFilter:
+class PoseFilter(Copied):
     """Kalman filter for the poses of one ball: constant velocity, and constant angular velocity if it is observed.
 
     Position and rotation are filtered apart; the covariance between them is left out. The state of the rotation is the
@@ -104,6 +105,9 @@ class PoseFilter:
         self._reference = np.eye(3)
         self._observed: Observed = "position"
         self._time = -math.inf
+        self._make_derived()
+
+    def _derive(self) -> None:
         precompile()
 
     def update(self, pose: "Pose | Lost[Pose]") -> bool:

@@ -4,6 +4,7 @@
 places (see `linear`).
 """
 
+import copyreg
 import functools
 import math
 import types
@@ -40,7 +41,11 @@ class Template(msgspec.Struct, frozen=True, eq=False):
     same: list[Floats]
 
 
-class Similar(msgspec.Struct, frozen=True):
+class _FamilyType(msgspec.StructMeta):
+    """Type of the families: one that was made is pickled as what it was made from, since no module has its name."""
+
+
+class Similar(msgspec.Struct, frozen=True, metaclass=_FamilyType):
     """A template that was moved, turned and scaled.
 
     Parameters
@@ -142,7 +147,7 @@ class Similar(msgspec.Struct, frozen=True):
     half_width: ClassVar[Callable[[Floats], float]] = staticmethod(linear.half_width)
 
 
-class Affine(msgspec.Struct, frozen=True):
+class Affine(msgspec.Struct, frozen=True, metaclass=_FamilyType):
     """A template under an affine map: ``(x, y) + [[xx, xy], [yx, yy]] (u, v)`` for a point (u, v) from its center.
 
     Parameters
@@ -266,8 +271,18 @@ def _family(name: str, corners: bytes, motion: Motion) -> type[Any]:
     kind = Similar if motion == "similarity" else Affine
     own = points - (x, y)
     template = Template(own, math.sqrt(area / math.pi), symmetries(own))
-    words = {"template": template, "__doc__": kind.__doc__, "__module__": __name__}
+    recipe = name, corners, motion
+    words = {"template": template, "recipe": recipe, "__doc__": kind.__doc__, "__module__": __name__}
     return types.new_class(name, (kind,), {"frozen": True}, lambda space: space.update(words))
+
+
+def _reduced(family: type[Any]) -> str | tuple[Any, ...]:
+    """How a family is pickled: by its name, or by the call that makes it."""
+    recipe = vars(family).get("recipe")
+    return family.__qualname__ if recipe is None else (_family, recipe)
+
+
+copyreg.pickle(_FamilyType, _reduced)
 
 
 def _places(template: Template, n: int) -> tuple[Floats, Floats]:

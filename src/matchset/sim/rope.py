@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.copies import Copied
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Block, fields, new_block, record_dtype
 from matchset.sim.quadrotor import GRAVITY
@@ -69,7 +70,7 @@ class RopeState:
 ROPE = record_dtype(RopeState)
 
 
-class Rope:
+class Rope(Copied):
     """A pendulum, ``r'' = g - ((g r + v^2) / L^2) r - 2 c v`` with |r| = L, and a yaw of two sine waves.
 
     Parameters
@@ -93,7 +94,8 @@ class Rope:
     ) -> None:
         self.parameters = parameters
         self._block = new_block(ROPE) if block is None else block
-        state = self.state = fields(self._block, ROPE)
+        self._make_derived()
+        state = self.state
         plane, phase, *phases = rng.uniform(0.0, 2.0 * math.pi, 4)
         state.anchor[:], state.length, state.damping = anchor, parameters.length, parameters.damping
         state.yaw_amplitude = math.radians(parameters.yaw_deg)
@@ -105,6 +107,14 @@ class Rope:
         frequency = math.sqrt(GRAVITY / parameters.length)
         state.velocity[:] = -parameters.swing * frequency * math.sin(phase) * along
         state.velocity -= state.offset * (state.offset @ state.velocity) / parameters.length**2
+
+    def _derive(self) -> None:
+        self.state = fields(self._block, ROPE)
+
+    def share(self, block: Block) -> None:
+        """Let its `RopeState` lie in another block, which holds the same one."""
+        self._block = block
+        self._derive()
 
     @property
     def position(self) -> Floats:

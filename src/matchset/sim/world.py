@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
+from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block
 from matchset.sim import chain_motion
 from matchset.sim.chain_motion import CHAIN, HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, MOST_VEHICLES, NOTHING
@@ -100,7 +101,7 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
             raise ValueError(f"start_off must be within 2 m, got {self.start_off}")
 
 
-class World:
+class World(Copied):
     """The chain; time passes only in `advance`.
 
     Parameters
@@ -129,7 +130,8 @@ class World:
         self.crashes: list[tuple[float, int, str]] = []
         vehicle, count = parameters.vehicle, parameters.vehicles
         self._block = new_block(CHAIN)
-        motion = self.motion = fields(self._block, CHAIN)
+        self._make_derived()
+        motion = self.motion
         self.room_scale = max(parameters.place.heading * (count - 1) / parameters.world.room_length, 1.0)
         self._store_constants()
         rng = np.random.default_rng((seed, 0xC4A1))
@@ -148,6 +150,11 @@ class World:
         self._past, self._past_offsets = np.empty((KEPT, count, STATE_SIZE)), np.empty((KEPT, 3))
         self._past[0], self._past_offsets[0] = self.states, self.rope.state.offset
         self._compile()
+
+    def _derive(self) -> None:
+        self.motion = fields(self._block, CHAIN)
+        if hasattr(self, "rope"):  # a copy
+            self.rope.share(self._part("rope", ROPE))
 
     @property
     def time(self) -> float:

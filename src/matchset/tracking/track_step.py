@@ -18,6 +18,7 @@ from matchset.fitting.validation import Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
+from matchset.numeric.copies import Copied
 from matchset.numeric.jit import collection_paused, interpreted
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
@@ -34,7 +35,7 @@ PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
 
-class TrackStep(Generic[S]):
+class TrackStep(Copied, Generic[S]):
     """Tracks a shape into the next frame.
 
     Parameters
@@ -50,8 +51,11 @@ class TrackStep(Generic[S]):
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint = fitter, parameters, 0
-        self._accept = make_accept(fitter.layout)
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
+        self._make_derived()
+
+    def _derive(self) -> None:
+        self._accept = make_accept(self.fitter.layout)
 
     def track(self, image: Image, color: ColorModel, time: float, interval: float, index: int) -> Estimate | None:
         """Track the shape into the frame (Alg. 3); the estimate that was rejected, None if one was accepted.

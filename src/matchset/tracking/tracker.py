@@ -14,6 +14,7 @@ from matchset.image.brightness import BrightnessParameters, level_across
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table, adaptation_block
 from matchset.image.frame import Frame
+from matchset.numeric.copies import Copied
 from matchset.shapes.shape import Shape, finds_itself, nearest, outline
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
@@ -51,7 +52,7 @@ NO_FIT = FitStatistics(*(0,) * len(FitStatistics._fields))
 NOT_FOUND = Estimate(np.zeros(0), NO_FIT, Rejection.NOT_FOUND)
 
 
-class Tracker(Generic[S]):
+class Tracker(Copied, Generic[S]):
     """Tracks one shape; a tracker belongs to one thread, any number of them may run side by side.
 
     Everything is compiled in the constructor.
@@ -107,9 +108,13 @@ class Tracker(Generic[S]):
         self._last: S | None
         self._time: float
         self._forget_frames()
-        precompile(family, points, color.table.size, color.channels)
+        self._make_derived()
+
+    def _derive(self) -> None:
+        color = self._given
+        precompile(self._family, self._fitter.points, color.table.size, color.channels)
         if self.parameters.search.whole_frame:
-            precompile_search(family, color.table.size, color.channels)
+            precompile_search(self._family, color.table.size, color.channels)
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from matchset.app.closing import Closing
 from matchset.image.capture import hushed
+from matchset.numeric.copies import NotCopied
 
 Picture = npt.NDArray[np.uint8]
 
@@ -52,7 +53,7 @@ _TIME_UNIT_NS = 1_000_000  # format: FFmpeg's time unit in WebM
 _HEAD_BYTES = 4096  # format: the ids are in the first bytes of a file
 
 
-class Recorder(Closing):
+class Recorder(NotCopied, Closing):
     """Writes a video in its own thread, since encoding a frame takes longer than tracking one.
 
     Parameters

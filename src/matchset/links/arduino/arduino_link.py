@@ -19,11 +19,12 @@ from matchset.links.arduino.messages import Config, Report, Result
 from matchset.links.arduino.protocol import ArduinoParameters, FirmwareClient
 from matchset.links.arduino.serial_port import Port, SerialPort
 from matchset.links.link import Link, LinkStatus
+from matchset.numeric.copies import NotCopied
 
 SCHEME = "serial://"
 
 
-class ArduinoLink(Link):
+class ArduinoLink(NotCopied, Link):
     """A toy quadcopter behind an Arduino; implements `matchset.links.link.Link`.
 
     Parameters
@@ -46,6 +47,8 @@ class ArduinoLink(Link):
     LinkError
         If the port cannot be opened or nothing answers there.
     """
+
+    instead = "one program flies a vehicle; pass the commands on"
 
     def __init__(
         self,

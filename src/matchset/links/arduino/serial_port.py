@@ -5,6 +5,7 @@ import os
 from typing import Any, Protocol
 
 from matchset.image.errors import LinkError
+from matchset.numeric.copies import NotCopied
 
 BAUD = 115_200  # format: baud rate of the firmware
 READ_BYTES = 4096  # format: largest number of bytes that one call reads
@@ -24,7 +25,7 @@ class Port(Protocol):
         """Close the device."""
 
 
-class SerialPort:
+class SerialPort(NotCopied):
     """A serial port of this computer.
 
     An Arduino resets when its DTR line becomes active, and Linux activates it whenever a port is opened. So the port is

@@ -12,6 +12,7 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.marker_color import mark_color
 from matchset.localization.markers.marker_step import follow_markers
 from matchset.localization.markers.marker_workspace import CAPACITY, MARKERS, MarkerParameters
+from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
 from matchset.shapes.circle import Circle
 from matchset.tracking.detector import channels_last
@@ -21,7 +22,7 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 
-class MarkerTracker:
+class MarkerTracker(Copied):
     """Follows the markers of one ball, wherever on it they are.
 
     At first, and while not all are seen, patches of the marker's color are searched inside the ball. Each is then
@@ -47,6 +48,10 @@ class MarkerTracker:
         work = fields(self._block, MARKERS)
         store(work.limits, self.parameters)
         work.patch_radius, work.rim_distance = self._separation, target.marker_distance / target.radius
+        self._make_derived()
+
+    def _derive(self) -> None:
+        work = fields(self._block, MARKERS)
         # What every frame reads or writes; an array of NumPy is reached faster than the fields of a record.
         whole = self._block.view(MARKERS)
         self._count, self._seen, ball = whole["count"], whole["seen"], whole["ball"]  # each has one element
@@ -62,10 +67,10 @@ class MarkerTracker:
 
     def _precompile(self) -> None:
         """Compile the kernels, so that no frame waits for them."""
-        image = np.zeros((3, 3, self.color.channels), np.uint8)
-        self._ball[2][0] = 1.0
+        image, block = np.zeros((3, 3, self.color.channels), np.uint8), new_block(MARKERS)
+        fields(block, MARKERS).ball.radius = 1.0
         mark_color(image, self.color.table, (1.0, 1.0, 1.0), 1, np.zeros((1, 1), np.uint8))
-        follow_markers(image, self._block)
+        follow_markers(image, block)
 
     def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
         """Find the markers in a frame.

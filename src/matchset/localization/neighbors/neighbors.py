@@ -10,6 +10,7 @@ from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.neighbors.ball_search import BallSearch, BallSearchParameters
 from matchset.localization.neighbors.ball_track import BallTrack, BallTrackParameters, BallTrackSetup, Neighbor
+from matchset.numeric.copies import Copied
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
@@ -64,7 +65,7 @@ class NeighborsParameters(msgspec.Struct, frozen=True, kw_only=True):
     track: BallTrackParameters = BallTrackParameters()
 
 
-class Neighbors:
+class Neighbors(Copied):
     """Follows every ball in view; each keeps its identity while others cross or hide it.
 
     Parameters
@@ -110,6 +111,9 @@ class Neighbors:
         self._tracks: list[BallTrack] = []
         self._hidden: set[int] = set()
         self._count = 0
+        self._make_derived()
+
+    def _derive(self) -> None:
         BallTrack(0, self._setup, Circle(0.0, 0.0, 1.0), 0.0)  # compiles what new balls need
 
     def update(self, frame: Frame) -> list[Neighbor]:

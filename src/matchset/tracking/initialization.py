@@ -1,5 +1,6 @@
 """Initialization where somebody said roughly where a shape is: there, or at what stands out there."""
 
+import math
 from collections.abc import Iterator
 from typing import TypeVar
 
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Fitter
 from matchset.fitting.workspace import SearchWindow
-from matchset.image.brightness import DEFAULT, BrightnessParameters, level_in
+from matchset.image.brightness import DEFAULT, BrightnessParameters, level_across, level_in
 from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, from_hull, nearest, outline
 
@@ -160,3 +161,14 @@ def _is_near(state: Floats, given: S, limits: InitializationParameters) -> bool:
     size, other = float(family.half_width(given.state)), float(family.half_width(state))
     far = float(np.hypot(*(state[:2] - given.state[:2])))
     return far < limits.near * size and limits.shrink * size < other < limits.growth * size
+
+
+def model_for_image(
+    color: ColorModel, image: Image, shape: Shape | None, parameters: BrightnessParameters
+) -> ColorModel:
+    """Brightness model with the level of the picture, or that of the edge of a shape in it."""
+    if shape is None:
+        return color.for_image(image, None, parameters)
+    x, y = shape.state[:2].tolist()
+    level = level_across(image, outline(shape), x, y, parameters)
+    return color.for_image(image, None if math.isnan(level) else level, parameters)

@@ -10,15 +10,14 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
-from matchset.image.brightness import BrightnessParameters, level_across
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table, adaptation_block
 from matchset.image.frame import Frame
 from matchset.numeric.copies import Copied
-from matchset.shapes.shape import Shape, finds_itself, nearest, outline
+from matchset.shapes.shape import Shape, finds_itself, nearest
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
-from matchset.tracking.initialization import initialize_near
+from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
@@ -237,7 +236,7 @@ class Tracker(Copied, Generic[S]):
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
         given, self._initial = self._initial, None
         if self.color.gray:
-            self.color = _model_for_image(self.color, image, given, self.parameters.brightness)
+            self.color = model_for_image(self.color, image, given, self.parameters.brightness)
             self._learned = self.color.log_odds.copy()
         if given is not None and finds_itself(self._family):
             limits = self.parameters.initialization, self.parameters.brightness
@@ -392,14 +391,3 @@ def _checked_hint(point: tuple[float, float] | None) -> tuple[float, float] | No
     if point is not None and not all(math.isfinite(value) for value in point):
         raise ValueError(f"start must be finite, got {point}")
     return point
-
-
-def _model_for_image(
-    color: ColorModel, image: Image, shape: Shape | None, parameters: BrightnessParameters
-) -> ColorModel:
-    """Brightness model with the level of the picture, or that of the edge of a shape in it."""
-    if shape is None:
-        return color.for_image(image, None, parameters)
-    x, y = shape.state[:2].tolist()
-    level = level_across(image, outline(shape), x, y, parameters)
-    return color.for_image(image, None if math.isnan(level) else level, parameters)

@@ -1,6 +1,7 @@
-"""What is closed where its `with` block ends: `Closing`."""
+"""What is closed where its `with` block ends: `Closing`; several of them, whatever happens: `close_all`."""
 
 import abc
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
@@ -19,3 +20,18 @@ class Closing(abc.ABC):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def close_all(*closes: Callable[[], None]) -> None:
+    """Call each in this order, also after one has failed; the first error is raised as the last one's context.
+
+    Parameters
+    ----------
+    closes : callable
+        Such as `Closing.close`.
+    """
+    if closes:
+        try:
+            closes[0]()
+        finally:
+            close_all(*closes[1:])

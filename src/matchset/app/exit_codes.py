@@ -1,6 +1,7 @@
 """How a command ends: exit codes, errors of the user in one line, and a stop by Ctrl-C that leaves complete files."""
 
 import contextlib
+import errno
 import os
 import signal
 import sys
@@ -8,6 +9,7 @@ from collections.abc import Iterator
 from types import FrameType, TracebackType
 from typing import Self
 
+from matchset.app.disk import UnfinishedFileError
 from matchset.image.errors import LinkError
 
 FOUND = 0  # format: the command did its work
@@ -46,15 +48,33 @@ def errors_in_one_line() -> Iterator[None]:
     except LinkError as error:
         print_error(error)
         raise SystemExit(DEVICE) from None
-    except ValueError as error:
-        print_error(error)
-        raise SystemExit(BAD_INPUT) from None
-    except OSError as error:
-        print_error(f"{error.filename}: {error.strerror}" if error.filename else error)
+    except (ValueError, OSError) as error:
+        print_error("; ".join(map(_words, [*_unfinished_before(error), error])))
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
         print_error("stopped")
         raise SystemExit(INTERRUPTED) from None
+
+
+def _words(error: ValueError | OSError) -> str:
+    if not isinstance(error, OSError):
+        return str(error)
+    words, name = error.strerror or str(error), error.filename
+    if name is None and error.errno in (errno.ENOSPC, errno.EIO):  # every file of ours has its name
+        discard_stdout()  # Python would write what waits for it once more at exit
+        name = "stdout"
+    return f"{name}: {words}" if name else words
+
+
+def _unfinished_before(error: BaseException) -> list[OSError]:
+    """Return the unfinished files before an error: on a full disk several files fail, one after the other."""
+    found: dict[str, OSError] = {}
+    before = error.__context__
+    while before is not None:
+        if isinstance(before, UnfinishedFileError) and before.filename != getattr(error, "filename", None):
+            found.setdefault(before.filename, before)
+        before = before.__context__
+    return list(found.values())[::-1]
 
 
 class StopRequest:

@@ -9,7 +9,8 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import msgspec
 
-from matchset.app.closing import Closing
+from matchset.app.closing import Closing, close_all
+from matchset.app.disk import UnfinishedFileError, WholeFile
 
 Cell = int | float | str | None
 Cells = Mapping[str, Cell]
@@ -43,7 +44,7 @@ class RowOfFrame(Protocol):
 
 
 class RowWriter(Closing, Generic[Row]):
-    """Writes a table row by row; each row is on disk before the next one, so a crash leaves complete rows.
+    """Writes a table row by row; each is with the operating system before the next one, so a crash leaves whole rows.
 
     Parameters
     ----------
@@ -53,31 +54,52 @@ class RowWriter(Closing, Generic[Row]):
         Its columns.
     jsonl_path : Path, optional
         Where to write the same rows as JSON lines.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written, with its name; also by `write`.
     """
 
     def __init__(self, csv_path: Path, columns: Sequence[Column], jsonl_path: Path | None = None) -> None:
-        self._columns = tuple(columns)
-        # With line buffering each row reaches the operating system in one piece.
-        self._csv = csv_path.open("w", encoding="utf-8", newline="", buffering=1)
-        self._jsonl = None if jsonl_path is None else jsonl_path.open("w", encoding="utf-8", buffering=1)
-        self._csv.write(_csv_line([column.name for column in self._columns]))
+        self._columns, self._rows = tuple(columns), 0
+        self._csv = WholeFile(csv_path)
+        self._jsonl: WholeFile | None = None
+        try:
+            if jsonl_path is not None:
+                self._jsonl = WholeFile(jsonl_path)
+            self._csv.append(_csv_line([column.name for column in self._columns]).encode())
+        except BaseException:
+            self.close()
+            raise
 
     def cells(self, row: Row) -> dict[str, Cell]:
         """Return a row's values by column name, None where there is none."""
         return {column.name: column.value(row) for column in self._columns}
 
     def write(self, row: Row) -> None:
-        """Append one row."""
+        """Append one row.
+
+        Raises
+        ------
+        UnfinishedFileError
+            If it does not fit on the disk: the file ends with the row before.
+        """
         cells = self.cells(row)
-        self._csv.write(_csv_line(["" if value is None else str(value) for value in cells.values()]))
+        self._append(self._csv, _csv_line(["" if value is None else str(value) for value in cells.values()]))
         if self._jsonl is not None:
-            self._jsonl.write(json_line(cells))
+            self._append(self._jsonl, json_line(cells))
+        self._rows += 1
+
+    def _append(self, file: WholeFile, line: str) -> None:
+        try:
+            file.append(line.encode())
+        except OSError as error:
+            raise UnfinishedFileError(error, file.path, f"{self._rows} rows") from None
 
     def close(self) -> None:
         """Close the files."""
-        self._csv.close()
-        if self._jsonl is not None:
-            self._jsonl.close()
+        close_all(self._csv.close, *([] if self._jsonl is None else [self._jsonl.close]))
 
 
 def json_line(cells: Cells) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.lens import INTRINSICS
+from matchset.image.files.whole_file import write_whole
 
 Floats = npt.NDArray[np.float64]
 Keys = dict[str, str]
@@ -153,9 +154,7 @@ def write_camera(path: Path, size: tuple[int, int], intrinsics: Floats, covarian
     """
     if path.suffix.lower() != ".toml":
         raise ValueError(f"a camera file's name must end in .toml, got {str(path)!r}")
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(_toml(size, intrinsics, covariance), encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, _toml(size, intrinsics, covariance).encode())
 
 
 def _toml(size: tuple[int, int], intrinsics: Floats, covariance: Floats | None) -> str:

@@ -6,6 +6,7 @@ whiteness: white inside minus white outside. BGR pixels are told apart by their 
 gray ones by their value; a pixel costs one read whatever taught the table.
 """
 
+import io
 from pathlib import Path
 from typing import cast
 
@@ -24,6 +25,7 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
+from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import check_image
 from matchset.numeric.copies import Copied
 
@@ -333,11 +335,9 @@ class ColorModel(Copied):
         path : str or Path
             Where; the name is taken as it is.
         """
-        path = Path(path)
-        partial = path.with_name(path.name + ".part")
-        with partial.open("wb") as file:
-            np.savez_compressed(file, matchset_color=np.int64(VERSION), log_odds=self.log_odds, gray=self.gray)
-        partial.replace(path)
+        archive = io.BytesIO()
+        np.savez_compressed(archive, matchset_color=np.int64(VERSION), log_odds=self.log_odds, gray=self.gray)
+        write_whole(Path(path), archive.getvalue())
 
     @classmethod
     def load(cls, path: str | Path) -> "ColorModel":

@@ -1,5 +1,6 @@
 """`matchset calibrate --board`: from pictures of a board to a camera file, and the board itself to print."""
 
+import io
 import sys
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from matchset.camera.board import Board
 from matchset.camera.calibrate import Calibration, calibrate
 from matchset.camera.calibration_report import CalibrationReport, grade_calibration
 from matchset.camera.view_selection import select_views
+from matchset.image.files.whole_file import write_whole
 from matchset.image.video import Video
 
 _DPI = 300.0  # format: resolution of the printed board, pixels per inch
@@ -128,7 +130,9 @@ def draw_board(board: Board, path: Path, force: bool) -> int:
         raise ValueError(f"{board} with squares of {board.square} m is too large to draw; --square is in meters")
     image = board.picture(square_px)
     dpi = square_px * _INCH / board.square
-    Image.fromarray(image).save(output_file(path, force), dpi=(dpi, dpi))
+    png = io.BytesIO()
+    Image.fromarray(image).save(png, "png", dpi=(dpi, dpi))
+    write_whole(output_file(path, force), png.getvalue())
     width, height = (side / square_px * board.square * 1000.0 for side in image.shape[1::-1])
     print(f"  {path}\nPrint it at 100 % ({width:.0f} x {height:.0f} mm with its margin) and glue it to something flat.")
     print(f"Measure a square: it should be {board.square * 1000.0:.1f} mm; otherwise give --square what it is.")

@@ -71,7 +71,9 @@ def _write_pictures(clip: Clip, folder: Path) -> list[ClipTruth]:
     folder.mkdir(parents=True)
     rows = []
     for frame, truth in clip:
-        cv2.imwrite(str(folder / f"{frame.index:06d}.png"), frame.image)
+        path = folder / f"{frame.index:06d}.png"
+        if not cv2.imwrite(str(path), frame.image):
+            raise ValueError(f"{path} cannot be written")
         rows.append(truth)
     return rows
 

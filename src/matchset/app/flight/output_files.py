@@ -55,7 +55,7 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         ValueError
             If a name has a wrong ending, a file exists or cannot be written, or a package is missing.
         """
-        from matchset.app.drawing.video_writer import codecs_for
+        from matchset.app.drawing.codecs import codecs_for
         from matchset.app.flight_report.report import check_report
         from matchset.app.recording.mcap_file import check_mcap
         from matchset.app.run_folder import output_file

@@ -1,9 +1,10 @@
 """What shows and writes a flight while it is flown or replayed: view, video, recording, report: `FlightOutputs`."""
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
-from matchset.app.closing import Closing
+from matchset.app.closing import Closing, close_all
 from matchset.app.drawing.video_writer import Recorder
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
@@ -50,7 +51,7 @@ class FlightOutputs(Closing):
             if self._files.record is not None:
                 self._recording = stack.enter_context(RecordingWriter(self._files.record, setup))
             stack.enter_context(self._view)
-            self._stack = stack.pop_all()
+            stack.pop_all()
 
     def add(self, chain_step: ChainStep, armed: Sequence[bool] | None = None) -> None:
         """Add a step of the flight to all outputs.
@@ -73,8 +74,7 @@ class FlightOutputs(Closing):
         if self._closed:
             return
         self._closed = True
-        try:
-            self._stack.close()
-        finally:
-            if self._files.report is not None:
-                write_report(self.log, self._files.report)
+        closes: list[Callable[[], None]] = [each.close for each in (self._recording, self._video) if each is not None]
+        if self._files.report is not None:
+            closes.append(functools.partial(write_report, self.log, self._files.report))
+        close_all(functools.partial(self._view.__exit__, None, None, None), *closes)

@@ -86,8 +86,10 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def simulate(options: SimulateOptions) -> int:
     """Fly many simulated flights under changed conditions and judge them by limits."""
+    from matchset.app.disk import WholeFile
     from matchset.app.flight import simulation_table as table
     from matchset.app.run_folder import output_folder
+    from matchset.image.files.whole_file import write_whole
 
     flight, limits = options.flight(), options.limits()
     name, values = parse_sweep(options.sweep)
@@ -95,17 +97,17 @@ def simulate(options: SimulateOptions) -> int:
     flights = _flights(flight, name, cases)
     folder = output_folder(options.out, "simulate", options.force)
     done: list[tuple[float, FlightScore]] = []
-    with StopRequest() as stop, (folder / "flights.csv").open("w", encoding="utf-8") as file:
-        print(f"{name},{table.HEADER}", file=file, flush=True)
+    with StopRequest() as stop, WholeFile(folder / "flights.csv") as file:
+        file.append(f"{name},{table.HEADER}\n".encode())
         with _progress_bar(len(cases), options.quiet) as advance:
             for number, score in fly_all(flights, options.jobs or os.cpu_count() or 1, lambda: bool(stop)):
                 value = cases[number][0]
                 done.append((value, score))
-                print(f"{value:g},{table.csv_line(score)}", file=file, flush=True)
+                file.append(f"{value:g},{table.csv_line(score)}\n".encode())
                 advance()
     rows = table.rows_by_value(values, done)
     text = table.markdown_table(name, rows)
-    (folder / "table.md").write_text(text + "\n", encoding="utf-8")
+    write_whole(folder / "table.md", f"{text}\n".encode())
     print(text)
     print(f"  {folder / 'flights.csv'}")
     holds, sentence = table.sweep_verdict(name, rows, flight, limits)

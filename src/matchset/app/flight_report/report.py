@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.flight.log import HEADINGS, FlightLog, flight_summary, follower_row
+from matchset.image.files.whole_file import write_whole
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; margin: 2em auto; padding: 0 1em; }
@@ -27,9 +28,7 @@ def write_report(log: FlightLog, path: Path) -> None:
     path : Path
         A name that ends in .html; overwritten.
     """
-    part = path.with_name(path.name + ".part")
-    part.write_text(_page(log), encoding="utf-8")
-    part.replace(path)
+    write_whole(path, _page(log).encode())
 
 
 def check_report(path: Path) -> None:

@@ -103,7 +103,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def locate(options: LocateOptions) -> int:
     """Say where a ball of known size is, in meters, and the camera as the ball's markers see it."""
-    from matchset.app.drawing.video_writer import codecs_for
+    from matchset.app.drawing.codecs import codecs_for
     from matchset.app.locate.loop import PathLog, locate_frames
     from matchset.app.locate.options import ball_target, camera_for, check_options, load_camera, locator_for
     from matchset.app.run_folder import output_folder

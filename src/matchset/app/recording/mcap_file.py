@@ -7,9 +7,10 @@ packed as the only member of a message of ROS 2, ``uint8[] msgpack``: eight byte
 import struct
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple, cast
 
 from matchset.app.closing import Closing
+from matchset.app.disk import WholeFile
 from matchset.app.recording.cdr import HEADER
 
 LARGEST_RECORD = 2**30  # format: bytes; a longer record is taken for damage
@@ -67,7 +68,7 @@ class RosTopic(NamedTuple):
 
 
 class McapWriter(Closing):
-    """Writes messages; if the program is killed, all but the last megabyte is on disk.
+    """Writes messages; what came before the last `flush` is on disk if the program is killed or the disk is full.
 
     Parameters
     ----------
@@ -79,17 +80,18 @@ class McapWriter(Closing):
     ValueError
         If the package mcap is missing.
     OSError
-        If the file cannot be written.
+        If the file cannot be written, with its name; also by the methods. Nothing is written any more after that.
     """
 
     def __init__(self, path: Path, topics: Sequence[Topic | RosTopic]) -> None:
         check_mcap()
         from mcap.writer import CompressionType, Writer
 
-        self._file = path.open("wb")
+        self._file = WholeFile(path)
         # Pictures are compressed already.
-        self._writer: Any = Writer(self._file, compression=CompressionType.NONE)
+        self._writer: Any = Writer(cast(IO[bytes], self._file), compression=CompressionType.NONE)
         self._writer.start(profile="ros2", library="matchset")
+        self._closed = False
         self._channels: dict[str, int] = {}
         self._packed = {topic.topic for topic in topics if isinstance(topic, Topic)}
         schemas: dict[str, int] = {}
@@ -105,13 +107,22 @@ class McapWriter(Closing):
         data = packed(message.data) if message.topic in self._packed else message.data
         self._writer.add_message(self._channels[message.topic], stamp, data, stamp, number % 2**32)
 
+    def flush(self) -> None:
+        """Give everything to the operating system, as a chunk of the file."""
+        self._writer.flush()
+        self._file.mark()
+
     def close(self) -> None:
         """Finish the file."""
-        if not self._file.closed:
-            try:
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            if self._file.error is None:
+                self.flush()
                 self._writer.finish()
-            finally:
-                self._file.close()
+        finally:
+            self._file.close()
 
 
 class McapReader:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.closing import Closing
+from matchset.app.disk import MB, SPACE, FreeSpace, SpaceParameters, UnfinishedFileError
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
 from matchset.app.recording.mcap_file import PACKAGE, McapWriter, Message, Topic
@@ -24,9 +25,11 @@ from matchset.app.recording.messages import (
     topics,
 )
 from matchset.app.recording.ros_messages import TF, TRANSFORMS, RosMessages, ros_topic
+from matchset.links.simulated import FPS
 
 COMPRESSORS = 2  # format: threads that compress pictures
 MAX_WAITING = 8  # format: steps that wait for their pictures to be compressed; lost if the program is killed
+STEP_BYTES = 8_000  # format: about what a step of a follower takes beside its picture
 
 
 class _Waiting(NamedTuple):
@@ -40,10 +43,22 @@ class _Waiting(NamedTuple):
 class RecordingWriter(Closing):
     """Writes everything of a flight that its replay needs, the simulator's truth, and the results for tools of ROS.
 
+    If the disk is full, or nearly, the recording ends there, whole; what comes after that is counted, and `close`
+    raises: a full disk never ends a flight.
+
     Parameters
     ----------
     path : Path
     setup : FlightSetup
+    space : SpaceParameters, optional
+        How much of the disk is left free.
+
+    Attributes
+    ----------
+    rate : float
+        Bytes a second, estimated from the pictures from which the colors were learned.
+    note : str
+        How long a recording fits on the disk, in words.
 
     Raises
     ------
@@ -53,24 +68,31 @@ class RecordingWriter(Closing):
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, setup: FlightSetup) -> None:
-        self._setup = setup
+    def __init__(self, path: Path, setup: FlightSetup, space: SpaceParameters = SPACE) -> None:
+        self._path, self._space = path, FreeSpace(path, space)
+        self._error: OSError | None = None
+        self._offered = self._written = 0
         self._ros = [RosMessages(number, camera) for number, camera in enumerate(setup.cameras, 1)]
         own = [_topic(*each) for each in topics(setup.followers).items()]
         ros = [topic for each in self._ros for topic in each.topics]
         self._writer = McapWriter(path, [*own, *ros, ros_topic(TF, TRANSFORMS)])
         self._pool = ThreadPoolExecutor(COMPRESSORS, "matchset recording")
         self._waiting: deque[_Waiting] = deque()
-        configuration = Configuration(
-            format=FORMAT, matchset=_version(), parameters=setup.parameters, cameras=setup.cameras
-        )
-        self._writer.write(Message(CONFIGURATION, encode(configuration)), 0.0, 0)
-        for number, sample in enumerate(setup.samples, 1):
-            message = Picture(sample.index, sample.time, to_png(sample.image))
-            self._writer.write(Message(sample_topic(number), encode(message)), sample.time, sample.index)
+        try:
+            self._write_setup(setup)
+        except BaseException:
+            self._pool.shutdown(cancel_futures=True)
+            self._writer.close()
+            raise
+        self.rate = FPS * sum(len(to_png(sample.image)) + STEP_BYTES for sample in setup.samples)
+        minutes = max(self._space.left, 0.0) / self.rate / 60.0
+        self.note = f"{path} takes {self.rate / MB:.0f} MB a second: its disk has room for {minutes:.3g} minutes"
 
     def write(self, chain_step: ChainStep, armed: Sequence[bool]) -> None:
-        """Append a step, and which pilots had been told to fly."""
+        """Append a step, and which pilots had been told to fly. A full disk is no error here."""
+        self._offered += 1
+        if self._error is not None:
+            return
         pictures = [
             None if step.frame is None else self._pool.submit(to_png, step.frame.image) for step in chain_step.steps
         ]
@@ -79,16 +101,49 @@ class RecordingWriter(Closing):
             self._write_first()
 
     def close(self) -> None:
-        """Write what is waiting and finish the file."""
+        """Write what is waiting and finish the file.
+
+        Raises
+        ------
+        UnfinishedFileError
+            If the disk was full: says how many steps the file holds.
+        """
         try:
             while self._waiting:
                 self._write_first()
         finally:
             self._pool.shutdown(cancel_futures=True)
-            self._writer.close()
+            self._finish()
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise UnfinishedFileError(error, self._path, f"{self._written} of {self._offered} steps") from error
+
+    def _write_setup(self, setup: FlightSetup) -> None:
+        configuration = Configuration(
+            format=FORMAT, matchset=_version(), parameters=setup.parameters, cameras=setup.cameras
+        )
+        self._writer.write(Message(CONFIGURATION, encode(configuration)), 0.0, 0)
+        for number, sample in enumerate(setup.samples, 1):
+            message = Picture(sample.index, sample.time, to_png(sample.image))
+            self._writer.write(Message(sample_topic(number), encode(message)), sample.time, sample.index)
+        self._writer.flush()
 
     def _write_first(self) -> None:
-        chain_step, armed, pictures = self._waiting.popleft()
+        """Write the step that waits longest; after an error drop all."""
+        waiting = self._waiting.popleft()
+        try:
+            if self._space.left < 0:
+                raise self._space.error
+            self._write_step(waiting)
+            self._writer.flush()
+            self._written += 1
+        except OSError as error:
+            self._waiting.clear()
+            self._finish()
+            self._error = error
+
+    def _write_step(self, waiting: _Waiting) -> None:
+        chain_step, armed, pictures = waiting
         for number, (step, png) in enumerate(zip(chain_step.steps, pictures, strict=True), 1):
             ros = self._ros[number - 1]
             if step.frame is not None and png is not None:
@@ -98,6 +153,12 @@ class RecordingWriter(Closing):
             message = step_message(chain_step.index, step, armed[number - 1])
             self._writer.write(Message(step_topic(number), encode(message)), step.now, chain_step.index)
         self._writer.write(Message(TRUTH, encode(truth_message(chain_step))), chain_step.time, chain_step.index)
+
+    def _finish(self) -> None:
+        try:
+            self._writer.close()
+        except OSError as error:
+            self._error = self._error or error
 
 
 def _compressed(waiting: _Waiting) -> bool:

@@ -72,7 +72,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def track(options: TrackOptions) -> int:
     """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
-    from matchset.app.drawing.video_writer import codecs_for
+    from matchset.app.drawing.codecs import codecs_for
     from matchset.app.parameters_file import tracker_parameters
     from matchset.app.run_folder import output_folder
     from matchset.app.track.loop import RunStatistics, follow, print_summary, trackers_for

@@ -1,6 +1,7 @@
 """`matchset demo`: a rendered clip with exact truth is tracked from one click, and the result is compared with it."""
 
 import csv
+import io
 import math
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -26,6 +27,7 @@ from matchset.app.track.rows import TrackRow
 from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
 from matchset.app.track.shape_option import parse_shape
 from matchset.image.color import ColorModel
+from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.shapes.ellipse import Ellipse
@@ -129,12 +131,13 @@ def _error(row: TrackRow, truth: TruthRow) -> float | None:
 
 
 def _write_truth(path: Path, truths: list[TruthRow]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(TRUTH_COLUMNS)
-        for truth in truths:
-            numbers = ["", "", ""] if truth.circle is None else [f"{value:.4f}" for value in truth.circle]
-            writer.writerow(["demo", truth.frame, *numbers, int(truth.circle is not None), "rendered"])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(TRUTH_COLUMNS)
+    for truth in truths:
+        numbers = ["", "", ""] if truth.circle is None else [f"{value:.4f}" for value in truth.circle]
+        writer.writerow(["demo", truth.frame, *numbers, int(truth.circle is not None), "rendered"])
+    write_whole(path, text.getvalue().encode())
 
 
 def _sheet(clip: Clip, run: _DemoRun, result: Score, statistics: RunStatistics) -> npt.NDArray[np.uint8]:

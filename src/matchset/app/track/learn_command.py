@@ -18,6 +18,7 @@ from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import parse_pick
 from matchset.image.candidates import Candidate, find_candidates
 from matchset.image.color import ColorModel
+from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.shapes.circle import Circle
@@ -154,11 +155,11 @@ def mask_picture(image: npt.NDArray[np.uint8], color: ColorModel) -> npt.NDArray
 
 
 def write_picture(path: Path, image: npt.NDArray[np.uint8]) -> None:
-    """Write a picture; ValueError if it cannot be written."""
+    """Write a picture, whole or not at all; ValueError if it cannot be written."""
     good, packed = cv2.imencode(path.suffix, image)
     if not good:
         raise ValueError(f"cannot write a picture as {path.suffix}")
     try:
-        path.write_bytes(packed.tobytes())
+        write_whole(path, packed.tobytes())
     except OSError as error:
         raise ValueError(f"cannot write {path}: {error.strerror}") from error

@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.closing import Closing
+from matchset.app.closing import Closing, close_all
 from matchset.app.drawing.annotate import annotate
 from matchset.app.drawing.video_writer import Recorder
 from matchset.app.exit_codes import discard_stdout
@@ -80,9 +80,7 @@ class Outputs(Closing, Generic[Answered]):
 
     def close(self) -> None:
         """Close the files; the video last, since it takes longest and can fail."""
-        self._table.close()
-        if self._recorder is not None:
-            self._recorder.close()
+        close_all(self._table.close, *([] if self._recorder is None else [self._recorder.close]))
 
 
 def track_outputs(

@@ -1,0 +1,67 @@
+"""How films are packed, by the ending of the name: `CODECS`."""
+
+from pathlib import Path
+from typing import Protocol
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+Picture = npt.NDArray[np.uint8]
+
+
+class Codec(msgspec.Struct, frozen=True):
+    """A video codec: its FourCC, and its usual name."""
+
+    fourcc: str
+    name: str
+
+
+VP9 = Codec("vp09", "VP9")
+MPEG4 = Codec("mp4v", "MPEG-4")
+VP8 = Codec("VP80", "VP8")
+MJPEG = Codec("MJPG", "Motion JPEG")
+CODECS = {".mp4": (VP9, MPEG4), ".webm": (VP8,), ".avi": (MJPEG,)}
+"""Codecs by file extension, best first. OpenCV's wheels write no H.264; browsers play VP9 and VP8 only."""
+
+
+def codecs_for(path: Path) -> tuple[Codec, ...]:
+    """Return the codecs to try for a file's extension; ValueError if there are none."""
+    try:
+        return CODECS[path.suffix.lower()]
+    except KeyError:
+        raise ValueError(f"a video's name must end in {', '.join(CODECS)}, got {str(path)!r}") from None
+
+
+class Film(msgspec.Struct, frozen=True):
+    """What an encoder writes.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its ending says how it is packed.
+    fps : float
+        Frames per second.
+    size : tuple of two ints
+        Width and height of the pictures, px.
+    live : bool
+        Whether the pictures come from a camera, which does not wait.
+    """
+
+    path: Path
+    fps: float
+    size: tuple[int, int]
+    live: bool = False
+
+
+class Encoder(Protocol):
+    """Packs pictures and writes them."""
+
+    note: str
+    """What the user should know about the file; empty if nothing."""
+
+    def write(self, picture: Picture) -> None:
+        """Append a BGR picture; OSError if it does not fit on the disk."""
+
+    def close(self) -> None:
+        """Finish the file, once; OSError if its end does not fit on the disk."""

@@ -1,0 +1,147 @@
+"""Films packed by PyAV (the extra `av`), piece by piece: a killed program or a full disk leaves all but the end.
+
+The files are streams: WebM in short clusters, MP4 in short fragments that become an ordinary MP4 at the end, AVI by
+single pictures. Every piece is given to the operating system at once. libvpx is told to keep up (deadline "realtime").
+"""
+
+import contextlib
+from fractions import Fraction
+from typing import Any
+
+import msgspec
+
+from matchset.app.disk import WholeFile
+from matchset.app.drawing.codecs import Film, Picture, codecs_for
+
+
+class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How a film is packed.
+
+    Parameters
+    ----------
+    piece : float
+        Length of the pieces of a file, s: what a killed program loses beside the queue. Shorter ones cost some 100
+        bytes each. Chosen by: `python -m benchmarks.killed`, decision 088.
+    effort : int
+        libvpx's "cpu-used" in real time, 0 ... 8: more is faster and a little larger. Chosen by: the same.
+    vp8, vp9 : int
+        Quantizer of VP8 and VP9, 0 ... 63: less is better and larger. Chosen by: error as OpenCV's film, the same.
+    vp8_rate : int
+        Most bits per second of VP8. Chosen by: the same, with the noise of an analog link.
+    jpeg : int
+        Quantizer of Motion JPEG, 2 ... 31. Chosen by: error as OpenCV's film, the same.
+    """
+
+    piece: float = 0.1
+    effort: int = 8
+    vp8: int = 10
+    vp9: int = 24
+    vp8_rate: int = 16_000_000
+    jpeg: int = 2
+
+    def options(self, codec: str) -> dict[str, str]:
+        """Options of FFmpeg's encoder of a codec."""
+        if codec == "mjpeg":
+            return {"qmin": str(self.jpeg), "qmax": str(self.jpeg)}
+        fast = {"deadline": "realtime", "cpu-used": str(self.effort), "lag-in-frames": "0"}
+        if codec == "libvpx":
+            return fast | {"crf": str(self.vp8), "b": str(self.vp8_rate)}
+        return fast | {"crf": str(self.vp9), "b": "0"}
+
+
+PACKING = PackingParameters()
+# format: FFmpeg's names of codec, container and layout of the pixels by ending
+FORMATS = {
+    ".mp4": ("libvpx-vp9", "mp4", "yuv420p"),
+    ".webm": ("libvpx", "webm", "yuv420p"),
+    ".avi": ("mjpeg", "avi", "yuvj420p"),
+}
+_FINEST = 100_000  # format: largest denominator of a frame rate in a file
+
+
+def open_pyav_encoder(film: Film) -> "PyavEncoder | None":
+    """Begin a film; None if PyAV is not installed, or has no codec for it.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    try:
+        import av
+    except ImportError:
+        return None
+    codecs_for(film.path)
+    try:
+        return PyavEncoder(film)
+    except av.FFmpegError:
+        return None
+
+
+class PyavEncoder:
+    """Packs a film with PyAV; implements `matchset.app.drawing.codecs.Encoder`.
+
+    Parameters
+    ----------
+    film : Film
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    ValueError
+        If PyAV has no codec for it.
+    """
+
+    def __init__(self, film: Film) -> None:
+        import av
+
+        codec, container, pixels = FORMATS[film.path.suffix.lower()]
+        self._av: Any = av
+        self.note, self._count = "", 0
+        rate = Fraction(film.fps).limit_denominator(_FINEST)
+        self._file = WholeFile(film.path)
+        try:
+            self._container: Any = av.open(self._file, "w", format=container, options=_pieces(container))
+            stream: Any = self._container.add_stream(codec, rate=rate, options=PACKING.options(codec))
+            stream.width, stream.height = film.size
+            stream.pix_fmt, stream.codec_context.thread_count = pixels, 1
+            self._container.start_encoding()
+        except BaseException:
+            self._file.close()
+            raise
+        self._stream = stream
+
+    def write(self, picture: Picture) -> None:
+        """Append a picture."""
+        frame = self._av.VideoFrame.from_ndarray(picture, format="bgr24")
+        frame.pts, self._count = self._count, self._count + 1
+        self._mux(frame)
+
+    def close(self) -> None:
+        """Finish the file."""
+        try:
+            self._mux(None)
+            self._container.close()
+            self._file.mark()
+        finally:
+            with contextlib.suppress(Exception):  # after an error there is nothing to finish; the file drops it
+                self._container.close()
+            self._file.close()
+        if self._file.error is not None:
+            raise self._file.error
+
+    def _mux(self, frame: Any) -> None:
+        for packet in self._stream.encode(frame):
+            self._container.mux(packet)
+        self._file.mark()
+
+
+def _pieces(container: str) -> dict[str, str]:
+    """Options of one of FFmpeg's containers."""
+    if container == "webm":
+        return {"flush_packets": "1", "cluster_time_limit": f"{1000.0 * PACKING.piece:.0f}"}
+    if container == "mp4":
+        fragments = {"movflags": "hybrid_fragmented+frag_keyframe", "frag_duration": f"{1e6 * PACKING.piece:.0f}"}
+        return {"flush_packets": "1"} | fragments
+    return {"flush_packets": "1"}

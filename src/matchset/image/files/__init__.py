@@ -1,0 +1,5 @@
+"""Files of one piece: written whole or not at all, and read no further than a limit.
+
+Read `whole_file` (`write_whole`) first.
+What is in a file may come from a stranger: nothing is decoded before its size is known.
+"""

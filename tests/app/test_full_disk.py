@@ -76,7 +76,7 @@ def test_a_film_that_does_not_fit_says_how_much_it_holds(
     path = short_of_room / f"film{suffix}"
     film = Recorder(path, 30.0, SIZE, parameters=RecorderParameters(space=NO_GUARD))
     for _ in range(60):
-        film.write(rng.integers(0, 256, (SIZE[1], SIZE[0], 3), np.uint8))
+        film.write(rng.integers(110, 146, (SIZE[1], SIZE[0], 3), np.uint8))
     with pytest.raises(UnfinishedFileError, match=r"it holds \d+ of 60 pictures") as raised:
         film.close()
     assert raised.value.filename == str(path)

@@ -51,7 +51,7 @@ ShapeName = Annotated[
 AnnotatedVideo = Annotated[
     Path | None,
     typer.Option(
-        "--video", metavar="OUT.mp4", help="Write the annotated video: .mp4 (VP9), or .webm (20 times as fast)."
+        "--video", metavar="OUT.mp4", help="Write the annotated video: .webm (VP8), .mp4 (VP9) or .avi (Motion JPEG)."
     ),
 ]
 Folder = Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")]

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import cv2
 
-from matchset.app.drawing.codecs import MPEG4, VP8, VP9, Codec, Film, Picture, codecs_for
+from matchset.app.drawing.codecs import MJPEG, MPEG4, VP8, VP9, Codec, Film, Picture, codecs_for
 from matchset.image.capture import hushed
 
 NOTES = {
@@ -75,9 +75,20 @@ class OpencvEncoder:
 
     def _is_whole(self) -> bool:
         """Whether all pictures are in the file: OpenCV does not say what it could not write."""
-        if not self._nearly_full and _stated_count(self._film.path) == self._count:
+        path = self._film.path
+        if not self._nearly_full and _stated_count(path) == self._count and (self._codec is not MJPEG or _ends(path)):
             return True
         return count_pictures(self._film.path) >= self._count
+
+
+def _ends(path: Path) -> bool:
+    """Whether an AVI file is as long as it says: chunks "RIFF", each with its length."""
+    end, place = path.stat().st_size, 0
+    with path.open("rb") as file:
+        while place < end:
+            file.seek(place)
+            place += 8 + int.from_bytes(file.read(8)[4:], "little")
+    return place == end
 
 
 def _stated_count(path: Path) -> int:

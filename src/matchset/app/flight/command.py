@@ -104,7 +104,7 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     with (
         StopRequest() as stop,
         flight,
-        FlightOutputs(flight_setup(flight), options.files, options.quiet) as outputs,
+        FlightOutputs(flight_setup(flight), options.files, options.quiet, options.real_time) as outputs,
         flight,  # once more: everyone lands before the files are finished, which takes longer
         KillSwitch(flight.cut) as kill,
     ):
@@ -122,6 +122,10 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     print(f"flight: {flight_summary(outputs.log)}")
     for path in options.files.paths:
         print(f"  {path}")
+    if pacer is not None:
+        print(f"longest pause of the loop: {1e3 * pacer.longest:.0f} ms; {pacer.missed} pictures were late")
+    for note in outputs.notes:
+        print(f"note: {note}: it was too slow", file=sys.stderr)
     if stop:
         print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
         return stop.code

@@ -104,6 +104,10 @@ class LiveView(RedrawnDisplay):
             self._line_time = chain_step.time
             self._print(text_line(chain_step, counters))
 
+    def say(self, text: str) -> None:
+        """Print a line above the table."""
+        self._print(text)
+
     def _print(self, text: str) -> None:
         if not self._quiet:
             self._console.print(text, soft_wrap=True, markup=False)

@@ -1,8 +1,12 @@
 """What shows and writes a flight while it is flown or replayed: view, video, recording, report: `FlightOutputs`."""
 
 import functools
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from typing import NamedTuple
+
+import msgspec
 
 from matchset.app.closing import Closing, close_all
 from matchset.app.drawing.video_writer import Recorder
@@ -10,15 +14,41 @@ from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.log import FlightLog
 from matchset.app.flight.output_files import FlightFiles
+from matchset.app.flight.real_time.background import Background, BackgroundParameters
+from matchset.app.flight.score import FlightCounters
 from matchset.app.flight_report.picture import FlightPicture
 from matchset.app.flight_report.report import write_report
 from matchset.app.recording.writer import RecordingWriter
 from matchset.links.simulated import FPS
 
 
-class FlightOutputs(Closing):
-    """Gives each step of a flight to the view, the video, the recording and the report.
+class OutputParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How much of a flight may wait to be shown and written.
 
+    Parameters
+    ----------
+    pictures : int
+        Pictures that wait to be recorded at most, of all followers together, but at least `least` steps. More outlast a
+        longer pause of the disk; each takes 1 MB. Chosen by hand: two seconds of two followers.
+    least : int
+        Steps that wait for the recording at least, and for the video. Chosen by hand.
+    """
+
+    pictures: int = 128
+    least: int = 8
+
+
+class _Shown(NamedTuple):
+    """A step as the view needs it: the counters go on meanwhile."""
+
+    chain_step: ChainStep
+    counters: FlightCounters
+
+
+class FlightOutputs(Closing):
+    """Gives each step of a flight to the view, the video, the recording and the report, each in a thread of its own.
+
+    None of them ends a flight: one that fails stops, with a line that says so, and its error is raised by `close`.
     Leaving the `with` block finishes every file, also after an error.
 
     Parameters
@@ -28,6 +58,8 @@ class FlightOutputs(Closing):
         `FlightFiles.check` comes before.
     quiet : bool
         Show nothing on the terminal.
+    real_time : bool
+        Whether somebody flies meanwhile: then `add` never waits, and what there is no room for is dropped and counted.
 
     Attributes
     ----------
@@ -35,23 +67,36 @@ class FlightOutputs(Closing):
         All numbers of the flight so far.
     """
 
-    def __init__(self, setup: FlightSetup, files: FlightFiles | None = None, quiet: bool = False) -> None:
+    def __init__(
+        self, setup: FlightSetup, files: FlightFiles | None = None, quiet: bool = False, real_time: bool = False
+    ) -> None:
         self.log = FlightLog(setup)
         self._files = files or FlightFiles()
         self._closed = False
-        parameters = setup.parameters
+        self._messages: deque[str] = deque()
+        parameters, limits = setup.parameters, OutputParameters()
         self._view = LiveView(parameters.pilot.place, parameters.duration, quiet)
-        self._picture: FlightPicture | None = None
-        self._video: Recorder | None = None
-        self._recording: RecordingWriter | None = None
+        self._writers: list[Background[tuple[ChainStep, Sequence[bool]]]] = []
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:
-                self._picture = FlightPicture(setup)
-                self._video = stack.enter_context(Recorder(self._files.video, FPS, self._picture.size))
+                picture = FlightPicture(setup)
+                video = stack.enter_context(Recorder(self._files.video, FPS, picture.size))
+                work = _drawing(picture, video)
+                self._writers.append(stack.enter_context(self._writer("the video", work, limits.least, real_time)))
             if self._files.record is not None:
-                self._recording = stack.enter_context(RecordingWriter(self._files.record, setup))
+                recording = stack.enter_context(RecordingWriter(self._files.record, setup))
+                room = max(limits.pictures // setup.followers, limits.least)
+                work = _recording(recording)
+                self._writers.append(stack.enter_context(self._writer("the recording", work, room, real_time)))
             stack.enter_context(self._view)
-            stack.pop_all()
+            newest = BackgroundParameters(waiting=2, drops=real_time)
+            self._screen = stack.enter_context(Background("the screen", self._show, newest))
+            self._stack = stack.pop_all()
+
+    @property
+    def notes(self) -> list[str]:
+        """What is missing in the files, in words."""
+        return [each.note for each in self._writers if each.note]
 
     def add(self, chain_step: ChainStep, armed: Sequence[bool] | None = None) -> None:
         """Add a step of the flight to all outputs.
@@ -63,18 +108,45 @@ class FlightOutputs(Closing):
             Which pilots have been told to fly; all of them by default.
         """
         self.log.add(chain_step)
-        self._view.show(chain_step, self.log.counters)
-        if self._video is not None and self._picture is not None:
-            self._video.write(self._picture.draw(chain_step))
-        if self._recording is not None:
-            self._recording.write(chain_step, [True] * len(chain_step.steps) if armed is None else armed)
+        told = [True] * len(chain_step.steps) if armed is None else armed
+        for writer in self._writers:
+            writer.add((chain_step, told))
+        self._screen.add(_Shown(chain_step, self.log.counters.copy()))
 
     def close(self) -> None:
-        """Finish all files, the report last."""
+        """Finish all files, the report last.
+
+        Raises
+        ------
+        OSError, ValueError
+            If one of them could not be written.
+        """
         if self._closed:
             return
         self._closed = True
-        closes: list[Callable[[], None]] = [each.close for each in (self._recording, self._video) if each is not None]
+        closes: list[Callable[[], None]] = [self._stack.close, self._say_messages]
         if self._files.report is not None:
             closes.append(functools.partial(write_report, self.log, self._files.report))
-        close_all(functools.partial(self._view.__exit__, None, None, None), *closes)
+        close_all(*closes)
+
+    def _writer(
+        self, name: str, work: Callable[[tuple[ChainStep, Sequence[bool]]], None], room: int, real_time: bool
+    ) -> Background[tuple[ChainStep, Sequence[bool]]]:
+        parameters = BackgroundParameters(waiting=room, drops=real_time)
+        return Background(name, work, parameters, self._messages.append)
+
+    def _show(self, shown: _Shown) -> None:
+        self._say_messages()
+        self._view.show(shown.chain_step, shown.counters)
+
+    def _say_messages(self) -> None:
+        while self._messages:
+            self._view.say(self._messages.popleft())
+
+
+def _drawing(picture: FlightPicture, video: Recorder) -> Callable[[tuple[ChainStep, Sequence[bool]]], None]:
+    return lambda item: video.write(picture.draw(item[0]))
+
+
+def _recording(recording: RecordingWriter) -> Callable[[tuple[ChainStep, Sequence[bool]]], None]:
+    return lambda item: recording.write(*item)

@@ -21,6 +21,8 @@ class Pacer:
     ----------
     missed : int
         Deadlines that were skipped.
+    longest : float
+        The longest time from one deadline that was waited for to the next, s: no vehicle heard nothing for longer.
     """
 
     def __init__(
@@ -31,9 +33,10 @@ class Pacer:
     ) -> None:
         if not period > 0.0:
             raise ValueError(f"a period must be positive, got {period} s")
-        self.period, self.missed = period, 0
+        self.period, self.missed, self.longest = period, 0, 0.0
         self._clock, self._sleep = clock, sleep
         self._start, self._count = clock(), 0
+        self._last = self._start
 
     def wait(self) -> None:
         """Sleep until the next deadline."""
@@ -46,3 +49,5 @@ class Pacer:
         rest = self._start + self._count * self.period - self._clock()
         if rest > 0.0:
             self._sleep(rest)
+        now = self._clock()
+        self.longest, self._last = max(self.longest, now - self._last), now

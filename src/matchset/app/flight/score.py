@@ -3,6 +3,7 @@
 Both are made of the flight's `ChainStep`s. What counts as survived, in view, spread and settled: decision 052.
 """
 
+import copy
 import math
 from array import array
 from collections.abc import Sequence
@@ -277,6 +278,12 @@ class FlightCounters:
     def __init__(self, followers: int) -> None:
         self.chain_steps, self.time = 0, 0.0
         self.followers = [FollowerCounters() for _ in range(followers)]
+
+    def copy(self) -> "FlightCounters":
+        """Return them as they are now."""
+        other = copy.copy(self)
+        other.followers = [copy.copy(each) for each in self.followers]
+        return other
 
     def add(self, chain_step: ChainStep) -> None:
         """Count a step of the flight."""

@@ -1,0 +1,143 @@
+"""What is shown and written never makes a flight wait, and never ends it."""
+
+import errno
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from blue_ball import Matchset
+from chain_flight import Flown
+
+from matchset.app.drawing.video_writer import Recorder
+from matchset.app.flight.live_view import LiveView
+from matchset.app.flight.output_files import FlightFiles
+from matchset.app.flight.outputs import FlightOutputs
+from matchset.app.flight.real_time.background import Background, BackgroundParameters
+from matchset.app.recording.reader import RecordingReader
+from matchset.app.recording.writer import RecordingWriter
+
+AT_ONCE = 5.0  # s for a step on a busy machine, where a blocked write takes for ever
+FULL = OSError(errno.ENOSPC, "No space left on device", "flight.mcap")
+Out = pytest.CaptureFixture[str]
+
+
+def fly(outputs: FlightOutputs, flown: Flown, times: int = 4) -> float:
+    """Give all steps to the outputs again and again; returns the longest time that one took, s."""
+    longest = 0.0
+    for _ in range(times):
+        for chain_step in flown.chain_steps:
+            begin = time.monotonic()
+            outputs.add(chain_step)
+            longest = max(longest, time.monotonic() - begin)
+    return longest
+
+
+def test_items_come_in_their_order_and_the_rest_is_counted() -> None:
+    seen: list[int] = []
+    free = threading.Event()
+
+    def work(item: int) -> None:
+        free.wait()
+        seen.append(item)
+
+    with Background("the test", work, BackgroundParameters(waiting=4)) as background:
+        for k in range(10):
+            background.add(k)
+            time.sleep(0.01)
+        assert (background.added, background.dropped) == (10, 5)
+        assert background.note == "the test lacks 5 of 10 steps"
+        free.set()
+    assert seen == [0, 1, 2, 3, 4]
+
+
+def test_without_a_clock_nothing_is_dropped() -> None:
+    seen: list[int] = []
+
+    def work(item: int) -> None:
+        time.sleep(0.001)
+        seen.append(item)
+
+    with Background("the test", work, BackgroundParameters(waiting=2, drops=False)) as background:
+        for k in range(50):
+            background.add(k)
+    assert seen == list(range(50))
+    assert background.note == ""
+
+
+def test_an_error_ends_the_work_and_is_raised_at_the_end() -> None:
+    said: list[str] = []
+
+    def work(item: int) -> None:
+        if item == 3:
+            raise FULL
+
+    background = Background("the recording", work, BackgroundParameters(drops=False), said.append)
+    for k in range(10):
+        background.add(k)
+    with pytest.raises(OSError, match="No space"):
+        background.close()
+    background.close()
+    assert len(said) == 1
+    assert said[0].startswith("the recording stopped: [Errno 28] No space left on device")
+    assert background.dropped == 7
+
+
+def test_a_work_that_hangs_is_given_up() -> None:
+    hang = threading.Event()
+
+    def work(_item: int) -> None:
+        hang.wait()
+
+    background = Background("the recording", work, BackgroundParameters(patience=0.1))
+    background.add(1)
+    background.add(2)
+    with pytest.raises(OSError, match="the recording hangs"):
+        background.close()
+    hang.set()
+
+
+@pytest.mark.parametrize("blocked", ["recording", "video", "screen"])
+def test_a_blocked_output_is_no_pause_of_the_loop(
+    flown: Flown, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blocked: str
+) -> None:
+    free = threading.Event()
+    kind = {"recording": RecordingWriter.write, "video": Recorder.write, "screen": LiveView.show}[blocked]
+    owner = {"recording": RecordingWriter, "video": Recorder, "screen": LiveView}[blocked]
+
+    def wait(self: object, *items: object) -> None:
+        free.wait()
+        kind(self, *items)  # type: ignore[operator]
+
+    monkeypatch.setattr(owner, kind.__name__, wait)
+    files = FlightFiles(record=tmp_path / "a.mcap", video=tmp_path / "a.avi")
+    with FlightOutputs(flown.setup, files, quiet=True, real_time=True) as outputs:
+        assert fly(outputs, flown) < AT_ONCE
+        free.set()
+    if blocked != "screen":
+        assert any(note.startswith(f"the {blocked} lacks") for note in outputs.notes)
+
+
+def test_a_full_disk_does_not_end_a_flight(matchset: Matchset, capsys: Out, monkeypatch: pytest.MonkeyPatch) -> None:
+    write, written = RecordingWriter.write, []
+
+    def full(self: RecordingWriter, *items: object) -> None:
+        written.append(items)
+        if len(written) == 5:
+            raise FULL
+        write(self, *items)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(RecordingWriter, "write", full)
+    uri = "sim://chain?vehicles=2&seed=5&width=320&height=240&pal=clean"
+    assert matchset("fly", uri, "--duration", "1", "--record", "a.mcap", "--report", "a.html") == 2
+    err = capsys.readouterr().err.splitlines()
+    assert [line for line in err if line.startswith("the recording stopped: ")]
+    assert err[-1] == "error: flight.mcap: No space left on device"
+    assert len(list(RecordingReader(Path("a.mcap")))) == 4
+    assert Path("a.html").stat().st_size > 10_000
+
+
+def test_a_flight_in_real_time_says_its_longest_pause(matchset: Matchset, capsys: Out) -> None:
+    uri = "sim://chain?vehicles=2&seed=5&width=320&height=240&pal=clean"
+    matchset("fly", uri, "--duration", "1", "--real-time", "--record", "a.mcap")
+    assert "longest pause of the loop: " in capsys.readouterr().out

@@ -16,6 +16,8 @@ from matchset.app.flight.output_files import FlightFiles, Quiet
 
 if TYPE_CHECKING:
     from matchset.app.flight.flight import FlightParameters
+    from matchset.app.flight.outputs import FlightOutputs
+    from matchset.app.flight.pacer import Pacer
 
 FLY_EPILOG = """
 [bold]Examples[/bold]
@@ -88,7 +90,6 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     However it ends, everyone lands and the files are whole.
     """
     from matchset.app.flight.flight import Flight, flight_setup
-    from matchset.app.flight.log import flight_summary
     from matchset.app.flight.outputs import FlightOutputs
     from matchset.app.flight.pacer import Pacer
     from matchset.app.flight.score import FlightScorer
@@ -119,14 +120,21 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
                 break
             if pacer is not None:
                 pacer.wait()
+    _print_end(outputs, options.files, pacer)
+    if stop:
+        print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
+        return stop.code
+    return FOUND if scorer.score().survived else NOT_FOUND
+
+
+def _print_end(outputs: "FlightOutputs", files: FlightFiles, pacer: "Pacer | None") -> None:
+    """Print how the flight ended, what was written and what is missing in it."""
+    from matchset.app.flight.log import flight_summary
+
     print(f"flight: {flight_summary(outputs.log)}")
-    for path in options.files.paths:
+    for path in files.paths:
         print(f"  {path}")
     if pacer is not None:
         print(f"longest pause of the loop: {1e3 * pacer.longest:.0f} ms; {pacer.missed} pictures were late")
     for note in outputs.notes:
         print(f"note: {note}: it was too slow", file=sys.stderr)
-    if stop:
-        print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
-        return stop.code
-    return FOUND if scorer.score().survived else NOT_FOUND

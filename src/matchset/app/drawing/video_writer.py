@@ -90,6 +90,11 @@ class Recorder(NotCopied, Closing):
         self._offered += 1
         self._pictures.put(picture)
 
+    @property
+    def failure(self) -> Exception | None:
+        """Why nothing more is written; None while all is well."""
+        return self._error
+
     def close(self) -> None:
         """Encode what is in the queue and close the file.
 

@@ -21,6 +21,11 @@ from matchset.app.flight_report.report import write_report
 from matchset.app.recording.writer import RecordingWriter
 from matchset.links.simulated import FPS
 
+Item = tuple[ChainStep, Sequence[bool]]
+"""A step, and which pilots had been told to fly."""
+Work = Callable[[Item], None]
+Say = Callable[[str], None]
+
 
 class OutputParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How much of a flight may wait to be shown and written.
@@ -76,18 +81,19 @@ class FlightOutputs(Closing):
         self._messages: deque[str] = deque()
         parameters, limits = setup.parameters, OutputParameters()
         self._view = LiveView(parameters.pilot.place, parameters.duration, quiet)
-        self._writers: list[Background[tuple[ChainStep, Sequence[bool]]]] = []
+        self._say = self._messages.append
+        self._writers: list[Background[Item]] = []
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:
                 picture = FlightPicture(setup)
                 video = stack.enter_context(Recorder(self._files.video, FPS, picture.size))
-                work = _drawing(picture, video)
-                self._writers.append(stack.enter_context(self._writer("the video", work, limits.least, real_time)))
+                draw = _telling("the video", video, lambda item: video.write(picture.draw(item[0])), self._say)
+                self._writers.append(stack.enter_context(self._writer("the video", draw, limits.least, real_time)))
             if self._files.record is not None:
                 recording = stack.enter_context(RecordingWriter(self._files.record, setup))
                 room = max(limits.pictures // setup.followers, limits.least)
-                work = _recording(recording)
-                self._writers.append(stack.enter_context(self._writer("the recording", work, room, real_time)))
+                write = _telling("the recording", recording, lambda item: recording.write(*item), self._say)
+                self._writers.append(stack.enter_context(self._writer("the recording", write, room, real_time)))
             stack.enter_context(self._view)
             newest = BackgroundParameters(waiting=2, drops=real_time)
             self._screen = stack.enter_context(Background("the screen", self._show, newest))
@@ -129,11 +135,8 @@ class FlightOutputs(Closing):
             closes.append(functools.partial(write_report, self.log, self._files.report))
         close_all(*closes)
 
-    def _writer(
-        self, name: str, work: Callable[[tuple[ChainStep, Sequence[bool]]], None], room: int, real_time: bool
-    ) -> Background[tuple[ChainStep, Sequence[bool]]]:
-        parameters = BackgroundParameters(waiting=room, drops=real_time)
-        return Background(name, work, parameters, self._messages.append)
+    def _writer(self, name: str, work: Work, room: int, real_time: bool) -> Background[Item]:
+        return Background(name, work, BackgroundParameters(waiting=room, drops=real_time), self._say)
 
     def _show(self, shown: _Shown) -> None:
         self._say_messages()
@@ -144,9 +147,15 @@ class FlightOutputs(Closing):
             self._view.say(self._messages.popleft())
 
 
-def _drawing(picture: FlightPicture, video: Recorder) -> Callable[[tuple[ChainStep, Sequence[bool]]], None]:
-    return lambda item: video.write(picture.draw(item[0]))
+def _telling(name: str, writer: Recorder | RecordingWriter, work: Callable[[Item], None], say: Say) -> Work:
+    """Make a function that does the work, and says once that the writer has stopped, as at a full disk."""
+    told = False
 
+    def do(item: Item) -> None:
+        nonlocal told
+        work(item)
+        if writer.failure is not None and not told:
+            told = True
+            say(f"{name} stopped: {writer.failure}")
 
-def _recording(recording: RecordingWriter) -> Callable[[tuple[ChainStep, Sequence[bool]]], None]:
-    return lambda item: recording.write(*item)
+    return do

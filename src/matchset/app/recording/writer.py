@@ -100,6 +100,11 @@ class RecordingWriter(Closing):
         while self._waiting and (len(self._waiting) > MAX_WAITING or _compressed(self._waiting[0])):
             self._write_first()
 
+    @property
+    def failure(self) -> Exception | None:
+        """Why nothing more is written; None while all is well."""
+        return self._error
+
     def close(self) -> None:
         """Write what is waiting and finish the file.
 

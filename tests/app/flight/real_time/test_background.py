@@ -14,6 +14,7 @@ from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.flight.real_time.background import Background, BackgroundParameters
+from matchset.app.recording.mcap_file import McapWriter
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.writer import RecordingWriter
 
@@ -141,3 +142,22 @@ def test_a_flight_in_real_time_says_its_longest_pause(matchset: Matchset, capsys
     uri = "sim://chain?vehicles=2&seed=5&width=320&height=240&pal=clean"
     matchset("fly", uri, "--duration", "1", "--real-time", "--record", "a.mcap")
     assert "longest pause of the loop: " in capsys.readouterr().out
+
+
+def test_a_recording_that_meets_a_full_disk_says_so_while_it_flies(
+    matchset: Matchset, capsys: Out, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, written = McapWriter.write, []
+
+    def full(self: McapWriter, *items: object) -> None:
+        written.append(items)
+        if len(written) > 60:
+            raise FULL
+        write(self, *items)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(McapWriter, "write", full)
+    uri = "sim://chain?vehicles=2&seed=5&width=320&height=240&pal=clean"
+    assert matchset("fly", uri, "--duration", "1", "--record", "a.mcap") == 2
+    err = capsys.readouterr().err.splitlines()
+    assert [line for line in err if line.startswith("the recording stopped: ")]
+    assert "a.mcap" in err[-1]

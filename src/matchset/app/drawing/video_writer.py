@@ -21,7 +21,7 @@ class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     waiting : int
         Pictures that wait for the encoder. More evens out longer pauses and is lost if the program is killed; fewer
-        make the tracker wait. Chosen by: `python -m benchmarks.killed`, decision 088.
+        make the tracker wait. Chosen by: `python -m benchmarks.lost.killed`, decision 088.
     space : SpaceParameters
         How much of the disk is left free.
     """
@@ -94,6 +94,11 @@ class Recorder(NotCopied, Closing):
     def failure(self) -> Exception | None:
         """Why nothing more is written; None while all is well."""
         return self._error
+
+    @property
+    def waiting(self) -> int:
+        """How many pictures wait for the encoder."""
+        return self._pictures.qsize()
 
     def close(self) -> None:
         """Encode what is in the queue and close the file.

@@ -9,6 +9,8 @@ from typing import Annotated
 import msgspec
 import typer
 
+from matchset.app.disk import SPACE, SpaceParameters
+
 VideoFile = Annotated[
     Path | None,
     typer.Option("--video", metavar="OUT.webm", help="Film every camera side by side, and the chain from above."),
@@ -21,6 +23,10 @@ RecordingFile = Annotated[
     typer.Option(
         "--record", metavar="OUT.mcap", help="Record everything, for 'matchset replay' and tools of ROS 2; 40 MB/s."
     ),
+]
+KeepFree = Annotated[
+    float,
+    typer.Option("--keep-free", min=0.0, metavar="MB", help="Stop film and recording when the disk has no more free."),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show nothing while it flies.")]
 
@@ -36,11 +42,19 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         Plots and tables: .html.
     record : Path or None
         A recording for `matchset replay`: .mcap.
+    keep_free : float
+        MB of the disk that film and recording leave free; at most 2 % of it. See `SpaceParameters`.
     """
 
     video: VideoFile = None
     report: ReportFile = None
     record: RecordingFile = None
+    keep_free: KeepFree = SPACE.keep_free
+
+    @property
+    def space(self) -> SpaceParameters:
+        """How much of the disk is left free."""
+        return SpaceParameters(keep_free=self.keep_free)
 
     def check(self, force: bool = False) -> None:
         """Refuse files that cannot be written, before the flight begins.

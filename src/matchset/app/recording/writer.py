@@ -28,7 +28,7 @@ from matchset.app.recording.ros_messages import TF, TRANSFORMS, RosMessages, ros
 from matchset.links.simulated import FPS
 
 COMPRESSORS = 2  # format: threads that compress pictures
-MAX_WAITING = 8  # format: steps that wait for their pictures to be compressed; lost if the program is killed
+MAX_WAITING = 6  # format: steps that wait for their pictures to be compressed; lost if the program is killed
 STEP_BYTES = 8_000  # format: about what a step of a follower takes beside its picture
 
 

@@ -21,7 +21,7 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     piece : float
         Length of the pieces of a file, s: what a killed program loses beside the queue. Shorter ones cost some 100
-        bytes each. Chosen by: `python -m benchmarks.lost.killed`, decision 088.
+        bytes each. Chosen by: `python -m benchmarks.lost.killed`, decision 092.
     effort : int
         libvpx's "cpu-used" in real time, 0 ... 8: more is faster and a little larger. Chosen by: the same.
     vp8, vp9 : int

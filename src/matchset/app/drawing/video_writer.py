@@ -21,7 +21,7 @@ class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     waiting : int
         Pictures that wait for the encoder. More evens out longer pauses and is lost if the program is killed; fewer
-        make the tracker wait. Chosen by: `python -m benchmarks.lost.killed`, decision 088.
+        make the tracker wait. Chosen by: `python -m benchmarks.lost.killed`, decision 092.
     space : SpaceParameters
         How much of the disk is left free.
     """

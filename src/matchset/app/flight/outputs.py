@@ -1,6 +1,7 @@
 """What shows and writes a flight while it is flown or replayed: view, video, recording, report: `FlightOutputs`."""
 
 import functools
+import sys
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -9,7 +10,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.closing import Closing, close_all
-from matchset.app.drawing.video_writer import Recorder
+from matchset.app.drawing.video_writer import Recorder, RecorderParameters
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.log import FlightLog
@@ -83,21 +84,30 @@ class FlightOutputs(Closing):
         self._view = LiveView(parameters.pilot.place, parameters.duration, quiet)
         self._say = self._messages.append
         self._writers: list[Background[Item]] = []
+        recorder = RecorderParameters(space=self._files.space)
+        opened: list[Closing] = []
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:
                 picture = FlightPicture(setup)
-                video = stack.enter_context(Recorder(self._files.video, FPS, picture.size))
+                video = stack.enter_context(Recorder(self._files.video, FPS, picture.size, parameters=recorder))
+                opened.append(video)
                 draw = _telling("the video", video, lambda item: video.write(picture.draw(item[0])), self._say)
                 self._writers.append(stack.enter_context(self._writer("the video", draw, limits.least, real_time)))
             if self._files.record is not None:
-                recording = stack.enter_context(RecordingWriter(self._files.record, setup))
+                recording = stack.enter_context(RecordingWriter(self._files.record, setup, self._files.space))
+                opened.append(recording)
+                if not quiet:
+                    print(f"note: {recording.note}", file=sys.stderr)
                 room = max(limits.pictures // setup.followers, limits.least)
                 write = _telling("the recording", recording, lambda item: recording.write(*item), self._say)
                 self._writers.append(stack.enter_context(self._writer("the recording", write, room, real_time)))
             stack.enter_context(self._view)
             newest = BackgroundParameters(waiting=2, drops=real_time)
             self._screen = stack.enter_context(Background("the screen", self._show, newest))
-            self._stack = stack.pop_all()
+            stack.pop_all()
+        close_view = functools.partial(self._view.__exit__, None, None, None)
+        in_order: list[Closing] = [*self._writers, *opened]
+        self._closes: list[Callable[[], None]] = [self._screen.close, close_view, *(each.close for each in in_order)]
 
     @property
     def notes(self) -> list[str]:
@@ -130,7 +140,7 @@ class FlightOutputs(Closing):
         if self._closed:
             return
         self._closed = True
-        closes: list[Callable[[], None]] = [self._stack.close, self._say_messages]
+        closes = [*self._closes, self._say_messages]
         if self._files.report is not None:
             closes.append(functools.partial(write_report, self.log, self._files.report))
         close_all(*closes)

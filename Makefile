@@ -69,6 +69,12 @@ fuzz: $(READY) $(TOOLCHAIN)  ## a thousand million bytes of noise through the fi
 	    $(or $(ARGS),1-300 1120000 3)
 	MATCHSET_WALK_EVENTS=5 $(ONE_THREAD) nice -n 19 $(BIN)/python -m pytest -q tests/emu/test_emu_walk.py
 
+mutants: $(READY) $(TOOLCHAIN)  ## would the tests notice? break a line at a time, write docs/mutants.md (an hour; ARGS="--jobs 2")
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.mutants $(ARGS)
+
+mutants-quick: $(READY) $(TOOLCHAIN)  ## the same for twenty of them: all must be noticed (two minutes)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.mutants --quick --jobs 2 $(ARGS)
+
 toolchain: $(READY)  ## install the compiler and the emulators that the radio's tests need (Debian, as root)
 	.ci/toolchain
 

@@ -56,3 +56,13 @@ def test_before_anything_was_seen_all_is_flown_along() -> None:
 def test_bad_numbers_are_refused(bad: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
         FeedforwardParameters(**bad)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.1, 1.0, 10.0])
+def test_one_step_however_long_goes_part_of_the_way_and_not_beyond(step: float) -> None:
+    parameters = FeedforwardParameters(high_frequency_gain=0.0, crossover_time=0.2)
+    speed = SpeedFeedforward(parameters)
+    speed.update(0.0, step)
+    speed.update(1.0, step)
+    assert speed.output(0.0) == pytest.approx(step / (0.2 + step))
+    assert speed.output(0.0) < 1.0

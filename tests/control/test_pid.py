@@ -112,3 +112,15 @@ def test_a_far_goal_is_approached_no_faster_than_the_largest_error_says() -> Non
         fastest = max(fastest, speed)
     assert fastest <= 5.0 * 0.25 / 3.0 + 1e-9
     assert place == pytest.approx(3.0, abs=0.02)
+
+
+def test_an_approach_as_the_gains_want_it_adds_nothing_to_the_integral() -> None:
+    """With the lead D/P: at y' = -y the predicted error is zero; a standing error is added up in full."""
+    pid = Pid(PidParameters(proportional=2.0, integral=1.0, derivative=2.0, integral_lead=1.0))
+    for position in (1.0, 0.9, 0.8):
+        pid.update(0.0, position, 0.1, rate=-position)
+        assert pid.terms.integral == pytest.approx(0.0, abs=1e-12)
+    pid.update(0.0, 0.8, 0.1, rate=0.0)
+    assert pid.terms.integral == pytest.approx(-0.08)
+    pid.update(0.0, 0.8, 0.1, rate=0.4)  # away from the goal: more than the error alone
+    assert pid.terms.integral == pytest.approx(-0.08 - 0.12)

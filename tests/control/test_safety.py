@@ -153,7 +153,7 @@ def test_it_makes_no_difference_whether_the_ball_or_the_answer_is_missing(runs: 
         wanted = HOVER if answered else None
         _, without_answer = safety_filter(wanted, SafetyInputs(now, now, now, True), without_answer)
         assert without_answer.phase == without_ball.phase
-        assert without_answer.command.throttle == without_ball.command.throttle
+        assert without_answer.command.throttle <= without_ball.command.throttle  # it cannot undo a called-off descent
 
 
 @given(
@@ -183,3 +183,47 @@ def test_whatever_happens_what_is_sent_is_finite_and_in_range(
 def test_limits_that_are_none_are_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):
         SafetyParameters(**{field: value})
+
+
+def test_a_descent_never_raises_the_throttle_whatever_the_clock_does() -> None:
+    state, now = fly()
+    last = state.command.throttle
+    for ahead in (0.4, 1.0, 0.5, 1.2, 0.41, 1.9):  # also back in time
+        time = now + ahead
+        command, state = safety_filter(HOVER, SafetyInputs(time, -math.inf, -math.inf, True), state)
+        assert state.phase == "descending"
+        assert command.throttle <= last
+        last = command.throttle
+    _, state = safety_filter(HOVER, SafetyInputs(now - 1.0, -math.inf, -math.inf, True), state)
+    assert state.phase == "cut"  # before it began
+
+
+def test_a_descent_brings_full_sticks_to_neutral_gradually() -> None:
+    far = Command(0.8, -0.8, 1.0, 0.5)
+    state = SafetyState("flying", "", 0.0, seen_time=0.0, seen_since=0.0, command=far)
+    for k in range(1, 6):
+        command, state = safety_filter(HOVER, SafetyInputs(k * STEP, -math.inf, 0.0, True), state)
+        left = max(0.8 - k * LIMITS.max_stick_rate * STEP, 0.0)
+        assert command.roll == pytest.approx(left)
+        assert command.pitch == pytest.approx(-left)
+        assert command.yaw == pytest.approx(max(1.0 - k * LIMITS.max_stick_rate * STEP, 0.0))
+
+
+def test_before_it_flies_the_reason_is_the_one_that_holds() -> None:
+    state = SafetyState()
+    for k in range(1, 60):
+        now = k * STEP
+        _, state = safety_filter(None, SafetyInputs(now, now, now, True), state)
+        assert (state.phase, state.reason) == ("locked", "the controller has no answer")
+    _, state = safety_filter(None, SafetyInputs(9.0, 1.0, 1.0, True), state)
+    assert "no new frame" in state.reason
+    _, state = safety_filter(HOVER, SafetyInputs(9.0, 9.0, 1.0, True), state)
+    assert "not been seen" in state.reason
+
+
+def test_a_clock_that_jumps_ahead_gives_no_jump_of_the_sticks() -> None:
+    state, now = fly()
+    time = now + 50.0
+    command, _ = safety_filter(DesiredCommand(1.0, 0.0, 0.0, 0.9), SafetyInputs(time, time, time, True), state)
+    assert command.roll == pytest.approx(min(0.1 + LIMITS.max_stick_rate * LIMITS.max_step, LIMITS.max_tilt))
+    assert command.throttle == pytest.approx(0.5 + LIMITS.max_throttle_rate * LIMITS.max_step)

@@ -10,6 +10,7 @@ from matchset.image.errors import LinkError
 from matchset.links.arduino import channels, crsf
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import Config
+from matchset.links.arduino.protocol import ArduinoParameters
 from matchset.links.connect import connect
 from matchset.links.link import Link
 
@@ -282,3 +283,54 @@ def test_a_cut_of_a_link_that_has_gone_raises_with_the_next_command(link: Arduin
     link.cut()
     with pytest.raises(LinkError, match="unplugged"):
         link.send(FLIGHT)
+
+
+def test_a_landing_lowers_the_throttle_in_a_straight_line_with_neutral_sticks(
+    link: ArduinoLink, port: FakePort
+) -> None:
+    link.arm()
+    fly(link, port, 0.5)
+    before, begin = len(port.heard), port.clock()
+    link.land(1.5)
+    flown = [values for values in port.heard[before:] if values[4] == crsf.CHANNEL_HIGH]
+    top = port.heard[before - 1][2] - crsf.CHANNEL_LOW
+    assert 45 <= len(flown) <= 51
+    for number, values in enumerate(flown):
+        share = 1.0 - number * link.parameters.frame_period / 1.5
+        assert values[2] - crsf.CHANNEL_LOW == pytest.approx(top * share, abs=1.0)
+        assert (values[0], values[1], values[3]) == (crsf.CHANNEL_CENTER,) * 3
+    assert 1.5 < port.clock() - begin < 1.7
+
+
+@pytest.mark.parametrize("high_rate", [False, True])
+def test_switches_are_where_they_should_be_in_every_frame(port: FakePort, high_rate: bool) -> None:
+    port.clock.sleep(0.2)
+    parameters = ArduinoParameters(high_rate=high_rate)
+    link = ArduinoLink("serial:///fake", port, parameters, clock=port.clock, sleep=port.clock.sleep)
+    link.send_disarmed(FLIGHT)
+    link.arm()
+    fly(link, port, 0.3)
+    link.land(0.3)
+    assert {values[6] for values in port.heard} == {crsf.CHANNEL_LOW}  # never a flip
+    assert {values[5] for values in port.heard[4:-3]} == {crsf.CHANNEL_HIGH if high_rate else crsf.CHANNEL_LOW}
+    assert {values[4] for values in port.heard} == {crsf.CHANNEL_LOW, crsf.CHANNEL_HIGH}
+    assert {tuple(values[7:15]) for values in port.heard} == {(crsf.CHANNEL_CENTER,) * 8}
+    assert [values[15] - crsf.CHANNEL_LOW for values in port.heard] == list(range(len(port.heard)))
+
+
+def test_sticks_and_throttle_go_into_their_channels_with_their_signs() -> None:
+    command = Command(roll=0.5, pitch=-0.25, yaw=1.0, throttle=0.75)
+    assert channels.channels(command)[:4] == [992 + 410, 992 - 205, 172 + 1229, 1811]
+    assert channels.channels(Command(), armed=True)[4] == crsf.CHANNEL_HIGH
+    said = channels.on_air(command)
+    assert (said.roll, said.pitch, said.yaw, said.throttle) == (64 / 127, -32 / 127, 1.0, 191 / 255)
+
+
+def test_frames_are_numbered_beyond_a_thousand(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    fly(link, port, 40.0)
+    assert link.firmware.sent > 1024
+    assert link.firmware.answered >= link.firmware.sent - 1
+    assert link.firmware.round_trip is not None
+    assert 0.0 <= link.firmware.round_trip < 0.05
+    assert link.firmware.sent == len(port.heard)

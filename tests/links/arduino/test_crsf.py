@@ -69,3 +69,49 @@ def test_the_table_computes_the_polynomial(data: bytes) -> None:
             slow = (slow << 1) ^ 0xD5 if slow & 0x80 else slow << 1
             slow &= 0xFF
     assert crsf.crc8(data) == slow
+
+
+def test_a_good_frame_within_a_broken_one_is_found() -> None:
+    good = crsf.frame(0x16, crsf.pack_channels([992] * 16))
+    for cut in range(1, len(good)):
+        parser = crsf.Parser()
+        assert parser.feed(good[:cut] + good + bytes(64)) == [(0x16, good[3:-1])], cut
+    parser = crsf.Parser()
+    assert parser.feed(bytes([crsf.SYNC, len(good), 0]) + good) == [(0x16, good[3:-1])]
+    assert parser.bad == 1
+
+
+def test_the_longest_and_the_shortest_frame_are_found_and_no_others_are_waited_for() -> None:
+    longest, shortest = crsf.frame(0xE0, bytes(range(60))), crsf.frame(0xE2)
+    assert (len(longest), len(shortest)) == (64, 4)
+    assert crsf.Parser().feed(longest + shortest) == [(0xE0, bytes(range(60))), (0xE2, b"")]
+    for length in (0, 1, 63, 64, 255):
+        parser = crsf.Parser()
+        assert parser.feed(bytes([crsf.SYNC, length, 0]) + shortest) == [(0xE2, b"")], length
+        assert parser.bad == 0
+
+
+def test_a_frame_is_found_with_its_last_byte_and_what_follows_is_kept() -> None:
+    one, two = crsf.frame(0xE2), crsf.frame(0xE4, b"BIND")
+    parser = crsf.Parser()
+    assert parser.feed(one[:-1]) == []
+    assert parser.feed(one[-1:] + two[:3]) == [(0xE2, b"")]
+    assert parser.feed(two[3:]) == [(0xE4, b"BIND")]
+
+
+@pytest.mark.parametrize("kind", [-1, 256])
+def test_a_type_is_a_byte(kind: int) -> None:
+    with pytest.raises(ValueError, match="no frame of type"):
+        crsf.frame(kind)
+
+
+@pytest.mark.parametrize("count", [0, 15, 17])
+def test_sixteen_channels_no_fewer_and_no_more(count: int) -> None:
+    with pytest.raises(ValueError, match="16 channels"):
+        crsf.pack_channels([992] * count)
+    with pytest.raises(ValueError, match="22 bytes"):
+        crsf.unpack_channels(bytes(23))
+
+
+def test_the_published_checksum() -> None:
+    assert crsf.crc8(b"123456789") == 0xBC  # CRC-8/DVB-S2, from the catalogue of CRC algorithms

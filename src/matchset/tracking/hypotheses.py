@@ -60,8 +60,6 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
         Rounds of reweighting in which they are estimated.
     mode_range, mode_lines : float
         Half-widths up to which residuals count for that, and the share of the lines that must have one.
-    near_weight : float
-        Weight of the step in color near the outline of a round shape in the score.
     interior_weight : float
         Weight of the share of the inside, ...
     change_weight : float
@@ -91,7 +89,6 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
     mode_rounds: int = 4
     mode_range: float = 0.4
     mode_lines: float = 0.7
-    near_weight: float = 1.0
     interior_weight: float = 0.3
     change_weight: float = 0.5
     prediction_px: float = 1.0
@@ -189,8 +186,6 @@ class Hypotheses:
         if fitter.sides_move and fitter.uses_color:
             outside = float(self._target_outside(estimate, image, color).mean())
             score += score - fit.msac_score - limits.outside_penalty * outside
-        elif fitter.weighs(color):
-            score += limits.near_weight * fitter.near_step(estimate, image, color)
         return score + limits.interior_weight * fit.interior_share - limits.change_weight * change
 
     def at_color_boundary(self, estimate: Estimate, image: Image, color: ColorModel) -> Floats | None:

@@ -2,11 +2,13 @@
 
 import msgspec
 
+from matchset.fitting.consensus import ConsensusParameters
 from matchset.fitting.fitter import FittingParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color_adaptation import AdaptationParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.hypotheses import HypothesisParameters
+from matchset.tracking.hypothesis_filter import HypothesisFilterParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
 from matchset.tracking.voting import SearchParameters
@@ -44,6 +46,10 @@ class TrackerParameters(FittingParameters, frozen=True):
         How long a shape may be seen faintly.
     hypotheses : HypothesisParameters
         Which other hypotheses are tested where a fit is ambiguous.
+    consensus : ConsensusParameters
+        Which outlines are drawn from edge points where a fit is ambiguous.
+    hypothesis_filter : HypothesisFilterParameters
+        How those are weighed against the frames before.
     initialization : InitializationParameters
         How tracking begins at a given shape.
     search : SearchParameters
@@ -62,6 +68,8 @@ class TrackerParameters(FittingParameters, frozen=True):
     reach: ReachParameters = ReachParameters()
     confidence: ConfidenceParameters = ConfidenceParameters()
     hypotheses: HypothesisParameters = HypothesisParameters()
+    consensus: ConsensusParameters = ConsensusParameters()
+    hypothesis_filter: HypothesisFilterParameters = HypothesisFilterParameters()
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()

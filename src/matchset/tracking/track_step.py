@@ -13,8 +13,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.consensus import Consensus
 from matchset.fitting.fitter import Estimate, Fitter
-from matchset.fitting.validation import Rejection
+from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
@@ -23,6 +24,7 @@ from matchset.numeric.jit import collection_paused, interpreted
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
+from matchset.tracking.hypothesis_filter import HypothesisFilter
 from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.voting import Searcher
@@ -31,6 +33,7 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
+SAME_OFFSET = 1e-3  # theorem: share by which a field offset that is taken for half a frame's way differs: rounding
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
@@ -52,6 +55,13 @@ class TrackStep(Copied, Generic[S]):
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint = fitter, parameters, 0
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
+        self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
+        self._filter = HypothesisFilter(parameters.hypothesis_filter)
+
+    def forget(self) -> None:
+        """Be as a step is that has seen nothing."""
+        self.faint = 0
+        self._filter.forget()
         self._make_derived()
 
     def _derive(self) -> None:
@@ -101,7 +111,13 @@ class TrackStep(Copied, Generic[S]):
         period = limits.hypotheses.period if finds_itself(self.fitter.family) else 1
         may_test = bool(estimate.rejection) or index % period == 0
         if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
-            estimate = self._test_hypotheses(image, color, estimate, speed)
+            stretched = self._with_modes(image, color, estimate, speed)
+            if stretched is not None:
+                estimate = stretched
+            elif self._draws_outlines(color):
+                estimate = self._by_consensus(image, color, estimate, (time, interval), speed)
+            else:
+                estimate = self._test_hypotheses(image, color, estimate, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)
@@ -128,25 +144,68 @@ class TrackStep(Copied, Generic[S]):
             self.faint = 0
         return Rejection.FADED if self.faint > limits.faint_frames else Rejection.NONE
 
+    def _draws_outlines(self, color: ColorModel) -> bool:
+        """Whether outlines are drawn from edge points: not where those of two fields, known apart, would be mixed."""
+        fitter, limits = self.fitter, self.parameters.consensus
+        apart = math.hypot(*fitter.work.field_offset.expected.tolist())
+        half = self.parameters.fields.frame_share * float(fitter.work.window.speed)
+        mixed = apart > limits.max_field_offset_px and math.isclose(apart, half, rel_tol=SAME_OFFSET)
+        return len(fitter.family.parameters) <= limits.most_parameters and fitter.weighs(color) and not mixed
+
+    def _with_modes(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate | None:
+        """Fit with larger modes, as a lens may ask for; None, and the workspace as it was, where that is no better."""
+        limits, fitter, made = self.parameters.hypotheses, self.fitter, self.fitter.block.copy()
+        with_modes = self._hypotheses.with_modes(estimate)
+        if with_modes is None:
+            return None
+        fitter.free_modes()
+        stretched = fitter.fit(image, color, with_modes, SearchWindow(limits.range_px, speed))
+        least = max(estimate.fit.color_score + limits.mode_gain, limits.mode_score)
+        if not stretched.rejection and stretched.fit.color_score > least:
+            return stretched
+        fitter.block[:] = made
+        return None
+
+    def _by_consensus(
+        self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
+    ) -> Estimate:
+        """Fit the likeliest of the outlines that edge points around an ambiguous fit ask for.
+
+        A fit that was rejected needs evidence of the outline; without it, it is as it was.
+        """
+        fitter, limits, p = self.fitter, self.parameters.hypothesis_filter, len(self.fitter.family.parameters)
+        motion, step = fitter.work.motion, np.zeros(p)
+        if float(fitter.work.iteration.moved) > 0.0:  # the outline was traced before the last step
+            step = fitter.work.step[:p].copy()
+        traced, predicted, last = estimate.state[:p] - step, motion.predicted[:p].copy(), motion.last_state.copy()
+        if self._filter.time < float(motion.time):
+            self._filter.begin(last[:2], float(fitter.family.half_width(last)), float(motion.time))
+        given, size = np.array([step, predicted - traced]), estimate.fit.half_width
+        found = self._consensus.propose(image, color, fitter.outline, size, given)
+        places, preferred = (traced + found.steps)[:, :2], not estimate.rejection
+        which = self._filter.choose(found, places, predicted[:2] - last[:2], frame, preferred)
+        state, reach = estimate.state.copy(), max(limits.range_share * size, limits.min_range_px)
+        state[:p] = traced + found.steps[which]
+        fields = fitter.work.field_offset.fitted.copy()
+        fitted = fitter.fit(image, color, state, SearchWindow(reach, initial_sigma=limits.sigma_share * reach))
+        fitter.work.window.speed, fitter.work.field_offset.fitted[:] = speed, fields  # learned from the first fit
+        rejection = fitted.rejection
+        if not rejection and estimate.rejection:
+            unseen = fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
+            if unseen or found.scores[which] < limits.least_score:
+                rejection = estimate.rejection
+        if rejection:
+            self._filter.forget()
+        return fitted._replace(rejection=rejection)
+
     def _test_hypotheses(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate:
         """Fit the hypotheses around an ambiguous fit; the best of all, fitted once more."""
         limits, fitter = self.parameters.hypotheses, self.fitter
         best, most = estimate.state, -math.inf
         if not estimate.rejection:
             most = self._hypotheses.score(estimate, image, color) + limits.better
-        with_modes, starts = self._hypotheses.with_modes(estimate), [*self._hypotheses.around(estimate, image, color)]
-        if with_modes is not None:
-            fitter.free_modes()
-            stretched = fitter.fit(image, color, with_modes, SearchWindow(limits.range_px, speed))
-            least = max(estimate.fit.color_score + limits.mode_gain, limits.mode_score)
-            if not stretched.rejection and stretched.fit.color_score > least:
-                return stretched
         window = SearchWindow(limits.range_px, speed, limits.initial_sigma)
-        if fitter.weighs(color):
-            fitted = fitter.fit(image, color, estimate.state, window)  # the window decides it too
-            by_color = self._hypotheses.at_color_boundary(fitted, image, color)
-            starts += [] if by_color is None else [by_color]
-        for start in starts:
+        for start in [*self._hypotheses.around(estimate, image, color)]:
             other = fitter.fit(image, color, start, window)
             if not other.rejection and (score := self._hypotheses.score(other, image, color)) > most:
                 best, most = other.state, score

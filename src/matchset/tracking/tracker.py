@@ -168,7 +168,8 @@ class Tracker(Copied, Generic[S]):
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = self._step.faint = 0
+        self._frames = 0
+        self._step.forget()
 
     def update(self, frame: Frame) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.

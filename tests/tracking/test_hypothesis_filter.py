@@ -95,3 +95,21 @@ def test_after_a_while_nothing_is_remembered() -> None:
 def test_the_first_is_preferred_or_not(preferred: bool, answer: int) -> None:
     found = proposals([0.50, 0.51], [20.0, 20.0])
     assert HypothesisFilter(LIMITS).choose(found, np.zeros((2, 2)), STILL, (0.0, INTERVAL), preferred) == answer
+
+
+def test_the_spread_is_the_covariance_of_the_outlines_by_their_probabilities() -> None:
+    tested, steps = HypothesisFilter(LIMITS), np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 1.0], [0.0, -4.0, 2.0]])
+    scores = np.array([0.5, 0.45, 0.3])
+    found = Proposals(steps, np.full(3, 20.0), scores)
+    which = tested.choose(found, np.zeros((3, 2)), STILL, (0.0, INTERVAL), True)
+    log_odds = LIMITS.score_weight * scores + LIMITS.preference * np.array([1.0, 0.0, 0.0])
+    chances = np.exp(log_odds / LIMITS.temperature) / np.exp(log_odds / LIMITS.temperature).sum()
+    expected = sum(chance * np.outer(step, step) for chance, step in zip(chances, steps, strict=True))
+    assert which == 0
+    np.testing.assert_allclose(tested.spread(steps, which), expected, rtol=1e-12)
+
+
+def test_one_outline_alone_has_no_spread() -> None:
+    tested = HypothesisFilter(LIMITS)
+    tested.choose(proposals([0.6], [20.0]), np.zeros((1, 2)), STILL, (0.0, INTERVAL), True)
+    np.testing.assert_array_equal(tested.spread(np.ones((1, 3)), 0), np.zeros((3, 3)))

@@ -309,7 +309,7 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     return [track for _, track in found[:limit]]
 
 
-def track_of(fitter: Fitter[S], last: S | None, time: float) -> Track[S]:
+def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | None = None) -> Track[S]:
     """Answer with the last fit of a fitter.
 
     Parameters
@@ -319,8 +319,12 @@ def track_of(fitter: Fitter[S], last: S | None, time: float) -> Track[S]:
         The parameters describe the shape as this one is described: a square has four angles.
     time : float
         Of the frame, s.
+    spread : ndarray of shape (p, p), float64, optional
+        Covariance between the outlines that it may be: what the covariance of its edge points does not know of.
     """
     support, covariance, points = fitter.answer()
+    if spread is not None:
+        covariance = covariance + spread
     shape = fitter.family.from_state(fitter.state, last)
     if fitter.moves_covariance and (by := slopes(shape)) is not None:
         covariance = by @ covariance @ by.T

@@ -58,6 +58,7 @@ class HypothesisFilterParameters(msgspec.Struct, frozen=True):
     place_sigma: float = 0.1
     most: float = 8.0
     remembered_s: float = 1.0
+    temperature: float = 4.0
     least_score: float = 0.2
     range_share: float = 0.03
     min_range_px: float = 1.5
@@ -124,3 +125,18 @@ class HypothesisFilter:
         self._places, self._sizes, self._log_odds = places, sizes, log_odds - log_odds.max()
         self.time = time
         return int(np.argmax(log_odds))
+
+    def spread(self, steps: Floats, which: int) -> Floats:
+        """Covariance of the outlines beside the one that was chosen, by their probabilities.
+
+        Parameters
+        ----------
+        steps : ndarray of shape (k, p), float64
+            Of the outlines that `choose` weighed last.
+        which : int
+            The one that was chosen.
+        """
+        weights = np.exp(self._log_odds / self.limits.temperature)
+        weights /= weights.sum()
+        apart = steps - steps[which]
+        return np.asarray((weights[:, np.newaxis] * apart).T @ apart)

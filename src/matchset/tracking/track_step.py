@@ -54,13 +54,14 @@ class TrackStep(Copied, Generic[S]):
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint = fitter, parameters, 0
+        self.spread: Floats | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
         self._filter = HypothesisFilter(parameters.hypothesis_filter)
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint = 0
+        self.faint, self.spread = 0, None
         self._filter.forget()
         self._make_derived()
 
@@ -81,7 +82,7 @@ class TrackStep(Copied, Generic[S]):
         index : int
             Number of the frame.
         """
-        fitter = self.fitter
+        fitter, self.spread = self.fitter, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection:  # of an `IntEnum` that is faster than a comparison
             return None
@@ -194,8 +195,10 @@ class TrackStep(Copied, Generic[S]):
             unseen = fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
             if unseen or found.scores[which] < limits.least_score:
                 rejection = estimate.rejection
+        self.spread = self._filter.spread(found.steps, which)
         if rejection:
             self._filter.forget()
+            self.spread = None
         return fitted._replace(rejection=rejection)
 
     def _test_hypotheses(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate:

@@ -203,7 +203,7 @@ class Tracker(Copied, Generic[S]):
             if lost is not None:
                 return lost
         self.mode = Mode.TRACKING
-        track = track_of(self._fitter, self._last, self._time)
+        track = track_of(self._fitter, self._last, self._time, self._step.spread)
         self._last = track.shape
         self._adapt_color(image)
         return track

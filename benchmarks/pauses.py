@@ -132,7 +132,7 @@ def describe(measured: Measured, outside: Outside, outputs: FlightOutputs, link:
     lines = [
         f"longest pause {1e3 * longest:.1f} ms of {len(pauses)} ({verdict}); ms: {quantiles}",
         f"longer than {1e3 * BAR:.0f} ms: {int((pauses > BAR).sum())}; failsafes: {outside.failsafes.value}; longest "
-        f"silence at the transmitter {1e3 * outside.silence.value:.1f} ms, which itself once waited for a processor for "
+        f"silence at the transmitter {1e3 * outside.silence.value:.1f} ms, which itself did not run for up to "
         f"{1e3 * outside.delay.value:.1f} ms",
     ]
     for k in np.argsort(pauses)[::-1][:WORST].tolist():

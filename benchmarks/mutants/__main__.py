@@ -18,7 +18,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("lists", nargs="*", help="names of lists (benchmarks/mutants/*.toml); none for all")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time (default: 1)")
     parser.add_argument("--quick", action="store_true", help="only the subset that CI runs; all of it must be noticed")
-    parser.add_argument("--again", action="store_true", help="run again what is known to live")
+    parser.add_argument("--again", action="store_true", help="run again what is known")
     parser.add_argument("--table", action="store_true", help="run nothing, only write the table")
     parser.add_argument("--limit", type=float, default=300.0, help="longest time of the tests of a mutant, s")
     parser.add_argument(
@@ -46,11 +46,7 @@ def main() -> int:
     runner = Runner(options.folder.resolve(), options.jobs, options.limit)
     mutants = [mutant for mutant in load(tuple(options.lists)) if mutant.quick or not options.quick]
     known = runner.known()
-    left = [
-        mutant
-        for mutant in mutants
-        if mutant.key() not in known or (options.again and known[mutant.key()].verdict == "alive")
-    ]
+    left = [mutant for mutant in mutants if options.again or not runner.holds(mutant, known)]
     print(f"{len(mutants)} mutants, {len(left)} to run", flush=True)
     for count, outcome in enumerate(runner.run(left) if left and not options.table else (), 1):
         changed = f"{outcome.path}: {outcome.before!r} -> {outcome.after!r}"

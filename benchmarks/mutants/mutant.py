@@ -1,5 +1,6 @@
 """Mutants as data: `load` reads them, `Mutant.apply` makes one."""
 
+import functools
 import hashlib
 import tomllib
 from pathlib import Path
@@ -49,13 +50,26 @@ class Mutant(msgspec.Struct, frozen=True):
         return source.replace(self.before, self.after)
 
     def key(self, root: Path = ROOT) -> str:
-        """Hash of the mutant, its file and its tests: while it stays, a result holds."""
-        digest = hashlib.sha256(repr((self.path, self.before, self.after, self.tests)).encode())
-        folders = {root / test.split("::")[0] for test in self.tests if not test.startswith("-")}
-        for path in sorted({root / self.path, *folders}):
-            for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
-                digest.update(file.read_bytes() if file.is_file() else b"")
-        return digest.hexdigest()[:24]
+        """Hash of the mutant and its file: while it stays, a mutant that was noticed is not run again."""
+        return _hash(self.path, self.before, self.after, (root / self.path).read_text(encoding="utf-8"))
+
+    def tests_key(self, root: Path = ROOT) -> str:
+        """Hash of its tests: while it stays, a mutant that lived is not run again."""
+        return _hash(*self.tests, *_texts(tuple(test.split("::")[0] for test in self.tests), root))
+
+
+@functools.cache
+def _texts(paths: tuple[str, ...], root: Path) -> list[str]:
+    """Contents of files, and of the modules in folders; what is no path has none."""
+    found = []
+    for path in map(root.joinpath, paths):
+        files = sorted(path.rglob("*.py")) if path.is_dir() else [path] if path.is_file() else []
+        found += [file.read_text(encoding="utf-8") for file in files]
+    return found
+
+
+def _hash(*texts: str) -> str:
+    return hashlib.sha256(repr(texts).encode()).hexdigest()[:24]
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True):

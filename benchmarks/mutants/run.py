@@ -28,6 +28,7 @@ class Outcome(msgspec.Struct, frozen=True):
     """What became of a mutant."""
 
     key: str
+    tests_key: str
     group: str
     path: str
     before: str
@@ -92,11 +93,16 @@ class Runner:
         self._context: Any = multiprocessing.get_context("fork")
 
     def known(self) -> dict[str, Outcome]:
-        """Return what is known from before, by the mutants' keys."""
+        """Return what is known from before, by the mutants' keys; of what was run twice the last."""
         if not self._results.exists():
             return {}
         lines = self._results.read_bytes().splitlines()
         return {outcome.key: outcome for outcome in (msgspec.json.decode(line, type=Outcome) for line in lines)}
+
+    def holds(self, mutant: Mutant, known: dict[str, Outcome]) -> bool:
+        """Whether a result still says something: one that lived is tried again when its tests have changed."""
+        outcome = known.get(mutant.key())
+        return outcome is not None and (outcome.verdict != "alive" or outcome.tests_key == mutant.tests_key())
 
     def run(self, mutants: list[Mutant]) -> Iterator[Outcome]:
         """Test mutants; each outcome is kept on disk as soon as it is known."""
@@ -160,7 +166,14 @@ class Runner:
 
     def _keep(self, mutant: Mutant, verdict: Verdict, seconds: float) -> Outcome:
         outcome = Outcome(
-            mutant.key(), mutant.group, mutant.path, mutant.before, mutant.after, verdict, round(seconds, 1)
+            mutant.key(),
+            mutant.tests_key(),
+            mutant.group,
+            mutant.path,
+            mutant.before,
+            mutant.after,
+            verdict,
+            round(seconds, 1),
         )
         if verdict != "no test":
             with self._results.open("ab") as file:

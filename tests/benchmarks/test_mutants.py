@@ -47,7 +47,9 @@ def test_the_table_counts_what_was_run_and_names_what_lived(tmp_path: Path) -> N
     mutants = [Mutant("safety", "Makefile", "help", after, ()) for after in ("a", "b", "c")]
     verdicts: tuple[Verdict, ...] = "killed", "alive"
     known = {
-        mutant.key(): Outcome(mutant.key(), "safety", "Makefile", "help", mutant.after, verdict, 1.0)
+        mutant.key(): Outcome(
+            mutant.key(), mutant.tests_key(), "safety", "Makefile", "help", mutant.after, verdict, 1.0
+        )
         for mutant, verdict in zip(mutants, verdicts, strict=False)
     }
     text = table(mutants, known)
@@ -61,5 +63,18 @@ def test_the_table_counts_what_was_run_and_names_what_lived(tmp_path: Path) -> N
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs fork")
 def test_a_runner_without_mutants_keeps_nothing(tmp_path: Path) -> None:
-    runner = Runner(tmp_path)
-    assert runner.known() == {}
+    assert Runner(tmp_path).known() == {}
+
+
+def test_what_lived_is_run_again_when_its_tests_change_and_what_was_noticed_is_not() -> None:
+    mutant = Mutant("safety", "Makefile", "help", "halp", ("Makefile",))
+    runner = Runner(ROOT / "build")
+    for verdict, tests_key, holds in (
+        ("alive", mutant.tests_key(), True),
+        ("alive", "other", False),
+        ("killed", "other", True),
+        ("timeout", "other", True),
+    ):
+        outcome = Outcome(mutant.key(), tests_key, "safety", "Makefile", "help", "halp", verdict, 1.0)  # type: ignore[arg-type]
+        assert runner.holds(mutant, {mutant.key(): outcome}) is holds
+    assert not runner.holds(mutant, {})

@@ -334,3 +334,14 @@ def test_frames_are_numbered_beyond_a_thousand(link: ArduinoLink, port: FakePort
     assert link.firmware.round_trip is not None
     assert 0.0 <= link.firmware.round_trip < 0.05
     assert link.firmware.sent == len(port.heard)
+
+
+def test_what_is_sent_disarmed_has_the_arm_switch_low_also_after_arming(link: ArduinoLink, port: FakePort) -> None:
+    link.arm()
+    fly(link, port, 0.2)
+    for _ in range(10):
+        assert link.send_disarmed(FLIGHT) == channels.on_air(FLIGHT)
+        port.clock.sleep(1 / 30)
+        assert (port.heard[-1][4], port.throttle) == (crsf.CHANNEL_LOW, 0)
+    assert link.send(FLIGHT) == Command()  # and it does not arm again by itself
+    assert port.heard[-1][4] == crsf.CHANNEL_LOW

@@ -51,9 +51,23 @@ def errors_in_one_line() -> Iterator[None]:
     except (ValueError, OSError) as error:
         print_error("; ".join(map(_words, [*_unfinished_before(error), error])))
         raise SystemExit(BAD_INPUT) from None
+    except MemoryError as error:
+        print_error(f"not enough memory: {error}" if str(error) else "not enough memory")
+        raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
         print_error("stopped")
         raise SystemExit(INTERRUPTED) from None
+    except Exception as error:
+        if not _is_opencv(error):
+            raise
+        print_error(f"OpenCV: {error}")
+        raise SystemExit(BAD_INPUT) from None
+
+
+def _is_opencv(error: Exception) -> bool:
+    """Whether an error is OpenCV's; it is not imported for that."""
+    opencv = sys.modules.get("cv2")
+    return opencv is not None and isinstance(error, opencv.error)
 
 
 def _words(error: ValueError | OSError) -> str:

@@ -15,10 +15,11 @@ from typing import Any
 
 import msgspec
 
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.reading import read_text
 from matchset.tracking.parameters import TrackerParameters
 
 _WIDTH = 100  # format: longest line of a comment
-_MAX_BYTES = 1_000_000  # format: a larger file holds no parameters
 _MAX = 1e6  # format: largest number in a file; no length, time or count of a tracker is larger
 
 
@@ -43,9 +44,7 @@ def tracker_parameters(path: Path | None) -> TrackerParameters:
     if path is None:
         return TrackerParameters()
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise ValueError(f"{path}: too large for a file of parameters")
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
+        values = tomllib.loads(read_text(path, LIMITS.text))
     except FileNotFoundError:
         raise ValueError(f"no such file: {path}") from None
     except OSError as error:

@@ -11,6 +11,8 @@ import msgspec
 
 from matchset.app.closing import Closing, close_all
 from matchset.app.disk import UnfinishedFileError, WholeFile
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.reading import read_limited
 
 Cell = int | float | str | None
 Cells = Mapping[str, Cell]
@@ -221,12 +223,12 @@ def by_frame(lines: Iterable[CsvLine], row_of: Callable[[CsvLine], Framed]) -> l
 def _lines(path: str | Path) -> list[tuple[int, list[str]]]:
     """Return the lines of a CSV file that are not empty, with their numbers."""
     try:
-        with Path(path).open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            return [(reader.line_num, cells) for cells in reader if cells]
+        text = read_limited(Path(path), LIMITS.table, text=True).decode("utf-8-sig")
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        return [(reader.line_num, cells) for cells in reader if cells]
     except OSError as error:
         raise ValueError(f"cannot read {path}: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
+    except (ValueError, csv.Error) as error:
         raise ValueError(f"{path} is not a CSV table: {error}") from error
 
 

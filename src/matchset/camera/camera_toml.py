@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.lens import INTRINSICS
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.reading import read_limited
 from matchset.image.files.whole_file import write_whole
 
 Floats = npt.NDArray[np.float64]
@@ -17,7 +19,6 @@ Keys = dict[str, str]
 _SIZES = "width", "height"
 _MODEL = "distortion_model"
 _PLUMB_BOB = "plumb_bob"
-_LARGEST_BYTES = 1_000_000  # format: a longer file is no camera
 _MEANING = {
     "width": "px",
     "height": "px",
@@ -56,9 +57,7 @@ def read_camera(path: Path) -> tuple[dict[str, Any], Keys]:
     if path.suffix.lower() not in readers:
         raise ValueError(f"{path}: a camera file is .toml (matchset), .yaml or .yml (ROS, OpenCV)")
     try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise ValueError("too large for a camera file")
-        text = path.read_bytes().decode("utf-8-sig")
+        text = read_limited(path, LIMITS.text, text=True).decode("utf-8-sig")
         return readers[path.suffix.lower()](text)
     except FileNotFoundError:
         raise ValueError(f"no such camera file: {path}") from None

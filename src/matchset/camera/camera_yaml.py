@@ -10,7 +10,14 @@ from typing import Any
 
 import yaml
 
+from matchset.image.files.limits import LIMITS
+
 Keys = dict[str, str]
+
+
+class TooManyValuesError(Exception):
+    """A document of more values than are allowed."""
+
 
 _WIDTH = "image_width", "width", "image_Width"
 _HEIGHT = "image_height", "height", "image_Height"
@@ -67,8 +74,10 @@ def _mapping(text: str) -> dict[str, Any]:
     if text.startswith("%YAML"):  # OpenCV's "%YAML:1.0" is no directive of YAML
         text = text.partition("\n")[2]
     try:
-        # Of several documents (`rostopic echo` ends each message with ---) load_all reads only the one asked for.
-        table = next(yaml.load_all(text, yaml.BaseLoader), None)
+        # Of several documents (`rostopic echo` ends each message with ---) only the first is read.
+        table = _first_document(text)
+    except TooManyValuesError:
+        raise ValueError(f"not a camera file, it holds more than {LIMITS.nodes} values") from None
     except RecursionError:
         raise ValueError("not a camera file, nested too deeply") from None
     except yaml.YAMLError as error:
@@ -80,6 +89,31 @@ def _mapping(text: str) -> dict[str, Any]:
     if not isinstance(table, dict):
         raise ValueError("not a camera file, it holds no keys")
     return table
+
+
+def _first_document(text: str) -> object:
+    """Compose the first document, count its values with all aliases written out, and only then make them."""
+    loader = yaml.BaseLoader(text)
+    try:
+        node = loader.get_node() if loader.check_node() else None
+        if node is None:
+            return None
+        if _values(node, {}) > LIMITS.nodes:
+            raise TooManyValuesError
+        return loader.construct_document(node)
+    finally:
+        loader.dispose()
+
+
+def _values(node: yaml.Node, known: dict[int, float]) -> float:
+    """Count the values of a node, infinite for one that holds itself."""
+    if id(node) in known:
+        return known[id(node)]
+    known[id(node)] = math.inf  # until it is counted: what refers to it meanwhile is inside of it
+    inside = node.value if isinstance(node, yaml.CollectionNode) else []
+    parts = [part for each in inside for part in (each if isinstance(each, tuple) else (each,))]
+    known[id(node)] = 1.0 + sum(_values(part, known) for part in parts)
+    return known[id(node)]
 
 
 def _check_kind(table: dict[str, Any]) -> None:

@@ -7,6 +7,7 @@ gray ones by their value; a pixel costs one read whatever taught the table.
 """
 
 import io
+import zipfile
 from pathlib import Path
 from typing import cast
 
@@ -25,6 +26,8 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.reading import read_limited
 from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import check_image
 from matchset.numeric.copies import Copied
@@ -353,7 +356,11 @@ class ColorModel(Copied):
             If there is no such file, it is not a color model, or it is of another version.
         """
         try:
-            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            packed = io.BytesIO(read_limited(Path(path), LIMITS.color))
+            with zipfile.ZipFile(packed) as names:
+                if sum(each.file_size for each in names.infolist()) > LIMITS.color:
+                    raise ValueError(f"it unpacks to more than {LIMITS.color / 1e6:g} MB")
+            with np.load(packed, allow_pickle=False) as archive:
                 version, log_odds = int(archive["matchset_color"]), np.asarray(archive["log_odds"])
                 gray = str(archive["gray"]) if "gray" in archive else ""
             if version == VERSION and gray in ("", "dark", "light", "edges"):

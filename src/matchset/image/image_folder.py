@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import numpy as np
 
-from matchset.image.capture import hushed
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.picture import decode_picture
+from matchset.image.files.reading import read_limited
 from matchset.image.frame import Frame
 
 SUFFIXES = {".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff", ".webp"}
@@ -88,10 +89,17 @@ def natural(name: str) -> tuple[list[tuple[int, int, str]], str]:
 
 
 def decode(path: Path) -> Any:
-    """Picture of a file as (h, w, 3) or (h, w) uint8, or None if it is broken or cannot be read."""
+    """Picture of a file as (h, w, 3) or (h, w) uint8, or None if it is broken or cannot be read.
+
+    Raises
+    ------
+    ValueError
+        If it is larger than `matchset.image.files.limits.InputLimits` allows.
+    """
     try:
-        data = np.fromfile(path, np.uint8)  # cv2.imread fails on Windows where a name is not ASCII
-        with hushed:
-            return cv2.imdecode(data, cv2.IMREAD_ANYCOLOR)
-    except (OSError, cv2.error):
+        # cv2.imread fails on Windows where a name is not ASCII
+        return decode_picture(read_limited(path, LIMITS.picture_file), cv2.IMREAD_ANYCOLOR)
+    except OSError:
         return None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None

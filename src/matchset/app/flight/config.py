@@ -8,6 +8,8 @@ import msgspec
 
 from matchset.app.flight.flight import FlightParameters
 from matchset.camera.camera_model import CameraModel
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.reading import read_text
 from matchset.links.simulated import parse_uri
 from matchset.sim.toml_settings import read_settings
 
@@ -47,7 +49,7 @@ def read_flight(path: Path) -> FlightParameters:
         If a key is unknown, of a wrong kind or out of range, or camera and size disagree: with the key and the line.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path, LIMITS.text)
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: not a text file: {error}") from None
     file = read_settings(text, ConfigFile, str(path))

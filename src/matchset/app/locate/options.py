@@ -17,6 +17,8 @@ from matchset.app.track.loop import trackers_for
 from matchset.app.track.target_options import LearnedTarget, check_target_options, parse_pick, target_for
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.reading import read_text
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.localization.ball_target import BallTarget
@@ -26,7 +28,6 @@ from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 
 _KEYS = "diameter, marker_diameter (m) and markers = [[x, y, z], ...]"
-_MAX_BYTES = 100_000  # format: a larger file is no ball
 
 
 class BallFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -64,9 +65,7 @@ def read_ball(path: Path) -> BallFile:
         If there is no such file, or it holds something else; the message names file and key.
     """
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise ValueError(f"{path}: too large for a file of a ball")
-        ball = msgspec.toml.decode(path.read_bytes(), type=BallFile)
+        ball = msgspec.toml.decode(read_text(path, LIMITS.text), type=BallFile)
     except FileNotFoundError:
         raise ValueError(f"no such file: {path}") from None
     except OSError as error:

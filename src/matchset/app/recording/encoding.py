@@ -14,6 +14,7 @@ from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
 from matchset.image.bags.ros_image import COMPRESSED_IMAGE, NANO, read_picture
+from matchset.image.files.picture import decode_picture
 from matchset.image.frame import Frame
 from matchset.sim.vehicle import VehiclePose
 
@@ -121,11 +122,7 @@ def frame_of(message: Picture) -> Frame:
     ValueError
         If the PNG does not decode.
     """
-    data = np.frombuffer(message.png, np.uint8)
-    try:
-        image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
-    except cv2.error:
-        image = None
+    image = decode_picture(message.png, cv2.IMREAD_UNCHANGED)
     if image is None:
         raise ValueError(f"the picture of frame {message.index} does not decode")
     return Frame(np.asarray(image, np.uint8), message.time, message.index)

@@ -8,6 +8,9 @@ from typing import Any
 import cv2
 import numpy as np
 
+from matchset.image.files.limits import LIMITS
+from matchset.image.files.picture import decode_picture
+from matchset.image.files.reading import read_limited
 from matchset.shapes.circle import Circle
 from matchset.shapes.convex import Convex
 from matchset.shapes.ellipse import Ellipse
@@ -68,12 +71,13 @@ def parse_shape(text: str) -> type[Any]:
 def _outline_of(path: Path, affine: bool) -> type[Any]:
     """Read the outline of the bright region of a picture file."""
     try:
-        packed = np.frombuffer(path.read_bytes(), np.uint8)
+        picture = decode_picture(read_limited(path, LIMITS.picture_file), cv2.IMREAD_GRAYSCALE)
     except OSError:
         raise ValueError(
             f"--shape is {NAMES}, corners as '0,0 4,0 0,3', or a picture file; got {str(path)!r}"
         ) from None
-    picture = cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE) if len(packed) else None
+    except ValueError as error:
+        raise ValueError(f"--shape: {path}: {error}") from None
     if picture is None:
         raise ValueError(f"--shape: {path} is not a picture")
     return Convex.of(np.asarray(picture > 127), "affine" if affine else "similarity")

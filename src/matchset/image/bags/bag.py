@@ -216,7 +216,12 @@ def _inside(folder: Path) -> list[str]:
 def _is_described(folder: Path) -> bool:
     """Whether a folder has the description of a ROS 2 bag; other folders may have a metadata.yaml, too."""
     file = folder / DESCRIPTION
-    return file.is_file() and KEY in file.read_bytes()[:LONGEST_BEGINNING]
+    return file.is_file() and KEY in _beginning(file)
+
+
+def _beginning(file: Path) -> bytes:
+    with file.open("rb") as opened:
+        return opened.read(LONGEST_BEGINNING)
 
 
 def _listed(topics: list[BagTopic]) -> str:

@@ -12,6 +12,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.files.picture import decode_picture
+
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 NANO = 10**9  # format: nanoseconds in a second
 LITTLE_ENDIAN = 1  # format: lowest bit of the second byte of a CDR message
@@ -187,10 +189,10 @@ def _header(fields: Fields, ros1: bool) -> int:
 
 
 def decode_compressed(data: memoryview) -> Picture | None:
-    """Decode a JPEG, PNG or other picture that OpenCV reads; None if it is broken or something else."""
+    """Decode a JPEG, PNG or other picture that OpenCV reads; None if it is broken, too large or something else."""
     try:
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR) if len(data) else None
-    except cv2.error:
+        image = decode_picture(data, cv2.IMREAD_ANYCOLOR)
+    except ValueError:
         return None
     return None if image is None else np.asarray(image, np.uint8)
 

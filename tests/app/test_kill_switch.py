@@ -158,8 +158,9 @@ def test_the_signal_cuts_while_the_main_thread_is_in_a_long_call(transmitter: Pt
     before = signal.getsignal(signal.SIGUSR1)
     with ArduinoLink(transmitter.path) as link, KillSwitch(lambda _: link.cut(), terminal=-1) as kill:
         link.arm()
-        link.send(Command(throttle=0.6))
-        transmitter.wait_for(100)
+        while transmitter.port.throttle < 100:
+            link.send(Command(throttle=0.6))
+            time.sleep(PACKET)
         timer = threading.Timer(0.02, send)
         timer.start()
         hashlib.pbkdf2_hmac("sha256", b"", b"", 300_000)  # Python's handlers run only after it

@@ -52,3 +52,20 @@ def test_runs_that_is_a_file_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyP
     Path("runs").write_text("")
     with pytest.raises(ValueError, match="cannot write to the folder runs"):
         output_folder(None, "track")
+
+
+@pytest.mark.parametrize("link", ["itself", "symbolic", "hard", "folder", "pattern"])
+def test_what_is_read_is_never_overwritten(tmp_path: Path, link: str) -> None:
+    film = tmp_path / "film" / "0001.png"
+    film.parent.mkdir()
+    film.write_text("a film")
+    wanted = film if link in ("itself", "folder", "pattern") else tmp_path / "out.png"
+    if link == "symbolic":
+        wanted.symlink_to(film)
+    elif link == "hard":
+        wanted.hardlink_to(film)
+    source = {"folder": film.parent, "pattern": film.parent / "%04d.png"}.get(link, film)
+    with pytest.raises(ValueError, match="is what is read"):
+        output_file(wanted, force=True, source=source)
+    assert film.read_text() == "a film"
+    assert output_file(film.parent / "new.png", force=True, source=source) == film.parent / "new.png"

@@ -42,7 +42,7 @@ def output_folder(wanted: Path | None, command: str, force: bool = False) -> Pat
     return wanted
 
 
-def output_file(wanted: Path, force: bool = False) -> Path:
+def output_file(wanted: Path, force: bool = False, source: str | Path | None = None) -> Path:
     """Check that a file may be written.
 
     Parameters
@@ -51,6 +51,8 @@ def output_file(wanted: Path, force: bool = False) -> Path:
         The file; folders above it are made.
     force : bool
         Whether it may be overwritten.
+    source : str or Path, optional
+        What is read meanwhile, a file or a folder of pictures: that is never overwritten, not even through a link.
 
     Returns
     -------
@@ -60,9 +62,11 @@ def output_file(wanted: Path, force: bool = False) -> Path:
     Raises
     ------
     ValueError
-        If it exists and `force` is not given, or its folder cannot be made or written.
+        If it exists and `force` is not given, if it is what is read, or its folder cannot be made or written.
     """
     try:
+        if source is not None and _is_read(wanted, Path(source)):
+            raise ValueError(f"{wanted} is what is read, {source}: give the output another name")
         if wanted.is_dir():
             raise ValueError(f"{wanted} is a folder, not a file")
         if wanted.exists() and not force:
@@ -90,6 +94,14 @@ def _numbered_folder(command: str) -> Path:
                 return folder
     except OSError as error:
         raise ValueError(f"cannot write to the folder {RUNS}: {error.strerror}") from error
+
+
+def _is_read(wanted: Path, source: Path) -> bool:
+    """Whether a file is the source, or one of the pictures in a source's folder (``folder``, ``folder/%04d.png``)."""
+    source = source.parent if "%" in source.name else source
+    if not wanted.exists() or not source.exists():
+        return False
+    return wanted.samefile(source) or (source.is_dir() and wanted.resolve().parent.samefile(source))
 
 
 def _check_writable(folder: Path) -> None:

@@ -201,3 +201,15 @@ def test_a_note_on_the_color_is_told(matchset: Matchset, tmp_path: Path, capsys:
     out, err = capsys.readouterr()
     assert "note: the color at (160, 120) is all over the picture: learned against what is next to it\n" in err
     assert "found in 3 of 3 frames" in out
+
+
+def test_force_never_overwrites_the_video_that_is_read(
+    matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = Path("own.mp4")
+    own.write_bytes(ball_video.read_bytes())
+    Path("out.mp4").symlink_to(own)
+    for name in ("own.mp4", "out.mp4"):
+        assert matchset("track", own, "--pick", "50,60", "--video", name, "--force") == 2
+        assert one_error(capsys).startswith(f"{name} is what is read")
+        assert own.read_bytes() == ball_video.read_bytes()

@@ -41,13 +41,13 @@ def board_of(options: BoardOptions) -> Board:
     )
 
 
-def camera_file(out: Path | None, force: bool) -> Path:
+def camera_file(out: Path | None, force: bool, source: str | None = None) -> Path:
     """Return the file to write the camera to: the one asked for, or one in a new folder."""
     if out is None:
         return output_folder(None, "calibrate") / "camera.toml"
     if out.suffix.lower() != ".toml":
         raise ValueError(f"a camera file's name must end in .toml, got {str(out)!r}")
-    return output_file(out, force)
+    return output_file(out, force, source)
 
 
 def calibrate_board(source: str, board: Board, out: Path | None, force: bool, topic: str | None = None) -> int:
@@ -71,8 +71,8 @@ def calibrate_board(source: str, board: Board, out: Path | None, force: bool, to
         The exit code.
     """
     with StopRequest() as stop, Video(source, topic=topic) as video:
-        path = camera_file(out, force)
-        picture = output_file(path.with_name(path.stem + "-coverage.png"), force)
+        path = camera_file(out, force, source)
+        picture = output_file(path.with_name(path.stem + "-coverage.png"), force, source)
         seen = look_for_board(video, board, stop)
         for warning in video.warnings:
             print("note: " + warning, file=sys.stderr)

@@ -146,7 +146,7 @@ def _outputs(
     from matchset.app.locate.rows import pose_table
     from matchset.app.track.outputs import Outputs, recorder_for
 
-    recorder = recorder_for(options.video, video, options.force)
+    recorder = recorder_for(options.video, video, options.force, options.source)
     return Outputs(pose_table(folder, options.jsonl), draw, recorder)
 
 

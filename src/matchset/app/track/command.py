@@ -94,9 +94,8 @@ def track(options: TrackOptions) -> int:
         folder = output_folder(options.out, "track", options.force)
         statistics = RunStatistics()
         try:
-            outputs = track_outputs(
-                folder, family.parameters, options.jsonl, recorder_for(options.video, video, options.force)
-            )
+            recorder = recorder_for(options.video, video, options.force, options.source)
+            outputs = track_outputs(folder, family.parameters, options.jsonl, recorder)
             frames = follow(itertools.chain(taken, video), tracker_at, gaps=not video.live, stop=stop)
             write_frames(frames, outputs, statistics, video, options.to_stdout)
         finally:

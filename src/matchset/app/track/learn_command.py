@@ -42,8 +42,12 @@ def learn_color(options: LearnOptions) -> int:
     with Video(options.source, topic=options.topic) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
     color = ColorModel.pick(frame.image, x, y)
-    path = output_folder(None, "learn") / "ball.npz" if options.out is None else output_file(options.out, options.force)
-    picture = output_file(path.with_name(path.stem + "-mask.png"), options.force)
+    path = (
+        output_folder(None, "learn") / "ball.npz"
+        if options.out is None
+        else output_file(options.out, options.force, options.source)
+    )
+    picture = output_file(path.with_name(path.stem + "-mask.png"), options.force, options.source)
     color.save(path)
     write_picture(picture, mask_picture(frame.image, color))
     print(f"color saved:  {path}")
@@ -78,7 +82,7 @@ def show_candidates(options: LearnOptions) -> int:
     if options.out is None:
         path = output_folder(None, "learn") / f"frame-{frame.index}.png"
     else:
-        path = output_file(options.out, options.force)
+        path = output_file(options.out, options.force, options.source)
     write_picture(path, grid_picture(frame.image, found))
     print(f"frame {frame.index} with a pixel grid: {path}\n")
     if found:
@@ -112,14 +116,14 @@ def _print_commands(source: tuple[str, ...], frame: Frame, found: list[Candidate
 
 def _print_commands_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate], path: Path) -> None:
     """Save the frame and every candidate's color: the ball will have moved when the next command is typed."""
-    still = output_file(path.with_name(f"{path.stem}-still.png"), options.force)
+    still = output_file(path.with_name(f"{path.stem}-still.png"), options.force, options.source)
     write_picture(still, frame.image)
     for number, candidate in enumerate(found, start=1):
         try:
             color = ColorModel.pick(frame.image, *candidate.pick)
         except ValueError:
             continue
-        file = output_file(path.with_name(f"candidate-{number}.npz"), options.force)
+        file = output_file(path.with_name(f"candidate-{number}.npz"), options.force, options.source)
         color.save(file)
         if number == 1:
             print("\nIf the ball is number 1, type (the others' colors are saved beside it):\n")

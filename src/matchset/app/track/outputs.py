@@ -91,12 +91,12 @@ def track_outputs(
     return Outputs(table, _annotated, recorder)
 
 
-def recorder_for(path: Path | None, video: Video, force: bool) -> Recorder | None:
+def recorder_for(path: Path | None, video: Video, force: bool, source: str) -> Recorder | None:
     """Begin the annotated video of a source, if one is wanted; a note on its codec goes to stderr."""
     if path is None:
         return None
     size = video.width, video.height
-    recorder = Recorder(output_file(path, force), video.fps or _DEFAULT_FPS, size, video.live)
+    recorder = Recorder(output_file(path, force, source), video.fps or _DEFAULT_FPS, size, video.live)
     if recorder.note:
         print("note: " + recorder.note, file=sys.stderr)
     return recorder

@@ -5,6 +5,7 @@ A new version of Numba that fails here: repair the hook, or leave it out, before
 
 import importlib.util
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -15,9 +16,11 @@ import numba
 import numpy as np
 import numpy.typing as npt
 import pytest
+from numba.core import serialize
 
-from matchset.numeric import jit
+from matchset.numeric import jit, kept_code
 from matchset.numeric.jit import helper, identity, kernel
+from matchset.numeric.kept_code import KeptCode
 
 Floats = npt.NDArray[np.float64]
 
@@ -88,35 +91,59 @@ def family(folder: Path, gain: float) -> ModuleType:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    jit._read_source.cache_clear()
-    jit.source_stamp.cache_clear()
+    kept_code._read_source.cache_clear()
+    kept_code.source_stamp.cache_clear()
     return module
 
 
 def test_the_stamp_of_kept_code_is_ours() -> None:
     """Otherwise a kernel goes on with old code after a file that it imports has changed."""
-    stamp = counted._cache._cache_file._source_stamp  # type: ignore[attr-defined]
-    assert stamp[1] == jit.source_stamp(Path(__file__))
+    stamp = counted._cache._cache_file.stamp  # type: ignore[attr-defined]
+    assert stamp[2] == kept_code.source_stamp(Path(__file__))
 
 
 def test_code_of_an_older_source_is_never_found_under_the_key_of_a_new_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Otherwise a process that looks between the writing of index and code, or after a crash there, runs old code."""
-    assert counted._cache._cache_file.save.func is jit._save  # type: ignore[attr-defined]
-    make: Any = type(counted._cache._cache_file)  # type: ignore[attr-defined]
-    older, newer, other = (make(str(tmp_path), name, stamp) for name, stamp in (("f-3", 1), ("f-3", 2), ("f-30", 1)))
+    older, newer, other = (
+        KeptCode(tmp_path, name, stamp, pickle.dumps) for name, stamp in (("f-3", 1), ("f-3", 2), ("f-30", 1))
+    )
     for key in ("int", "float"):
-        jit._save(older, key, f"{key}, old")
-        jit._save(other, key, "of another")
+        older.save(key, f"{key}, old")
+        other.save(key, "of another")
     with monkeypatch.context() as patch:
-        patch.setattr(newer, "_save_data", lambda *_: None)
-        jit._save(newer, "int", "int, new")
+        write = newer._write
+        patch.setattr(newer, "_write", lambda path, content: path == newer.index and write(path, content))
+        newer.save("int", "int, new")
     assert newer.load("int") is None
-    jit._save(newer, "int", "int, new")
-    jit._save(newer, "float", "float, new")
+    newer.save("int", "int, new")
+    newer.save("float", "float, new")
     assert [newer.load(key) for key in ("int", "float")] == ["int, new", "float, new"]
     assert [other.load(key) for key in ("int", "float")] == ["of another"] * 2
+
+
+def test_two_processes_that_write_at_once_never_find_the_code_of_the_other(tmp_path: Path) -> None:
+    """Otherwise, where both took the same name, a kernel runs code for other types."""
+    one, other = (KeptCode(tmp_path, "f-3", 1, pickle.dumps) for _ in range(2))
+    one.save("int", "code for int")
+    data = (tmp_path / "f-3.1.nbc").read_bytes()
+    one.flush()
+    other.save("float", "code for float")
+    (tmp_path / "f-3.1.nbc").write_bytes(data)
+    assert other.load("float") is None
+
+
+def test_kept_code_is_read_and_written_by_us() -> None:
+    """Otherwise a file that a loss of power tore ends every command, and so does a full disk."""
+    cache = counted._cache  # type: ignore[attr-defined]
+    assert isinstance(cache._cache_file, KeptCode)
+    assert cache.load_overload.func is jit._load
+    assert cache.save_overload.func is jit._save
+    for name in ("load_overload", "save_overload", "cache_path"):
+        assert hasattr(type(cache), name)
+    dump: Any = serialize.dumps
+    assert pickle.loads(dump({1: 2})) == {1: 2}
 
 
 def test_kept_code_is_filed_under_our_key() -> None:
@@ -174,7 +201,7 @@ def test_scipy_waits_until_a_kernel_multiplies_matrices() -> None:
     """Otherwise the first answer takes 0.17 s more; and matrices are multiplied all the same."""
     program = """
 import sys, numpy as np
-from matchset.numeric import jit
+from matchset.numeric import jit, kept_code
 import matchset.shapes.circle as circle
 circle._half_width(np.ones(5))
 print("scipy.linalg" in sys.modules, "numba.np.arraymath" in sys.modules)

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from matchset.numeric import jit
+from matchset.numeric import kept_code
 
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "matchset"
     (folder / "a").mkdir(parents=True)
-    monkeypatch.setattr(jit, "PACKAGE", folder)
+    monkeypatch.setattr(kept_code, "PACKAGE", folder)
     (folder / "a" / "first.py").write_text("x = 1\n", encoding="utf-8")
     (folder / "a" / "second.py").write_text("from matchset.a import (\n    first,\n)\n", encoding="utf-8")
     (folder / "a" / "other.py").write_text("y = 1\n", encoding="utf-8")
@@ -20,9 +20,9 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def stamp(file: Path) -> int:
-    jit._read_source.cache_clear()
-    jit.source_stamp.cache_clear()
-    return jit.source_stamp(file)
+    kept_code._read_source.cache_clear()
+    kept_code.source_stamp.cache_clear()
+    return kept_code.source_stamp(file)
 
 
 @pytest.mark.parametrize(("changed", "counts"), [("first", True), ("second", True), ("other", False)])

@@ -7,10 +7,11 @@ added several at a time. On one machine results are the same, bit for bit, from 
 The machine code is kept on disk, so only the first run on a machine compiles. This file alone touches what Numba does
 not promise to keep (tests/numeric/test_private_hooks.py says of each what breaks without it):
 
-- ``Cache._cache_file._source_stamp``: Numba looks at a kernel's own file alone to see whether kept code is still good;
-  here the files that it imports must be the same too (`source_stamp`), so that kernels may call kernels of other files.
-- ``Cache._cache_file.save``: Numba writes into the index which file holds the code, and then the file; for a moment, or
-  where the program is killed between them, the index of a new source leads to code of an older one (`_save`).
+- ``Cache._cache_file``, ``_impl.filename_base``: the files of kept code. Numba looks at a kernel's own file alone to
+  see whether kept code is still good; here the files that it imports must be the same too (`source_stamp`), so that
+  kernels may call kernels of other files. And Numba trusts what it reads; `KeptCode` looks whether it is whole.
+- ``Cache.load_overload``, ``save_overload``: a file of no use, or a full disk, would end the program.
+- ``serialize.dumps``: what Numba keeps, as bytes.
 - ``Cache._index_key``: Numba files the code of a closure under all that it holds, pickled, which changes under a
   profiler and takes 50 ms; here under the identity of what it holds (`identity`).
 - ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
@@ -27,7 +28,6 @@ import functools
 import gc
 import hashlib
 import importlib
-import re
 import sys
 import types
 import zlib
@@ -37,17 +37,15 @@ from typing import Any, TypeVar, cast, overload
 
 import numba
 import numpy as np
-from numba.core import codegen, compiler, compiler_machinery, targetconfig, typed_passes, untyped_passes
+from numba.core import codegen, compiler, compiler_machinery, serialize, targetconfig, typed_passes, untyped_passes
 from numba.core.types.functions import BaseFunction
+
+from matchset.numeric.kept_code import PACKAGE, KeptCode, say_once, source_stamp
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LIBRARY: Any = codegen.JITCodeLibrary  # Numba's types are not complete
 _COMPILER: Any = compiler.Compiler
 _FUNCTION: Any = BaseFunction
-
-
-PACKAGE = Path(__file__).parent.parent
-_IMPORT = re.compile(r"^\s*from (matchset[\w.]*) import (\([^)]*\)|[^\n]*)|^\s*import (matchset[\w.]+)", re.MULTILINE)
 
 
 def _put_off_scipy() -> None:
@@ -63,42 +61,6 @@ def _put_off_scipy() -> None:
 
 
 _put_off_scipy()
-
-
-@functools.cache
-def source_stamp(file: Path) -> int:
-    """Checksum of a source file and of all files of the package that it imports, directly or not.
-
-    Parameters
-    ----------
-    file : Path
-        The file that a kernel stands in; it need not be of the package.
-
-    Returns
-    -------
-    int
-        Changes with any source that can change the kernel's machine code.
-    """
-    seen: dict[Path, int] = {}
-    waiting = [file.resolve()]
-    while waiting:
-        path = waiting.pop()
-        if path not in seen:
-            seen[path], imported = _read_source(path)
-            waiting.extend(imported)
-    return zlib.crc32(repr([(path.name, seen[path]) for path in sorted(seen)]).encode())
-
-
-@functools.cache
-def _read_source(path: Path) -> tuple[int, tuple[Path, ...]]:
-    """Checksum of one file, and the files of the package that it imports."""
-    text = path.read_bytes()
-    imported = []
-    for package, names, module in _IMPORT.findall(text.decode()):
-        folder = PACKAGE.joinpath(*(package or module).split(".")[1:])
-        candidates = [folder, *(folder / name for name in re.findall(r"\w+", names))]
-        imported += [found for each in candidates if (found := each.with_suffix(".py")).is_file()]
-    return zlib.crc32(text), tuple(imported)
 
 
 @overload
@@ -280,24 +242,37 @@ def _piece(function: F, **options: Any) -> F:
 
 
 def _kept(function: F, **options: Any) -> F:
-    """Compile a kernel whose machine code is kept on disk."""
-    made: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
-    cache = getattr(made, "_cache", None)
-    file = getattr(cache, "_cache_file", None)
-    if file is not None:
-        file._source_stamp = (file._source_stamp, source_stamp(Path(function.__code__.co_filename)))
-        file.save = functools.partial(_save, file)
-        made._cache._index_key = functools.partial(_index_key, function)
-    result: F = made
-    return result
+    """Compile a kernel whose machine code is kept on disk, where there is a folder for that."""
+    made: Any = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    try:
+        made.enable_caching()
+    except RuntimeError as error:  # no folder that may be written
+        say_once("no folder", f"machine code cannot be kept, each start compiles it anew: {error}")
+        return cast(F, made)
+    cache: Any = made._cache
+    stamp = numba.__version__, cache._cache_file._source_stamp, source_stamp(Path(function.__code__.co_filename))
+    cache._cache_file = KeptCode(Path(cache.cache_path), cache._impl.filename_base, stamp, serialize.dumps)
+    cache._index_key = functools.partial(_index_key, function)
+    cache.load_overload = functools.partial(_load, cache)
+    cache.save_overload = functools.partial(_save, cache)
+    return cast(F, made)
 
 
-def _save(file: Any, key: tuple[Any, ...], code: Any) -> None:
-    """Keep code; what is left of an older source is removed first, so that nobody finds it under the new key."""
-    if not file._load_index():
-        for old in Path(file._cache_path).glob(file._data_name_pattern.replace("{number:d}", "*")):
-            old.unlink(missing_ok=True)
-    type(file).save(file, key, code)
+def _load(cache: Any, signature: Any, context: Any) -> Any:
+    """Take code that was kept, None where there is none of use."""
+    try:
+        return type(cache).load_overload(cache, signature, context)
+    except Exception as error:  # whatever a library of another version may raise
+        cache._cache_file.discard(cache._index_key(signature, context.codegen()), error)
+        return None
+
+
+def _save(cache: Any, signature: Any, code: Any) -> None:
+    """Keep code; where the disk is full or read-only the kernel runs all the same."""
+    try:
+        type(cache).save_overload(cache, signature, code)
+    except OSError as error:
+        say_once("write", f"machine code cannot be kept in {cache.cache_path}, each start compiles it anew: {error}")
 
 
 def _index_key(function: Callable[..., Any], signature: Any, codegen: Any) -> tuple[Any, ...]:

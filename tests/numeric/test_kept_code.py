@@ -1,0 +1,177 @@
+"""Kept machine code that was torn, zeroed, exchanged or cannot be written: kernels answer right all the same."""
+
+import logging
+import os
+import pickle
+import random
+import shutil
+import stat
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from matchset.numeric import kept_code
+from matchset.numeric.kept_code import CHECKSUM, MAGIC, KeptCode
+
+PROGRAM = """
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+from matchset.numeric.rotation import rotate, rotation_vector_between
+matrix, vector = np.eye(3), np.empty(3)
+rotate(matrix, np.array((0.1, 0.2, 0.3)))
+rotation_vector_between(np.eye(3), matrix, vector)
+print(vector.round(9).tolist(), sum(rotate.stats.cache_hits.values()))
+"""
+SAME = "[0.1, 0.2, 0.3]"
+
+
+def run(folder: Path, program: str = PROGRAM, **environment: str) -> tuple[str, str]:
+    """What a fresh process with its kept code in a folder says on stdout and on stderr."""
+    there = os.environ | {"NUMBA_CACHE_DIR": str(folder)} | environment
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=there, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip(), done.stderr.strip()
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with code of a few kernels."""
+    folder = tmp_path_factory.mktemp("kept")
+    assert run(folder) == (f"{SAME} 0", "")
+    assert run(folder) == (f"{SAME} 1", ""), "found again"
+    return folder
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda _: b"",
+    "cut in the beginning": lambda data: data[: len(MAGIC) // 2],
+    "cut in the middle": lambda data: data[: len(data) // 2],
+    "last byte lost": lambda data: data[:-1],
+    "zeros": lambda data: bytes(len(data)),
+    "zeros in the second half": lambda data: data[: len(data) // 2] + bytes(len(data) - len(data) // 2),
+    "a page of zeros": lambda data: data[:100] + bytes(min(4096, len(data) - 100)) + data[4196:],
+    "a flipped bit": lambda data: data[: len(data) - 40] + bytes((data[-40] ^ 8,)) + data[len(data) - 39 :],
+    "longer": lambda data: data + b"\0" * 512,
+    "text": lambda _: b"not code at all\n" * 20,
+}
+
+
+@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
+@pytest.mark.parametrize("how", DAMAGES)
+def test_torn_files_are_compiled_anew_said_once_and_healed(kept: Path, tmp_path: Path, how: str, ending: str) -> None:
+    folder = tmp_path / "kept"
+    shutil.copytree(kept, folder)
+    files = sorted(folder.rglob(f"*{ending}"))
+    assert len(files) >= 2
+    for file in files:
+        file.write_bytes(DAMAGES[how](file.read_bytes()))
+    answer, words = run(folder)
+    assert answer == f"{SAME} 0"
+    assert words.count("\n") == 0
+    assert words.startswith("kept machine code is damaged and compiled anew: "), words
+    assert run(folder) == (f"{SAME} 1", "")
+
+
+def test_a_file_cut_or_changed_anywhere_is_never_taken(tmp_path: Path) -> None:
+    """Every length, and a thousand changed bytes, of an index and of a file of code."""
+    keeper = KeptCode(tmp_path, "f-1", "stamp", pickle.dumps)
+    code = random.Random(1).randbytes(300)
+    keeper.save("key", code)
+    assert keeper.load("key") == code
+    logging.getLogger("matchset").setLevel(logging.CRITICAL)
+    try:
+        for name in ("f-1.nbi", "f-1.1.nbc"):
+            path, chance = tmp_path / name, random.Random(2)
+            whole = path.read_bytes()
+            for length in range(len(whole)):
+                path.write_bytes(whole[:length])
+                assert keeper.load("key") is None, length
+                assert not path.exists(), length
+            for _ in range(500):
+                place, bits = chance.randrange(len(whole)), chance.randrange(1, 256)
+                path.write_bytes(whole[:place] + bytes((whole[place] ^ bits,)) + whole[place + 1 :])
+                assert keeper.load("key") is None, (place, bits)
+            path.write_bytes(whole)
+            assert keeper.load("key") == code
+    finally:
+        logging.getLogger("matchset").setLevel(logging.NOTSET)
+
+
+def test_what_was_kept_for_another_source_counts_for_nothing(tmp_path: Path) -> None:
+    KeptCode(tmp_path, "f-1", "old", pickle.dumps).save("key", "code")
+    assert KeptCode(tmp_path, "f-1", "new", pickle.dumps).load("key") is None
+    assert len(MAGIC) + CHECKSUM < (tmp_path / "f-1.1.nbc").stat().st_size
+
+
+def test_code_that_cannot_be_used_is_removed_and_said(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    keeper = KeptCode(tmp_path, "f-1", "stamp", pickle.dumps)
+    keeper.save("key", "code")
+    kept_code._SAID.discard("damaged")
+    keeper.discard("key", ValueError("of another compiler"))
+    assert "ValueError: of another compiler" in caplog.text
+    assert keeper.load("key") is None
+    keeper.save("key", "again")
+    assert keeper.load("key") == "again"
+
+
+FULL = """
+import errno, pathlib
+real = pathlib.Path.open
+def full(path, *more, **named):
+    if ".tmp." in path.name:
+        raise OSError(errno.ENOSPC, "No space left on device", str(path))
+    return real(path, *more, **named)
+pathlib.Path.open = full
+"""
+
+
+def test_where_the_disk_is_full_kernels_run_and_it_is_said_once(tmp_path: Path) -> None:
+    answer, words = run(tmp_path, FULL + PROGRAM)
+    assert answer == f"{SAME} 0"
+    assert words.count("\n") == 0
+    assert words.startswith(f"machine code cannot be kept in {tmp_path}")
+    assert "No space left on device" in words
+    assert not list(tmp_path.rglob("*.tmp.*"))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/dev/full is of Linux")
+def test_where_no_folder_may_be_written_kernels_run_and_it_is_said_once(tmp_path: Path) -> None:
+    """Read-only package, cache and home: folders cannot be made below a file, not even by the superuser."""
+    file = tmp_path / "file"
+    file.write_text("")
+    hidden = (
+        "import numba.core.caching as c\n"
+        "c.CacheImpl._locator_classes = [c.UserProvidedCacheLocator, c.UserWideCacheLocator]\n"
+    )
+    answer, words = run(file / "cache", hidden + PROGRAM, HOME=str(file), XDG_CACHE_HOME=str(file))
+    assert answer.startswith(SAME)
+    assert words.count("\n") == 0
+    assert words.startswith("machine code cannot be kept, each start compiles it anew: "), words
+
+
+def test_a_folder_that_becomes_read_only_is_read_all_the_same(kept: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "kept"
+    shutil.copytree(kept, folder)
+    for path in [*folder.rglob("*"), folder]:
+        path.chmod(stat.S_IREAD | (stat.S_IEXEC if path.is_dir() else 0))
+    try:
+        answer, _ = run(folder)
+        assert answer.startswith(SAME)
+    finally:
+        for path in [folder, *folder.rglob("*")]:
+            path.chmod(stat.S_IRWXU)
+
+
+def test_every_command_goes_on_with_torn_code(kept: Path, tmp_path: Path) -> None:
+    """What users saw was "Circle is no family of shapes", from a kernel that was loaded while a family is checked."""
+    program = "from matchset.shapes.circle import Circle\nfrom matchset.shapes.family_check import check_contract\n"
+    program += "check_contract(Circle)\nprint(1)"
+    assert run(tmp_path, program) == ("1", "")
+    for file in tmp_path.rglob("*.nbc"):
+        file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    answer, words = run(tmp_path, program)
+    assert answer == "1"
+    assert "damaged" in words

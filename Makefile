@@ -85,7 +85,7 @@ clean:  ## remove everything that was made, the virtual environment included
 	rm -rf .venv .bench $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(READY): pyproject.toml .ci/setup
+$(READY): pyproject.toml .ci/setup .ci/requirements.lock
 	.ci/setup
 
 $(SITE_TOOLS): pyproject.toml | $(READY)

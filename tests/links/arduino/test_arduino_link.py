@@ -345,3 +345,17 @@ def test_what_is_sent_disarmed_has_the_arm_switch_low_also_after_arming(link: Ar
         assert (port.heard[-1][4], port.throttle) == (crsf.CHANNEL_LOW, 0)
     assert link.send(FLIGHT) == Command()  # and it does not arm again by itself
     assert port.heard[-1][4] == crsf.CHANNEL_LOW
+
+
+def test_arming_that_is_interrupted_leaves_the_link_disarmed(port: FakePort) -> None:
+    def sleep(seconds: float) -> None:
+        port.clock.sleep(seconds)
+        if port.state == "armed":
+            raise KeyboardInterrupt
+
+    port.clock.sleep(0.2)
+    link = ArduinoLink("serial:///fake", port, clock=port.clock, sleep=sleep)
+    with pytest.raises(KeyboardInterrupt):
+        link.arm()
+    assert link.send(FLIGHT) == Command()
+    assert (port.heard[-1][4], port.throttle) == (crsf.CHANNEL_LOW, 0)

@@ -5,6 +5,7 @@ import pytest
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
+from matchset.image.frame import Frame
 from matchset.links.connect import connect
 from matchset.links.simulated import SimulatedChain, SimulationParameters, parse_uri
 from matchset.links.simulated_link import SimulatedLink
@@ -61,6 +62,47 @@ def test_a_pulled_cable_is_no_picture_while_time_goes_on() -> None:
     assert camera.read() is None
     assert chain.now() > before
     chain.close()
+
+
+def pictures_of(chain: SimulatedChain, count: int) -> list[Frame]:
+    """Read pictures; the second camera is read too, as in a flight."""
+    frames = []
+    for _ in range(count):
+        for who, camera in enumerate(chain.cameras):
+            frame = camera.read()
+            assert frame is not None
+            if who == 0:
+                frames.append(frame)
+    chain.close()
+    return frames
+
+
+def sent_again(fault: str) -> list[int]:
+    """Which picture of a chain without faults each of twelve is, from 1; their times must be right."""
+    uri = "sim://chain?vehicles=3&width=160&height=120&pal=clean"
+    honest, faulty = (pictures_of(SimulatedChain(parse_uri(uri + query)), 12) for query in ("", fault))
+    assert [frame.time for frame in faulty] == [frame.time for frame in honest]
+    assert [frame.index for frame in faulty] == [frame.index for frame in honest]
+    return [1 + [(each.image == frame.image).all() for each in honest].index(True) for frame in faulty]
+
+
+def test_a_grabber_freezes_for_a_while() -> None:
+    assert sent_again("&freeze=0.12&freeze_for=0.15") == [1, 2, 3, 3, 3, 3, 3, 3, 9, 10, 11, 12]
+    assert sent_again("&freeze=0.2") == [1, 2, 3, 4, 5, 5, 5, 5, 5, 5, 5, 5]
+    assert sent_again("&freeze=0") == [1] * 12
+
+
+def test_a_grabber_delivers_old_pictures_as_new_ones() -> None:
+    assert sent_again("&stale=0.2&stale_age=0.1") == [1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 9]
+    assert sent_again("&stale=0.2&stale_age=0.1&stale_for=0.09") == [1, 2, 3, 4, 5, 3, 4, 5, 9, 10, 11, 12]
+    assert sent_again("&stale=0&stale_age=0.1") == [1, 1, 1, 1, 2, 3, 4, 5, 6, 7, 8, 9]
+    assert sent_again("&stale=0.1&stale_age=0.1&freeze=0.25&freeze_for=0.05") == [1, 2, 1, 1, 2, 3, 4, 4, 6, 7, 8, 9]
+
+
+@pytest.mark.parametrize("words", ["freeze=-1", "freeze_for=nan", "stale=x", "stale_age=11", "stale_for=-0.1"])
+def test_a_fault_out_of_range_is_refused(words: str) -> None:
+    with pytest.raises(ValueError, match=words.partition("=")[0]):
+        parse_uri(f"sim://chain?{words}")
 
 
 def test_the_same_seed_gives_the_same_pictures() -> None:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from matchset.camera.camera_model import CameraModel
 from matchset.control.follower import RelativeSetpoint
 from matchset.image.frame import Frame
+from matchset.links.picture_faults import PictureFaults
 from matchset.links.simulated_link import SCHEME, SimulatedLink
 from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD, WorldCameras
@@ -59,6 +60,13 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         Time from one hiding to the next, s.
     cable : float
         When the cables of the cameras are pulled, s; inf for never.
+    freeze, freeze_for : float
+        When the grabbers begin to repeat their last picture with new times, and for how long, s; inf for never, and for
+        ever.
+    stale, stale_for : float
+        When they begin to deliver pictures that are `stale_age` old with new times, and for how long, s.
+    stale_age : float
+        How old these are, s.
     silent, silent_for : float
         When the transmitters begin to hear nothing, and for how long, s; inf for never. A vehicle in flight that hears
         nothing for `VehicleParameters.failsafe` is refused until its link is armed again.
@@ -85,6 +93,11 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     hidden: float = 0.0
     hidden_every: float = 6.0
     cable: float = math.inf
+    freeze: float = math.inf
+    freeze_for: float = math.inf
+    stale: float = math.inf
+    stale_for: float = math.inf
+    stale_age: float = 0.5
     silent: float = math.inf
     silent_for: float = 0.3
     distortion: float = -0.08
@@ -102,6 +115,11 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             ("hidden", 0.0, 60.0),
             ("hidden_every", 0.1, 1e6),
             ("cable", 0.0, math.inf),
+            ("freeze", 0.0, math.inf),
+            ("freeze_for", 0.0, math.inf),
+            ("stale", 0.0, math.inf),
+            ("stale_for", 0.0, math.inf),
+            ("stale_age", 0.0, 10.0),
             ("silent", 0.0, math.inf),
             ("silent_for", 0.0, math.inf),
             ("distortion", -0.3, 0.3),
@@ -138,6 +156,18 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         )
 
     @property
+    def picture_faults(self) -> PictureFaults:
+        """Which pictures the grabbers deliver."""
+        return PictureFaults(
+            fps=FPS,
+            freeze=self.freeze,
+            freeze_for=self.freeze_for,
+            stale=self.stale,
+            stale_for=self.stale_for,
+            stale_age=self.stale_age,
+        )
+
+    @property
     def camera(self) -> CameraModel:
         """The camera model of all followers."""
         if self.model is not None:
@@ -167,6 +197,7 @@ class SimulatedChain:
         self.world = World(self.parameters.chain(start or START), self.parameters.seed)
         self._images = WorldCameras(self.world, self.parameters.camera, self.parameters.pal)
         self._images.hide_balls(self.parameters.hidden, self.parameters.hidden_every)
+        self._faults = self.parameters.picture_faults
         self._pool = ThreadPoolExecutor(2)
         self._jobs: dict[tuple[int, int], Future[npt.NDArray[np.uint8]]] = {}
         count = self.parameters.vehicles - 1
@@ -208,8 +239,10 @@ class SimulatedChain:
                     self._jobs[other, wanted] = self._pool.submit(self._images.image, other, STEPS_PER_FRAME * wanted)
         if taken / RATE >= self.parameters.cable:
             return None
-        image = self._jobs[who, index].result()
-        self._jobs.pop((who, index - 2), None)
+        image = self._jobs[who, self._faults.shown(index)].result()
+        oldest = self._faults.oldest(index - 1)
+        for key in [key for key in self._jobs if key[0] == who and key[1] < oldest]:
+            del self._jobs[key]
         return Frame(image, taken / RATE, index)
 
     def truth(self, index: int | None = None) -> tuple[VehiclePose, ...]:

@@ -12,6 +12,9 @@ from matchset.app.flight.score import FlightScore
 HEADER = "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us"
 """Columns of ``flights.csv`` after the swept value; `csv_line` writes them."""
 UNITS = {"latency_ms": "ms", "swing": "m", "yaw_deg": "degrees", "bias_deg": "degrees", "hidden": "s", "start_off": "m"}
+UNITS |= dict.fromkeys(
+    ("cable", "freeze", "freeze_for", "stale", "stale_for", "stale_age", "silent", "silent_for"), "s"
+)
 """Units of the parameters that can be swept, where they have one."""
 
 

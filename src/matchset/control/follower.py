@@ -16,6 +16,7 @@ import numpy.typing as npt
 from matchset.control.command import Command
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
+from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_not_negative, require_positive
@@ -58,6 +59,7 @@ class FollowerParameters(
         "vertical_speed": "rise_pace",
         "ego_motion": "own",
         "neighbor": "motion",
+        "motion_consistency": "answer",
         "max_extrapolation": "reach",
         "pose_timeout": "memory",
     },
@@ -96,6 +98,8 @@ class FollowerParameters(
         The vehicle's answer to its sticks (``own``).
     neighbor : NeighborFilterParameters
         Filter of the neighbor's poses (``motion``).
+    motion_consistency : MotionConsistencyParameters
+        When the motion of the ball does not answer to the commands (``answer``).
     max_extrapolation : float
         How far the neighbor's drift is extrapolated past its last pose, s; after that it stands still. Estimate
         (``reach``).
@@ -143,6 +147,7 @@ class FollowerParameters(
     vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.42, crossover_time=0.75)
     ego_motion: EgoMotionParameters = EgoMotionParameters()
     neighbor: NeighborFilterParameters = NeighborFilterParameters()
+    motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
     min_step: float = 1e-3
@@ -202,6 +207,8 @@ class Follower:
     ----------
     ego_motion : EgoMotion
     neighbor : NeighborFilter
+    consistency : MotionConsistency
+        Whether the ball moves in the pictures as the commands say.
     """
 
     def __init__(self, setpoint: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
@@ -209,6 +216,7 @@ class Follower:
         self.parameters = parameters or FollowerParameters()
         self.ego_motion = EgoMotion(self.parameters.ego_motion)
         self.neighbor = NeighborFilter(self.parameters.neighbor)
+        self.consistency = MotionConsistency(self.parameters.motion_consistency)
         self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
         self._up, self._yaw = Pid(self.parameters.vertical), Pid(self.parameters.yaw)
         self._speed_x = SpeedFeedforward(self.parameters.horizontal_speed)
@@ -235,7 +243,9 @@ class Follower:
         parameters = self.parameters
         if isinstance(pose, Pose) and pose.time > self._pose_time:
             self._pose_time = pose.time
-            self.neighbor.update(pose, self.ego_motion.at(pose.time))
+            own = self.ego_motion.at(pose.time)
+            if self.neighbor.update(pose, own):
+                self.consistency.update(pose, own)
         step, self._time = min(max(now - self._time, parameters.min_step), parameters.max_step), now
         acts = now + parameters.ego_motion.delay
         if not acts - self.neighbor.time <= parameters.pose_timeout or self.neighbor.yaw_time == -math.inf:
@@ -254,6 +264,7 @@ class Follower:
         if not command.throttle > 0.0:
             for pid in (self._right, self._forward, self._up, self._yaw):
                 pid.reset()
+            self.consistency.reset()
         model = self.parameters.ego_motion
         gravity = GRAVITY / model.effective_mass_ratio
         right, forward, up = (pid.terms.integral for pid in (self._right, self._forward, self._up))

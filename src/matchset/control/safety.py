@@ -2,7 +2,8 @@
 
 Phases: ``locked -> flying <-> descending -> cut``. A ball that is not seen is tolerated for `hold_time`, while the
 controller flies on its prediction; so is a controller without an answer. Then, or as soon as no frames come, the
-throttle is lowered, and then the motors are stopped.
+throttle is lowered, and then the motors are stopped. Frames with a fault, which are no new ones or not those of now,
+end a flight at once.
 """
 
 import math
@@ -124,12 +125,15 @@ class SafetyInputs(NamedTuple):
         When the newest frame in which the ball was confirmed was taken.
     armed : bool
         Whether the pilot wants to fly.
+    fault : str
+        Why the newest frames must not be flown by, in words; empty if they may. While it is not, no ball is seen.
     """
 
     now: float
     frame_time: float
     seen_time: float
     armed: bool
+    fault: str = ""
 
 
 class SafetyState(NamedTuple):
@@ -197,8 +201,10 @@ def safety_filter(
     reason = _reason_to_descend(inputs, state.seen_time, limits)
     if state.phase == "cut":
         return Command(), state._replace(time=inputs.now)
-    if state.phase == "locked" and (reason or not usable):
-        return Command(), state._replace(reason=reason or "the controller has no answer", time=inputs.now)
+    seen = usable and inputs.seen_time == inputs.frame_time
+    unseen = "" if seen else "the ball is not seen" if usable else "the controller has no answer"
+    if state.phase == "locked" and (reason or unseen):
+        return Command(), state._replace(reason=reason or unseen, time=inputs.now)
     if state.phase == "descending" and not inputs.now - seen_since >= limits.reacquisition_time:
         reason = reason or state.reason
     if reason:
@@ -206,23 +212,23 @@ def safety_filter(
     step = min(max(inputs.now - state.time, 0.0), limits.max_step)
     goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, state.command.throttle)
     command = _limited(goal, state.command, step, limits)
-    seen = usable and inputs.seen_time == inputs.frame_time
-    phase: Phase = "flying" if seen else "holding"
-    reason = "" if seen else "the ball is not seen" if usable else "the controller has no answer"
+    phase: Phase = "holding" if unseen else "flying"
     return command, SafetyState(
-        phase, reason, inputs.now, seen_time=state.seen_time, seen_since=seen_since, command=command
+        phase, unseen, inputs.now, seen_time=state.seen_time, seen_since=seen_since, command=command
     )
 
 
 def _seen_since(inputs: SafetyInputs, state: SafetyState, usable: bool, limits: SafetyParameters) -> float:
     """Since when the ball is seen without a gap, s; inf while it is not."""
     fresh = 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age
-    seen = usable and fresh and inputs.seen_time == inputs.frame_time
+    seen = usable and fresh and not inputs.fault and inputs.seen_time == inputs.frame_time
     return min(state.seen_since, inputs.now) if seen else math.inf
 
 
 def _reason_to_descend(inputs: SafetyInputs, seen_time: float, limits: SafetyParameters) -> str:
     """Say why the flight must end; empty if there is no reason. The ball was seen, and answered, at a time, s."""
+    if inputs.fault:
+        return inputs.fault
     if not 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age:
         return f"no new frame for {limits.max_frame_age:g} s"
     if not 0.0 <= inputs.now - inputs.seen_time <= limits.hold_time:

@@ -10,6 +10,7 @@ from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScorer
 from matchset.app.flight.simulate import fly_once
 from matchset.control.command import Command
+from matchset.control.repeated_picture import RepeatedPictureParameters
 from matchset.links.simulated import SimulationParameters
 from matchset.localization.pose import Pose
 
@@ -77,3 +78,38 @@ def test_a_start_half_a_meter_off_settles_although_the_next_ball_but_one_is_in_f
     score = fly_once(flight(6.5, seed=6, start_off=0.5))
     assert score.survived, (score.crash, score.landing_reason)
     assert score.settling_time <= 6.0
+
+
+@pytest.mark.parametrize(
+    ("fault", "seed", "words"), [("freeze", 105, "the picture stands still"), ("stale", 106, "pictures come that came")]
+)
+def test_pictures_that_are_not_of_now_bring_everyone_down(fault: str, seed: int, words: str) -> None:
+    begin = 1.5
+    with Flight(flight(begin + 2.6, seed=seed, **{fault: begin})) as flown:
+        chain_steps = list(flown)
+    for who in range(2):
+        steps = [chain_step.steps[who] for chain_step in chain_steps]
+        down = [step for step in steps if step.safety.phase == "descending"]
+        assert 0.0 < down[0].now - begin <= 0.15 + 1e-9
+        assert words in down[0].safety.reason
+        assert (np.diff([step.command.throttle for step in steps if step.now >= down[0].now]) <= 1e-9).all()
+        assert (steps[-1].safety.phase, steps[-1].command) == ("cut", Command())
+
+
+def test_a_picture_that_stands_still_for_a_moment_does_not_end_a_flight() -> None:
+    with Flight(flight(3.0, seed=107, freeze=1.5, freeze_for=0.2)) as flown:
+        phases = [[step.safety.phase for step in chain_step.steps] for chain_step in flown]
+    assert ["descending", "descending"] in phases
+    assert phases[-1] == ["flying", "flying"]
+
+
+def test_old_pictures_that_never_came_before_are_known_by_their_motion() -> None:
+    parameters = flight(6.0, seed=108, stale=2.0)
+    pilot = msgspec.structs.replace(parameters.pilot, repeated=RepeatedPictureParameters(lines=0))
+    with Flight(msgspec.structs.replace(parameters, pilot=pilot)) as flown:
+        chain_steps = list(flown)
+    for who in range(2):
+        down = [each.steps[who] for each in chain_steps if each.steps[who].safety.phase == "descending"]
+        assert down[0].now - 2.0 <= 1.5
+        assert "does not answer to the commands" in down[0].safety.reason
+        assert chain_steps[-1].steps[who].safety.phase == "cut"

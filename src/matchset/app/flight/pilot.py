@@ -17,6 +17,7 @@ from matchset.app.flight.real_time.rehearsal import RehearsalCamera, RehearsalLi
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
+from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
 from matchset.control.safety import SafetyInputs, SafetyParameters, SafetyState, safety_filter
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
@@ -143,6 +144,8 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Chosen by: `python -m benchmarks.flight.fly --only start`, see docs/log.md, 2026-11-21.
     association : AssociationParameters
     follower : FollowerParameters
+    repeated : RepeatedPictureParameters
+        When pictures count as sent again.
     safety : SafetyParameters
     """
 
@@ -151,6 +154,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     near: float = 1.0
     association: AssociationParameters = AssociationParameters()
     follower: FollowerParameters = FollowerParameters()
+    repeated: RepeatedPictureParameters = RepeatedPictureParameters()
     safety: SafetyParameters = SafetyParameters()
 
     def __post_init__(self) -> None:
@@ -196,6 +200,7 @@ class Pilot:
         self._localizer = Localizer(self.camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._safety = SafetyState()
+        self._pictures, self._fault = PicturesSeen(), ""
         self._frame_time = self._seen_time = -math.inf
 
     def _rehearse(self) -> None:
@@ -215,7 +220,8 @@ class Pilot:
 
     def arm(self) -> None:
         """Fly from the next step on, as soon as the ball is seen; also after the motors were stopped."""
-        self._safety, self.killed = SafetyState(), ""
+        self._safety, self.killed, self._fault = SafetyState(), "", ""
+        self._pictures = self._pictures._replace(went_back=False)
         self.link.arm()
         self.armed = True
 
@@ -247,7 +253,7 @@ class Pilot:
         ball, markers, pose = self._locate(frame, now, stamps)
         control = self._follower.update(pose, now)
         self._check_association(pose)
-        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed)
+        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self._picture_fault())
         wanted, self._safety = safety_filter(control and control.desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()
         if stopped:
@@ -276,6 +282,19 @@ class Pilot:
             return ""
         return self.killed or (self.link.status().refusal if self.armed else "")
 
+    def _picture_fault(self) -> str:
+        """Say why the pictures must not be flown by; empty if they may.
+
+        A grabber whose pictures come from an earlier time may go on to do so, with pictures that nothing tells from new
+        ones: that lasts until the pilot is armed anew.
+        """
+        again = self._pictures.repeats >= self.parameters.repeated.max_repeats
+        if again and self._pictures.went_back:
+            self._fault = "pictures come that came before"
+        elif not self._follower.consistency.holds:
+            self._fault = "the motion in the pictures does not answer to the commands: they are not those of now"
+        return self._fault or ("the picture stands still" if again else "")
+
     def _locate(
         self, frame: Frame | None, now: float, stamps: list[float]
     ) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...], Pose | Lost[Pose]]:
@@ -283,6 +302,10 @@ class Pilot:
         if frame is None:
             stamps.extend([stamps[-1]] * 3)
             return Lost("no picture came", now), (), Lost("no picture came", now)
+        self._pictures = note_picture(frame.image, self._pictures, self.parameters.repeated)
+        if self._pictures.repeats:
+            stamps.extend([time.perf_counter()] * 3)
+            return Lost("a picture came again", now), (), Lost("a picture came again", now)
         if self._is_initialized(frame):
             ball: Track[Circle] | Lost[Circle] = self._tracker.update(frame)
         else:

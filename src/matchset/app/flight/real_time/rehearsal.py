@@ -56,7 +56,9 @@ class RehearsalCamera:
         self._index += 1
         if self._index > len(SHOWN):
             return None
-        return Frame(self._pictures[SHOWN[self._index - 1]].copy(), self._index / FPS, self._index)
+        picture = self._pictures[SHOWN[self._index - 1]].copy()
+        picture[:, 0] = self._index  # none comes twice
+        return Frame(picture, self._index / FPS, self._index)
 
     def now(self) -> float:
         """Return the time on the clock of the pictures, s."""

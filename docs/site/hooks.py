@@ -19,6 +19,7 @@ GUIDES = (
     "localization",
     "add_a_shape",
     "flight",
+    "safety",
     "recording",
     "ros",
     "radio",

@@ -145,7 +145,6 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     association : AssociationParameters
     follower : FollowerParameters
     repeated : RepeatedPictureParameters
-        When pictures count as sent again.
     safety : SafetyParameters
     """
 
@@ -193,8 +192,7 @@ class Pilot:
     def _begin(self) -> None:
         """Know nothing, and be disarmed."""
         target = self.parameters.target
-        self.armed, self.killed = False, ""
-        self._rejected_poses = 0
+        self.armed, self.killed, self._rejected_poses = False, "", 0
         self._tracker = Tracker(Circle, self._colors.ball)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
@@ -283,11 +281,7 @@ class Pilot:
         return self.killed or (self.link.status().refusal if self.armed else "")
 
     def _picture_fault(self) -> str:
-        """Say why the pictures must not be flown by; empty if they may.
-
-        A grabber whose pictures come from an earlier time may go on to do so, with pictures that nothing tells from new
-        ones: that lasts until the pilot is armed anew.
-        """
+        """Say why the pictures must not be flown by; those of another time are not to be trusted again until `arm`."""
         again = self._pictures.repeats >= self.parameters.repeated.max_repeats
         if again and self._pictures.went_back:
             self._fault = "pictures come that came before"
@@ -299,13 +293,12 @@ class Pilot:
         self, frame: Frame | None, now: float, stamps: list[float]
     ) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...], Pose | Lost[Pose]]:
         """Track and localize, with a time stamp after each stage."""
-        if frame is None:
+        if frame is not None:
+            self._pictures = note_picture(frame.image, self._pictures, self.parameters.repeated)
+        if frame is None or self._pictures.repeats:
+            why = "no picture came" if frame is None else "a picture came again"
             stamps.extend([stamps[-1]] * 3)
-            return Lost("no picture came", now), (), Lost("no picture came", now)
-        self._pictures = note_picture(frame.image, self._pictures, self.parameters.repeated)
-        if self._pictures.repeats:
-            stamps.extend([time.perf_counter()] * 3)
-            return Lost("a picture came again", now), (), Lost("a picture came again", now)
+            return Lost(why, now), (), Lost(why, now)
         if self._is_initialized(frame):
             ball: Track[Circle] | Lost[Circle] = self._tracker.update(frame)
         else:
@@ -340,8 +333,7 @@ class Pilot:
         expected = self._follower.expected(pose.time)
         if self._rejected_poses % self.parameters.association.rejected_poses or expected is None:
             return
-        pixel = self._pixel(expected)
-        if pixel is not None:
+        if (pixel := self._pixel(expected)) is not None:
             self._tracker.restart(pixel)
 
     def _pixel(self, position: npt.NDArray[np.float64]) -> tuple[float, float] | None:
@@ -400,10 +392,8 @@ def find_neighbor_ball(
     nearest = math.inf
     for track in detect(frame, Circle, color, limit=candidates):
         pose = localizer.update(track)
-        if (
-            isinstance(pose, Pose)
-            and np.linalg.norm(pose.position - expected) < max_distance
-            and pose.distance < nearest
-        ):
+        if not isinstance(pose, Pose) or not np.linalg.norm(pose.position - expected) < max_distance:
+            continue
+        if pose.distance < nearest:
             best, nearest = track.shape, pose.distance
     return best

@@ -1,0 +1,236 @@
+"""The safety filter in every state that it can reach: states, inputs and timers on a grid of a tenth of a second.
+
+Times are kept relative to the last command, and what is older than any limit counts as just as old, so the states are
+finite. Every input leads from every state; what must never happen is looked for in each of these steps.
+"""
+
+import functools
+import itertools
+import math
+from typing import Any, NamedTuple
+
+import pytest
+
+from matchset.control.command import Command
+from matchset.control.safety import DesiredCommand, SafetyInputs, SafetyParameters, SafetyState, safety_filter
+
+STEP = 0.1
+LIMITS = SafetyParameters(
+    max_frame_age=0.15,
+    hold_time=0.25,
+    reacquisition_time=0.15,
+    descent_duration=0.25,
+    max_yaw=0.8,
+    min_throttle=0.4,
+    max_throttle=0.8,
+    max_throttle_rate=4.0,
+)
+OLD = 0.5  # s: older than every limit
+TINY = 1e-9
+NOTHING = Command()
+DESIRED = (
+    None,
+    DesiredCommand(math.nan, 0.0, 0.0, 0.9),
+    DesiredCommand(9.0, -9.0, 9.0, 9.0),
+    DesiredCommand(-9.0, 9.0, -9.0, -9.0),
+)
+
+
+class Situation(NamedTuple):
+    """Everything that decides what happens next; times relative to the last command, s."""
+
+    frame_time: float = -math.inf
+    seen_time: float = -math.inf
+    state: SafetyState = SafetyState()
+
+
+class Happening(NamedTuple):
+    """What one step brings."""
+
+    picture: str
+    desired: DesiredCommand | None
+    armed: bool
+    fault: str
+
+
+class Taken(NamedTuple):
+    """One step of the walk."""
+
+    before: Situation
+    happening: Happening
+    command: Command
+    after: Situation
+    frame_age: float
+    seen_age: float
+
+
+HAPPENINGS = [
+    Happening(*each)
+    for each in itertools.product(("ball", "no ball", "none"), DESIRED, (True, False), ("", "the picture stands still"))
+]
+
+
+def shifted(time: float, by: float) -> float:
+    """Return a time relative to a later moment; what is very old is `OLD`."""
+    return time if math.isinf(time) else max(round(time - by, 6), -OLD)
+
+
+def rounded(command: Command) -> Command:
+    """Return a command with its throttle on a grid: a descent multiplies, so there would be no end of values."""
+    return Command(command.roll, command.pitch, command.yaw, round(command.throttle, 1))
+
+
+def step(before: Situation, happening: Happening) -> Taken:
+    """Take one step, `STEP` after the last."""
+    now = STEP
+    frame_time = before.frame_time if happening.picture == "none" else now
+    seen_time = now if happening.picture == "ball" else before.seen_time
+    inputs = SafetyInputs(now, frame_time, seen_time, happening.armed, happening.fault)
+    command, state = safety_filter(happening.desired, inputs, before.state, LIMITS)
+    names = ("time", "descent_start", "seen_time", "seen_since")
+    times: dict[str, Any] = {name: shifted(getattr(state, name), now) for name in names}
+    state = state._replace(**times)
+    state = state._replace(command=rounded(state.command), initial_throttle=round(state.initial_throttle, 1))
+    after = Situation(shifted(frame_time, now), shifted(seen_time, now), state)
+    return Taken(before, happening, command, after, now - frame_time, now - seen_time)
+
+
+@functools.cache
+def walk() -> list[Taken]:
+    """Every step from every situation that can be reached."""
+    taken, new, known = [], [Situation()], {Situation()}
+    while new:
+        before = new.pop()
+        for happening in HAPPENINGS:
+            each = step(before, happening)
+            taken.append(each)
+            if each.after not in known:
+                known.add(each.after)
+                new.append(each.after)
+    return taken
+
+
+@functools.cache
+def steps_to_standstill(situation: Situation, happening: Happening) -> int:
+    """How many steps of the same kind it takes until the motors are off."""
+    count = 0
+    while True:
+        taken = step(situation, happening)
+        count += 1
+        if taken.command == NOTHING and taken.after.state.phase in ("cut", "locked"):
+            return count
+        assert count < 100
+        situation = taken.after
+
+
+def test_the_walk_sees_every_phase_in_every_neighborhood() -> None:
+    pairs = {(each.before.state.phase, each.after.state.phase) for each in walk()}
+    armed = {
+        ("locked", "locked"),
+        ("locked", "flying"),
+        ("flying", "flying"),
+        ("flying", "holding"),
+        ("flying", "descending"),
+        ("holding", "flying"),
+        ("holding", "holding"),
+        ("holding", "descending"),
+        ("descending", "descending"),
+        ("descending", "flying"),
+        ("descending", "cut"),
+        ("cut", "cut"),
+    }
+    disarmed = {(phase, "locked") for phase in ("locked", "flying", "holding", "descending", "cut")}
+    assert pairs == armed | disarmed
+    assert len({each.before for each in walk()}) > 1000
+
+
+def test_no_throttle_while_disarmed() -> None:
+    for each in walk():
+        if not each.happening.armed or each.after.state.phase in ("locked", "cut"):
+            assert each.command == NOTHING
+            assert each.happening.armed or each.after.state.phase == "locked"
+
+
+def test_motors_start_only_with_the_ball_in_sight_and_an_answer() -> None:
+    for each in walk():
+        if each.before.state.phase == "locked" and each.command != NOTHING:
+            assert each.happening.armed
+            assert not each.happening.fault
+            assert each.seen_age == each.frame_age <= LIMITS.max_frame_age
+            assert each.happening.desired is not None
+            assert all(map(math.isfinite, each.happening.desired))
+            assert each.command.throttle <= LIMITS.max_throttle_rate * LIMITS.max_step + TINY
+
+
+def test_it_never_arms_again_by_itself() -> None:
+    for each in walk():
+        if each.before.state.phase == "cut" and each.happening.armed:
+            assert each.command == NOTHING
+            assert each.after.state.phase == "cut"
+
+
+def test_a_descent_never_raises_the_throttle_and_levels_the_sticks() -> None:
+    for each in walk():
+        if each.after.state.phase == "descending":
+            last = each.before.state.command
+            assert each.command.throttle <= last.throttle
+            assert each.command.throttle < last.throttle or each.before.state.phase == "descending"
+            for name in ("roll", "pitch", "yaw"):
+                assert abs(getattr(each.command, name)) <= abs(getattr(last, name))
+
+
+def test_every_way_into_a_descent_has_its_reason() -> None:
+    for each in walk():
+        down = each.after.state.phase in ("descending", "cut")
+        if down and each.before.state.phase in ("flying", "holding"):
+            state = each.after.state
+            unanswered = -shifted(state.seen_time, 0.0)
+            assert (
+                each.happening.fault
+                or each.frame_age > LIMITS.max_frame_age
+                or each.seen_age > LIMITS.hold_time
+                or unanswered > LIMITS.hold_time
+            )
+            assert state.reason
+        assert (each.after.state.phase == "flying") == (not each.after.state.reason)
+
+
+def test_the_caps_on_a_step_of_the_sticks_hold() -> None:
+    change, rise = LIMITS.max_stick_rate * STEP + TINY, LIMITS.max_throttle_rate * STEP + TINY
+    for each in walk():
+        if each.after.state.phase in ("locked", "cut"):
+            continue
+        last = each.before.state.command
+        for name in ("roll", "pitch", "yaw"):
+            assert abs(getattr(each.command, name) - getattr(last, name)) <= change
+        assert abs(each.command.throttle - last.throttle) <= rise
+        assert max(abs(each.command.roll), abs(each.command.pitch)) <= LIMITS.max_tilt
+        assert abs(each.command.yaw) <= LIMITS.max_yaw
+        assert each.command.throttle <= LIMITS.max_throttle
+
+
+def test_it_flies_only_by_new_pictures_with_an_answer() -> None:
+    for each in walk():
+        if each.after.state.phase in ("flying", "holding"):
+            assert not each.happening.fault
+            assert each.frame_age <= LIMITS.max_frame_age
+            assert -each.after.state.seen_time <= LIMITS.hold_time
+        if each.before.state.phase == "descending" and each.after.state.phase == "flying":
+            assert each.frame_age == each.seen_age
+
+
+@pytest.mark.parametrize(
+    ("happening", "limit"),
+    [
+        (Happening("none", DESIRED[2], True, ""), LIMITS.max_frame_age),
+        (Happening("none", None, True, ""), LIMITS.max_frame_age),
+        (Happening("no ball", DESIRED[2], True, ""), LIMITS.hold_time),
+        (Happening("ball", None, True, ""), LIMITS.hold_time),
+        (Happening("ball", DESIRED[1], True, ""), LIMITS.hold_time),
+        (Happening("ball", DESIRED[2], True, "the picture stands still"), 0.0),
+        (Happening("ball", DESIRED[2], False, ""), -LIMITS.descent_duration),
+    ],
+)
+def test_from_everywhere_silence_ends_in_motors_off_in_time(happening: Happening, limit: float) -> None:
+    longest = max(steps_to_standstill(situation, happening) for situation in {each.before for each in walk()})
+    assert STEP * longest <= limit + LIMITS.descent_duration + 2.0 * STEP

@@ -104,6 +104,27 @@ def test_a_ball_of_two_tones_is_taken_whole(border: float, share: float) -> None
     assert regions[0][upper].mean() > 0.7
 
 
+@pytest.mark.parametrize("radius", [9.0, 12.0])
+@pytest.mark.parametrize("click", [(0.0, -0.5), (0.25, -0.3), (0.0, 0.0)])
+def test_the_lit_part_of_a_ball_is_not_the_ball(radius: float, click: tuple[float, float]) -> None:
+    """A gray ball before a light wall, with a green spot where the light falls on it."""
+    image = paint(textured(spread=2.0) // 2 + 135, disc((480, 640), radius=radius), (105.0, 112.0, 108.0))
+    spot = disc((480, 640), X + 0.15 * radius, Y - 0.3 * radius, 0.55 * radius)
+    image = cv2.GaussianBlur(paint(image, spot, (120.0, 150.0, 85.0)), (0, 0), 0.08 * radius).astype(np.uint8)
+    _, circle = regions_at_click(image, X + click[0] * radius, Y + click[1] * radius)
+    assert circle is not None
+    assert math.hypot(circle[0] - X, circle[1] - Y) < 0.2 * radius
+    assert abs(circle[2] - radius) < 0.2 * radius
+
+
+def test_a_vivid_ball_before_a_plate_is_the_ball() -> None:
+    image = paint(textured(spread=2.0), disc((480, 640), radius=50.0), (140.0, 145.0, 145.0))
+    image = paint(image, disc((480, 640), radius=30.0), (60.0, 60.0, 200.0))
+    found = circle_at(image, X + 10.0, Y)
+    assert found is not None
+    assert found[1] == pytest.approx((X, Y, 30.0), abs=4.0)
+
+
 def leaking() -> tuple[Picture, Mask]:
     """A ball that runs into a long thin bar and a far beam of its own color."""
     ball = disc((480, 640), radius=30.0)

@@ -7,7 +7,7 @@ score from the picture. There is no randomness: the same picture gives the same 
 """
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import msgspec
@@ -205,7 +205,7 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
     scale = min(1.0, SCORE.longest_side / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1.0 else image
     lab = lab_of(small)
-    scored = sorted(((score_circle(lab, circle), circle) for circle in propose_circles(lab)), reverse=True)
+    scored = sorted(((score_circle(lab, circle).whole, circle) for circle in propose_circles(lab)), reverse=True)
     kept: list[tuple[float, CircleTuple]] = []
     for score, circle in scored:
         if score < max(SCORE.min_score, SCORE.min_share * scored[0][0]) or len(kept) == limit:
@@ -339,8 +339,49 @@ def _hough_circles(lab: LabImage) -> list[CircleTuple]:
     return [(float(x), float(y), float(radius)) for x, y, radius in circles]
 
 
-def score_circle(lab: LabImage, circle: CircleTuple) -> float:
-    """Score a circle: rim^3 x contrast x vividness x evenness x size, each 0 ... 1."""
+class CircleScore(NamedTuple):
+    """How ball-like a circle is, as factors, each 0 ... 1.
+
+    Attributes
+    ----------
+    rim : float
+        Share of the directions in which the outline is an edge.
+    contrast, vivid, even : float
+        How strong the edge, how vivid and how uniform the color inside.
+    size : float
+        How large it is, times the share of its outline that lies in the picture.
+    """
+
+    rim: float
+    contrast: float
+    vivid: float
+    even: float
+    size: float
+
+    @property
+    def outline(self) -> float:
+        """Score whatever the color: a lit or painted part of a ball is more vivid than the ball."""
+        return self.rim * self.rim * self.rim * self.contrast * self.even * self.size
+
+    @property
+    def whole(self) -> float:
+        """Score: rim^3 x contrast x vividness x evenness x size."""
+        return self.outline * self.vivid
+
+
+NOT_A_CIRCLE = CircleScore(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:
+    """Score a circle by its rim and the color inside.
+
+    Parameters
+    ----------
+    lab : ndarray of shape (h, w, 3), float32
+        The picture in CIE Lab.
+    circle : (x, y, radius)
+        px.
+    """
     x, y, radius = circle
     angles = 2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays
     step = min(max(SCORE.rim_step_low, SCORE.rim_step * radius), SCORE.rim_step_high)
@@ -350,7 +391,7 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> float:
     )
     visible = np.isfinite(outer[:, 0])
     if visible.sum() < SCORE.min_visible * SCORE.rays:
-        return 0.0
+        return NOT_A_CIRCLE
     interior = np.concatenate([core, inner])
     color = median(interior[np.isfinite(interior[:, 0])])
     deviation = np.linalg.norm((interior - color)[:, 1:], axis=1)
@@ -361,7 +402,7 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> float:
     vivid = SCORE.vivid_base + float(np.linalg.norm(color[1:])) / SCORE.vivid_scale
     even = 1.0 / (1.0 + float(median(deviation[np.isfinite(deviation)])) / SCORE.even_scale)
     size = min(1.0, radius / SCORE.full_size) * float(visible.mean())
-    return rim * rim * rim * min(1.0, contrast) * min(1.0, vivid) * even * size
+    return CircleScore(rim, min(1.0, contrast), min(1.0, vivid), even, size)
 
 
 def median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:

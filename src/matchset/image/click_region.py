@@ -7,6 +7,7 @@ agree the target is what either shows; where the region leaks or holds a part of
 
 import itertools
 import math
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -174,28 +175,60 @@ def circle_at(
     tuple of float and (x, y, radius), or None
         Its score, 0 ... 1, and where it is, px; None where no circle stands out.
     """
-    best: tuple[float, Circle3] | None = None
+    best: _Seen | None = None
+    seen: list[_Seen] = []
     for half in (*limits.half_widths, float(max(image.shape[:2]))):
-        left, top = max(round(x - half), 0), max(round(y - half), 0)
-        window = image[top : round(y + half) + 1, left : round(x + half) + 1]
-        scale = min(limits.window_px / max(window.shape[:2]), limits.max_enlargement)
-        how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
-        lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
-        place = (x - left + 0.5) * scale - 0.5, (y - top + 0.5) * scale - 0.5
-        for circle in _distinct(propose_circles(lab, place), limits.same_px):
-            if np.hypot(circle[0] - place[0], circle[1] - place[1]) > limits.offset * circle[2]:
-                continue
-            score = (
-                score_circle(lab, circle)
-                * min(1.0, circle[2] / limits.full_size)
-                / min(1.0, circle[2] / SCORE.full_size)
-            )
-            if score > max(limits.min_score, best[0] if best else 0.0):
-                whole = (circle[0] + 0.5) / scale - 0.5 + left, (circle[1] + 0.5) / scale - 0.5 + top
-                best = score, (*whole, circle[2] / scale)
-        if best is not None and best[0] > limits.clear_score:
+        seen += _circles_around(image, (x, y), half, limits)
+        best = max(seen, key=lambda each: each.score, default=None)
+        if best is not None and best.score > limits.clear_score:
             break
-    return best
+    if best is None or best.score <= limits.min_score:
+        return None
+    best = _whole_ball(best, seen, limits)
+    return best.score, best.circle
+
+
+class _Seen(NamedTuple):
+    """A circle, px of the picture, with its scores and its score whatever the color."""
+
+    score: float
+    outline: float
+    rim: float
+    circle: Circle3
+
+
+def _circles_around(image: Bytes, click: tuple[float, float], half: float, limits: ClickParameters) -> list[_Seen]:
+    """Circles that hold a click, in a window around it."""
+    x, y = click
+    left, top = max(round(x - half), 0), max(round(y - half), 0)
+    window = image[top : round(y + half) + 1, left : round(x + half) + 1]
+    scale = min(limits.window_px / max(window.shape[:2]), limits.max_enlargement)
+    how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+    lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
+    place = (x - left + 0.5) * scale - 0.5, (y - top + 0.5) * scale - 0.5
+    seen = []
+    for circle in _distinct(propose_circles(lab, place), limits.same_px):
+        if np.hypot(circle[0] - place[0], circle[1] - place[1]) > limits.offset * circle[2]:
+            continue
+        score = score_circle(lab, circle)
+        size = min(1.0, circle[2] / limits.full_size) / min(1.0, circle[2] / SCORE.full_size)
+        whole = (circle[0] + 0.5) / scale - 0.5 + left, (circle[1] + 0.5) / scale - 0.5 + top, circle[2] / scale
+        seen.append(_Seen(score.whole * size, score.outline * size, score.rim, whole))
+    return seen
+
+
+def _whole_ball(best: _Seen, seen: list[_Seen], limits: ClickParameters) -> _Seen:
+    """Circle with the clearest outline around the best one, if it is about as clear; otherwise the best one."""
+    x, y, radius = best.circle
+    around = [
+        each
+        for each in seen
+        if limits.around_least < each.circle[2] / radius < limits.around
+        and math.hypot(each.circle[0] - x, each.circle[1] - y) + radius < each.circle[2]
+        and each.rim >= limits.around_rim
+        and each.outline > limits.around_score * best.outline
+    ]
+    return max(around, key=lambda each: each.outline, default=best)
 
 
 def _distinct(circles: list[Circle3], same_px: float) -> list[Circle3]:

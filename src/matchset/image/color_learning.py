@@ -96,6 +96,12 @@ class ClickParameters(msgspec.Struct, frozen=True):
         Least score of a circle, and the score from which windows of other sizes are not looked at.
     same_px : float
         Circles that agree to so many px of the window are one.
+    around, around_rim, around_score : float
+        A circle around the best one, at most so many times as large, whose outline is an edge in this share of the
+        directions, takes its place if whatever the color it scores at least this share: then the best one is the lit
+        or painted part of a ball. More than 0.75 leaves such parts; less than 0.65 takes in the ground of some balls.
+    around_least : float
+        Radius from which a circle is one around another and not the same, in radii.
     """
 
     half_widths: tuple[float, ...] = (140.0, 36.0)
@@ -106,6 +112,10 @@ class ClickParameters(msgspec.Struct, frozen=True):
     min_score: float = 0.05
     clear_score: float = 0.3
     same_px: float = 1.5
+    around: float = 2.0
+    around_rim: float = 0.7
+    around_score: float = 0.7
+    around_least: float = 1.25
 
 
 class ColorParameters(msgspec.Struct, frozen=True):

@@ -31,7 +31,7 @@ MAY_TOUCH_OUTSIDE = {
     "image/camera_stream.py",
     "image/files/reading.py",
     "image/files/whole_file.py",
-    "image/image_folder.py",
+    "image/video_files/image_folder.py",
     "image/video_files/container.py",
     "image/video_files/pyav_capture.py",
     "image/video_files/video_file.py",

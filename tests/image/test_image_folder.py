@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.image.image_folder import natural
 from matchset.image.video import Video
+from matchset.image.video_files.image_folder import natural
 
 COUNT, WIDTH, HEIGHT = 12, 160, 120
 Picture = npt.NDArray[np.uint8]

@@ -7,17 +7,16 @@ score from the picture. There is no randomness: the same picture gives the same 
 """
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-LabImage = npt.NDArray[np.float32]
+from matchset.image.circle_score import SCORE, CircleTuple, Floats, LabImage, median, score_circle
+
 Picture = npt.NDArray[np.uint8]
-CircleTuple = tuple[float, float, float]
 
 
 class ProposalParameters(msgspec.Struct, frozen=True):
@@ -88,81 +87,7 @@ class ProposalParameters(msgspec.Struct, frozen=True):
     hough_circles: int = 40
 
 
-class ScoreParameters(msgspec.Struct, frozen=True):
-    """How a proposed circle is scored, and which of them become candidates.
-
-    The score is rim^3 x contrast x vividness x evenness x size, each 0 ... 1. Colors are in CIE Lab with the lightness
-    scaled. All were chosen by hand; `tests/app/track/test_learn_command.py` shows a change.
-
-    Parameters
-    ----------
-    longest_side : int
-        Longer side of the picture that is searched, px; a larger picture is reduced to it.
-    blur, blur_scale, max_blur : float
-        Standard deviation of the smoothing, px: blur + (median magnitude of the Laplacian) / blur_scale, at most
-        max_blur.
-    lightness : float
-        Weight of lightness beside chroma: shading changes lightness most. A gray picture has weight 1.
-    gray_chroma : float
-        99th percentile of the chroma below which a picture is gray, Lab units.
-    convincing : float
-        Score from which a candidate is worth tracking without asking the user.
-    min_score, min_share : float
-        Score of a candidate, absolute and as a share of the best one's.
-    rays : int
-        Directions in which the rim is sampled.
-    min_visible : float
-        Share of these directions whose outer sample lies in the picture.
-    rim_step : float
-        Distance of the samples inside and outside from the rim, as a share of the radius, between `rim_step_low` and
-        `rim_step_high`, px.
-    rim_step_low, rim_step_high : float
-        See `rim_step`.
-    rim_edge : float
-        Color difference across the rim from which a direction counts as an edge, Lab units.
-    rim_shading : float
-        The same as a multiple of the difference just inside the rim, which is shading.
-    contrast_base, contrast_scale : float
-        Contrast is base + median rim difference / scale (Lab units).
-    vivid_base, vivid_scale : float
-        Vividness is base + chroma of the inside / scale (Lab units).
-    even_scale : float
-        Evenness is 1 / (1 + median chroma deviation inside / scale) (Lab units).
-    full_size : float
-        Radius from which the size factor is 1, px.
-    same_distance, same_ratio : float
-        Two circles are one if their centers are closer than this share of the larger radius, and the ratio of their
-        radii lies between this and its inverse.
-    """
-
-    longest_side: int = 640
-    blur: float = 1.0
-    blur_scale: float = 12.0
-    max_blur: float = 3.0
-    lightness: float = 0.4
-    gray_chroma: float = 4.0
-    convincing: float = 0.15
-    min_score: float = 0.02
-    min_share: float = 0.15
-    rays: int = 64
-    min_visible: float = 0.6
-    rim_step: float = 0.08
-    rim_step_low: float = 2.0
-    rim_step_high: float = 5.0
-    rim_edge: float = 4.0
-    rim_shading: float = 0.8
-    contrast_base: float = 0.15
-    contrast_scale: float = 25.0
-    vivid_base: float = 0.3
-    vivid_scale: float = 30.0
-    even_scale: float = 10.0
-    full_size: float = 48.0
-    same_distance: float = 0.7
-    same_ratio: float = 0.4
-
-
 PROPOSAL = ProposalParameters()
-SCORE = ScoreParameters()
 
 
 class Candidate(msgspec.Struct, frozen=True):
@@ -337,88 +262,6 @@ def _hough_circles(lab: LabImage) -> list[CircleTuple]:
         return []
     circles = found.reshape(-1, 3)[: PROPOSAL.hough_circles]
     return [(float(x), float(y), float(radius)) for x, y, radius in circles]
-
-
-class CircleScore(NamedTuple):
-    """How ball-like a circle is, as factors, each 0 ... 1.
-
-    Attributes
-    ----------
-    rim : float
-        Share of the directions in which the outline is an edge.
-    contrast, vivid, even : float
-        How strong the edge, how vivid and how uniform the color inside.
-    size : float
-        How large it is, times the share of its outline that lies in the picture.
-    """
-
-    rim: float
-    contrast: float
-    vivid: float
-    even: float
-    size: float
-
-    @property
-    def outline(self) -> float:
-        """Score whatever the color: a lit or painted part of a ball is more vivid than the ball."""
-        return self.rim * self.rim * self.rim * self.contrast * self.even * self.size
-
-    @property
-    def whole(self) -> float:
-        """Score: rim^3 x contrast x vividness x evenness x size."""
-        return self.outline * self.vivid
-
-
-NOT_A_CIRCLE = CircleScore(0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:
-    """Score a circle by its rim and the color inside.
-
-    Parameters
-    ----------
-    lab : ndarray of shape (h, w, 3), float32
-        The picture in CIE Lab.
-    circle : (x, y, radius)
-        px.
-    """
-    x, y, radius = circle
-    angles = 2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays
-    step = min(max(SCORE.rim_step_low, SCORE.rim_step * radius), SCORE.rim_step_high)
-    core, middle, inner, outer = (
-        _sample(lab, x + r * np.cos(angles), y + r * np.sin(angles))
-        for r in (0.5 * radius, max(radius - 2.0 * step, 0.5 * radius), radius - step, radius + step)
-    )
-    visible = np.isfinite(outer[:, 0])
-    if visible.sum() < SCORE.min_visible * SCORE.rays:
-        return NOT_A_CIRCLE
-    interior = np.concatenate([core, inner])
-    color = median(interior[np.isfinite(interior[:, 0])])
-    deviation = np.linalg.norm((interior - color)[:, 1:], axis=1)
-    difference = np.linalg.norm(inner - outer, axis=1)[visible]
-    shading = np.linalg.norm(inner - middle, axis=1)[visible]
-    rim = float(np.mean((difference > SCORE.rim_edge) & (difference > SCORE.rim_shading * shading)))
-    contrast = SCORE.contrast_base + float(median(difference)) / SCORE.contrast_scale
-    vivid = SCORE.vivid_base + float(np.linalg.norm(color[1:])) / SCORE.vivid_scale
-    even = 1.0 / (1.0 + float(median(deviation[np.isfinite(deviation)])) / SCORE.even_scale)
-    size = min(1.0, radius / SCORE.full_size) * float(visible.mean())
-    return CircleScore(rim, min(1.0, contrast), min(1.0, vivid), even, size)
-
-
-def median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Median of each column; `np.median` would load `numpy.ma`, which takes longer than all else here."""
-    ordered, middle = np.sort(values, axis=0), len(values) // 2
-    return ordered[middle] if len(values) % 2 else np.asarray(0.5 * (ordered[middle - 1] + ordered[middle]))
-
-
-def _sample(lab: LabImage, x: Floats, y: Floats) -> Floats:
-    """Return the colors at points, NaN outside the picture."""
-    height, width = lab.shape[:2]
-    columns, rows = np.round(x).astype(int), np.round(y).astype(int)
-    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    colors = np.full((len(x), 3), np.nan)
-    colors[inside] = lab[rows[inside], columns[inside]]
-    return colors
 
 
 def _same(one: CircleTuple, other: CircleTuple) -> bool:

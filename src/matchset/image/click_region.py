@@ -13,7 +13,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.candidates import SCORE, lab_of, median, propose_circles, score_circle
+from matchset.image.candidates import lab_of, propose_circles
+from matchset.image.circle_score import SCORE, median, score_circle
 from matchset.image.color_learning import (
     DEFAULT,
     Bytes,

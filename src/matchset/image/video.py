@@ -10,7 +10,7 @@ from types import TracebackType
 from matchset.image.bags.bag import Bag, is_bag
 from matchset.image.camera_stream import Live, Settings, differences
 from matchset.image.frame import Frame
-from matchset.image.image_folder import Pictures, is_picture
+from matchset.image.video_files.image_folder import Pictures, is_picture
 from matchset.image.video_files.video_file import Recording
 from matchset.numeric.copies import NotCopied
 

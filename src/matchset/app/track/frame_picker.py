@@ -8,7 +8,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.candidates import SCORE, Candidate, find_candidates
+from matchset.image.candidates import Candidate, find_candidates
+from matchset.image.circle_score import SCORE
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 

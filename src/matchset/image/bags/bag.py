@@ -21,7 +21,7 @@ from matchset.image.bags.ros_image import (
 )
 from matchset.image.bags.rosbag_file import RosbagFile
 from matchset.image.frame import Frame
-from matchset.image.image_folder import in_order
+from matchset.image.video_files.image_folder import in_order
 from matchset.image.video_files.video_file import check_readable
 
 KINDS = (IMAGE, COMPRESSED_IMAGE)

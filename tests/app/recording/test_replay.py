@@ -298,3 +298,42 @@ def test_whatever_happens_the_files_are_whole(flown: Flown, tmp_path: Path) -> N
     assert len(list(recorded)) == 6
     assert not recorded.cut_off
     assert (tmp_path / "a.avi").stat().st_size > 50_000
+
+
+def chunks_of(path: Path) -> list[tuple[int, int]]:
+    """Where the chunks of a file begin and end."""
+    data, at, found = path.read_bytes(), 8, []
+    while at + 9 <= len(data) - 8:
+        length = int.from_bytes(data[at + 1 : at + 9], "little")
+        if data[at] == 6:
+            found.append((at + 9, at + 9 + length))
+        at += 9 + length
+    return found
+
+
+@pytest.mark.parametrize("where", [0.3, 0.5, 0.9])
+def test_one_flipped_bit_costs_one_chunk_and_what_follows_is_salvaged(
+    flown: Flown,
+    recording: Path,
+    matchset: Matchset,
+    capsys: pytest.CaptureFixture[str],
+    where: float,
+) -> None:
+    chunks = chunks_of(recording)
+    assert len(chunks) > 3
+    begin, end = chunks[int(where * len(chunks))]
+    data = bytearray(recording.read_bytes())
+    data[(begin + end) // 2] ^= 4
+    Path("flipped.mcap").write_bytes(data)
+    recorded = RecordingReader(Path("flipped.mcap"))
+    ticks = [chain_step.truth.index for chain_step in recorded]
+    whole = [chain_step.index for chain_step in flown.chain_steps]
+    assert len(recorded.damaged) == 1
+    assert set(ticks) < set(whole)
+    assert ticks == sorted(ticks)
+    assert len(whole) - len(ticks) <= len(whole) // len(chunks) + 3
+    assert ticks[-1] == whole[-1] or where == 0.9
+    assert matchset("replay", "flipped.mcap", "--quiet") == 1
+    printed = capsys.readouterr()
+    assert "s are missing" in printed.err
+    assert "every one came out bit for bit" in printed.out

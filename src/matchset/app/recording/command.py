@@ -27,7 +27,8 @@ REPLAY_EPILOG = """
 The recorded pictures go through the very code that flew; every step must come out as it was recorded, bit for bit,
 but for the computing times. A recording that was cut off in the middle is replayed as far as it goes.
 
-Exit codes: 0 every step is the same, 1 some differ or there is none, 2 bad input or options, 130 stopped by Ctrl-C.
+Exit codes: 0 every step is the same, 1 some differ, are missing or there is none, 2 bad input or options, 130 stopped
+by Ctrl-C.
 """
 
 LISTED = 5  # format: differences that are printed one by one
@@ -68,13 +69,16 @@ def replay(options: ReplayOptions) -> int:
     print(f"flight: {flight_summary(outputs.log)}")
     if recorded.cut_off:
         print(f"note: {options.recording} ends in the middle; what it holds was replayed", file=sys.stderr)
+    for each in recorded.damaged:
+        text = f"note: {options.recording} is damaged: {each.start:.2f} to {each.end:.2f} s are missing ({each.reason})"
+        print(text + "; what follows is replayed, but not compared", file=sys.stderr)
     _print_differences(replayed, recorded.matchset)
     for path in options.files.paths:
         print(f"  {path}")
     if stop:
         print("note: stopped; the files hold what was replayed so far", file=sys.stderr)
         return stop.code
-    return FOUND if replayed.steps and not replayed.differences else NOT_FOUND
+    return FOUND if replayed.steps and not replayed.differences and not recorded.damaged else NOT_FOUND
 
 
 def _check_files(options: ReplayOptions) -> None:

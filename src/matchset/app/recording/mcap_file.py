@@ -12,8 +12,8 @@ from typing import IO, Any, NamedTuple, cast
 from matchset.app.closing import Closing
 from matchset.app.disk import WholeFile
 from matchset.app.recording.cdr import HEADER
+from matchset.image.bags.mcap_records import DamagedChunk, read_records
 
-LARGEST_RECORD = 2**30  # format: bytes; a longer record is taken for damage
 PACKAGE = "matchset_msgs/msg/"
 BEGINNING = b"# MessagePack; its JSON Schema: "
 PACKED_SCHEMA = BEGINNING + b"%s\nuint8[] msgpack"
@@ -136,22 +136,24 @@ class McapReader:
     ----------
     cut_off : bool
         Whether the file ends in the middle: the program that wrote it did not close it.
+    damaged : list of DamagedChunk
+        Chunks that were left out so far; what follows them is read.
 
     Raises
     ------
     ValueError
-        If the package mcap is missing; while reading, if the file is no MCAP file or is damaged.
+        If the package mcap is missing; while reading, if the file is no MCAP file or is damaged outside its chunks.
     """
 
     def __init__(self, path: Path) -> None:
         check_mcap()
         self.path, self.cut_off = path, False
+        self.damaged: list[DamagedChunk] = []
 
     def __iter__(self) -> Iterator[Message]:
         from mcap.exceptions import EndOfFile, InvalidMagic, McapError
         from mcap.records import Channel, Schema
         from mcap.records import Message as Record
-        from mcap.stream_reader import StreamReader
 
         topics: dict[int, str] = {}
         packing: set[int] = set()
@@ -161,8 +163,10 @@ class McapReader:
                 raise ValueError(f"{self.path} is empty")
             file.seek(0)
             try:
-                for record in StreamReader(file, validate_crcs=True, record_size_limit=LARGEST_RECORD).records:
-                    if isinstance(record, Schema) and record.data.startswith(BEGINNING):
+                for record in read_records(file):
+                    if isinstance(record, DamagedChunk):
+                        self.damaged.append(record)
+                    elif isinstance(record, Schema) and record.data.startswith(BEGINNING):
                         packing.add(record.id)
                     elif isinstance(record, Channel):
                         topics[record.id] = record.topic

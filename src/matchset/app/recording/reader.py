@@ -22,6 +22,7 @@ from matchset.app.recording.messages import (
     sample_topic,
     step_topic,
 )
+from matchset.image.bags.mcap_records import DamagedChunk
 from matchset.image.frame import Frame
 
 
@@ -89,7 +90,13 @@ class RecordingReader:
         """Whether the file ends in the middle; known after the last step."""
         return self._reader.cut_off
 
+    @property
+    def damaged(self) -> list[DamagedChunk]:
+        """Stretches that are left out so far, since they cannot be read."""
+        return self._reader.damaged
+
     def __iter__(self) -> Iterator[RecordedChainStep]:
+        damaged, torn = 0, False
         steps: dict[int, StepMessage] = {}
         pictures: dict[int, bytes] = {}
         numbers = range(1, self.setup.followers + 1)
@@ -97,16 +104,28 @@ class RecordingReader:
         of_picture = {image_topic(number): number for number in numbers}
         for topic, data in self._messages:
             chain_step = None
+            if (
+                len(self.damaged) > damaged
+            ):  # the step in which the damage begins, and that in which it ends, lack something
+                damaged, torn, steps, pictures = len(self.damaged), True, {}, {}
             with _naming(self.path):
                 if topic in of_picture:
                     pictures[of_picture[topic]] = data
                 elif topic in of_step:
                     steps[of_step[topic]] = decode(data, StepMessage)
                 elif topic == TRUTH:
-                    chain_step = self._chain_step(steps, pictures, decode(data, TruthMessage))
-                    steps, pictures = {}, {}
+                    truth = decode(data, TruthMessage)
+                    if not torn or self._is_whole(steps, pictures, truth):
+                        chain_step = self._chain_step(steps, pictures, truth)
+                    torn, steps, pictures = False, {}, {}
             if chain_step is not None:  # outside of the `with` block: an error of the caller is not about the file
                 yield chain_step
+
+    def _is_whole(self, steps: dict[int, StepMessage], pictures: dict[int, bytes], truth: TruthMessage) -> bool:
+        """Whether a step lacks nothing."""
+        numbers = range(1, self.setup.followers + 1)
+        there = all(number in steps and steps[number].tick == truth.index for number in numbers)
+        return there and all((steps[number].frame is None) == (number not in pictures) for number in numbers)
 
     def _chain_step(
         self, steps: dict[int, StepMessage], pictures: dict[int, bytes], truth: TruthMessage

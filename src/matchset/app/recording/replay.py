@@ -42,7 +42,8 @@ class Replay:
     Attributes
     ----------
     steps : int
-        Number of steps compared so far.
+        Number of steps compared so far: those before the first stretch that cannot be read. What follows it is
+        replayed, but must come out otherwise.
     differences : list of StepDifference
         The steps that did not come out bit for bit.
     """
@@ -90,6 +91,8 @@ class Replay:
         if message.stopped:
             pilot.cut(message.stopped)
         step = pilot.step()
+        if self._recorded.damaged:
+            return msgspec.structs.replace(step, stage_times=message.spent)
         self.steps += 1
         if outcome_of(step) != bytes(message.outcome):
             text = first_difference(bytes(message.outcome), outcome_of(step))

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from matchset.image.bags.bag_file import NEEDED, BagMessage, BagTopic, kind_of
+from matchset.image.bags.mcap_records import LARGEST_RECORD, DamagedChunk, read_records
+from matchset.image.files.limits import LIMITS
 
-LARGEST_RECORD = 2**30  # format: bytes; a longer record is taken for damage
 ROS1, ROS2 = "ros1", "cdr"
 
 
@@ -92,6 +93,8 @@ class McapImages:
             return False
         if summary is None or summary.statistics is None or not summary.chunk_indexes:
             return False
+        if any(chunk.uncompressed_size > LIMITS.chunk for chunk in summary.chunk_indexes):
+            return False
         for channel in summary.channels.values():
             self._add(channel, summary.schemas.get(channel.schema_id))
         self._counts.update(summary.statistics.channel_message_counts)
@@ -124,11 +127,10 @@ class McapImages:
         """All messages from the beginning, as far as the file goes; notes channels on the way."""
         from mcap.exceptions import EndOfFile
         from mcap.records import Channel, Message, Schema
-        from mcap.stream_reader import StreamReader
 
         self._file.seek(0)
         schemas: dict[int, Any] = {}
-        records = iter(StreamReader(self._file, validate_crcs=True, record_size_limit=LARGEST_RECORD).records)
+        records = read_records(self._file)
         while True:
             try:
                 record = next(records)
@@ -139,6 +141,8 @@ class McapImages:
                 return
             except Exception as error:  # as above
                 raise self._damage(error) from error
+            if isinstance(record, DamagedChunk):
+                raise ValueError(f"{self.path} is damaged: {record.reason}")
             if isinstance(record, Schema):
                 schemas[record.id] = record
             elif isinstance(record, Channel):

@@ -81,11 +81,11 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         Raises
         ------
         ValueError
-            If the size is not positive or the field of view is outside 0 ... pi.
+            If the size is not positive, the field of view is outside 0 ... pi, or one of them is no number.
         """
-        if width < 1 or height < 1:
+        if _number("width", width) < 1 or _number("height", height) < 1:
             raise ValueError(f"a picture's size must be positive, got {width} x {height}")
-        if not 0.0 < fov < math.pi:
+        if not 0.0 < _number("fov", fov) < math.pi:
             raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}")
         focal = (width / 2.0) / math.tan(fov / 2.0)
         return cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)

@@ -30,6 +30,7 @@ from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_limited
 from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import check_image
+from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
 
 LIMIT = 4.0  # format: largest log-odds that a table holds, since any one pixel can be wrong
@@ -65,7 +66,10 @@ class ColorModel(Copied):
         self.gray: Gray = gray
         self.circle: tuple[float, float, float] | None = None
         self.note = ""
-        values = np.array(log_odds, np.float32)
+        try:
+            values = np.array(log_odds, np.float32)
+        except (TypeError, ValueError):
+            raise ValueError(f"a color table has 32768 or 256 finite numbers, got {log_odds!r:.60}") from None
         if values.shape not in ((32768,), (256,)) or not np.isfinite(values).all():
             raise ValueError(f"a color table has 32768 or 256 finite numbers, got shape {values.shape}")
         self.log_odds = np.clip(values, -LIMIT, LIMIT)
@@ -98,7 +102,11 @@ class ColorModel(Copied):
             If the box is empty or not wholly in the picture, or its color cannot be told from the background.
         """
         check_image(image)
-        x, y, width, height = (round(value) for value in region)
+        check_kind("parameters", parameters, ColorParameters)
+        try:
+            x, y, width, height = (round(value) for value in region)
+        except (TypeError, ValueError, OverflowError):
+            raise ValueError(f"region must be four numbers x, y, width, height, px, got {region!r:.60}") from None
         rows, columns = image.shape[:2]
         if not (width > 0 and height > 0 and x >= 0 and y >= 0 and x + width <= columns and y + height <= rows):
             raise ValueError(f"region {region} does not lie in the {columns} x {rows} picture")
@@ -130,6 +138,9 @@ class ColorModel(Copied):
             can be found around it either.
         """
         check_image(image)
+        check_kind("parameters", parameters, ColorParameters)
+        for name, value in (("x", x), ("y", y)):
+            check_number(f"{name} of the pick", value)
         rows, columns = image.shape[:2]
         if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {columns} x {rows} picture")
@@ -203,8 +214,12 @@ class ColorModel(Copied):
         """
         top = (179, 255, 255)
         for bound in (low, high):
-            if len(bound) != 3 or not all(0 <= value <= limit for value, limit in zip(bound, top, strict=True)):
-                raise ValueError(f"HSV values run from (0, 0, 0) to (179, 255, 255), got {tuple(bound)}")
+            try:
+                sound = len(bound) == 3 and all(0 <= value <= limit for value, limit in zip(bound, top, strict=True))
+            except TypeError:  # no three numbers
+                sound = False
+            if not sound:
+                raise ValueError(f"HSV values run from (0, 0, 0) to (179, 255, 255), got {bound!r:.60}")
         if low[1] > high[1] or low[2] > high[2]:
             raise ValueError(f"low {tuple(low)} lies above high {tuple(high)} in saturation or value")
         share = np.zeros(32768, np.float32)

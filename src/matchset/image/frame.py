@@ -6,6 +6,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import check_kind, check_number
+
 BYTES = np.dtype(np.uint8)  # made once: to make it costs more than all else that is checked
 
 
@@ -27,6 +29,8 @@ class Frame(msgspec.Struct, frozen=True):
     ------
     ValueError
         If the picture is not uint8, has another shape or no pixels, or the time is not finite.
+    TypeError
+        If the time is no number.
     """
 
     image: npt.NDArray[np.uint8]
@@ -35,8 +39,16 @@ class Frame(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         check_image(self.image)
+        if type(self.time) is not float:
+            check_number(f"the time of frame {self.index}", self.time)
         if not math.isfinite(self.time):
             raise ValueError(f"the time of frame {self.index} must be finite, got {self.time}")
+
+
+def check_frame(frame: Frame) -> None:
+    """Refuse what is not a `Frame` (TypeError): an array, for one, has no time."""
+    if not isinstance(frame, Frame):
+        check_kind("a frame", frame, Frame, "make one with matchset.Frame(image, time, index)")
 
 
 def check_image(image: npt.NDArray[np.uint8]) -> None:

@@ -12,6 +12,7 @@ from matchset.image.camera_stream import Live, Settings, differences
 from matchset.image.frame import Frame
 from matchset.image.video_files.image_folder import Pictures, is_picture
 from matchset.image.video_files.video_file import Recording
+from matchset.numeric.arguments import check_number
 from matchset.numeric.copies import NotCopied
 
 
@@ -99,6 +100,8 @@ class Video(NotCopied):
         wishes = {"exposure": exposure, "white_balance": white_balance, "fps": fps}
         asked = {name: _finite(name, value) for name, value in wishes.items() if value is not None}
         for name, value in (("fps", fps), ("timeout", timeout)):
+            if value is not None:
+                check_number(name, value)
             if value is not None and not 0.0 < value < math.inf:
                 raise ValueError(f"{name} must be positive, got {value}")
         self._name, self._closed, self._ended = _name(source), False, False
@@ -171,6 +174,7 @@ class Video(NotCopied):
 
 
 def _finite(name: str, value: float) -> float:
+    check_number(name, value)
     if not math.isfinite(value):
         raise ValueError(f"{name} must be finite, got {value}")
     return float(value)

@@ -6,6 +6,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import check_number
+
 MOST_MARKERS = 6  # format: rows of the workspace; which marker is which is found by trying
 MIN_SEPARATION = 0.17  # geometry: rad between two markers, 10 degrees
 
@@ -35,6 +37,12 @@ class BallTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     marker_diameter: float = 0.06
 
     def __post_init__(self) -> None:
+        check_number("a ball's diameter", self.diameter)
+        check_number("a marker's diameter", self.marker_diameter)
+        try:
+            lengths = [math.hypot(*marker) if len(marker) == 3 else 0.0 for marker in self.markers]
+        except TypeError:
+            raise TypeError(f"markers must be unit vectors of 3 numbers, got {self.markers!r:.60}") from None
         if not 0.0 < self.diameter < math.inf:
             raise ValueError(f"a ball's diameter must be positive, got {self.diameter} m")
         if not 0.0 < self.marker_diameter < self.diameter:
@@ -44,7 +52,7 @@ class BallTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if len(self.markers) > MOST_MARKERS:
             raise ValueError(f"a ball has at most {MOST_MARKERS} markers, got {len(self.markers)}")
         for k, marker in enumerate(self.markers):
-            if len(marker) != 3 or not abs(math.hypot(*marker) - 1.0) <= 1e-6:
+            if not abs(lengths[k] - 1.0) <= 1e-6:
                 raise ValueError(f"markers must be unit vectors of 3 numbers, got {marker}")
             for other in self.markers[:k]:
                 if math.dist(marker, other) < 2.0 * math.sin(0.5 * MIN_SEPARATION):

@@ -15,6 +15,7 @@ from matchset.localization.cone import BallParameters, ConeFailure
 from matchset.localization.marker_identification import RotationSource, assignments
 from matchset.localization.pose import Observed, Pose
 from matchset.localization.pose_estimation import POSE, estimate_pose
+from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
 from matchset.shapes.circle import Circle
@@ -79,6 +80,9 @@ class Localizer(Copied):
     """
 
     def __init__(self, camera: CameraModel, target: BallTarget, parameters: LocalizerParameters | None = None) -> None:
+        check_kind("camera", camera, CameraModel)
+        check_kind("target", target, BallTarget)
+        check_kind("parameters", parameters, (LocalizerParameters, type(None)))
         self.camera, self.target = camera, target
         self.parameters = parameters or LocalizerParameters()
         limits = self.parameters.ball
@@ -117,6 +121,7 @@ class Localizer(Copied):
         Pose or Lost
             `Lost` if the ball is lost or its outline is not that of a ball before the camera, with the reason.
         """
+        check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
         count = self._take_markers(markers)

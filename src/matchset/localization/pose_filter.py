@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.localization.pose import UNOBSERVED_VARIANCE, Observed, Pose
+from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.kalman import predict_constant_velocity, update
 from matchset.numeric.rotation import rotate, rotation_vector_between
@@ -99,6 +100,7 @@ class PoseFilter(Copied):
     """
 
     def __init__(self, parameters: FilterParameters | None = None) -> None:
+        check_kind("parameters", parameters, (FilterParameters, type(None)))
         self.parameters = parameters or FilterParameters()
         self._move = _Motion(self.parameters.acceleration, self.parameters.initial_speed)
         self._spin = _Motion(self.parameters.angular_acceleration, self.parameters.initial_angular_speed)
@@ -128,6 +130,7 @@ class PoseFilter(Copied):
         ValueError
             If the time does not run forward.
         """
+        check_kind("pose", pose, (Pose, Lost), "Localizer.update(ball) gives one")
         if not pose.time > self._time:
             raise ValueError(f"time must run forward: a pose at {pose.time} s follows one at {self._time} s")
         self._time = pose.time
@@ -156,8 +159,12 @@ class PoseFilter(Copied):
         ValueError
             If `now` is before the last pose, or not finite.
         """
-        if not self._time <= now < math.inf:
-            raise ValueError(f"a prediction is for {self._time} s or later, got {now} s")
+        try:
+            later = self._time <= now < math.inf
+        except TypeError:  # a word or None
+            later = False
+        if not later:
+            raise ValueError(f"a prediction is for {self._time} s or later, got {now!r} s")
         if not now - self._move.time <= self.parameters.memory:
             never = self._move.time == -math.inf
             return Lost("no pose yet" if never else f"the last pose is {now - self._move.time:.2f} s old", now)

@@ -73,7 +73,11 @@ class Circle(msgspec.Struct, frozen=True):
     parameters: ClassVar[tuple[str, ...]] = ("x", "y", "radius")
 
     def __post_init__(self) -> None:
-        if not (-INF < self.x < INF and -INF < self.y < INF and 0.0 < self.radius < INF):  # cheaper than `isfinite`
+        try:  # comparisons are cheaper than `isfinite`
+            sound = -INF < self.x < INF and -INF < self.y < INF and 0.0 < self.radius < INF
+        except TypeError:  # a word or None
+            sound = False
+        if not sound:
             raise ValueError(f"a circle needs finite numbers and a positive radius, got {self}")
 
     @property

@@ -65,8 +65,12 @@ class Ellipse(msgspec.Struct, frozen=True):
     parameters: ClassVar[tuple[str, ...]] = ("x", "y", "a", "b", "angle")
 
     def __post_init__(self) -> None:
-        finite = all(math.isfinite(value) for value in (self.x, self.y, self.a, self.b, self.angle))
-        if not (finite and self.a > 0.0 and self.b > 0.0):
+        try:
+            sound = all(math.isfinite(value) for value in (self.x, self.y, self.a, self.b, self.angle))
+            sound = sound and self.a > 0.0 and self.b > 0.0
+        except TypeError:  # a word or None
+            sound = False
+        if not sound:
             raise ValueError(f"an ellipse needs finite numbers and positive semi-axes, got {self}")
 
     @property

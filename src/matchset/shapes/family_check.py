@@ -31,7 +31,9 @@ def check_family(family: type[Any]) -> None:
     ValueError
         If it breaks a rule; the message says which.
     """
-    if not getattr(family, "__module__", "").startswith(OWN):
+    if not isinstance(cast(object, family), type):
+        raise ValueError(f"{family!r:.60} is no family of shapes: it is no class")
+    if not family.__module__.startswith(OWN):
         check_contract(family)
 
 

@@ -75,8 +75,12 @@ class Rectangle(msgspec.Struct, frozen=True):
     parameters: ClassVar[tuple[str, ...]] = ("x", "y", "width", "height", "angle")
 
     def __post_init__(self) -> None:
-        finite = all(math.isfinite(value) for value in (self.x, self.y, self.width, self.height, self.angle))
-        if not (finite and self.width > 0.0 and self.height > 0.0):
+        try:
+            sound = all(math.isfinite(value) for value in (self.x, self.y, self.width, self.height, self.angle))
+            sound = sound and self.width > 0.0 and self.height > 0.0
+        except TypeError:  # a word or None
+            sound = False
+        if not sound:
             raise ValueError(f"a rectangle needs finite numbers and positive sides, got {self}")
 
     @property

@@ -72,8 +72,12 @@ class Similar(msgspec.Struct, frozen=True, metaclass=_FamilyType):
     template: ClassVar[Template]
 
     def __post_init__(self) -> None:
-        finite = all(math.isfinite(value) for value in (self.x, self.y, self.scale, self.angle))
-        if not (finite and self.scale > 0.0):
+        try:
+            sound = all(math.isfinite(value) for value in (self.x, self.y, self.scale, self.angle))
+            sound = sound and self.scale > 0.0
+        except TypeError:  # a word or None
+            sound = False
+        if not sound:
             raise ValueError(f"a {type(self).__name__} needs finite numbers and a positive scale, got {self}")
 
     @property
@@ -174,8 +178,12 @@ class Affine(msgspec.Struct, frozen=True, metaclass=_FamilyType):
     template: ClassVar[Template]
 
     def __post_init__(self) -> None:
-        finite = all(math.isfinite(value) for value in (self.x, self.y, self.xx, self.xy, self.yx, self.yy))
-        if not (finite and self.xx * self.yy - self.xy * self.yx > 0.0):
+        try:
+            sound = all(math.isfinite(value) for value in (self.x, self.y, self.xx, self.xy, self.yx, self.yy))
+            sound = sound and self.xx * self.yy - self.xy * self.yx > 0.0
+        except TypeError:  # a word or None
+            sound = False
+        if not sound:
             raise ValueError(f"a {type(self).__name__} needs finite numbers and a positive determinant, got {self}")
 
     @property

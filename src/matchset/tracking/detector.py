@@ -15,7 +15,8 @@ from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, check_frame
+from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
@@ -26,6 +27,7 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 DETECTION_LINES = 64  # format: lines across the outline of a detected shape
+MOST_SHAPES = 1_000_000  # format: that a call can be asked for
 
 
 class DetectionParameters(msgspec.Struct, frozen=True):
@@ -290,10 +292,13 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     Raises
     ------
     ValueError
-        If the limit is not positive, or the color was learned on another kind of picture.
+        If the limit is no whole number from 1 to 1000000, or the color was learned on another kind of picture.
+    TypeError
+        If it is no `Frame`, or no `ColorModel`.
     """
-    if limit < 1:
-        raise ValueError(f"detect needs a limit of at least 1, got {limit}")
+    check_frame(frame)
+    check_kind("color", color, ColorModel, "ColorModel.pick(image, x, y) learns one from a click")
+    limit = checked_count("limit", limit, 1, MOST_SHAPES)
     image, color = channels_last(frame.image), color.for_image(frame.image)
     search = SearchParameters()
     detector = _detector(

@@ -12,7 +12,8 @@ from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table, adaptation_block
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, check_frame
+from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.shapes.shape import Shape, finds_itself, nearest
 from matchset.tracking.compiled_step import tracking_fitter
@@ -71,7 +72,9 @@ class Tracker(Copied, Generic[S]):
     Raises
     ------
     ValueError
-        If there are fewer than 16 or more than 4096 points, or the start is not finite.
+        If there are fewer than 16 or more than 4096 points or no whole number of them, or the start is no finite point.
+    TypeError
+        If the color is no `ColorModel`, or the parameters are none.
 
     Examples
     --------
@@ -93,11 +96,12 @@ class Tracker(Copied, Generic[S]):
         start: tuple[float, float] | None = None,
         parameters: TrackerParameters | None = None,
     ) -> None:
-        if not MIN_POINTS <= points <= MAX_POINTS:
-            raise ValueError(f"a match-set needs {MIN_POINTS} to {MAX_POINTS} points, got {points}")
+        check_kind("color", color, ColorModel, "ColorModel.pick(image, x, y) learns one from a click")
+        check_kind("parameters", parameters, (TrackerParameters, type(None)))
+        points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
         self.parameters = parameters or TrackerParameters()
         self._given = color.copy()
-        self._family, self._hint = family, _checked_hint(start)
+        self._family, self._hint = family, start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._adaptation = adaptation_block(self.parameters.adaptation)
@@ -152,13 +156,18 @@ class Tracker(Copied, Generic[S]):
         ValueError
             If the point is not finite, or the shape not of the family that is tracked.
         """
-        self._hint = _checked_hint(hint if isinstance(hint, tuple) else None)
+        shape = hint if isinstance(hint, self._family) else None
+        if shape is None and hint is not None and not isinstance(hint, tuple):
+            raise ValueError(
+                f"this tracker follows {self._family.__name__}, from one or from a point (x, y), got {hint!r:.60}"
+            )
+        self._hint = None if shape is not None or hint is None else checked_point("the hint", hint)
         self._fitter.forget()
         motion = self._fitter.work.motion
         motion.typical_half_width = motion.offset_moment = motion.speed_moment = 0.0
         self._forget_frames()
-        if hint is not None and not isinstance(hint, tuple):
-            self.start(hint)
+        if shape is not None:
+            self.start(shape)
 
     def _forget_frames(self) -> None:
         """Be as a tracker is that has seen nothing."""
@@ -190,6 +199,8 @@ class Tracker(Copied, Generic[S]):
         ValueError
             If the time does not run forward, the size or the channels of the picture changed on the way, or the
             color was learned on another kind of picture.
+        TypeError
+            If it is no `Frame`.
         """
         image = self._checked(frame)
         if self._initial is not None or (self.color.gray and self.mode is Mode.SEARCHING):
@@ -210,6 +221,7 @@ class Tracker(Copied, Generic[S]):
 
     def _checked(self, frame: Frame) -> Image:
         """Check a frame against those before it; its picture as (h, w, channels)."""
+        check_frame(frame)
         image, time = frame.image, frame.time
         if image.shape != self._format:
             self._set_format(frame)
@@ -385,10 +397,3 @@ class Tracker(Copied, Generic[S]):
             quadrant = self._frames // limits.period % 4
             tables = color.log_odds, self._learned, color.table
             adapt_table(image, *tables, outline, interior, x, y, quadrant, self._adaptation)
-
-
-def _checked_hint(point: tuple[float, float] | None) -> tuple[float, float] | None:
-    """Refuse a point that is not finite."""
-    if point is not None and not all(math.isfinite(value) for value in point):
-        raise ValueError(f"start must be finite, got {point}")
-    return point

@@ -7,11 +7,12 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, check_frame
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.marker_color import mark_color
 from matchset.localization.markers.marker_step import follow_markers
 from matchset.localization.markers.marker_workspace import CAPACITY, MARKERS, MarkerParameters
+from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
 from matchset.shapes.circle import Circle
@@ -40,6 +41,9 @@ class MarkerTracker(Copied):
     """
 
     def __init__(self, color: ColorModel, target: BallTarget, parameters: MarkerParameters | None = None) -> None:
+        check_kind("color", color, ColorModel)
+        check_kind("target", target, BallTarget)
+        check_kind("parameters", parameters, (MarkerParameters, type(None)))
         self.color, self.target = color, target
         self.parameters = parameters or MarkerParameters()
         self._separation = target.marker_diameter / target.diameter  # radius of a marker, in ball radii
@@ -92,6 +96,8 @@ class MarkerTracker(Copied):
         ValueError
             If the color was learned on another kind of image.
         """
+        check_frame(frame)
+        check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
         self.color.check(frame.image)
         if isinstance(ball, Lost):
             self._missed = []

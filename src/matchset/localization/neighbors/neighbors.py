@@ -6,10 +6,11 @@ import msgspec
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, check_frame
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.neighbors.ball_search import BallSearch, BallSearchParameters
 from matchset.localization.neighbors.ball_track import BallTrack, BallTrackParameters, BallTrackSetup, Neighbor
+from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -104,6 +105,11 @@ class Neighbors(Copied):
         marker_color: ColorModel,
         parameters: NeighborsParameters | None = None,
     ) -> None:
+        check_kind("camera", camera, CameraModel)
+        check_kind("target", target, BallTarget)
+        for name, color in (("ball_color", ball_color), ("marker_color", marker_color)):
+            check_kind(name, color, ColorModel)
+        check_kind("parameters", parameters, (NeighborsParameters, type(None)))
         self.parameters = parameters or NeighborsParameters()
         self._camera = camera
         self._setup = BallTrackSetup(camera, target, ball_color, marker_color, self.parameters.track)
@@ -134,6 +140,7 @@ class Neighbors(Copied):
         ValueError
             If the picture is not of the camera's size, or as for `Tracker.update`.
         """
+        check_frame(frame)
         self._camera.check(frame.image)
         balls = self._follow(frame)
         self._associate(frame, balls)

@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
-    wheel-check clean
+    soak wheel-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
@@ -68,6 +68,9 @@ fuzz: $(READY) $(TOOLCHAIN)  ## a thousand million bytes of noise through the fi
 	nice -n 19 $$(PYTHONPATH=tests/emu $(BIN)/python -c "import toolchain; print(toolchain.host_fuzz())") \
 	    $(or $(ARGS),1-300 1120000 3)
 	MATCHSET_WALK_EVENTS=5 $(ONE_THREAD) nice -n 19 $(BIN)/python -m pytest -q tests/emu/test_emu_walk.py
+
+soak: $(READY)  ## fly an hour of simulated time under random faults, check every step (an hour; ARGS="--seed 1")
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.soak $(ARGS)
 
 mutants: $(READY) $(TOOLCHAIN)  ## would the tests notice? break a line at a time, write docs/mutants.md (an hour; ARGS="--jobs 2")
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.mutants $(ARGS)

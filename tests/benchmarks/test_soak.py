@@ -1,4 +1,4 @@
-"""The soak: each invariant notices a made-up violation, and a plan is the same again."""
+"""The soak: each invariant notices a made-up violation, a plan is the same again, and some seconds are flown."""
 
 import math
 from array import array
@@ -8,17 +8,20 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+from benchmarks.soak.__main__ import soak
 from benchmarks.soak.faults import FaultyCamera, limited_files
-from benchmarks.soak.fly import quantiles
-from benchmarks.soak.invariants import ALONE, PAIRS, Rules, Seen, covariance_wrong, violation
-from benchmarks.soak.plan import Fault, make_plan
+from benchmarks.soak.fly import fly, quantiles
+from benchmarks.soak.invariants import ALONE, PAIRS, InvariantParameters, Rules, Seen, covariance_wrong, violation
+from benchmarks.soak.plan import Fault, Plan, make_plan
 from benchmarks.soak.resources import ResourceParameters, Resources, growth, measure
 
+from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.pilot import PilotStep
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.safety import SafetyState
 from matchset.image.frame import Frame
+from matchset.links.simulated import SimulationParameters
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
@@ -258,3 +261,42 @@ def test_a_file_is_full(tmp_path: Path) -> None:
 def test_quantiles() -> None:
     assert quantiles(array("d", [3.0, 1.0, 2.0]))[::2] == (2.0, 3.0)
     assert math.isnan(quantiles(array("d"))[0])
+
+
+def test_twenty_seconds_hold(tmp_path: Path) -> None:
+    small = SimulationParameters(vehicles=2, width=320, height=240, silent=6.0, silent_for=0.5)
+    noisy = Plan(
+        seed=1,
+        number=0,
+        flight=FlightParameters(duration=10.0, world=small),
+        faults=(Fault("noise", 2.0, 0.3), Fault("gust", 3.0, 0.3, (1.0, 0.0, 0.5)), Fault("dropped", 4.0, 0.2)),
+        armings=1,
+    )
+    recorded = Plan(
+        seed=1,
+        number=1,
+        flight=FlightParameters(duration=5.0, world=msgspec.structs.replace(small, silent=3.0)),
+        faults=(Fault("frozen", 1.0, 0.6), Fault("stale", 2.0, 0.1, (0.3, 0.0, 0.0))),
+        recorded=True,
+    )
+    full = msgspec.structs.replace(recorded, number=2, room=5.0)
+    lines: list[str] = []
+    totals = soak((noisy, recorded, full), 1000.0, lines.append)
+    assert totals.violation is None, totals.violation
+    assert len(lines) == totals.flights == 3
+    assert totals.flown.full == 1
+    assert totals.flown.simulated > 15.0
+    assert totals.flown.replayed > 100
+    assert len(totals.flown.elapsed) > 400
+
+
+def test_a_violation_ends_a_flight_and_says_where(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from benchmarks.soak import fly as module
+
+    strict = InvariantParameters(off_outline=0.0)
+    monkeypatch.setattr(module, "_limits_of", lambda *_: strict)
+    small = SimulationParameters(vehicles=2, width=320, height=240)
+    flown = fly(Plan(seed=3, number=4, flight=FlightParameters(duration=1.0, world=small)), tmp_path)
+    assert flown.violation is not None
+    assert flown.violation[:3] == (3, 4, 1)
+    assert "off the outline" in flown.violation.what

@@ -32,6 +32,14 @@ HOVER = 150  # of 255
 LANDING = 1.5  # s
 
 
+@pytest.fixture(autouse=True)
+def _hangup_ends_programs() -> Iterator[None]:
+    """Start programs as a shell does, although these tests may themselves run where SIGHUP is ignored."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.fixture
 def transmitter() -> Iterator[PtyTransmitter]:
     with PtyTransmitter() as opened:

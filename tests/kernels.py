@@ -133,7 +133,7 @@ def fit(
     work.edges[:n] = np.stack((offset, strength, np.ones_like(offset)), axis=2)
     work.state[:s], work.start[:s], work.motion.prior_sigma[:p] = state, prior.expected, prior.spread
     work.window.use_prior, work.window.speed, work.fit_limits.min_noise = 1, prior.speed, prior.floor
-    work["iteration"] = prior.size, prior.noise, prior.start, 0.0
+    work["iteration"] = prior.size, prior.noise, prior.start, 0.0, 1.0
     expected = expected or (0.0, 0.0, 0.1 + 0.5 * prior.speed)
     work["field_offset"] = begin, expected[:2], expected[2]
     robust_fit_of(work)

@@ -15,6 +15,7 @@ from matchset.fitting.robust_fit import FitParameters
 Scores = npt.NDArray[np.int8]
 FIT, MATCH = FitParameters(), MatchParameters()
 LEAST = QualityParameters().min_residual
+USUAL = 64  # lines that the limits are for
 FIRM, WEAK = np.float32(MATCH.firm_step), np.float32(MATCH.weak_step)
 
 
@@ -131,7 +132,8 @@ def review(
     confirmed = [i for i in there if abs(residual[i]) <= tolerance]
     near = {i: 1.0 - (residual[i] / tolerance) ** 2 for i in confirmed}
     evidence = sum(near[i] * (0.5 + 0.5 * whiteness[i]) for i in confirmed)
-    pairs = [(i, i - 1) for i in confirmed if i > 0 and seen[i - 1] and i - 1 in near]
+    apart = max(math.ceil(n / USUAL), 1)
+    pairs = [(i, i - apart) for i in confirmed if i >= apart and seen[i - apart] and i - apart in near]
     square = sum(residual[i] ** 2 + LEAST**2 for i in confirmed)
     wide = [i for i in there if abs(residual[i]) <= 2.0 * tolerance]
     harmonics = [
@@ -145,5 +147,5 @@ def review(
         sum(near.values()) / whole,
         evidence / whole,
         sum(residual[i] * residual[j] for i, j in pairs) / (square + 1e-9),
-        max(harmonics) / deviation,
+        max(harmonics) * min(math.sqrt(USUAL / n), 1.0) / deviation,
     )

@@ -41,6 +41,10 @@ class QualityParameters(msgspec.Struct, frozen=True):
         From which share of the way on a pixel belongs to the rim.
     min_pixels : int
         From more than so many pixels a share of the inside is told.
+    lines : int
+        Number of lines that the limits of autocorrelation and harmonic score are for: of more lines, residuals are
+        compared so far apart as here, and count as so many. Lines nearer to each other read the same pixels, and err
+        alike on any shape. The default of `Tracker`, with which those limits were chosen.
     match_set_sigmas, match_set_min_noise : float
         Distance from the outline up to which an edge point belongs to the match-set, in standard deviations of an edge
         point, which are taken to be at least so many px: the outline may be an ellipse.
@@ -64,6 +68,7 @@ class QualityParameters(msgspec.Struct, frozen=True):
     ring_outer: float = 0.62
     rim: float = 0.75
     min_pixels: int = 3
+    lines: int = 64
     match_set_sigmas: float = 4.0
     match_set_min_noise: float = 0.4
     covariance_inflation: float = 1.15
@@ -76,6 +81,25 @@ class QualityParameters(msgspec.Struct, frozen=True):
 def tolerance_of(limits: Limits, half_width: float) -> float:
     """How near an edge point must be to the outline of a shape of this half-width to be an inlier, px."""
     return float(min(max(limits.tolerance * half_width, limits.min_tolerance), limits.max_tolerance))
+
+
+@helper
+def overlap_of(work: Record) -> float:
+    """How many lines there are for each that reads pixels of its own, beyond what is usual (`QualityParameters.lines`).
+
+    A line runs along one row or column: on a small outline many of them are the same one.
+    """
+    runs, n, usual = work.runs, work.line_count, work.quality_limits.lines
+    if n <= usual:
+        return 1.0
+    seen = own = 0
+    row, across = np.int64(-1), np.int64(-1)
+    for i in range(n):
+        if runs[i, 4] > 0:
+            seen += 1
+            own += runs[i, 1] != row or runs[i, 0] != across
+            across, row = runs[i, 0], runs[i, 1]
+    return float(max(seen / max(own, usual * seen / n, 1.0), 1.0))
 
 
 @kernel(refcount=False, entry=False)
@@ -93,10 +117,10 @@ def measure_lines(work: Record, tolerance: float) -> None:
     visible, inliers, wide, columns, least = 0, 0, 0, work.place_columns, work.quality_limits.min_residual
     score = color = square = product = spread = 0.0
     c3 = s3 = c4 = s4 = 0.0
-    before = math.inf
+    usual = work.quality_limits.lines
+    apart = max((work.line_count + usual - 1) // usual, 1)
     for i in range(work.line_count):
         if runs[i, 4] == 0:
-            before = math.inf
             continue
         visible += 1
         e = chosen[i, 0]
@@ -106,6 +130,7 @@ def measure_lines(work: Record, tolerance: float) -> None:
             score += near
             color += near * (0.5 + 0.5 * edges[i, int(chosen[i, 2]), 2])
             square += e * e
+            before = chosen[i - apart, 0] if i >= apart and runs[i - apart, 4] > 0 else math.inf
             product += e * before if abs(before) <= tolerance else 0.0
         if abs(e) <= 2.0 * tolerance:
             c, s = places[i * columns], places[i * columns + 1]
@@ -114,8 +139,9 @@ def measure_lines(work: Record, tolerance: float) -> None:
             c4, s4 = c4 + e * (c2 * c2 - s2 * s2), s4 + e * 2.0 * c2 * s2
             spread += e * e
             wide += 1
-        before = e
     largest = math.sqrt(max(c3 * c3 + s3 * s3, c4 * c4 + s4 * s4))
+    if work.line_count > usual:
+        largest *= math.sqrt(usual / work.line_count)
     whole = max(visible, 1)
     fit.visible, fit.inliers, fit.msac_score, fit.color_score = visible, inliers, score / whole, color / whole
     fit.harmonic_score = largest / math.sqrt(0.5 * (spread + wide * least * least) + TINY)
@@ -175,6 +201,7 @@ def write_answer(work: Record, points: Floats, covariance: Floats) -> tuple[floa
     limits, fit, outline, edges, chosen = work.quality_limits, work.fit, work.outline, work.edges, work.chosen
     outlier = limits.match_set_sigmas * max(fit.edge_noise, limits.match_set_min_noise)
     inflation = limits.covariance_inflation / max(fit.msac_score, limits.covariance_min_score) ** 2
+    inflation *= work.iteration.overlap
     count = 0
     for i in range(work.line_count):
         if abs(chosen[i, 0]) < outlier:

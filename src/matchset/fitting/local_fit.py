@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.fit_quality import measure_interior, measure_lines, tolerance_of
+from matchset.fitting.fit_quality import measure_interior, measure_lines, overlap_of, tolerance_of
 from matchset.fitting.match_set import choose_criteria, find_edge_points
 from matchset.fitting.prior import predict_field_offset
 from matchset.fitting.robust_fit import robust_fit
@@ -37,6 +37,7 @@ def _match_and_fit(image: Bytes, table: Scores, work: Record) -> None:
     choose_criteria(work)
     noise = find_edge_points(image, table, work)
     fit.pixel_noise = memory * fit.pixel_noise + (1.0 - memory) * noise
+    work.iteration.overlap = overlap_of(work)
     robust_fit(work)
     measure_lines(work, tolerance_of(work.quality_limits, work.iteration.half_width))
     measure_interior(image, table, work)

@@ -172,12 +172,13 @@ def _solve(work: Record, n: int, p: int) -> bool:
 def _set_priors(work: Record) -> None:
     """Write the priors, three numbers each: inverse variance in units of the noise's, step to their mean, stiffness.
 
-    That of the field offset is not in units of the noise's: the noisier the edge points, the less it says.
+    Where lines read the same pixels (`overlap_of`) they count for more than they tell, and so must the priors. That of
+    the field offset is not in units of the noise's: the noisier the edge points, the less it says.
     """
     limits, priors, state, expected = work.fit_limits, work.priors, work.state, work.start
     sigma, size, offset = work.motion.prior_sigma, work.iteration.half_width, work.field_offset
     s, free, noise = work.state_count, work.parameter_count, max(work.iteration.noise, limits.min_prior_noise)
-    tracked = work.window.use_prior and sigma[0] > 0.0
+    tracked, many = work.window.use_prior and sigma[0] > 0.0, work.iteration.overlap
     for k in range(s):
         weight = mean = 0.0
         if k < free:
@@ -188,9 +189,9 @@ def _set_priors(work: Record) -> None:
             if tracked:
                 last = (noise / (limits.mode_drift * size)) ** 2
             weight, mean = zero + last, last * expected[k] / (zero + last) - state[k]
-        priors[3 * k], priors[3 * k + 1], priors[3 * k + 2] = weight, mean, 0.0
+        priors[3 * k], priors[3 * k + 1], priors[3 * k + 2] = many * weight, mean, 0.0
     for k in range(s, s + 2):
-        priors[3 * k], priors[3 * k + 1] = 1.0 / offset.sigma**2, offset.expected[k - s]
+        priors[3 * k], priors[3 * k + 1] = many / offset.sigma**2, offset.expected[k - s]
         priors[3 * k + 2] = 0.0
 
 

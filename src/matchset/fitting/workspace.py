@@ -128,12 +128,16 @@ class EdgeCriteria(NamedTuple):
 
 
 class Iteration:
-    """One iteration of a fit: the half-width, px, and noise it begins with, px; the largest change of the state."""
+    """One iteration of a fit: the half-width, px, and noise it begins with, px; the largest change of the state.
+
+    `overlap`: see `overlap_of`.
+    """
 
     half_width: float
     noise: float
     initial_sigma: float
     moved: float
+    overlap: float
 
 
 class FieldOffset:

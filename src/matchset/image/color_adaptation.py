@@ -50,6 +50,9 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
         of what is in front out, and follows sudden changes of the light less.
     sure_beyond : float
         Log-odds beyond which a cell is not moved further: more makes the color surer, and slower to turn.
+    looks : int
+        Outline points that a frame teaches from, at most, but for what division leaves: with many lines across the
+        outline the color would follow them faster than the light changes. A quarter of the default of `Tracker`.
     outside_px : float
         Distance from the outline at which the background is read, px: beyond the blur of an edge, and near enough to be
         what the edge is seen against.
@@ -62,6 +65,7 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
     max_drift: float = 3.0
     foreign_below: float = -0.5
     sure_beyond: float = 2.5
+    looks: int = 16
     outside_px: float = 6.0
 
 
@@ -138,7 +142,7 @@ def adapt_table(
     begin: int,
     parameters: Block,
 ) -> None:
-    """Learn from every fourth outline point: one pixel inside, one outside.
+    """Learn from a few outline points, with few lines from every fourth: one pixel inside, one outside.
 
     Ten parameters, because a tuple or record of arrays that comes from Python costs several microseconds a call
     (decision 013), and this is called while a frame is answered.
@@ -151,13 +155,14 @@ def adapt_table(
         The log-odds, written, and what they were at first.
     table : the same shape, int8, written
     begin : int
-        The first outline point that takes part.
+        Which quarter of the points takes part, 0 ... 3.
     parameters : (n,) float64
         `adaptation_block`; `rate` and what follows `period` are read.
     """
     limits = parameters.view(_LIMITS)[0]
     rate = np.float32(limits.rate)
-    for i in range(begin, points.shape[0], 4):
+    step = max(points.shape[0] // limits.looks, 4)
+    for i in range(begin * step // 4, points.shape[0], step):
         dx, dy = points[i, 0] - x, points[i, 1] - y
         cell = cell_at(image, x + shares[i] * dx, y + shares[i] * dy)
         if cell >= 0 and log_odds[cell] > limits.foreign_below:

@@ -120,7 +120,7 @@ def fit(family: type[Any], points: Points, start: Any, lines: int = 64, spread: 
         seen = np.isfinite(meets) & (np.arange(lines) >= points.hidden * lines)
         edges[seen, 0, 0], edges[seen, 0, 1:] = (meets + errors)[seen], 1.0
         work.outline[:lines, : 4 + s + 2], work.edges[:lines], work.state[:s] = rows, edges, state
-        work["iteration"] = float(family.half_width(state)), 0.4, 8.0, 0.0
+        work["iteration"] = float(family.half_width(state)), 0.4, 8.0, 0.0, 1.0
         robust_fit_of(work)
         assert work.iteration.noise > 0.0, "no fit"
         state[:] = work.state[:s]

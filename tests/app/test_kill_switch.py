@@ -26,11 +26,13 @@ FLY = ("fly", "sim://chain?vehicles=2&seed=5", "--real-time", "--duration", "60"
 
 
 @pytest.fixture(autouse=True)
-def _hangup_ends_programs() -> Iterator[None]:
-    """Start programs as a shell does, although these tests may themselves run where SIGHUP is ignored."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+def _signals_end_programs() -> Iterator[None]:
+    """Start programs as a shell does, although these tests may themselves run where SIGHUP or SIGINT is ignored."""
+    handlers = {signal.SIGHUP: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     yield
-    signal.signal(signal.SIGHUP, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 class Terminal:

@@ -33,11 +33,13 @@ LANDING = 1.5  # s
 
 
 @pytest.fixture(autouse=True)
-def _hangup_ends_programs() -> Iterator[None]:
-    """Start programs as a shell does, although these tests may themselves run where SIGHUP is ignored."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+def _signals_end_programs() -> Iterator[None]:
+    """Start programs as a shell does, although these tests may themselves run where SIGHUP or SIGINT is ignored."""
+    handlers = {signal.SIGHUP: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     yield
-    signal.signal(signal.SIGHUP, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture

@@ -28,11 +28,11 @@ FLY = ("fly", "sim://chain?vehicles=2&seed=5", "--real-time", "--duration", "60"
 @pytest.fixture(autouse=True)
 def _signals_end_programs() -> Iterator[None]:
     """Start programs as a shell does, although these tests may themselves run where SIGHUP or SIGINT is ignored."""
-    handlers = {signal.SIGHUP: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
-    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+    hangup, interrupt = signal.signal(signal.SIGHUP, signal.SIG_DFL), signal.getsignal(signal.SIGINT)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    signal.signal(signal.SIGHUP, hangup)
+    signal.signal(signal.SIGINT, interrupt)
 
 
 class Terminal:

@@ -227,3 +227,12 @@ def test_a_clock_that_jumps_ahead_gives_no_jump_of_the_sticks() -> None:
     command, _ = safety_filter(DesiredCommand(1.0, 0.0, 0.0, 0.9), SafetyInputs(time, time, time, True), state)
     assert command.roll == pytest.approx(min(0.1 + LIMITS.max_stick_rate * LIMITS.max_step, LIMITS.max_tilt))
     assert command.throttle == pytest.approx(0.5 + LIMITS.max_throttle_rate * LIMITS.max_step)
+
+
+@pytest.mark.parametrize("frame_time", [1000.0, math.nan, math.inf])
+def test_a_frame_from_the_future_or_of_no_time_is_no_new_frame(frame_time: float) -> None:
+    state, now = fly()
+    seen = now + STEP - 0.05
+    _, state = safety_filter(HOVER, SafetyInputs(now + STEP, frame_time, seen, True), state)
+    assert state.phase == "descending"
+    assert "no new frame" in state.reason

@@ -23,6 +23,14 @@ class Moment(NamedTuple):
     throttle: int
 
 
+class Packet(NamedTuple):
+    """A good packet of stick values, and what the transmitter did after it; s on the monotonic clock."""
+
+    time: float
+    state: State
+    throttle: int
+
+
 class RealClock:
     """The time since it was made, s."""
 
@@ -46,6 +54,8 @@ class PtyTransmitter:
     port : FakePort
     moments : list of Moment
         Whenever state or throttle changed.
+    packets : list of Packet
+        Of those that came together, only the last is of its own time.
     """
 
     def __init__(self) -> None:
@@ -55,6 +65,7 @@ class PtyTransmitter:
         os.set_blocking(self._end, False)
         self.port = FakePort(clock=RealClock())  # type: ignore[arg-type]
         self.moments: list[Moment] = []
+        self.packets: list[Packet] = []
         self._stop, self._thread = threading.Event(), threading.Thread(target=self._run, daemon=True)
 
     def wait_for(self, throttle: int, timeout: float = 60.0) -> Moment:
@@ -70,6 +81,10 @@ class PtyTransmitter:
         """What it did from a time on, the state at that time first."""
         before = [each for each in self.moments if each.time <= begin]
         return before[-1:] + [each for each in self.moments if each.time > begin]
+
+    def packets_since(self, begin: float) -> list[Packet]:
+        """What came after a time."""
+        return [each for each in self.packets if each.time > begin]
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -89,6 +104,8 @@ class PtyTransmitter:
             if said:
                 os.write(self._end, said)
             throttle = self.port.throttle
+            new = len(self.port.heard) - len(self.packets)
+            self.packets += [Packet(time.monotonic(), self.port.state, throttle)] * new
             last = self.moments[-1] if self.moments else None
             if last is None or (last.state, last.throttle) != (self.port.state, throttle):
                 self.moments.append(Moment(time.monotonic(), self.port.state, throttle))

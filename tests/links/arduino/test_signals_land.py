@@ -15,6 +15,8 @@ from matchset.control.command import Command
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.link import Link, LinkStatus
 
+pytestmark = pytest.mark.usefixtures("signals_end_programs")
+
 PROGRAM = """
 import sys
 import time
@@ -30,22 +32,6 @@ with connect("serial://" + sys.argv[1]) as link:
 """
 HOVER = 150  # of 255
 LANDING = 1.5  # s
-
-
-@pytest.fixture(autouse=True)
-def _signals_end_programs() -> Iterator[None]:
-    """Start programs as a shell does, although these tests may themselves run where SIGHUP or SIGINT is ignored."""
-    hangup, interrupt = signal.signal(signal.SIGHUP, signal.SIG_DFL), signal.getsignal(signal.SIGINT)
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGHUP, hangup)
-    signal.signal(signal.SIGINT, interrupt)
-
-
-@pytest.fixture
-def transmitter() -> Iterator[PtyTransmitter]:
-    with PtyTransmitter() as opened:
-        yield opened
 
 
 def start(*words: str) -> subprocess.Popen[str]:

@@ -34,18 +34,33 @@ MISUSE: dict[str, tuple[Callable[[], object], str]] = {
     "color, a word": (lambda: make.Tracker(ms.Circle, "blue"), "color must be a ColorModel, got str 'blue'.*pick"),
     "color, a class": (lambda: make.Tracker(ms.Circle, ms.ColorModel), "color must be a ColorModel, got type"),
     "parameters": (lambda: make.Tracker(ms.Circle, COLOR, parameters=3), "parameters must be a TrackerParameters.*3"),
-    "update, an array": (
-        lambda: make.Tracker(ms.Circle, COLOR).update(IMAGE),
-        r"a frame must be a Frame, got ndarray: make one with matchset.Frame\(image, time, index\)",
+    "update, nothing": (
+        lambda: make.Tracker(ms.Circle, COLOR).update(None),
+        r"a picture must be an array .*ms.Frame\(image, time\), got NoneType",
     ),
-    "update, nothing": (lambda: make.Tracker(ms.Circle, COLOR).update(None), "a frame must be a Frame, got NoneType"),
+    "update, a name": (
+        lambda: make.Tracker(ms.Circle, COLOR).update("a.png"),
+        r"must be .*ms.Frame\(image, time\), got str",
+    ),
+    "update, floats": (
+        lambda: make.Tracker(ms.Circle, COLOR).update(IMAGE / 2.0),
+        r"array of uint8, got float64.*ms.Frame\(image, time\)",
+    ),
+    "update, 4 channels": (
+        lambda: make.Tracker(ms.Circle, COLOR).update(np.zeros((4, 4, 4), np.uint8)),
+        r"shape \(h, w, 3\) or \(h, w\), got \(4, 4, 4\).*ms.Frame",
+    ),
+    "update, gray for color": (lambda: make.Tracker(ms.Circle, COLOR).update(IMAGE[..., 0]), "learned on color"),
+    "rate, zero": (lambda: make.Tracker(ms.Circle, COLOR, fps=0), "fps must be positive, or None.*got 0"),
+    "rate, nan": (lambda: make.Tracker(ms.Circle, COLOR, fps=math.nan), "fps must be positive.*got nan"),
+    "rate, a word": (lambda: make.Tracker(ms.Circle, COLOR, fps="30"), "fps must be a number, got '30'"),
     "start at a tuple": (lambda: make.Tracker(ms.Circle, COLOR).start((1, 2, 3)), r"follows Circle, got \(1, 2, 3\)"),
     "restart at a word": (lambda: make.Tracker(ms.Circle, COLOR).restart("here"), "follows Circle.*'here'"),
     "restart elsewhere": (
         lambda: make.Tracker(ms.Circle, COLOR).restart((1, math.nan)),
         "hint must be finite.*nan",
     ),
-    "detect, an array": (lambda: make.detect(IMAGE, ms.Circle, COLOR), "a frame must be a Frame, got ndarray"),
+    "detect, a list": (lambda: make.detect([IMAGE], ms.Circle, COLOR), r"must be .*ms.Frame\(image, time\), got list"),
     "detect, no color": (lambda: make.detect(FRAME, ms.Circle, None), "color must be a ColorModel, got NoneType"),
     "detect, limit 0": (lambda: make.detect(FRAME, ms.Circle, COLOR, 0), "limit must be a whole number.*got 0"),
     "detect, limit 1.5": (lambda: make.detect(FRAME, ms.Circle, COLOR, 1.5), "limit must be a whole number.*1.5"),
@@ -69,17 +84,17 @@ MISUSE: dict[str, tuple[Callable[[], object], str]] = {
         "ball must be a Track or Lost, got Frame: Tracker.update",
     ),
     "markers, color": (lambda: make.MarkerTracker("red", TARGET), "color must be a ColorModel, got str 'red'"),
-    "markers, an array": (
-        lambda: make.MarkerTracker(COLOR, TARGET).update(IMAGE, LOST),
-        "a frame must be a Frame, got ndarray",
+    "markers, nothing": (
+        lambda: make.MarkerTracker(COLOR, TARGET).update(None, LOST),
+        r"must be .*ms.Frame\(image, time\), got NoneType",
     ),
     "neighbors, color": (
         lambda: make.Neighbors(CAMERA, TARGET, COLOR, None),
         "marker_color must be a ColorModel, got NoneType",
     ),
-    "neighbors, an array": (
-        lambda: make.Neighbors(CAMERA, TARGET, COLOR, COLOR).update(IMAGE),
-        "a frame must be a Frame, got ndarray",
+    "neighbors, nothing": (
+        lambda: make.Neighbors(CAMERA, TARGET, COLOR, COLOR).update(None),
+        r"must be .*ms.Frame\(image, time\), got NoneType",
     ),
     "filter, parameters": (lambda: make.PoseFilter(0.5), "parameters must be a FilterParameters .*float 0.5"),
     "filter, a track": (lambda: make.PoseFilter().update(FRAME), "pose must be a Pose or Lost, got Frame: Localizer"),

@@ -29,7 +29,7 @@ from matchset.image.color_learning import (
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_limited
 from matchset.image.files.whole_file import write_whole
-from matchset.image.frame import check_image
+from matchset.image.frame import Picture, image_of
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
 
@@ -83,7 +83,7 @@ class ColorModel(Copied):
     @classmethod
     def learn(
         cls,
-        image: npt.NDArray[np.uint8],
+        image: Picture,
         region: tuple[int, int, int, int],
         parameters: ColorParameters = DEFAULT,
     ) -> "ColorModel":
@@ -91,7 +91,7 @@ class ColorModel(Copied):
 
         Parameters
         ----------
-        image : ndarray of shape (h, w, 3) or (h, w), uint8
+        image : ndarray of shape (h, w, 3) or (h, w), uint8, or Frame
         region : tuple of int
             x, y, width, height, px, inside the target.
         parameters : ColorParameters
@@ -101,7 +101,7 @@ class ColorModel(Copied):
         ValueError
             If the box is empty or not wholly in the picture, or its color cannot be told from the background.
         """
-        check_image(image)
+        image = image_of(image)
         check_kind("parameters", parameters, ColorParameters)
         try:
             x, y, width, height = (round(value) for value in region)
@@ -119,14 +119,12 @@ class ColorModel(Copied):
         return model
 
     @classmethod
-    def pick(
-        cls, image: npt.NDArray[np.uint8], x: float, y: float, parameters: ColorParameters = DEFAULT
-    ) -> "ColorModel":
+    def pick(cls, image: Picture, x: float, y: float, parameters: ColorParameters = DEFAULT) -> "ColorModel":
         """Learn the color from one click on the target.
 
         Parameters
         ----------
-        image : ndarray of shape (h, w, 3) or (h, w), uint8
+        image : ndarray of shape (h, w, 3) or (h, w), uint8, or Frame
         x, y : float
             A point on the target, px.
         parameters : ColorParameters
@@ -137,7 +135,7 @@ class ColorModel(Copied):
             If the point is not in the picture; or its color cannot be told from the background, and no closed outline
             can be found around it either.
         """
-        check_image(image)
+        image = image_of(image)
         check_kind("parameters", parameters, ColorParameters)
         for name, value in (("x", x), ("y", y)):
             check_number(f"{name} of the pick", value)
@@ -317,12 +315,12 @@ class ColorModel(Copied):
         """
         return np.asarray(self.table[cells_of(pixels, self.table.size)])
 
-    def mask(self, image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    def mask(self, image: Picture) -> npt.NDArray[np.uint8]:
         """Picture of what looks like the target; to look at, the tracking loop never makes one.
 
         Parameters
         ----------
-        image : ndarray of shape (h, w, 3) or (h, w), uint8
+        image : ndarray of shape (h, w, 3) or (h, w), uint8, or Frame
 
         Returns
         -------
@@ -334,7 +332,7 @@ class ColorModel(Copied):
         ValueError
             If the picture is gray and the model is not, or the other way around.
         """
-        check_image(image)
+        image = image_of(image)
         return np.where(self.for_image(image).scores(image) > 0, 255, 0).astype(np.uint8)
 
     def check(self, image: npt.NDArray[np.uint8]) -> None:

@@ -1,12 +1,13 @@
-"""One picture of a video: `Frame`."""
+"""One picture of a video: `Frame`; and how a plain array becomes one (`ArrayFrames`)."""
 
 import math
+import time
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.numeric.arguments import check_kind, check_number
+from matchset.numeric.arguments import check_number
 
 BYTES = np.dtype(np.uint8)  # made once: to make it costs more than all else that is checked
 
@@ -45,10 +46,103 @@ class Frame(msgspec.Struct, frozen=True):
             raise ValueError(f"the time of frame {self.index} must be finite, got {self.time}")
 
 
-def check_frame(frame: Frame) -> None:
-    """Refuse what is not a `Frame` (TypeError): an array, for one, has no time."""
-    if not isinstance(frame, Frame):
-        check_kind("a frame", frame, Frame, "make one with matchset.Frame(image, time, index)")
+Picture = Frame | npt.NDArray[np.uint8]
+
+
+class ArrayFrames:
+    """Frames of the plain arrays that a caller hands in one after the other: numbered, with times of a rate or a clock.
+
+    Parameters
+    ----------
+    fps : float or None
+        Their rate: the times are index / fps. None: each has the time of the call on the clock of `time.monotonic`.
+
+    Attributes
+    ----------
+    count : int
+        How many there were.
+
+    Raises
+    ------
+    ValueError
+        If the rate is not positive and finite.
+    """
+
+    def __init__(self, fps: float | None) -> None:
+        if fps is not None:
+            check_number("fps", fps)
+            if not 0.0 < fps < math.inf:
+                raise ValueError(f"fps must be positive, or None for the clock, got {fps}")
+        self.fps, self.count = fps, 0
+
+    def next(self, picture: Picture, earlier: int) -> Frame:
+        """Return the frame of a picture, `earlier` frames being known.
+
+        Raises
+        ------
+        ValueError
+            If an array comes after frames or the other way around, or it is no picture.
+        TypeError
+            If it is neither a frame nor an array.
+        """
+        if isinstance(picture, Frame) and not self.count:
+            return picture
+        if isinstance(picture, Frame) or (earlier and not self.count):
+            came, before = ("Frame", "arrays") if isinstance(picture, Frame) else ("array", "Frames")
+            raise ValueError(
+                f"this {came} comes after {before}, and their times would not fit together: "
+                "make each one with ms.Frame(image, time), or hand in arrays only"
+            )
+        _check_picture(picture)
+        seconds = time.monotonic() if self.fps is None else self.count / self.fps
+        frame = Frame(picture, seconds, self.count)
+        self.count += 1
+        return frame
+
+
+def frame_of(picture: Picture, seconds: float = 0.0) -> Frame:
+    """Return a frame as it is, an array as a frame of this time, s; TypeError or ValueError as for `ArrayFrames`."""
+    if isinstance(picture, Frame):
+        return picture
+    _check_picture(picture)
+    return Frame(picture, seconds)
+
+
+def image_of(picture: Picture) -> npt.NDArray[np.uint8]:
+    """Return the array of a frame or an array, checked: ValueError if it is none."""
+    image = picture.image if isinstance(picture, Frame) else picture
+    check_image(image)
+    return image
+
+
+def _check_picture(picture: object) -> None:
+    """Refuse what is no array (TypeError)."""
+    wanted = "an array (h, w, 3) BGR or (h, w) gray of uint8, or ms.Frame(image, time)"
+    if not isinstance(picture, np.ndarray):
+        raise TypeError(f"a picture must be {wanted}, got {type(picture).__name__}")
+    try:
+        check_image(picture)
+    except ValueError as error:
+        raise ValueError(f"{error}; wanted is {wanted}") from None
+
+
+def check_follows(frame: Frame, shape: tuple[int, ...] | None, seconds: float) -> None:
+    """Refuse a frame whose shape is not that of the frames before, or that is not later than the last one (ValueError).
+
+    Parameters
+    ----------
+    frame : Frame
+    shape : tuple of int or None
+        Of the pictures before; None if there was none.
+    seconds : float
+        The last one's time, s.
+    """
+    if shape is not None and frame.image.shape != shape:
+        raise ValueError(f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {shape}")
+    if not frame.time > seconds:
+        raise ValueError(
+            f"time must run forward: frame {frame.index} is at {frame.time} s, the one before at {seconds} s"
+        )
 
 
 def check_image(image: npt.NDArray[np.uint8]) -> None:

@@ -15,7 +15,7 @@ from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame, check_frame
+from matchset.image.frame import Picture, frame_of
 from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
 from matchset.tracking.compiled_step import tracking_fitter
@@ -272,12 +272,13 @@ def _place_of(estimate: Estimate) -> Start:
     return Start(float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width, estimate.state)
 
 
-def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) -> list[Track[S]]:
+def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) -> list[Track[S]]:
     """Find all shapes of a family and color in a frame, without knowing where they were.
 
     Parameters
     ----------
-    frame : Frame
+    frame : Frame, or ndarray of shape (h, w, 3) or (h, w), uint8
+        An array counts as taken at 0 s.
     family : type
         The family of shapes: `Circle`, `Rectangle`, ...
     color : ColorModel
@@ -294,9 +295,9 @@ def detect(frame: Frame, family: type[S], color: ColorModel, limit: int = 10) ->
     ValueError
         If the limit is no whole number from 1 to 1000000, or the color was learned on another kind of picture.
     TypeError
-        If it is no `Frame`, or no `ColorModel`.
+        If it is neither a frame nor an array, or no `ColorModel`.
     """
-    check_frame(frame)
+    frame = frame_of(frame)
     check_kind("color", color, ColorModel, "ColorModel.pick(image, x, y) learns one from a click")
     limit = checked_count("limit", limit, 1, MOST_SHAPES)
     image, color = channels_last(frame.image), color.for_image(frame.image)

@@ -12,7 +12,7 @@ from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import adapt_table, adaptation_block
-from matchset.image.frame import Frame, check_frame
+from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
 from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.shapes.shape import Shape, finds_itself, nearest
@@ -68,11 +68,14 @@ class Tracker(Copied, Generic[S]):
     start : tuple of float, optional
         A point (x, y), px: the first search prefers the candidate that holds it.
     parameters : TrackerParameters, optional
+    fps : float or None
+        For plain arrays: their rate, 1/s. None: they have the times at which `update` is called, as before a camera.
 
     Raises
     ------
     ValueError
-        If there are fewer than 16 or more than 4096 points or no whole number of them, or the start is no finite point.
+        If there are fewer than 16 or more than 4096 points or no whole number of them, the start is no finite point,
+        or the rate is not positive.
     TypeError
         If the color is no `ColorModel`, or the parameters are none.
 
@@ -95,12 +98,14 @@ class Tracker(Copied, Generic[S]):
         points: int = 64,
         start: tuple[float, float] | None = None,
         parameters: TrackerParameters | None = None,
+        *,
+        fps: float | None = 30.0,
     ) -> None:
         check_kind("color", color, ColorModel, "ColorModel.pick(image, x, y) learns one from a click")
         check_kind("parameters", parameters, (TrackerParameters, type(None)))
         points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
         self.parameters = parameters or TrackerParameters()
-        self._given = color.copy()
+        self._given, self._arrays = color.copy(), ArrayFrames(fps)
         self._family, self._hint = family, start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
@@ -177,16 +182,17 @@ class Tracker(Copied, Generic[S]):
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = 0
+        self._frames = self._arrays.count = 0
         self._step.forget()
 
-    def update(self, frame: Frame) -> Track[S] | Lost[S]:
+    def update(self, frame: Picture) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.
 
         Parameters
         ----------
-        frame : Frame
-            The next picture, later than the one before.
+        frame : Frame, or ndarray of shape (h, w, 3) or (h, w), uint8
+            The next picture, later than the one before. Arrays, BGR or gray, are numbered from 0 and have the times of
+            `fps`; a tracker is given either frames or arrays.
 
         Returns
         -------
@@ -197,10 +203,10 @@ class Tracker(Copied, Generic[S]):
         Raises
         ------
         ValueError
-            If the time does not run forward, the size or the channels of the picture changed on the way, or the
-            color was learned on another kind of picture.
+            If the time does not run forward, the size or the channels of the picture changed on the way, frames and
+            arrays alternate, or the color was learned on another kind of picture.
         TypeError
-            If it is no `Frame`.
+            If it is neither a `Frame` nor an array.
         """
         image = self._checked(frame)
         if self._initial is not None or (self.color.gray and self.mode is Mode.SEARCHING):
@@ -219,31 +225,21 @@ class Tracker(Copied, Generic[S]):
         self._adapt_color(image)
         return track
 
-    def _checked(self, frame: Frame) -> Image:
-        """Check a frame against those before it; its picture as (h, w, channels)."""
-        check_frame(frame)
+    def _checked(self, frame: Picture) -> Image:
+        """Check a picture against those before it; return it as (h, w, channels)."""
+        if type(frame) is not Frame or self._arrays.count:
+            frame = self._arrays.next(frame, self._frames)
         image, time = frame.image, frame.time
-        if image.shape != self._format:
-            self._set_format(frame)
-        if not time > self._time:
-            raise ValueError(
-                f"time must run forward: frame {frame.index} is at {time} s, the one before at {self._time} s"
-            )
+        if image.shape != self._format or not time > self._time:
+            check_follows(frame, self._format, self._time)
+            self.color.check(image)
+            self._format = image.shape
         if self._frames:
             passed = time - self._time
             self._interval = passed if passed < 1.0 else 1.0
         self._time = time
         self._frames += 1
         return channels_last(image)
-
-    def _set_format(self, frame: Frame) -> None:
-        """Take the first frame's size and channels; refuse a change on the way."""
-        if self._format is not None:
-            raise ValueError(
-                f"frame {frame.index} has shape {frame.image.shape}, the frames before it had {self._format}"
-            )
-        self.color.check(frame.image)
-        self._format = frame.image.shape
 
     def _prepare(self, image: Image) -> None:
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""

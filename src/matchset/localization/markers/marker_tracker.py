@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame, check_frame
+from matchset.image.frame import Picture, frame_of
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.marker_color import mark_color
 from matchset.localization.markers.marker_step import follow_markers
@@ -76,14 +76,14 @@ class MarkerTracker(Copied):
         mark_color(image, self.color.table, (1.0, 1.0, 1.0), 1, np.zeros((1, 1), np.uint8))
         follow_markers(image, block)
 
-    def update(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
+    def update(self, frame: Picture, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
         """Find the markers in a frame.
 
         Parameters
         ----------
-        frame : Frame
+        frame : Frame, or ndarray of shape (h, w, 3) or (h, w), uint8
         ball : Track or Lost
-            The ball in the same frame.
+            The ball in the same frame; its time is that of the markers.
 
         Returns
         -------
@@ -96,13 +96,13 @@ class MarkerTracker(Copied):
         ValueError
             If the color was learned on another kind of image.
         """
-        check_frame(frame)
+        whole = frame_of(frame).image
         check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
-        self.color.check(frame.image)
+        self.color.check(whole)
         if isinstance(ball, Lost):
             self._missed = []
             return ()
-        image = channels_last(frame.image)
+        image = channels_last(whole)
         if self._missed.count(0) < len(self.target.markers):
             self._search(image, ball.shape)
         if not self._missed:

@@ -6,7 +6,7 @@ import msgspec
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame, check_frame
+from matchset.image.frame import ArrayFrames, Frame, Picture
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.neighbors.ball_search import BallSearch, BallSearchParameters
 from matchset.localization.neighbors.ball_track import BallTrack, BallTrackParameters, BallTrackSetup, Neighbor
@@ -80,6 +80,8 @@ class Neighbors(Copied):
     marker_color : ColorModel
         Of the markers alone (filter b).
     parameters : NeighborsParameters, optional
+    fps : float or None
+        For plain arrays: their rate, 1/s. None: they have the times at which `update` is called, as before a camera.
 
     Examples
     --------
@@ -104,6 +106,8 @@ class Neighbors(Copied):
         ball_color: ColorModel,
         marker_color: ColorModel,
         parameters: NeighborsParameters | None = None,
+        *,
+        fps: float | None = 30.0,
     ) -> None:
         check_kind("camera", camera, CameraModel)
         check_kind("target", target, BallTarget)
@@ -116,19 +120,20 @@ class Neighbors(Copied):
         self._search = BallSearch(ball_color, self.parameters.search)
         self._tracks: list[BallTrack] = []
         self._hidden: set[int] = set()
-        self._count = 0
+        self._count = self._frames = 0
+        self._arrays = ArrayFrames(fps)
         self._make_derived()
 
     def _derive(self) -> None:
         BallTrack(0, self._setup, Circle(0.0, 0.0, 1.0), 0.0)  # compiles what new balls need
 
-    def update(self, frame: Frame) -> list[Neighbor]:
+    def update(self, frame: Picture) -> list[Neighbor]:
         """Track all balls in a frame, and search a strip of it for new ones.
 
         Parameters
         ----------
-        frame : Frame
-            The next picture, of the camera's size, later than the one before.
+        frame : Frame, or ndarray of shape (h, w, 3) or (h, w), uint8
+            The next picture, of the camera's size, later than the one before; arrays as for `Tracker.update`.
 
         Returns
         -------
@@ -140,7 +145,9 @@ class Neighbors(Copied):
         ValueError
             If the picture is not of the camera's size, or as for `Tracker.update`.
         """
-        check_frame(frame)
+        if type(frame) is not Frame or self._arrays.count:
+            frame = self._arrays.next(frame, self._frames)
+        self._frames += 1
         self._camera.check(frame.image)
         balls = self._follow(frame)
         self._associate(frame, balls)

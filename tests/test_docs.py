@@ -99,6 +99,13 @@ def is_followed(names: dict[str, Any]) -> None:
     assert max(names["errors"]) < 1.0
 
 
+def is_simulated(names: dict[str, Any]) -> None:
+    assert names["world"].place(0)[2] < names["start"][2] - 0.01  # it flew forward
+    assert names["world"].crashes == []
+    assert names["frame"].image.shape == (480, 640, 3)
+    assert names["truth"].circle is not None
+
+
 PAGES: dict[str, tuple[Callable[[], dict[str, Any]], Callable[[dict[str, Any]], None]]] = {
     "getting_started.md": (color_file, is_found),
     "localization.md": (flight, is_located),
@@ -106,6 +113,7 @@ PAGES: dict[str, tuple[Callable[[], dict[str, Any]], Callable[[dict[str, Any]], 
     "recording.md": (recording, is_decoded),
     "finding_your_way.md": (nothing, is_blue),
     "clips.md": (nothing, is_followed),
+    "simulation.md": (nothing, is_simulated),
 }
 
 

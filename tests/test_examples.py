@@ -135,6 +135,13 @@ def test_a_predicted_pose_is_nearer_to_the_truth(tmp_path: Path) -> None:
     assert ahead < 0.7 * plain
 
 
+def test_a_simulated_neighbor_is_measured(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "simulated_world.py"))
+    off_mm = [float(line.split("off ")[1].removesuffix(" mm")) for line in lines]
+    assert len(off_mm) == 30
+    assert sorted(off_mm)[15] < 30.0
+
+
 def test_a_flight_is_rendered_and_located(tmp_path: Path) -> None:
     lines = lines_of(run(tmp_path, "render_flight.py"))
     words = lines[-1].split()[1:]

@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -21,7 +22,13 @@ def loaded(program: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "program", ["import matchset", "import matchset; dir(matchset)", "from matchset.app import cli"]
+    "program",
+    [
+        "import matchset",
+        "import matchset; dir(matchset)",
+        "from matchset.app import cli",
+        "import matchset; dir(matchset.sim)",
+    ],
 )
 def test_an_import_loads_nothing_heavy(program: str) -> None:
     assert loaded(program) == []
@@ -47,14 +54,33 @@ def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
         matchset.Trakcer  # type: ignore[attr-defined]  # noqa: B018
 
 
-def test_the_table_of_names_is_what_type_checkers_read() -> None:
-    tree = ast.parse(Path(matchset.__file__).read_text(encoding="utf-8"))
+def test_public_folders_have_public_names() -> None:
+    """`ms.sim.World` needs no other import, and knows all that its page explains."""
+    done = subprocess.run(
+        [sys.executable, "-c", "import matchset as ms; print(ms.sim.World.__name__, *dir(ms.sim))"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert {"World", "Clip", "WorldCameras", "Scene", "DigitalCamera"} <= set(done.stdout.split())
+    for folder in matchset._FOLDERS:
+        assert folder in dir(matchset)
+        module = getattr(matchset, folder)
+        for name in module.__all__:
+            assert (getattr(module, name).__doc__ or "").strip(), f"{folder}.{name} says nothing about itself"
+        with pytest.raises(AttributeError, match="no attribute 'Wrold'"):
+            module.Wrold  # noqa: B018
+
+
+@pytest.mark.parametrize("module", [matchset, *(getattr(matchset, name) for name in matchset._FOLDERS)])
+def test_the_table_of_names_is_what_type_checkers_read(module: ModuleType) -> None:
+    tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
     block = next(node for node in tree.body if isinstance(node, ast.If))
     read = {
         alias.name: node.module
         for node in block.body
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("matchset")
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("matchset.")
         for alias in node.names
     }
-    assert read == matchset._MODULES
-    assert sorted(read) == sorted(matchset.__all__)
+    assert read == module._MODULES
+    assert sorted(read) == sorted(module.__all__)

@@ -24,6 +24,12 @@ def test_every_public_name_has_its_section() -> None:
         assert any(f"::: {pages['anchor'](name)}\n" in text for text in generated.values()), name
 
 
+def test_public_folders_have_pages() -> None:
+    pages = runpy.run_path(str(ROOT / "docs" / "site" / "pages.py"))
+    assert {folder for _, folder in pages["FOLDERS"].values()} == set(matchset._FOLDERS)
+    assert "::: matchset.sim.world.World\n" in pages["generated"]()["api/sim.md"]
+
+
 def test_every_command_is_listed() -> None:
     page = runpy.run_path(str(ROOT / "docs" / "site" / "pages.py"))["generated"]()["api/commands.md"]
     assert {"matchset track", "matchset fly", "matchset radio bind"} <= set(

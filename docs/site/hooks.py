@@ -6,7 +6,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
-from pages import API, ROOT, anchor, decisions, generated
+from pages import API, FOLDERS, ROOT, anchor, decisions, generated
 
 import matchset
 
@@ -24,6 +24,7 @@ GUIDES = (
     "ros",
     "radio",
     "clips",
+    "simulation",
 )
 INSIDE = ("ARCHITECTURE.md", "docs/finding_your_way.md", "CONTRIBUTING.md", "docs/log.md", "CHANGELOG.md")
 RESULTS = ("docs/evidence.md", "benchmarks/RESULTS.md", "benchmarks/FLIGHT.md", "docs/limits.md")
@@ -34,7 +35,14 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     config.nav = [
         {"Start": "README.md"},
         {"Guides": [f"docs/{name}.md" for name in GUIDES]},
-        {"API": ["api/index.md", *(f"api/{name}.md" for name in API), "api/parameters.md", "api/commands.md"]},
+        {
+            "API": [
+                "api/index.md",
+                *(f"api/{name}.md" for name in (*API, *FOLDERS)),
+                "api/parameters.md",
+                "api/commands.md",
+            ]
+        },
         {"Inside": list(INSIDE)},
         {"Decisions": ["docs/decisions/index.md", *decisions()]},
         {"Results": list(RESULTS)},

@@ -26,10 +26,15 @@ API = {
     "neighbors": ("Several balls", ("Neighbors", "Neighbor")),
 }
 
+# file -> title, the public folder of `matchset` whose names it explains
+FOLDERS = {"sim": ("The simulated world", "sim")}
+
 
 def generated() -> dict[str, str]:
     """All generated pages: path in the site -> Markdown."""
     pages = {f"api/{file}.md": _names_page(title, _public(names)) for file, (title, names) in API.items()}
+    for file, (title, folder) in FOLDERS.items():
+        pages[f"api/{file}.md"] = _folder_page(title, folder)
     index = {"api/index.md": _api_index(), "docs/decisions/index.md": _decisions_index()}
     return pages | index | {"api/parameters.md": _parameters_page(), "api/commands.md": _commands_page()}
 
@@ -54,6 +59,17 @@ def _names_page(title: str, names: list[str]) -> str:
     return "\n".join([f"# {title}", "", *sections])
 
 
+def _folder_page(title: str, folder: str) -> str:
+    """Sections of the names of a public folder; parameters have a page of their own."""
+    lines = [f"# {title}", "", f"`import matchset as ms`, then `ms.{folder}.NAME`.", ""]
+    for name in getattr(matchset, folder).__all__:
+        thing = getattr(getattr(matchset, folder), name)
+        if hasattr(thing, "__qualname__") and not name.endswith("Parameters"):
+            where = f"{thing.__module__}.{thing.__qualname__}"
+            lines.append(f"::: {where}\n    options:\n      heading: matchset.{folder}.{name}\n")
+    return "\n".join(lines)
+
+
 def _api_index() -> str:
     lines = ["# API", "", "`import matchset as ms`: these names are public.", ""]
     for file, (title, names) in API.items():
@@ -62,6 +78,9 @@ def _api_index() -> str:
             what = (getattr(matchset, name).__doc__ or "").strip().partition("\n")[0]
             lines.append(f"| [`{name}`]({file}.md#{anchor(name)}) | {what} |")
         lines.append("")
+    for file, (title, folder) in FOLDERS.items():
+        names = ", ".join(f"`{name}`" for name in getattr(matchset, folder).__all__)
+        lines += [f"## [{title}]({file}.md)", "", f"In `ms.{folder}`: {names}.", ""]
     lines += ["## [Parameters](parameters.md)", "", "Every number that decides a result.", ""]
     return "\n".join([*lines, "## [Commands](commands.md)", "", "Every option of the command line."])
 

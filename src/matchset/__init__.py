@@ -3,7 +3,7 @@
 Public names are loaded when they are first used (PEP 562), so ``import matchset`` takes a millisecond and loads neither
 NumPy, OpenCV nor Numba. To read the package, begin with `tracking` (one frame after the other), then `fitting` (one
 frame); below them lie `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`, `links`
-and `app`. A folder imports only from those below it.
+and `app`. A folder imports only from those below it. The folder `sim`, a simulated world, has public names of its own.
 """
 
 from importlib import import_module
@@ -12,6 +12,7 @@ TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this 
 if TYPE_CHECKING:
     from typing import Any
 
+    from matchset import sim as sim
     from matchset.camera.camera_model import CameraModel
     from matchset.image.color import ColorModel
     from matchset.image.errors import LinkError
@@ -85,10 +86,15 @@ _MODULES = {
     "detect": "matchset.tracking.detector",
 }
 
+# Public folders; what they offer is in their own `__all__`.
+_FOLDERS = {"sim": "matchset.sim"}
+
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
 
     def __getattr__(name: str) -> "Any":
         """Load a public name when it is first used."""
+        if name in _FOLDERS:
+            return import_module(_FOLDERS[name])
         if name not in _MODULES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         found = globals()[name] = getattr(import_module(_MODULES[name]), name)
@@ -97,4 +103,4 @@ if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every miss
 
 def __dir__() -> list[str]:
     """List the public names too that are not loaded yet."""
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *_FOLDERS})

@@ -48,13 +48,21 @@ class WorldCameras:
     Parameters
     ----------
     world : World
+        Its seed decides the room and the noise, too.
     camera : CameraModel
-        Every follower's.
+        Every follower's, with its distortion.
     preset : str
-        The analog link: a name in `matchset.sim.analog_link.PRESETS`.
+        The analog link: "clean", "typical" or "bad", the names in `matchset.sim.analog_link.PRESETS`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such link.
     """
 
-    def __init__(self, world: World, camera: CameraModel, preset: str) -> None:
+    def __init__(self, world: World, camera: CameraModel, preset: str = "typical") -> None:
+        if preset not in PRESETS:
+            raise ValueError(f"preset must be one of {', '.join(PRESETS)}, got {preset!r}")
         self.world, self._model, self._link = world, camera, PRESETS[preset]
         vehicle, chain = world.parameters.vehicle, world.parameters
         scale = np.array((world.room_scale, 1.0, world.room_scale))
@@ -76,7 +84,25 @@ class WorldCameras:
         self._hiding = HidingParameters(duration=duration, period=every)
 
     def image(self, who: int, step: int) -> Bytes:
-        """Take the picture of a camera whose exposure has its middle at a step, BGR, uint8."""
+        """Take the picture of a camera whose exposure has its middle at a step.
+
+        Parameters
+        ----------
+        who : int
+            Whose, from 0.
+        step : int
+            Of the last second; interlaced fields are exposed 4 steps before and after it, so at most 4 before now.
+
+        Returns
+        -------
+        ndarray of shape (h, w, 3), uint8
+            BGR; fresh memory.
+
+        Raises
+        ------
+        ValueError
+            If the step is not remembered, or not over.
+        """
         frame, fields = self._camera.frame(), self._camera.fields
         for field in range(fields):
             self._expose(field, who, step + FIELD * (2 * field - 1) * (fields - 1), frame)

@@ -106,9 +106,15 @@ class World(Copied):
 
     Parameters
     ----------
-    parameters : ChainParameters
+    parameters : ChainParameters, optional
+        Three vehicles by default.
     seed : int
-        Decides biases, the state of the batteries, the swing of the rope and the start positions.
+        Decides biases, the state of the batteries, the swing of the rope and the start positions; not negative.
+
+    Raises
+    ------
+    ValueError
+        If the parameters or the seed are no such things.
 
     Attributes
     ----------
@@ -125,8 +131,13 @@ class World(Copied):
         Time, vehicle, and what happened. A vehicle that crashed stays where it is.
     """
 
-    def __init__(self, parameters: ChainParameters, seed: int = 0) -> None:
-        self.parameters, self.seed, self.step = parameters, seed, 0
+    def __init__(self, parameters: ChainParameters | None = None, seed: int = 0) -> None:
+        parameters = ChainParameters() if parameters is None else parameters
+        if not isinstance(parameters, ChainParameters):
+            raise ValueError(f"parameters must be a ChainParameters, got {parameters!r}")
+        if not (isinstance(seed, int | np.integer) and seed >= 0):
+            raise ValueError(f"seed must be a whole number, 0 or more, got {seed!r}")
+        self.parameters, self.seed, self.step = parameters, int(seed), 0
         self.crashes: list[tuple[float, int, str]] = []
         vehicle, count = parameters.vehicle, parameters.vehicles
         self._block = new_block(CHAIN)
@@ -162,14 +173,50 @@ class World(Copied):
         return self.step * STEP
 
     def send(self, who: int, command: Command, after: float = 0.0) -> Command:
-        """Send sticks to a vehicle by its radio, s from now; returns them as they arrive, quantized."""
+        """Send sticks to a vehicle by its radio, to leave so many s from now; they act `radio_delay` later.
+
+        Parameters
+        ----------
+        who : int
+            Which, from 0; the last one hangs on a rope and hears nothing.
+        command : Command
+        after : float
+            s, 0 or more.
+
+        Returns
+        -------
+        Command
+            The sticks as they arrive, quantized.
+
+        Raises
+        ------
+        ValueError
+            If there is no such follower.
+        """
+        self._check_follower(who)
         arriving = quantized(command, self.parameters.vehicle.stick_levels)
         delay = after + self.parameters.vehicle.radio_delay
         self._sent[who].append((self.step + round(delay * RATE), arriving))
         return arriving
 
+    def let_go(self, who: int) -> None:
+        """Let go of a follower now, whatever its motors do; otherwise the hand that holds it waits for them to pull.
+
+        Parameters
+        ----------
+        who : int
+            Which, from 0.
+
+        Raises
+        ------
+        ValueError
+            If there is no such follower.
+        """
+        self._check_follower(who)
+        self.motion.held[who] = 0
+
     def advance(self, step: int) -> None:
-        """Let time pass until a step."""
+        """Let time pass until a step: a number of steps of 1/480 s since the beginning, no time if it is past."""
         while self.step < step:
             due = self._receive(self.step + 1)
             self._fly(min([step, *(when - 1 for when in due)]))
@@ -192,9 +239,34 @@ class World(Copied):
         return [VehiclePose(*each) for each in zip(*poses, strict=True)]
 
     def place(self, who: int, step: int | None = None) -> Floats:
-        """Side, height and heading of a follower's camera in the level frame of its neighbor's ball: the truth, m."""
+        """Side, height and heading of a follower's camera in the level frame of its neighbor's ball: the truth, m.
+
+        Parameters
+        ----------
+        who : int
+            Which, from 0.
+        step : int, optional
+            One of the last second; now by default.
+
+        Returns
+        -------
+        ndarray of shape (3,), float64
+            Epstein & Feldman, Eq. 6-8.
+
+        Raises
+        ------
+        ValueError
+            If there is no such follower, or the step is not remembered.
+        """
+        self._check_follower(who)
         poses = self.poses(self.step if step is None else step)
         return relative_position(poses[who], poses[who + 1])
+
+    def _check_follower(self, who: int) -> None:
+        """Refuse what is no follower: negative numbers would count from the end."""
+        last = self.parameters.vehicles - 2
+        if not 0 <= who <= last:
+            raise ValueError(f"the followers of this chain are 0 ... {last}, got {who!r}")
 
     def _store_constants(self) -> None:
         """Write what stays the same into the block."""

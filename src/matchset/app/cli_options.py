@@ -74,6 +74,11 @@ def source_words(source: str, topic: str | None) -> tuple[str, ...]:
     return (source,) if topic is None else (source, "--topic", topic)
 
 
+def shape_file(shape: str) -> Path:
+    """Return the picture that `--shape` may name: a file that is read then."""
+    return Path(shape.partition(":affine")[0])
+
+
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options that say what to track: exactly one of them, or `pick` together with `gray`."""
 

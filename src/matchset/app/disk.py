@@ -1,10 +1,12 @@
 """Files on a disk that may be full: `WholeFile` keeps what was written before, `UnfinishedFileError` says how much.
 
-`FreeSpace` stops films and recordings while there is room for the rest of the run.
+`FreeSpace` stops films and recordings while there is room for the rest of the run. What exists is overwritten only when
+the new file is finished: until then that one has a name beside it (`name_beside`).
 """
 
 import contextlib
 import errno
+import itertools
 import os
 import shutil
 from pathlib import Path
@@ -69,6 +71,25 @@ class FreeSpace:
         return OSError(errno.ENOSPC, f"stopped, since only {free:.3g} MB are free on its disk")
 
 
+def name_beside(path: Path) -> Path:
+    """Return the name under which a file is written until it is finished.
+
+    Parameters
+    ----------
+    path : Path
+        The name that it gets.
+
+    Returns
+    -------
+    Path
+        The same, if there is nothing to lose; ``name.part.ending``, or one that is free, if there is a file.
+    """
+    if not path.is_file():
+        return path
+    names = (f"{path.stem}.part{number or ''}{path.suffix}" for number in itertools.count())
+    return next(free for name in names if not os.path.lexists(free := path.with_name(name)))
+
+
 class UnfinishedFileError(OSError):
     """A file that could not be written to its end; what it holds is whole.
 
@@ -90,12 +111,14 @@ class UnfinishedFileError(OSError):
 class WholeFile(Closing):
     """A file that is written piece by piece: each is with the operating system when `write` returns.
 
-    If a piece does not fit, the file is cut back to the last `mark`; what comes later is dropped.
+    If a piece does not fit, the file is cut back to the last `mark`; what comes later is dropped. A file that exists
+    is overwritten by `close`: until then what is written lies beside it, see `name_beside`.
 
     Parameters
     ----------
     path : Path
-        Overwritten.
+    beside : bool
+        False: overwrite at once.
 
     Attributes
     ----------
@@ -110,10 +133,11 @@ class WholeFile(Closing):
         If the file cannot be opened; with its name.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, beside: bool = True) -> None:
         self.path, self.size = path, 0
         self.error: OSError | None = None
-        self._file = path.open("wb", buffering=0)
+        self._beside = name_beside(path) if beside else path
+        self._file = self._beside.open("wb", buffering=0)
 
     def write(self, data: bytes | memoryview) -> int:
         """Write at the present place.
@@ -158,5 +182,9 @@ class WholeFile(Closing):
         """Do nothing: nothing is kept back."""
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, and give it its name."""
+        if self._file.closed:
+            return
         self._file.close()
+        if self._beside != self.path:
+            self._beside.replace(self.path)

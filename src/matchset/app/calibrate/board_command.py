@@ -45,8 +45,6 @@ def camera_file(out: Path | None, force: bool, source: str | None = None) -> Pat
     """Return the file to write the camera to: the one asked for, or one in a new folder."""
     if out is None:
         return output_folder(None, "calibrate") / "camera.toml"
-    if out.suffix.lower() != ".toml":
-        raise ValueError(f"a camera file's name must end in .toml, got {str(out)!r}")
     return output_file(out, force, source)
 
 

@@ -70,6 +70,7 @@ def calibrate(options: CalibrateOptions) -> int:
     """Find a camera's focal length and lens distortion, from a board or from the ball itself."""
     if (options.printed_board.board is None) == (options.ball_diameter is None):
         raise ValueError("give --board 9x6 --square 0.025, or --ball-diameter 0.28 --at 0.5,1.0,1.5, and not both")
+    _check_outputs(options)
     if options.ball_diameter is None:
         return _with_board(options)
     if options.at is None:
@@ -79,6 +80,21 @@ def calibrate(options: CalibrateOptions) -> int:
     from matchset.app.calibrate.ball_command import calibrate_ball
 
     return calibrate_ball(options)
+
+
+def _check_outputs(options: CalibrateOptions) -> None:
+    """Check the outputs before anything is opened or loaded."""
+    from matchset.app.run_folder import check_outputs, check_run
+
+    inputs = [*(options.sources or ()), *(options.target.color or ())]
+    drawn, out = options.printed_board.board_picture, options.out
+    if drawn is not None:
+        check_outputs([drawn], inputs, options.force)
+        return
+    if out is not None and out.suffix.lower() != ".toml":
+        raise ValueError(f"a camera file's name must end in .toml, got {str(out)!r}")
+    coverage = out.with_name(out.stem + "-coverage.png") if out is not None and options.ball_diameter is None else None
+    check_run(None, (), [out, coverage], inputs, options.force)
 
 
 def _with_board(options: CalibrateOptions) -> int:

@@ -1,13 +1,15 @@
 """How films are packed, by the ending of the name: `CODECS`."""
 
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import msgspec
-import numpy as np
-import numpy.typing as npt
 
-Picture = npt.NDArray[np.uint8]
+if TYPE_CHECKING:  # the endings of names are checked before anything heavy is loaded
+    import numpy as np
+    import numpy.typing as npt
+
+Picture: TypeAlias = "npt.NDArray[np.uint8]"
 
 
 class Codec(msgspec.Struct, frozen=True):

@@ -100,7 +100,7 @@ class PyavEncoder:
         self._av: Any = av
         self.note, self._count = "", 0
         rate = Fraction(film.fps).limit_denominator(_FINEST)
-        self._file = WholeFile(film.path)
+        self._file = WholeFile(film.path, beside=False)  # the recorder's own
         try:
             self._container: Any = av.open(self._file, "w", format=container, options=_pieces(container))
             stream: Any = self._container.add_stream(codec, rate=rate, options=PACKING.options(codec))

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileError
+from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileError, name_beside
 from matchset.app.drawing.codecs import Encoder, Film, Picture, codecs_for
 from matchset.app.drawing.opencv_encoder import OpencvEncoder, count_pictures
 from matchset.app.drawing.pyav_encoder import open_pyav_encoder
@@ -33,7 +33,8 @@ class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
 class Recorder(NotCopied, Closing):
     """Writes a video in its own thread, since encoding a frame takes longer than tracking one.
 
-    If the disk is full, or nearly, the film ends there, whole; what comes after that is counted, and `close` raises.
+    A film that exists is overwritten by `close`; one without a picture is removed. If the disk is full, or nearly, the
+    film ends there, whole; what comes after that is counted, and `close` raises.
 
     Parameters
     ----------
@@ -67,15 +68,15 @@ class Recorder(NotCopied, Closing):
         parameters: RecorderParameters | None = None,
     ) -> None:
         codecs_for(path)
-        self.path, self._size = path, size
+        self.path, self._size, self._beside = path, size, name_beside(path)
         parameters = parameters or RecorderParameters()
         # OpenCV reports a file without write permission as a codec that cannot be opened.
         try:
-            path.open("wb").close()
+            self._beside.open("wb").close()
             self._space = FreeSpace(path, parameters.space)
         except OSError as error:
             raise ValueError(f"cannot write {path}: {error.strerror}") from error
-        self._encoder = _encoder(Film(path, fps, size, live))
+        self._encoder = _encoder(Film(self._beside, fps, size, live))
         self.note = self._encoder.note
         self._error: Exception | None = None
         self._offered, self._closed = 0, False
@@ -115,6 +116,10 @@ class Recorder(NotCopied, Closing):
         self._closed = True
         self._pictures.put(None)
         self._thread.join()
+        if not self._offered:
+            self._beside.unlink(missing_ok=True)  # nothing was filmed: what was there before stays
+        elif self._beside != self.path:
+            self._beside.replace(self.path)
         if isinstance(self._error, OSError):
             content = f"{count_pictures(self.path)} of {self._offered} pictures"
             raise UnfinishedFileError(self._error, self.path, content) from self._error

@@ -81,6 +81,7 @@ def fly(options: FlyOptions) -> int:
 
         print(default_toml(), end="")
         return FOUND
+    options.files.check(options.force, [options.config])
     return _fly(options.flight(), options)
 
 
@@ -97,7 +98,7 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     from matchset.app.progress import announce_if_slow
     from matchset.links.simulated import FPS
 
-    options.files.check(options.force)
+    options.files.make_folders(options.force)
     scorer = FlightScorer(parameters)
     with announce_if_slow("getting ready ..."):
         flight = Flight(parameters)

@@ -3,6 +3,7 @@
 Imported by the command line, so imports that take long stand inside the functions.
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -56,30 +57,38 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         """How much of the disk is left free."""
         return SpaceParameters(keep_free=self.keep_free)
 
-    def check(self, force: bool = False) -> None:
-        """Refuse files that cannot be written, before the flight begins.
+    def check(self, force: bool = False, inputs: Iterable[Path | None] = ()) -> None:
+        """Refuse files that cannot be written, before anything is opened or loaded.
 
         Parameters
         ----------
         force : bool
             Whether existing files may be overwritten.
+        inputs : iterable of Path or None
+            What is read: never overwritten.
 
         Raises
         ------
         ValueError
-            If a name has a wrong ending, a file exists or cannot be written, or a package is missing.
+            If a name has a wrong ending, a file exists, is read, or cannot be written, or a package is missing.
         """
         from matchset.app.drawing.codecs import codecs_for
-        from matchset.app.flight_report.report import check_report
-        from matchset.app.recording.mcap_file import check_mcap
-        from matchset.app.run_folder import output_file
+        from matchset.app.run_folder import check_outputs
 
+        check_outputs(self.paths, inputs, force)
         if self.video is not None:
             codecs_for(self.video)
         if self.report is not None:
             check_report(self.report)
         if self.record is not None:
+            from matchset.app.recording.mcap_file import check_mcap
+
             check_mcap()
+
+    def make_folders(self, force: bool = False) -> None:
+        """Make the folders above the files, and check these once more."""
+        from matchset.app.run_folder import output_file
+
         for path in self.paths:
             output_file(path, force)
 
@@ -87,3 +96,15 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
     def paths(self) -> list[Path]:
         """The files, in the order in which they are finished."""
         return [path for path in (self.record, self.video, self.report) if path is not None]
+
+
+def check_report(path: Path) -> None:
+    """Refuse a name that does not end in .html.
+
+    Raises
+    ------
+    ValueError
+        With the name.
+    """
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise ValueError(f"a report's name must end in .html, got {str(path)!r}")

@@ -86,9 +86,11 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def simulate(options: SimulateOptions) -> int:
     """Fly many simulated flights under changed conditions and judge them by limits."""
+    from matchset.app.run_folder import check_run, output_folder
+
+    check_run(options.out, ("flights.csv", "table.md"), [], [options.config], options.force)
     from matchset.app.disk import WholeFile
     from matchset.app.flight import simulation_table as table
-    from matchset.app.run_folder import output_folder
     from matchset.image.files.whole_file import write_whole
 
     flight, limits = options.flight(), options.limits()

@@ -31,18 +31,6 @@ def write_report(log: FlightLog, path: Path) -> None:
     write_whole(path, _page(log).encode())
 
 
-def check_report(path: Path) -> None:
-    """Refuse a name that does not end in .html.
-
-    Raises
-    ------
-    ValueError
-        With the name.
-    """
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise ValueError(f"a report's name must end in .html, got {str(path)!r}")
-
-
 def _page(log: FlightLog) -> str:
     world = log.setup.parameters.world
     conditions = f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"

@@ -103,7 +103,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def locate(options: LocateOptions) -> int:
     """Say where a ball of known size is, in meters, and the camera as the ball's markers see it."""
-    from matchset.app.drawing.codecs import codecs_for
+    _check_outputs(options)
     from matchset.app.locate.loop import PathLog, locate_frames
     from matchset.app.locate.options import ball_target, camera_for, check_options, load_camera, locator_for
     from matchset.app.run_folder import output_folder
@@ -114,8 +114,6 @@ def locate(options: LocateOptions) -> int:
     check_options(options)
     ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
     loaded = load_camera(options)
-    if options.video is not None:
-        codecs_for(options.video)
     with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
         camera = camera_for(video, options, loaded)
         locator, taken = locator_for(options, video, camera, ball)
@@ -132,6 +130,19 @@ def locate(options: LocateOptions) -> int:
         print("note: stopped; the files hold what was done so far", file=sys.stderr)
         return stop.code
     return FOUND if statistics.found else NOT_FOUND
+
+
+def _check_outputs(options: LocateOptions) -> None:
+    """Check the outputs before anything is opened or loaded."""
+    from matchset.app.drawing.codecs import codecs_for
+    from matchset.app.run_folder import check_run
+
+    names = "poses.csv", "poses.png", *(("poses.jsonl",) if options.jsonl else ())
+    colors = [*(options.target.color or ()), *(options.marker.marker_color or ())]
+    inputs = [options.source, options.camera, options.markers, options.params, *colors]
+    check_run(options.out, names, [options.video], inputs, options.force)
+    if options.video is not None:
+        codecs_for(options.video)
 
 
 def _annotated(camera: "CameraModel", radius: float, located: "LocatedFrame") -> "Picture | None":

@@ -53,13 +53,14 @@ class ReplayOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def replay(options: ReplayOptions) -> int:
     """Fly a recorded flight again through the same code, and check that every step comes out the same."""
+    options.files.check(options.force, [options.recording])
     from matchset.app.flight.log import flight_summary
     from matchset.app.flight.outputs import FlightOutputs
     from matchset.app.recording.reader import RecordingReader
     from matchset.app.recording.replay import Replay
 
     recorded = RecordingReader(options.recording)
-    _check_files(options)
+    options.files.make_folders(options.force)
     replayed = Replay(recorded)
     with StopRequest() as stop, FlightOutputs(recorded.setup, options.files, options.quiet) as outputs:
         for chain_step in replayed:
@@ -79,14 +80,6 @@ def replay(options: ReplayOptions) -> int:
         print("note: stopped; the files hold what was replayed so far", file=sys.stderr)
         return stop.code
     return FOUND if replayed.steps and not replayed.differences and not recorded.damaged else NOT_FOUND
-
-
-def _check_files(options: ReplayOptions) -> None:
-    """Refuse files that cannot be written, and to overwrite the recording that is being read."""
-    for path in options.files.paths:
-        if path.resolve() == options.recording.resolve():
-            raise ValueError(f"{path} is the recording itself")
-    options.files.check(options.force)
 
 
 def _print_differences(replayed: "Replay", version: str) -> None:

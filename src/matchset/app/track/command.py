@@ -25,6 +25,7 @@ from matchset.app.cli_options import (
     Source,
     Topic,
     ToStdout,
+    shape_file,
     source_words,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
@@ -72,7 +73,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def track(options: TrackOptions) -> int:
     """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
-    from matchset.app.drawing.codecs import codecs_for
+    _check_track(options)
     from matchset.app.parameters_file import tracker_parameters
     from matchset.app.run_folder import output_folder
     from matchset.app.track.loop import RunStatistics, follow, print_summary, trackers_for
@@ -86,8 +87,6 @@ def track(options: TrackOptions) -> int:
     family = parse_shape(options.shape)
     parameters = tracker_parameters(options.params)
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
-    if options.video is not None:
-        codecs_for(options.video)
     with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
         target, taken = target_for(options.source, video, options.target)
         tracker_at = trackers_for(target, make)
@@ -106,6 +105,18 @@ def track(options: TrackOptions) -> int:
         print("note: stopped; the files hold what was done so far", file=sys.stderr)
         return stop.code
     return FOUND if statistics.found else NOT_FOUND
+
+
+def _check_track(options: TrackOptions) -> None:
+    """Check the outputs before anything is opened or loaded."""
+    from matchset.app.drawing.codecs import codecs_for
+    from matchset.app.run_folder import check_run
+
+    names = "tracks.csv", *(("tracks.jsonl",) if options.jsonl else ())
+    inputs = [options.source, shape_file(options.shape), options.params, *(options.target.color or ())]
+    check_run(options.out, names, [options.video], inputs, options.force)
+    if options.video is not None:
+        codecs_for(options.video)
 
 
 LEARN_EPILOG = f"""
@@ -142,9 +153,23 @@ class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def learn(options: LearnOptions) -> int:
     """Show where the ball is, in a picture with a pixel grid; with a pick, learn its color and save it."""
+    _check_learn(options)
     from matchset.app.track.learn_command import learn_color, show_candidates
 
     return show_candidates(options) if options.pick is None else learn_color(options)
+
+
+def _check_learn(options: LearnOptions) -> None:
+    """Check the outputs before anything is opened or loaded."""
+    from matchset.app.run_folder import check_run
+
+    out = options.out
+    if out is not None and options.pick is not None and out.suffix.lower() != ".npz":
+        raise ValueError(f"a color file's name must end in .npz, got {str(out)!r}")
+    if out is not None and options.pick is None and out.suffix.lower() not in (".png", ".jpg"):
+        raise ValueError(f"without --pick, -o names a picture (.png or .jpg), got {str(out)!r}")
+    mask = out.with_name(out.stem + "-mask.png") if out is not None and options.pick is not None else None
+    check_run(None, (), [out, mask], [options.source, shape_file(options.shape)], options.force)
 
 
 SCORE_EPILOG = """
@@ -189,6 +214,10 @@ class DemoOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def demo(options: DemoOptions) -> int:
     """Track a rendered clip with exact truth: no camera, no network, under a minute."""
+    from matchset.app.run_folder import check_run
+
+    names = "demo.webm", "sheet.png", "tracks.csv", "truth.csv"
+    check_run(options.out, names, [], [shape_file(options.shape)], options.force)
     from matchset.app.track.demo import demonstrate_circle, demonstrate_shape
 
     return demonstrate_circle(options) if options.shape == "circle" else demonstrate_shape(options)

@@ -37,8 +37,6 @@ def learn_color(options: LearnOptions) -> int:
     x, y, at = parse_pick(options.pick or "")
     if at is not None and options.frame not in (None, at):
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
-    if options.out is not None and options.out.suffix.lower() != ".npz":
-        raise ValueError(f"a color file's name must end in .npz, got {str(options.out)!r}")
     with Video(options.source, topic=options.topic) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
     color = ColorModel.pick(frame.image, x, y)
@@ -70,8 +68,6 @@ def show_candidates(options: LearnOptions) -> int:
         The exit code.
     """
     parse_shape(options.shape)
-    if options.out is not None and options.out.suffix.lower() not in (".png", ".jpg"):
-        raise ValueError(f"without --pick, -o names a picture (.png or .jpg), got {str(options.out)!r}")
     with Video(options.source, topic=options.topic) as video:
         if options.frame is None:
             frame, found = ball_like_frame(video)

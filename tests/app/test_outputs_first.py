@@ -158,7 +158,8 @@ def test_what_exists_is_there_until_the_new_one_is_finished(tmp_path: Path) -> N
     for path in (film, table):
         path.write_text("old")
     columns = [Column("number", lambda row: int(row))]
-    with Recorder(film, 30.0, SIZE) as recorder, RowWriter(table, columns) as rows:
+    rows: RowWriter[int] = RowWriter(table, columns)
+    with Recorder(film, 30.0, SIZE) as recorder, rows:
         recorder.write(np.zeros((SIZE[1], SIZE[0], 3), np.uint8))
         rows.write(1)
         assert film.read_text() == table.read_text() == "old"

@@ -10,7 +10,8 @@ import pytest
 from chain_flight import Flown, descending, lost, with_crash, with_step
 
 from matchset.app.flight.log import HEADINGS, PHASES, FlightLog, flight_summary, follower_row
-from matchset.app.flight_report.report import check_report, write_report
+from matchset.app.flight.output_files import check_report
+from matchset.app.flight_report.report import write_report
 
 
 def log_of(flown: Flown) -> FlightLog:

@@ -3,8 +3,8 @@
 A follower flies through its own loop, `Pilot` and `ArduinoLink` over a pseudo-terminal, recorded and viewed on a
 terminal. World, camera and transmitter are processes of their own (`flight/outside.py`), as they would be on a table. A
 pause is the time from one command that was sent to the next: 33 ms is the period of the pictures, and the failsafe acts
-at 240 ms. On a machine with other work the longest pause is that of the scheduler: `chrt -r 5 python -m
-benchmarks.pauses` shows that of the loop.
+at 240 ms. As root the loop runs before all other programs (`raised_priority`), and so does what stands for hardware;
+otherwise, on a machine with other work, the longest pause is that of the scheduler.
 """
 
 import argparse
@@ -28,6 +28,7 @@ from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.flight.pilot import STAGES, Pilot, PilotStep, learn_colors
 from matchset.app.flight.real_time.memory import steady_memory
+from matchset.app.flight.real_time.priority import raised_priority
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.simulated import SimulatedChain, SimulationParameters
 from matchset.sim.vehicle import VehiclePose
@@ -53,6 +54,8 @@ class Measured(msgspec.Struct):
         How long each garbage collection took, s.
     crashed : bool
         Before it landed.
+    raised : bool
+        Whether the loop ran with priority.
     """
 
     sent: list[float]
@@ -61,6 +64,7 @@ class Measured(msgspec.Struct):
     phases: Counter[str]
     collections: list[float]
     crashed: bool = False
+    raised: bool = False
 
 
 def fly(seconds: float, record: Path) -> tuple[Measured, Outside, FlightOutputs, ArduinoLink]:
@@ -76,7 +80,12 @@ def fly(seconds: float, record: Path) -> tuple[Measured, Outside, FlightOutputs,
         pilot = Pilot(outside.camera, link, learn_colors(sample))
         setup = FlightSetup(parameters, (outside.camera.model,), (sample,))
         files = FlightFiles(record=record)
-        with FlightOutputs(setup, files, real_time=True) as outputs, steady_memory(), link:
+        with (
+            FlightOutputs(setup, files, real_time=True) as outputs,
+            steady_memory(),
+            raised_priority() as measured.raised,
+            link,
+        ):
             gc.callbacks.append(_timing(measured.collections))
             while outside.camera.read() is None:  # the world has begun
                 pass
@@ -147,7 +156,7 @@ def describe(measured: Measured, outside: Outside, outputs: FlightOutputs, link:
         f"handing over to the outputs, ms: median {1e3 * np.median(measured.added):.2f}, "
         f"longest {1e3 * max(measured.added):.1f}",
         f"garbage collections {len(measured.collections)}, longest {1e3 * max(collected):.1f} ms",
-        f"pictures skipped {outside.camera.skipped}; crashed {measured.crashed}; "
+        f"pictures skipped {outside.camera.skipped}; crashed {measured.crashed}; raised priority {measured.raised}; "
         f"frames sent {link.firmware.sent}, answered {link.firmware.answered}",
         "phases: " + ", ".join(f"{name} {count}" for name, count in measured.phases.most_common()),
         *[f"note: {note}" for note in outputs.notes],

@@ -102,3 +102,22 @@ def test_any_pictures_from_any_start(
     full = shape if channels == 1 else (*shape, 3)
     for answer in run(tracker, (picture(kind, seed, full) for kind, seed in kinds)):
         assert_sound(answer)
+
+
+def test_noise_is_no_target_even_where_half_of_it_has_the_targets_color() -> None:
+    """As on an analog link that broke off: edge points lie everywhere, some of them on any circle."""
+    blue_side = np.where(np.indices((32, 32, 32))[0] >= 16, 4.0, -4.0).astype(np.float32)
+    answers = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        tracker = ms.Tracker(ms.Circle, ms.ColorModel(blue_side.ravel()))
+        tracker.start(ms.Circle(80.0, 60.0, 25.0))
+        for k in range(20):
+            image = rng.integers(0, 256, (120, 160, 3), np.uint8)
+            if k < 6:
+                x, y = np.array([80.0, 60.0]) + rng.normal(0.0, 6.0, 2)
+                rows, columns = np.indices((120, 160))
+                image = np.where(np.hypot(columns - x, rows - y)[..., None] < 25.0, image // 8 + 160, image // 8 + 60)
+            answers.append((k, tracker.update(ms.Frame(image.astype(np.uint8), k / 30, k))))
+    assert all(isinstance(answer, ms.Track) for k, answer in answers if k < 6)
+    assert sum(isinstance(answer, ms.Track) for k, answer in answers if k >= 6) <= 2  # of 168; 27 before

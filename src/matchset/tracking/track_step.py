@@ -135,11 +135,13 @@ class TrackStep(Copied, Generic[S]):
         return rejection
 
     def _confidence_lost(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
-        """Give up a shape that has been seen faintly for too long."""
+        """Give up a shape that is seen so faintly that chance explains it as well, or faintly for too long."""
         limits, fit = self.parameters.confidence, estimate.fit
         if fit.color_score < limits.faint_score:
-            evidence = self.fitter.weigh(estimate, image, color).evidence
-            if evidence is None or evidence < self.parameters.evidence.present:
+            evidence, asked = self.fitter.weigh(estimate, image, color).evidence, self.parameters.evidence
+            if evidence is not None and evidence < asked.here:  # as from edge points in a picture of noise
+                return Rejection.LOW_COLOR_SCORE
+            if evidence is None or evidence < asked.present:
                 self.faint += 1
         elif fit.color_score > limits.clear_score:
             self.faint = 0

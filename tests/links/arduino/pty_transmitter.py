@@ -1,5 +1,6 @@
 """The transmitter of `fakes.py` at the other end of a pseudo-terminal, in real time, for other processes."""
 
+import contextlib
 import os
 import pty
 import select
@@ -102,7 +103,8 @@ class PtyTransmitter:
                 self.port.write(os.read(self._end, 4096))
             said = self.port.read()
             if said:
-                os.write(self._end, said)
+                with contextlib.suppress(BlockingIOError):  # nobody reads: what is not heard is lost, as on a wire
+                    os.write(self._end, said)
             throttle = self.port.throttle
             new = len(self.port.heard) - len(self.packets)
             self.packets += [Packet(time.monotonic(), self.port.state, throttle)] * new

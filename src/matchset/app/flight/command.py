@@ -4,6 +4,7 @@ Imports that take long stand inside the functions, so that `matchset --help` ans
 """
 
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -93,6 +94,7 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
     from matchset.app.flight.flight import Flight, flight_setup
     from matchset.app.flight.outputs import FlightOutputs
     from matchset.app.flight.pacer import Pacer
+    from matchset.app.flight.real_time.priority import raised_priority
     from matchset.app.flight.score import FlightScorer
     from matchset.app.kill_switch import KillSwitch
     from matchset.app.progress import announce_if_slow
@@ -109,6 +111,7 @@ def _fly(parameters: "FlightParameters", options: FlyOptions) -> int:
         FlightOutputs(flight_setup(flight), options.files, options.quiet, options.real_time) as outputs,
         flight,  # once more: everyone lands before the files are finished, which takes longer
         KillSwitch(flight.cut) as kill,
+        raised_priority() if options.real_time else nullcontext(),
     ):
         if kill.reads_keys and not options.quiet:
             print("space stops all motors at once", file=sys.stderr)

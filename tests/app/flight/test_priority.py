@@ -1,0 +1,61 @@
+"""The priority of a loop: raised in the block where the system allows it, the thread's alone, and given back."""
+
+import os
+import threading
+
+import pytest
+
+from matchset.app.flight.real_time.priority import PriorityParameters, raised_priority
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="only Linux has these priorities")
+
+
+def scheduling() -> tuple[int, int]:
+    return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(0).sched_priority
+
+
+@pytest.fixture
+def allowed() -> None:
+    with raised_priority() as raised:
+        if not raised:
+            pytest.skip("this user may not raise priorities")
+
+
+@pytest.mark.usefixtures("allowed")
+def test_the_thread_alone_is_raised_and_falls_back() -> None:
+    before, others = scheduling(), list[tuple[int, int]]()
+    with raised_priority(PriorityParameters(level=7)) as raised:
+        assert raised
+        assert scheduling() == (os.SCHED_RR, 7)
+        other = threading.Thread(target=lambda: others.append(scheduling()))
+        other.start()
+        other.join()
+    assert others == [(os.SCHED_OTHER, 0)]
+    assert scheduling() == before
+
+
+@pytest.mark.usefixtures("allowed")
+def test_blocks_may_be_nested() -> None:
+    before = scheduling()
+    with raised_priority(PriorityParameters(level=7)):
+        with raised_priority():
+            assert scheduling() == (os.SCHED_RR, PriorityParameters().level)
+        assert scheduling() == (os.SCHED_RR, 7)
+    assert scheduling() == before
+
+
+def test_where_it_is_not_allowed_nothing_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    before = scheduling()
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    with raised_priority() as raised:
+        assert not raised
+    assert scheduling() == before
+
+
+@pytest.mark.parametrize("level", [0, 100])
+def test_a_level_is_one_of_linux(level: int) -> None:
+    with pytest.raises(ValueError, match=f"level must be 1 ... 99, got {level}"):
+        PriorityParameters(level=level)

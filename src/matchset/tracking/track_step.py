@@ -138,11 +138,13 @@ class TrackStep(Copied, Generic[S]):
         """Give up a shape that is seen so faintly that chance explains it as well, or faintly for too long."""
         limits, fit = self.parameters.confidence, estimate.fit
         if fit.color_score < limits.faint_score:
-            evidence, asked = self.fitter.weigh(estimate, image, color).evidence, self.parameters.evidence
-            if evidence is not None and evidence < asked.here:  # as from edge points in a picture of noise
-                return Rejection.LOW_COLOR_SCORE
-            if evidence is None or evidence < asked.present:
+            weighed = self.fitter.weigh(estimate, image, color)
+            if weighed.evidence is None or weighed.evidence < self.parameters.evidence.present:
                 self.faint += 1
+            if weighed.evidence is not None:  # chance has edge points, too, in a picture of noise
+                rejection = self.fitter.validate_detection(weighed, Prior.HERE)
+                if rejection:
+                    return rejection
         elif fit.color_score > limits.clear_score:
             self.faint = 0
         return Rejection.FADED if self.faint > limits.faint_frames else Rejection.NONE

@@ -25,7 +25,7 @@ from matchset.sim.world import RATE
 
 TESTS = Path(__file__).resolve().parents[2] / "tests" / "links" / "arduino"
 RING = 8  # pictures that are kept
-HARDWARE = 10  # real-time priority: before the loop, whose own is 5
+TRANSMITTER, WORLD = 10, 3  # real-time priorities, as of hardware; the loop's own is 5, and the world takes most time
 CONTEXT = multiprocessing.get_context("spawn")
 SHORTEST_SLEEP = 0.002  # s
 GRABBER = 0.028  # s from the exposure to the picture, as long as it takes to render one and somewhat more
@@ -128,10 +128,10 @@ class RealTimeCamera:
         return time.monotonic() - self._begin
 
 
-def _run_as_hardware() -> None:
+def _run_as_hardware(level: int) -> None:
     """Wait for no program, where the system allows it."""
     with contextlib.suppress(AttributeError, OSError):
-        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(HARDWARE))
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(level))
 
 
 def _transmit(
@@ -145,7 +145,7 @@ def _transmit(
     sys.path.append(str(TESTS))
     from pty_transmitter import PtyTransmitter
 
-    _run_as_hardware()
+    _run_as_hardware(TRANSMITTER)
     with PtyTransmitter() as transmitter:
         port, heard, last, seen = transmitter.port, 0, time.monotonic(), "locked"
         silence, delay = longest
@@ -182,7 +182,7 @@ def _turn(
     world.advance(STEPS_PER_FRAME + FIELD)
     for _ in range(3):
         chain._images.image(0, STEPS_PER_FRAME)  # compiles
-    _run_as_hardware()
+    _run_as_hardware(WORLD)
     begin, index = time.monotonic() - world.time, 2
     while not stop.value:
         due = STEPS_PER_FRAME * index + FIELD

@@ -35,6 +35,30 @@ def test_the_thread_alone_is_raised_and_falls_back() -> None:
 
 
 @pytest.mark.usefixtures("allowed")
+def test_threads_of_before_come_right_behind() -> None:
+    """The one that holds the interpreter's lock must not wait for other programs."""
+    ready, go, seen = threading.Event(), threading.Event(), list[tuple[int, int]]()
+
+    def look() -> None:
+        for _ in range(2):
+            ready.set()
+            assert go.wait(10.0)
+            go.clear()
+            seen.append(scheduling())
+
+    other = threading.Thread(target=look)
+    other.start()
+    with raised_priority(PriorityParameters(level=7, behind=2)):
+        assert ready.wait(10.0)
+        ready.clear()
+        go.set()
+        assert ready.wait(10.0)
+    go.set()
+    other.join()
+    assert seen == [(os.SCHED_RR, 2), (os.SCHED_OTHER, 0)]
+
+
+@pytest.mark.usefixtures("allowed")
 def test_blocks_may_be_nested() -> None:
     before = scheduling()
     with raised_priority(PriorityParameters(level=7)):

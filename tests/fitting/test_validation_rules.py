@@ -12,7 +12,6 @@ from matchset.fitting.validation import (
     Rejection,
     ValidationParameters,
     Validator,
-    is_ambiguous,
     is_fitted,
     rejection_without_fit,
     validate_track,
@@ -204,7 +203,6 @@ def test_ambiguous_are_weak_fits_of_large_visible_shapes_that_were_fitted() -> N
         (weak._replace(half_width=LIMITS.ambiguous_half_width), False),
         (weak._replace(visible=LIMITS.ambiguous_visible * LINES), False),
     ):
-        assert interpreted(is_ambiguous)(fit, LIMITS, LINES) is expected
         assert VALIDATOR.is_ambiguous(fit) is expected
 
 

@@ -212,11 +212,10 @@ def rejection_without_fit(fit: Statistics, limits: Limits, lines: int) -> int:
 
 
 @helper
-def is_ambiguous(fit: Statistics, limits: Limits, lines: int) -> bool:
-    """Whether other hypotheses should be tested: the edge points hardly agree, or too few have the color's step."""
+def is_weak(fit: Statistics, limits: Limits) -> bool:
+    """Whether the edge points hardly agree, or too few have the color's step."""
     weak = fit.msac_score < limits.ambiguous_msac_score or fit.color_score < limits.ambiguous_color_score
-    large = fit.visible > limits.ambiguous_visible * lines and fit.half_width > limits.ambiguous_half_width
-    return bool(weak and fit.edge_noise > 0.0 and large)
+    return bool(weak and fit.edge_noise > 0.0)
 
 
 def is_fitted(rejection: int) -> bool:
@@ -311,8 +310,10 @@ class Validator:
         return float(factor * np.interp(fit.half_width, sizes, scores) + penalty)
 
     def is_ambiguous(self, fit: Statistics) -> bool:
-        """Whether other hypotheses should be tested before the fit is believed."""
-        return _is_ambiguous(fit, self.limits, self.lines)
+        """Whether other hypotheses should be tested: a weak fit of a shape that is large, and seen, enough for it."""
+        limits = self.limits
+        large = fit.visible > limits.ambiguous_visible * self.lines and fit.half_width > limits.ambiguous_half_width
+        return bool(large and _is_weak(fit, limits))
 
     def merit(self, fit: Statistics, evidence: float | None = None) -> float:
         """Rank of a confirmed shape among others, 0 ... 1.
@@ -349,4 +350,4 @@ class Validator:
 
 
 _is_wrong_shape = interpreted(is_wrong_shape)
-_is_ambiguous = interpreted(is_ambiguous)
+_is_weak = interpreted(is_weak)

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.validation import Rejection, is_ambiguous
+from matchset.fitting.validation import Rejection, is_weak
 from matchset.numeric.jit import helper, interpreted, kernel
 from matchset.numeric.record import Block, Record
 
@@ -175,10 +175,10 @@ def predict(work: Record, time: float, interval: float) -> None:
 def correct(work: Record, time: float) -> int:
     """Correct the motion with a fit that began at the prediction and was validated.
 
-    Returns `Rejection.NONE`; or `Rejection.AMBIGUOUS`, and nothing is corrected, if it is that or outside the gate.
+    Returns `Rejection.NONE`; or `Rejection.AMBIGUOUS`, and nothing is corrected, if it is weak or outside the gate.
     """
     near = in_gate(work, work.fit.half_width, work.start_half_width)
-    if not near or is_ambiguous(work.fit, work.validation, work.line_count):
+    if not near or is_weak(work.fit, work.validation):
         return Rejection.AMBIGUOUS.value
     correct_motion(work, time)
     correct_size(work)

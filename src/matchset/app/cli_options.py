@@ -51,7 +51,10 @@ ShapeName = Annotated[
 AnnotatedVideo = Annotated[
     Path | None,
     typer.Option(
-        "--video", metavar="OUT.mp4", help="Write the annotated video: .webm (VP8), .mp4 (VP9) or .avi (Motion JPEG)."
+        "--video",
+        metavar="OUT.webm",
+        help="Write the annotated video: .webm (VP8), .mp4 (H.264 by PyAV or ffmpeg, "
+        "else MPEG-4) or .avi (Motion JPEG).",
     ),
 ]
 Folder = Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")]

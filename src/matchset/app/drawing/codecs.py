@@ -19,12 +19,12 @@ class Codec(msgspec.Struct, frozen=True):
     name: str
 
 
-VP9 = Codec("vp09", "VP9")
 MPEG4 = Codec("mp4v", "MPEG-4")
 VP8 = Codec("VP80", "VP8")
 MJPEG = Codec("MJPG", "Motion JPEG")
-CODECS = {".mp4": (VP9, MPEG4), ".webm": (VP8,), ".avi": (MJPEG,)}
-"""Codecs by file extension, best first. OpenCV's wheels write no H.264; browsers play VP9 and VP8 only."""
+CODECS = {".mp4": (MPEG4,), ".webm": (VP8,), ".avi": (MJPEG,)}
+"""OpenCV's codecs by file extension, best first. Its wheels write no H.264, and their VP9 takes a second a picture."""
+EVEN = 2  # format: width and height of H.264 with 4:2:0 chroma are multiples of this
 
 
 def codecs_for(path: Path) -> tuple[Codec, ...]:

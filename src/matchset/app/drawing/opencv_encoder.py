@@ -16,14 +16,14 @@ from pathlib import Path
 
 import cv2
 
-from matchset.app.drawing.codecs import MJPEG, MPEG4, VP8, VP9, Codec, Film, Picture, codecs_for
+from matchset.app.drawing.codecs import MJPEG, MPEG4, VP8, Codec, Film, Picture, codecs_for
 from matchset.image.capture import hushed
+from matchset.numeric.extras import advice
 
-NOTES = {
-    VP9.name: "{path} is packed as VP9, which is slow",
-    MPEG4.name: "{path} is packed as MPEG-4: players show it, browsers do not",
-}
-KILLED = "; if the program is killed nothing of it can be read: use .webm, or pip install 'matchset[av]'"
+MPEG4_NOTE = (
+    "the .mp4 is packed as MPEG-4: players show it, browsers do not, and if the program is killed nothing of it can be "
+    f"read: use .webm; for H.264 install ffmpeg, or {advice('av')}"
+)
 _ENCODING_FPS = 1.0  # format: the frame rate that OpenCV is told while it encodes VP8
 _TIME_UNIT_ID = b"\x2a\xd7\xb1"  # format: EBML id of TimestampScale
 _FRAME_DURATION_ID = b"\x23\xe3\x83"  # format: EBML id of DefaultDuration
@@ -48,10 +48,8 @@ class OpencvEncoder:
     def __init__(self, film: Film) -> None:
         codecs = codecs_for(film.path)
         self._film = film
-        self._writer, self._codec = _open(film, (MPEG4,) if film.live and MPEG4 in codecs else codecs)
-        self.note = ""
-        if self._codec.name in NOTES:
-            self.note = NOTES[self._codec.name].format(path=film.path) + KILLED
+        self._writer, self._codec = _open(film, codecs)
+        self.note = MPEG4_NOTE if self._codec is MPEG4 else ""
         self._count, self._rated, self._nearly_full = 0, self._codec is not VP8, False
 
     def write(self, picture: Picture) -> None:

@@ -1,7 +1,7 @@
 """Films packed by PyAV (the extra `av`), piece by piece: a killed program or a full disk leaves all but the end.
 
-The files are streams: WebM in short clusters, MP4 in short fragments that become an ordinary MP4 at the end, AVI by
-single pictures. Every piece is given to the operating system at once. libvpx is told to keep up (deadline "realtime").
+The files are streams: WebM in short clusters, MP4 with H.264 in short fragments that become an ordinary MP4 at the end,
+AVI by single pictures. Every piece is given to the operating system at once. libvpx and libx264 are told to keep up.
 """
 
 import contextlib
@@ -9,9 +9,10 @@ from fractions import Fraction
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from matchset.app.disk import WholeFile
-from matchset.app.drawing.codecs import Film, Picture, codecs_for
+from matchset.app.drawing.codecs import EVEN, Film, Picture, codecs_for
 
 
 class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -24,8 +25,14 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
         bytes each. Chosen by: `python -m benchmarks.lost.killed`, decision 092.
     effort : int
         libvpx's "cpu-used" in real time, 0 ... 8: more is faster and a little larger. Chosen by: the same.
-    vp8, vp9 : int
-        Quantizer of VP8 and VP9, 0 ... 63: less is better and larger. Chosen by: error as OpenCV's film, the same.
+    vp8 : int
+        Quantizer of VP8, 0 ... 63: less is better and larger. Chosen by: error as OpenCV's film, the same.
+    h264 : int
+        Quality of H.264 (libx264's "crf"), 0 ... 51: less is better and larger. Chosen by: error as that of VP8 on the
+        noise of an analog link, decision 093.
+    preset : str
+        libx264's preset: slower ones give smaller files. Chosen by: the same; "superfast" takes twice the time for
+        files smaller by a fifth.
     vp8_rate : int
         Most bits per second of VP8. Chosen by: the same, with the noise of an analog link.
     jpeg : int
@@ -35,7 +42,8 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
     piece: float = 0.1
     effort: int = 8
     vp8: int = 10
-    vp9: int = 24
+    h264: int = 20
+    preset: str = "ultrafast"
     vp8_rate: int = 16_000_000
     jpeg: int = 2
 
@@ -43,18 +51,24 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
         """Options of FFmpeg's encoder of a codec."""
         if codec == "mjpeg":
             return {"qmin": str(self.jpeg), "qmax": str(self.jpeg)}
+        if codec == "libx264":
+            return {"preset": self.preset, "tune": "zerolatency", "crf": str(self.h264)}
+        if codec != "libvpx":
+            return {}
         fast = {"deadline": "realtime", "cpu-used": str(self.effort), "lag-in-frames": "0"}
-        if codec == "libvpx":
-            return fast | {"crf": str(self.vp8), "b": str(self.vp8_rate)}
-        return fast | {"crf": str(self.vp9), "b": "0"}
+        return fast | {"crf": str(self.vp8), "b": str(self.vp8_rate)}
+
+    def words(self, codec: str) -> list[str]:
+        """Options of a codec as words of the command line of `ffmpeg`."""
+        return [word for name, value in self.options(codec).items() for word in (f"-{name}", value)]
 
 
 PACKING = PackingParameters()
-# format: FFmpeg's names of codec, container and layout of the pixels by ending
+# format: FFmpeg's names of codecs, best first, container and layout of the pixels by ending
 FORMATS = {
-    ".mp4": ("libvpx-vp9", "mp4", "yuv420p"),
-    ".webm": ("libvpx", "webm", "yuv420p"),
-    ".avi": ("mjpeg", "avi", "yuvj420p"),
+    ".mp4": (("libx264", "libopenh264", "mpeg4"), "mp4", "yuv420p"),
+    ".webm": (("libvpx",), "webm", "yuv420p"),
+    ".avi": (("mjpeg",), "avi", "yuvj420p"),
 }
 _FINEST = 100_000  # format: largest denominator of a frame rate in a file
 
@@ -96,7 +110,8 @@ class PyavEncoder:
     def __init__(self, film: Film) -> None:
         import av
 
-        codec, container, pixels = FORMATS[film.path.suffix.lower()]
+        codecs, container, pixels = FORMATS[film.path.suffix.lower()]
+        codec = next((each for each in codecs if each in av.codecs_available), codecs[-1])
         self._av: Any = av
         self.note, self._count = "", 0
         rate = Fraction(film.fps).limit_denominator(_FINEST)
@@ -104,7 +119,7 @@ class PyavEncoder:
         try:
             self._container: Any = av.open(self._file, "w", format=container, options=_pieces(container))
             stream: Any = self._container.add_stream(codec, rate=rate, options=PACKING.options(codec))
-            stream.width, stream.height = film.size
+            stream.width, stream.height = (side + side % EVEN if container == "mp4" else side for side in film.size)
             stream.pix_fmt, stream.codec_context.thread_count = pixels, 1
             self._container.start_encoding()
         except BaseException:
@@ -114,6 +129,9 @@ class PyavEncoder:
 
     def write(self, picture: Picture) -> None:
         """Append a picture."""
+        missing = self._stream.height - picture.shape[0], self._stream.width - picture.shape[1]
+        if any(missing):
+            picture = np.pad(picture, ((0, missing[0]), (0, missing[1]), (0, 0)), mode="edge")
         frame = self._av.VideoFrame.from_ndarray(picture, format="bgr24")
         frame.pts, self._count = self._count, self._count + 1
         self._mux(frame)

@@ -9,6 +9,7 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileError, name_beside
 from matchset.app.drawing.codecs import Encoder, Film, Picture, codecs_for
+from matchset.app.drawing.ffmpeg_encoder import open_ffmpeg_encoder
 from matchset.app.drawing.opencv_encoder import OpencvEncoder, count_pictures
 from matchset.app.drawing.pyav_encoder import open_pyav_encoder
 from matchset.numeric.copies import NotCopied
@@ -39,7 +40,8 @@ class Recorder(NotCopied, Closing):
     Parameters
     ----------
     path : Path
-        Where, ending in .mp4 (VP9), .webm (VP8) or .avi. Packed by PyAV, if it is installed, else by OpenCV.
+        Where, ending in .mp4 (H.264), .webm (VP8) or .avi (Motion JPEG). Packed by PyAV, if it is installed; else an
+        .mp4 by the program `ffmpeg`, if there is one; else by OpenCV (an .mp4 as MPEG-4).
     fps : float
         Frames per second.
     size : tuple of two ints
@@ -152,6 +154,6 @@ class Recorder(NotCopied, Closing):
 
 def _encoder(film: Film) -> Encoder:
     try:
-        return open_pyav_encoder(film) or OpencvEncoder(film)
+        return open_pyav_encoder(film) or open_ffmpeg_encoder(film) or OpencvEncoder(film)
     except OSError as error:
         raise ValueError(f"cannot write {film.path}: {error.strerror}") from error

@@ -13,6 +13,7 @@ from matchset.app.closing import Closing
 from matchset.app.disk import WholeFile
 from matchset.app.recording.cdr import HEADER
 from matchset.image.bags.mcap_records import DamagedChunk, read_records
+from matchset.numeric.extras import advice
 
 PACKAGE = "matchset_msgs/msg/"
 BEGINNING = b"# MessagePack; its JSON Schema: "
@@ -212,4 +213,4 @@ def check_mcap() -> None:
     try:
         import mcap  # noqa: F401
     except ImportError:
-        raise ValueError("recordings need the package mcap: pip install 'matchset[record]'") from None
+        raise ValueError(f"recordings need the package mcap: {advice('record')}") from None

@@ -33,7 +33,7 @@ from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
 TRACK_EPILOG = f"""
 [bold]Examples[/bold]
 
-  matchset track ball.mp4 --pick 427,146@60 --video out.mp4
+  matchset track ball.mp4 --pick 427,146@60 --video out.webm
 
   matchset track ball.mp4 --candidate 1
 

@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-NEEDED = 'pip install "matchset[ros]"'
+from matchset.numeric.extras import advice
+
+NEEDED = advice("ros")
 
 
 class BagTopic(NamedTuple):

@@ -12,13 +12,14 @@ from matchset.image.frame import Frame
 from matchset.image.video_files.container import Container, look_into
 from matchset.image.video_files.file_clock import FileClock
 from matchset.image.video_files.pyav_capture import open_pyav
+from matchset.numeric.extras import advice
 
 Opener = Callable[[str], Capture | None]
 
 MOST_FRAMES = 1e9  # format: OpenCV's count of a file without a duration is a meaningless, large number
 MASK, FIRST, LAST = 0xFFFFFFFF, 0x20, 0x7E  # format: 32 bits of four printable ASCII letters
 CONVERT = "convert it, for instance with ffmpeg -i IN -c:v libx264 OUT.mp4"
-PYAV = "pip install 'matchset[av]'"
+PYAV = advice("av")
 
 
 class VideoFileParameters(msgspec.Struct, frozen=True):

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from matchset.image.errors import LinkError
 from matchset.numeric.copies import NotCopied
+from matchset.numeric.extras import advice
 
 BAUD = 115_200  # format: baud rate of the firmware
 READ_BYTES = 4096  # format: largest number of bytes that one call reads
@@ -47,7 +48,7 @@ class SerialPort(NotCopied):
         try:
             import serial
         except ImportError:
-            raise LinkError("the serial link needs pyserial: pip install 'matchset[serial]'") from None
+            raise LinkError(f"the serial link needs pyserial: {advice('serial')}") from None
         self._serial: Any = serial.Serial()
         self._serial.port, self._serial.baudrate = path, BAUD
         self._serial.timeout, self._serial.write_timeout = 0, WRITE_TIMEOUT

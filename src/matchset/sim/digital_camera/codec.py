@@ -21,8 +21,8 @@ class Codec(msgspec.Struct, frozen=True, kw_only=True):
     Parameters
     ----------
     name : str
-        "mjpeg": every frame a JPEG of its own. "h264": libx264 by PyAV (`pip install 'matchset[h264]'`), P-frames
-        between I-frames: what is not worth its bits is taken over from the frame before.
+        "mjpeg": every frame a JPEG of its own. "h264": libx264 by PyAV (the extra `av`), P-frames between
+        I-frames: what is not worth its bits is taken over from the frame before.
     kbps : float
         Bit rate, thousands of bits per second, 10 ... 1e6. Lower: blocks, smeared motion, color beyond the edges. For
         640 x 480 px at 30 frames per second H.264 shows little at 4000 and has 300 to 1000 in a call; motion JPEG has

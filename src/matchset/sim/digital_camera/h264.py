@@ -1,10 +1,12 @@
-"""H.264 in memory: `H264Coder`; the only file that imports PyAV."""
+"""H.264 in memory: `H264Coder`; H.264 by PyAV."""
 
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from matchset.numeric.extras import advice
 
 Image = npt.NDArray[np.uint8]
 
@@ -35,7 +37,7 @@ class H264Coder:
         try:
             import av
         except ImportError:
-            raise ValueError("H.264 needs the package av: pip install 'matchset[h264]'") from None
+            raise ValueError(f"H.264 needs the package av: {advice('av')}") from None
         self._av: Any = av
         self._count = 0
         encoder: Any = av.CodecContext.create("libx264", "w")

@@ -165,7 +165,7 @@ def test_av1_is_named_or_decoded_by_pyav(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(video_file, "open_pyav", lambda _: None)
     if decoded:  # a build of OpenCV that decodes AV1
         return
-    with pytest.raises(ValueError, match=r"its codec is AV1 \(AV01\): pip install 'matchset\[av\]', or convert it"):
+    with pytest.raises(ValueError, match=r"its codec is AV1 \(AV01\): pip install 'av>=15', or convert it"):
         Video(path)
 
 

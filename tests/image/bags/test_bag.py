@@ -175,7 +175,7 @@ def test_a_missing_package_is_named(kind: str, package: str, tmp_path: Path, mon
         return real(name, *words, **more)
 
     monkeypatch.setattr(builtins, "__import__", missing)
-    with pytest.raises(ValueError, match=r'pip install "matchset\[ros\]"'):
+    with pytest.raises(ValueError, match=r"pip install 'rosbags"):
         Video(path)
 
 

@@ -45,6 +45,9 @@ class InvariantParameters(msgspec.Struct, frozen=True, kw_only=True):
         both, by half the field offset, and 5.2 px were seen at a border in a gust.
     off_outline : float
         Largest distance of the median point of a match-set from the outline, px.
+    ellipticity : float
+        Up to how many radii the outline may differ from its circle as an ellipse does: 30 degrees off the axis of the
+        camera, at the side of the picture, a ball's outline is longer than wide by 1 / cos 30 degrees, 15 %.
     """
 
     slack: float = 0.15
@@ -56,6 +59,7 @@ class InvariantParameters(msgspec.Struct, frozen=True, kw_only=True):
     spin_down: float = 0.6
     beyond_border: float = 16.0
     off_outline: float = 3.0
+    ellipticity: float = 0.08
 
 
 class Seen(NamedTuple):
@@ -222,11 +226,21 @@ def track_not_confirmed(track: Track[Circle], frame: Frame, limits: InvariantPar
     left, top, right, bottom = x.min(), y.min(), width - 1 - x.max(), height - 1 - y.max()
     if not min(left, top, right, bottom) >= -limits.beyond_border:
         return f"edge points {-min(left, top, right, bottom):.2f} px outside the picture"
-    off = float(np.median(np.abs(np.hypot(x - circle.x, y - circle.y) - circle.radius)))
+    off = _off_outline(circle, track.match_set, limits.ellipticity)
     if not off <= limits.off_outline:
         return f"edge points {off:.1f} px off the outline"
     wrong = covariance_wrong(track.covariance)
     return f"of a track: {wrong}" if wrong else ""
+
+
+def _off_outline(circle: Circle, points: npt.NDArray[np.float64], ellipticity: float) -> float:
+    """Distance of the median point from the outline, which may be an ellipse, px."""
+    x, y = (points - (circle.x, circle.y)).T
+    residuals, angles = np.hypot(x, y) - circle.radius, np.arctan2(y, x)
+    modes = np.stack((np.cos(2.0 * angles), np.sin(2.0 * angles)), axis=1)
+    bent = np.linalg.lstsq(modes, residuals, rcond=None)[0]
+    bent *= min(1.0, ellipticity * circle.radius / max(float(np.hypot(*bent)), np.finfo(np.float64).tiny))
+    return float(np.median(np.abs(residuals - modes @ bent)))
 
 
 def covariance_wrong(covariance: npt.NDArray[np.float64]) -> str:

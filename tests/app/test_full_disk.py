@@ -63,6 +63,16 @@ def test_a_full_disk_ends_in_two_and_names_what_is_left(clip: Path, tmp_path: Pa
     assert end.wrong == (), end.line
 
 
+def test_a_disk_on_which_not_even_the_beginning_of_a_film_fits_is_named(clip: Path, tmp_path: Path) -> None:
+    try:
+        with small_disk(tmp_path, 4096):
+            pass
+    except OSError as error:
+        pytest.skip(f"a small disk cannot be mounted here: {error}")
+    end = run_on_full_disk(RUNS["mp4"], clip, tmp_path, 4096)
+    assert end.wrong == (), end.line
+
+
 @pytest.mark.parametrize("suffix", [".mp4", ".webm", ".avi"])
 @pytest.mark.parametrize("packer", ["PyAV", "OpenCV"])
 def test_a_film_that_does_not_fit_says_how_much_it_holds(

@@ -4,7 +4,6 @@ The files are streams: WebM in short clusters, MP4 with H.264 in short fragments
 AVI by single pictures. Every piece is given to the operating system at once. libvpx and libx264 are told to keep up.
 """
 
-import contextlib
 from fractions import Fraction
 from typing import Any
 
@@ -139,15 +138,19 @@ class PyavEncoder:
     def close(self) -> None:
         """Finish the file."""
         try:
-            self._mux(None)
-            self._container.close()
-            self._file.mark()
+            if self._count:  # FFmpeg crashes where the end of an .mp4 without pictures does not fit on the disk
+                self._finish()
         finally:
-            with contextlib.suppress(Exception):  # after an error there is nothing to finish; the file drops it
-                self._container.close()
             self._file.close()
         if self._file.error is not None:
             raise self._file.error
+
+    def _finish(self) -> None:
+        try:
+            self._mux(None)
+        finally:
+            self._container.close()  # once, also after an error: FFmpeg crashes if it shall write the end again
+        self._file.mark()
 
     def _mux(self, frame: Any) -> None:
         for packet in self._stream.encode(frame):

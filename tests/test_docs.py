@@ -104,6 +104,8 @@ def is_simulated(names: dict[str, Any]) -> None:
     assert names["world"].crashes == []
     assert names["frame"].image.shape == (480, 640, 3)
     assert names["truth"].circle is not None
+    assert names["truncated"]
+    assert names["picture"].shape == (120, 160, 3)
 
 
 PAGES: dict[str, tuple[Callable[[], dict[str, Any]], Callable[[dict[str, Any]], None]]] = {

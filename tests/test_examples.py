@@ -142,6 +142,19 @@ def test_a_simulated_neighbor_is_measured(tmp_path: Path) -> None:
     assert sorted(off_mm)[15] < 30.0
 
 
+def test_a_place_is_held_in_the_environment(tmp_path: Path) -> None:
+    *lines, last = lines_of(run(tmp_path, "gym_follow_pid.py"))
+    assert len(lines) == 10
+    assert float(re.findall(r"by ([\d.]+) m rms", last)[0]) < 0.1
+
+
+def test_random_sticks_end_on_the_floor(tmp_path: Path) -> None:
+    lines = lines_of(run(tmp_path, "gym_random.py"))
+    assert len(lines) == 2
+    assert all("hit" in line and float(line.split("return ")[1]) < -1800.0 for line in lines)
+    assert {path.name for path in tmp_path.iterdir()} == {"world0.png", "world1.png"}
+
+
 def test_a_flight_is_rendered_and_located(tmp_path: Path) -> None:
     lines = lines_of(run(tmp_path, "render_flight.py"))
     words = lines[-1].split()[1:]

@@ -158,6 +158,15 @@ def test_an_extra_is_imported_by_a_file_of_its_own_and_only_when_it_is_needed(pa
     assert package not in {module.split(".")[0] for module in above}
 
 
+def test_gymnasium_is_imported_by_its_folder_alone() -> None:
+    """A class of an environment is one of Gymnasium's, so the files import it; nothing else loads these files."""
+    gym = {name for name in FILES if name.startswith("app/gym/")}
+    assert {name for name in FILES if "gymnasium" in roots(name)} <= gym
+    assert not violations(
+        lambda name: name not in gym and any(m.startswith("matchset.app.gym.") for m in imported(name))
+    )
+
+
 def _of(statement: ast.stmt) -> list[str]:
     """Modules that a statement imports when its file is loaded."""
     if isinstance(statement, ast.Import):

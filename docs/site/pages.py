@@ -27,7 +27,7 @@ API = {
 }
 
 # file -> title, the public folder of `matchset` whose names it explains
-FOLDERS = {"sim": ("The simulated world", "sim")}
+FOLDERS = {"sim": ("The simulated world", "sim"), "gym": ("Gymnasium", "gym")}
 
 
 def generated() -> dict[str, str]:

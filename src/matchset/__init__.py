@@ -3,7 +3,8 @@
 Public names are loaded when they are first used (PEP 562), so ``import matchset`` takes a millisecond and loads neither
 NumPy, OpenCV nor Numba. To read the package, begin with `tracking` (one frame after the other), then `fitting` (one
 frame); below them lie `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`, `links`
-and `app`. A folder imports only from those below it. The folder `sim`, a simulated world, has public names of its own.
+and `app`. A folder imports only from those below it. Two folders have public names of their own:
+`sim`, a simulated world, and `gym`, an environment for Gymnasium in it.
 """
 
 from importlib import import_module
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from matchset import sim as sim
+    from matchset.app import gym as gym
     from matchset.camera.camera_model import CameraModel
     from matchset.image.color import ColorModel
     from matchset.image.errors import LinkError
@@ -87,7 +89,7 @@ _MODULES = {
 }
 
 # Public folders; what they offer is in their own `__all__`.
-_FOLDERS = {"sim": "matchset.sim"}
+_FOLDERS = {"gym": "matchset.app.gym", "sim": "matchset.sim"}
 
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
 

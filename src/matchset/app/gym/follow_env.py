@@ -1,6 +1,6 @@
 """The environment ``matchset/Follow-v0``: `FollowEnv`."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import msgspec
@@ -58,7 +58,7 @@ class FollowEnv(gymnasium.Env[Array, Array]):
         If a parameter is unknown or out of range.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": FPS}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": FPS}  # noqa: RUF012 - declared in Env
 
     def __init__(
         self, parameters: FollowParameters | None = None, render_mode: str | None = None, **changes: Any
@@ -141,7 +141,7 @@ class FollowEnv(gymnasium.Env[Array, Array]):
         reward = -min(flight.error, self.parameters.max_error) - terminated * self.parameters.crash_penalty
         return self._observe(flight), reward, terminated, truncated, self._info(flight)
 
-    def render(self) -> Array | None:  # type: ignore[override]
+    def render(self) -> Array | None:
         """Return the newest picture with the set place of the ball and the true error, (h, w, 3), uint8, RGB."""
         if self.render_mode is None:
             gymnasium.logger.warn('render() needs render_mode="rgb_array" in gymnasium.make')

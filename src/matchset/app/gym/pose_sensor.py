@@ -19,6 +19,7 @@ Vector = npt.NDArray[np.float32]
 FARTHEST = 20.0  # geometry: m, bound of every length in the vector; rooms are smaller
 # geometry: found, x, y, z, marker seen, side, height, heading
 LOW = np.array((0.0, -FARTHEST, -FARTHEST, 0.0, 0.0, -FARTHEST, -FARTHEST, -FARTHEST), np.float32)
+# geometry: the same
 HIGH = np.array((1.0, FARTHEST, FARTHEST, FARTHEST, 1.0, FARTHEST, FARTHEST, FARTHEST), np.float32)
 
 

@@ -236,3 +236,15 @@ def test_a_frame_from_the_future_or_of_no_time_is_no_new_frame(frame_time: float
     _, state = safety_filter(HOVER, SafetyInputs(now + STEP, frame_time, seen, True), state)
     assert state.phase == "descending"
     assert "no new frame" in state.reason
+
+
+def test_the_first_command_after_arming_is_no_jump() -> None:
+    """Armed with the ball in sight, as again after a cut: nothing was sent before, so no time has passed for it."""
+    limits = SafetyParameters()
+    full = DesiredCommand(limits.max_tilt, -limits.max_tilt, limits.max_yaw, limits.max_throttle)
+    inputs = SafetyInputs(now=7.0, frame_time=6.9, seen_time=6.9, armed=True)
+    command, state = safety_filter(full, inputs, SafetyState())
+    assert state.phase == "flying"
+    sticks = max(abs(command.roll), abs(command.pitch), abs(command.yaw))
+    assert 0.0 < sticks <= limits.max_stick_rate * limits.min_step
+    assert 0.0 < command.throttle <= limits.max_throttle_rate * limits.min_step

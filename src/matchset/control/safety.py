@@ -209,7 +209,8 @@ def safety_filter(
         reason = reason or state.reason
     if reason:
         return _descend(inputs, state._replace(reason=reason, seen_since=seen_since), limits)
-    step = min(max(inputs.now - state.time, 0.0), limits.max_step)
+    since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
+    step = min(max(since, 0.0), limits.max_step)
     goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, state.command.throttle)
     command = _limited(goal, state.command, step, limits)
     phase: Phase = "holding" if unseen else "flying"

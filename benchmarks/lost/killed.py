@@ -26,6 +26,7 @@ from matchset.links.simulated import SimulationParameters
 
 FRAMES = 1500
 MOST_LOST = 1.0  # s
+FIRST = 8  # pictures: those that wait for the encoder and those of the first piece; before it a film is a header alone
 FILMS = "webm", "mp4", "avi"
 TIME_OUT = 120.0  # s
 LOOK = 0.002  # s, between two looks at a file that grows
@@ -79,7 +80,7 @@ def _left(path: Path, given: int) -> Killed:
     try:
         content = content_of(path)
     except ValueError as error:
-        return Killed(given, 0, str(error))
+        return Killed(given, 0, str(error) if given > FIRST else "")
     wrong = ""
     if path.suffix != ".mcap" and content.number > 3 and not abs(content.rate - FPS) < 1.0:
         wrong = f"{path} plays at {content.rate:.1f} frames/s"

@@ -58,14 +58,23 @@ def copy_repository(target: Path) -> None:
 
 
 def _test(copy: Path, tests: tuple[str, ...]) -> None:
-    """Run the tests; the exit code of the process is pytest's."""
+    """Run the tests; the exit code of the process is pytest's.
+
+    Hypothesis tries the same examples each time and lets them take as long as they do: on a busy computer a test that
+    is late must not count as one that noticed.
+    """
+    import hypothesis
     import pytest
 
+    slow = [hypothesis.HealthCheck.too_slow]
+    hypothesis.settings.register_profile("mutants", deadline=None, derandomize=True, suppress_health_check=slow)
+    hypothesis.settings.load_profile("mutants")
     os.setpgrp()  # so that what the tests start ends with them
     os.chdir(copy)
     sys.path[:0] = [str(copy), str(copy / "src")]
     os.environ["PYTHONPATH"] = os.pathsep.join(sys.path[:2])
     sys.dont_write_bytecode = True
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"  # what the tests start must not find a mutant's code later
     sink = os.open(os.devnull, os.O_WRONLY)
     os.dup2(sink, 1)
     os.dup2(sink, 2)

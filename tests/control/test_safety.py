@@ -49,6 +49,10 @@ def test_sticks_are_limited_and_change_gradually() -> None:
         inputs = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
         command, state = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), inputs, state)
     assert command == Command(LIMITS.max_tilt, -LIMITS.max_tilt, LIMITS.max_yaw, LIMITS.max_throttle)
+    for k in range(40, 80):
+        inputs = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
+        command, state = safety_filter(DesiredCommand(-9.0, 9.0, -9.0, -9.0), inputs, state)
+    assert command == Command(-LIMITS.max_tilt, LIMITS.max_tilt, -LIMITS.max_yaw, LIMITS.min_throttle)
 
 
 def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() -> None:
@@ -59,6 +63,7 @@ def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() ->
         now = start + k * STEP
         command, state = safety_filter(HOVER, SafetyInputs(now, now - 0.05, seen, True), state)
         phases.append((now - seen, state.phase, command))
+        assert state.phase != "descending" or "the ball has not been seen" in state.reason
     assert {phase for age, phase, _ in phases if age <= LIMITS.hold_time} == {"holding"}
     assert all(command == Command(*HOVER) for age, _, command in phases if age <= LIMITS.hold_time)
     end = LIMITS.hold_time + LIMITS.descent_duration
@@ -80,6 +85,40 @@ def test_without_frames_it_goes_down_within_a_third_of_a_second() -> None:
             assert command.throttle < 0.5
             assert "frame" in state.reason
     assert state.phase == "cut"
+
+
+def test_frames_that_come_again_must_show_the_ball_for_a_while_until_a_descent_is_called_off() -> None:
+    state, start = fly()
+    for k in range(1, 20):
+        now = start + k * STEP
+        _, state = safety_filter(HOVER, SafetyInputs(now, start, start, True), state)
+    assert state.phase == "descending"  # the ball is in the last frame, but that is an old one
+    back = now + STEP
+    while now < back + LIMITS.reacquisition_time + STEP:
+        now += STEP
+        _, state = safety_filter(HOVER, SafetyInputs(now, now, now, True), state)
+        assert (state.phase == "flying") == (now - back >= LIMITS.reacquisition_time)
+
+
+def test_the_state_tells_since_when_the_ball_is_seen_without_a_gap() -> None:
+    state, now = fly()
+    assert state.seen_since == STEP
+    _, state = safety_filter(HOVER, SafetyInputs(now + STEP, now + STEP, now, True), state)
+    assert (state.phase, state.seen_since) == ("holding", math.inf)
+    for k in (2, 3):
+        _, state = safety_filter(HOVER, SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True), state)
+    assert (state.phase, state.seen_since) == ("flying", now + 2 * STEP)
+
+
+@pytest.mark.parametrize("throttle", [0.25, 0.5, 0.85])
+def test_a_descent_lowers_the_throttle_it_began_with_along_a_straight_line(throttle: float) -> None:
+    state = SafetyState("flying", "", 0.0, seen_time=0.0, seen_since=0.0, command=Command(throttle=throttle))
+    first, last = LIMITS.initial_throttle_ratio, LIMITS.final_throttle_ratio
+    for k in range(20):
+        now = 0.5 + 0.1 * k
+        command, state = safety_filter(HOVER, SafetyInputs(now, 0.0, 0.0, True), state)
+        share = 0.1 * k / LIMITS.descent_duration
+        assert command.throttle == pytest.approx(throttle * (first + (last - first) * share))
 
 
 def test_a_descent_is_called_off_once_the_ball_is_surely_seen_again() -> None:
@@ -185,6 +224,21 @@ def test_limits_that_are_none_are_refused(field: str, value: float) -> None:
         SafetyParameters(**{field: value})
 
 
+@pytest.mark.parametrize(
+    "field",
+    ["max_tilt", "max_yaw", "min_throttle", "max_throttle", "initial_throttle_ratio", "final_throttle_ratio"],
+)
+def test_shares_of_a_full_stick_above_1_are_refused(field: str) -> None:
+    with pytest.raises(ValueError, match=rf"{field}.*within 0 \.\.\. 1, got 1\.001"):
+        SafetyParameters(**{field: 1.001})
+
+
+@pytest.mark.parametrize("least", [0.6, 0.7])
+def test_the_least_throttle_is_below_the_most(least: float) -> None:
+    with pytest.raises(ValueError, match="below most_throttle"):
+        SafetyParameters(min_throttle=least, max_throttle=0.6)
+
+
 def test_a_descent_never_raises_the_throttle_whatever_the_clock_does() -> None:
     state, now = fly()
     last = state.command.throttle
@@ -248,3 +302,11 @@ def test_the_first_command_after_arming_is_no_jump() -> None:
     sticks = max(abs(command.roll), abs(command.pitch), abs(command.yaw))
     assert 0.0 < sticks <= limits.max_stick_rate * limits.min_step
     assert 0.0 < command.throttle <= limits.max_throttle_rate * limits.min_step
+
+
+@pytest.mark.parametrize("seen_time", [1000.0, math.nan, math.inf])
+def test_a_ball_seen_in_the_future_or_at_no_time_is_not_seen(seen_time: float) -> None:
+    state, now = fly()
+    _, state = safety_filter(HOVER, SafetyInputs(now + STEP, now, seen_time, True), state)
+    assert state.phase == "descending"
+    assert "the ball has not been seen" in state.reason

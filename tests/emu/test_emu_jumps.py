@@ -124,6 +124,18 @@ def test_lower_throttle_neutral_sticks_and_a_disarm_never_wait(flown: list[tuple
         assert (STATES[again.state], on_air(again)) == ("locked", (0, 0, 0, 0))
 
 
+@given(FOUR)
+def test_without_frames_the_sticks_become_neutral_and_the_throttle_stays(wanted: tuple[int, ...]) -> None:
+    pilot = hovering()
+    for _ in range(2):
+        hear(pilot, sticks(**dict(zip(AXES, wanted, strict=True)), rate=1811, flip=1811))
+    tick(pilot, 26)
+    assert STATES[pilot.state] == "holding"
+    said = library().pilot_sticks(ctypes.byref(pilot))
+    assert on_air(pilot) == (0, 0, channels.throttle_byte(wanted[2]), 0)
+    assert not (said.fast or said.flip)
+
+
 def test_a_flip_and_the_high_rate_need_two_frames_and_end_with_one() -> None:
     pilot = hovering()
     for place, name in ((6, "flip"), (5, "rate")):

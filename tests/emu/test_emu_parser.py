@@ -44,6 +44,21 @@ def test_a_good_frame_after_noise_is_found_as_soon_as_it_is_whole(noise: bytes, 
     assert parse(quiet + good)[0] == [(good[2], good[3:-1])]
 
 
+@pytest.mark.parametrize("first", [0x00, 0xC9, 0xEE])
+def test_a_frame_begins_with_its_first_byte_and_no_other(first: int) -> None:
+    found, parser = parse(bytes([first]) + DISARM[1:] + DISARM)
+    assert found == [(crsf.CHANNELS_PACKED, DISARM[3:-1])]
+    assert parser.bad == 0
+
+
+def test_a_checksum_like_a_first_byte_begins_no_frame() -> None:
+    numbered = (frame(FULL, ch16=number) for number in range(crsf.CHANNEL_LOW, crsf.CHANNEL_HIGH))
+    good = next(each for each in numbered if each[-1] == crsf.SYNC)
+    found, parser = parse(good + DISARM[1:] + good)  # what follows the checksum would be the rest of a frame
+    assert found == [(crsf.CHANNELS_PACKED, good[3:-1])] * 2
+    assert parser.bad == 0
+
+
 @given(st.lists(ANY | st.just(DISARM) | st.just(bind_frame()), max_size=8).map(b"".join))
 def test_the_parser_and_its_struct_stay_within_bounds(stream: bytes) -> None:
     found, parser = parse(stream)

@@ -195,6 +195,42 @@ def test_the_configuration_is_read_and_written(link: ArduinoLink, port: FakePort
     assert port.config == wish
 
 
+def test_the_second_answer_about_the_configuration_is_not_the_first_one_again(
+    link: ArduinoLink, port: FakePort
+) -> None:
+    read = port.read
+    late: list[bytes] = []
+
+    def slow() -> bytes:  # each answer arrives with the next look
+        late.append(read())
+        return late.pop(0) if len(late) > 1 else b""
+
+    port.read = slow  # type: ignore[method-assign]
+    assert link.read_config() == ("default", Config())
+    wish = Config(id=b"\1\2\3\4\5")
+    assert link.write_config(wish) == "stored"
+    assert link.read_config() == ("stored", wish)
+
+
+def test_nobody_is_waited_for_longer_than_the_parameters_say(port: FakePort) -> None:
+    parameters, begin = ArduinoParameters(), port.clock()
+    port.mute = True
+    with pytest.raises(LinkError, match="nobody answers"):
+        ArduinoLink("serial:///fake", port, clock=port.clock, sleep=port.clock.sleep)
+    assert port.clock() - begin == pytest.approx(parameters.startup_timeout, abs=0.05)
+    port.mute = False
+    link, write = link_to(port), port.write
+    port.write = lambda data: write(data) if data[2] == crsf.CHANNELS_PACKED else None  # type: ignore[method-assign]
+    begin = port.clock()
+    with pytest.raises(LinkError, match="no answer to a question"):
+        link.read_config()
+    assert port.clock() - begin == pytest.approx(parameters.answer_timeout, abs=0.05)
+    port.stubborn, begin = True, port.clock()
+    with pytest.raises(LinkError, match="did not arm"):
+        link.arm()
+    assert port.clock() - begin == pytest.approx(parameters.arm_timeout, abs=0.25)  # and the frames before
+
+
 def test_warnings_are_words(port: FakePort) -> None:
     port.warnings = 3
     assert link_to(port).status().warnings == (
@@ -328,8 +364,10 @@ def test_sticks_and_throttle_go_into_their_channels_with_their_signs() -> None:
 
 def test_frames_are_numbered_beyond_a_thousand(link: ArduinoLink, port: FakePort) -> None:
     link.arm()
-    fly(link, port, 40.0)
-    assert link.firmware.sent > 1024
+    fly(link, port, 61.0)
+    assert link.firmware.sent > crsf.CHANNEL_HIGH  # more than a channel can say
+    numbers = [values[15] - crsf.CHANNEL_LOW for values in port.heard]
+    assert numbers == [count % 1024 for count in range(len(numbers))]
     assert link.firmware.answered >= link.firmware.sent - 1
     assert link.firmware.round_trip is not None
     assert 0.0 <= link.firmware.round_trip < 0.05

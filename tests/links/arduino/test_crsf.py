@@ -115,3 +115,11 @@ def test_sixteen_channels_no_fewer_and_no_more(count: int) -> None:
 
 def test_the_published_checksum() -> None:
     assert crsf.crc8(b"123456789") == 0xBC  # CRC-8/DVB-S2, from the catalogue of CRC algorithms
+
+
+def test_a_checksum_like_a_first_byte_begins_no_frame() -> None:
+    good = next(each for each in (crsf.frame(0xE2, bytes([byte])) for byte in range(256)) if each[-1] == crsf.SYNC)
+    parser = crsf.Parser()
+    spurious = crsf.frame(0xE4, b"BIND")[1:]  # with the checksum before it, it would be a frame
+    assert parser.feed(good + spurious + good) == [(0xE2, good[3:-1])] * 2
+    assert parser.bad == 0

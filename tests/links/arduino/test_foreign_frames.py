@@ -145,7 +145,8 @@ def test_another_firmware_is_said_at_the_start_and_one_damaged_frame_is_not_anot
     port.clock.sleep(0.2)
     ArduinoLink("serial:///fake", port, clock=port.clock, sleep=port.clock.sleep)
     other = FakePort(mute=True)
-    other.read = lambda: status(2, protocol=2)  # type: ignore[method-assign]
+    said = [status(2, protocol=2)] * 2
+    other.read = lambda: said.pop() if said else b""  # type: ignore[method-assign]
     with pytest.raises(LinkError, match="speaks protocol 02"):
         ArduinoLink("serial:///fake", other, clock=other.clock, sleep=other.clock.sleep)
     assert other.closed
@@ -159,3 +160,23 @@ def test_a_configuration_nobody_asked_for_is_not_read() -> None:
     port._out += crsf.frame(CONFIG, b"\x77")
     with pytest.raises(LinkError, match="unknown result"):
         link.read_config()
+
+
+def test_nor_is_one_that_comes_after_the_answer_to_a_question() -> None:
+    link, port = flying()
+    link.land(0)
+    assert link.read_config()[0] == "default"
+    link.arm()
+    port._out += crsf.frame(CONFIG, b"\x77")
+    assert fly(link, port).throttle > 0
+
+
+def test_a_status_that_answers_no_frame_of_this_program_refuses_nothing() -> None:
+    link, port = flying()
+    for echo in (0, crsf.CHANNEL_HIGH):  # it heard nothing yet, or somebody else
+        for _ in range(3):
+            port._out += status(STATES.index("locked"), echo)
+        assert link.status().state == "locked"
+        assert not link.firmware.refused
+        assert fly(link, port).throttle > 0
+        assert fly(link, port).throttle > 0

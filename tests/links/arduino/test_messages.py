@@ -53,8 +53,8 @@ def test_a_status_is_taken_apart() -> None:
 
 @pytest.mark.parametrize(
     "payload",
-    [b"", STATUS[:-1], b"\x02" + STATUS[1:], STATUS[:3] + b"\x09" + STATUS[4:]],
-    ids=["none", "short", "new", "state"],
+    [b"", STATUS[:-1], b"\x02" + STATUS[1:], STATUS[:3] + b"\x05" + STATUS[4:], STATUS[:3] + b"\x09" + STATUS[4:]],
+    ids=["none", "short", "new", "first unknown state", "state"],
 )
 def test_another_protocol_is_a_link_error(payload: bytes) -> None:
     with pytest.raises(LinkError, match="firmware"):

@@ -106,7 +106,6 @@ class FirmwareClient:
         self._echo: tuple[int, bool] = -1, False  # channel 16 of the last status, arm switch of that frame
         self._refusals: tuple[State | None, int] = None, 0  # state, status frames in a row that refuse with it
         self._ends: tuple[State | None, int] = None, 0  # state, status frames in a row that end a flight with it
-        self._strange_in_row = 0
         self._received_at = clock()
 
     @property
@@ -168,8 +167,8 @@ class FirmwareClient:
                 elif kind == messages.CONFIG and self._asked:
                     self._config = messages.decode_config(payload)
             except LinkError:
-                self.strange, self._strange_in_row = self.strange + 1, self._strange_in_row + 1
-                another_firmware = self._report is None and self._strange_in_row >= self.parameters.alike
+                self.strange += 1
+                another_firmware = self._report is None and self.strange >= self.parameters.alike
                 if another_firmware or kind == messages.CONFIG:
                     raise
 
@@ -203,7 +202,7 @@ class FirmwareClient:
         self._port.close()
 
     def _update(self, report: Report) -> None:
-        self._received_at, self._strange_in_row = self._clock(), 0
+        self._received_at = self._clock()
         default = None, report.echo == self._echo[0] and self._echo[1]
         sent_at, armed = self._pending.pop(report.echo - crsf.CHANNEL_LOW, default)
         self._echo = report.echo, armed

@@ -167,3 +167,18 @@ def test_every_rotation_is_that_of_scipy(roll: float, pitch: float, yaw: float) 
     state.tilt[:], state.yaw = (roll, pitch), yaw
     expected = Rotation.from_euler("YXZ", (yaw, -pitch, roll)).as_matrix()
     np.testing.assert_allclose(EgoState(block).rotation, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("quick", ["tilt_lag", "tilt_time", "yaw_lag", "lift_lag"])
+def test_a_vehicle_quicker_than_a_step_answers_at_once_and_does_not_swing_up(quick: str) -> None:
+    """Each lag in turn a thousandth of the step of the integration."""
+    step = EgoMotionParameters().integration_step
+    model = msgspec.structs.replace(EgoMotionParameters(tilt_damping=0.1), **{quick: 1e-3 * step})
+    own = EgoMotion(model)
+    for k in range(31):
+        own.update(AttitudeCommand(roll=0.2, pitch=-0.1, yaw_rate=0.5, lift=1.0), k / 30)
+    states = own.at_times(np.linspace(0.0, 1.0, 200).tolist())
+    assert max(abs(state.roll) for state in states) < 0.2 * 1.8  # a damping of 0.1 alone overshoots by 73 %
+    assert max(state.yaw for state in states) < 0.5
+    assert abs(states[-1].velocity[1]) < 1.0
+    assert states[-1].yaw > 0.4

@@ -66,3 +66,9 @@ def test_one_step_however_long_goes_part_of_the_way_and_not_beyond(step: float) 
     speed.update(1.0, step)
     assert speed.output(0.0) == pytest.approx(step / (0.2 + step))
     assert speed.output(0.0) < 1.0
+
+
+def test_the_first_speed_counts_as_steady() -> None:
+    feedforward = SpeedFeedforward(FeedforwardParameters(high_frequency_gain=0.0, crossover_time=5.0))
+    feedforward.update(0.7, STEP)
+    assert feedforward.output(0.7) == 0.7

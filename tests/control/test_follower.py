@@ -137,3 +137,81 @@ def test_bad_numbers_are_refused() -> None:
         FollowerParameters(hover_throttle=1.5)
     with pytest.raises(ValueError, match="reach"):
         FollowerParameters(max_extrapolation=math.nan)
+
+
+def seen_at(position: tuple[float, float, float], yaw: float, time: float) -> Pose:
+    turn = Rotation.from_euler("y", yaw).as_matrix() @ TURNS
+    return Pose(
+        position=np.array(position), rotation_matrix=turn, covariance=SPREAD, observed="level", time=time
+    )  # fmt: skip
+
+
+def hovering(turning: float) -> tuple[Follower, float]:
+    """A follower in level flight that has turned to the right for a while; and the time."""
+    follower, now = Follower(), 0.0
+    for k in range(60):
+        now = k * STEP
+        follower.sent(Command(throttle=0.59, yaw=turning if k < 30 else 0.0), now)
+    return follower, now
+
+
+@pytest.mark.parametrize("quarters", [1.0, -1.0])
+def test_where_it_looks_makes_no_difference_to_what_it_does(quarters: float) -> None:
+    """A neighbor that moves sideways, away and up, and turns; seen alike by a follower that has turned before."""
+    (straight, begin), (half, _) = hovering(0.0), hovering(0.5)
+    turned, _ = hovering(0.5 * quarters * (math.pi / 2.0) / half.ego_motion.at(begin).yaw)
+    assert turned.ego_motion.at(begin).yaw == pytest.approx(quarters * math.pi / 2.0)
+    for k in range(1, 25):
+        taken, now = begin + (k - 1) * STEP, begin + k * STEP
+        pose = seen_at((0.1 + 0.02 * k, -0.01 * k, 1.6 + 0.015 * k), 0.02 * k, taken)
+        one, other = straight.update(pose, now), turned.update(pose, now)
+        assert one is not None
+        assert other is not None
+        np.testing.assert_allclose(other.desired, one.desired, atol=1e-5)
+        np.testing.assert_allclose(other[1:5], one[1:5], atol=1e-5)
+        for follower in (straight, turned):
+            follower.sent(Command(throttle=0.59), now)
+
+
+def test_a_pose_that_was_used_is_not_used_again() -> None:
+    followers = [Follower(), Follower()]
+    for k in range(30):
+        taken, now = k * STEP, k * STEP + LATENCY
+        pose = seen_at((0.02 * k, 0.0, 1.6), 0.01 * k, taken)
+        second: list[Pose | Lost[Pose]] = [pose, Lost[Pose]("the same picture", taken)]
+        for follower, again in zip(followers, second, strict=True):
+            follower.update(pose, now)
+            follower.sent(Command(throttle=0.59), now)
+            follower.update(again, now + 0.01)
+            follower.update(again, now + 0.02)
+    one, other = (follower.update(Lost("hidden", 1.0), 1.05) for follower in followers)
+    assert one == other
+    assert one is not None
+
+
+def test_a_tilted_vehicle_gets_more_throttle_and_its_lift_is_that_of_the_controller() -> None:
+    world = World(Follower(), (0.6, 0.4, -2.4))
+    tilted = 0.0
+    for k in range(30):
+        (answer,) = run(world, STEP, k * STEP)
+        assert answer is not None
+        now = k * STEP + LATENCY
+        parameters = world.follower.parameters
+        state = world.follower.ego_motion.at(now + parameters.ego_motion.delay)
+        gravity = GRAVITY / parameters.ego_motion.effective_mass_ratio
+        upright = math.cos(state.roll) * math.cos(state.pitch)
+        lift = parameters.hover_throttle * (1.0 + answer.up.output / gravity)
+        assert answer.desired.throttle == pytest.approx(lift / upright, rel=0.01)
+        tilted = max(tilted, 1.0 - upright)
+    assert tilted > 0.02
+
+
+def test_with_the_motors_off_it_forgets_what_it_had_learned_on_every_axis() -> None:
+    world = World(Follower(), (0.1, 0.1, -1.6), bias=0.035)
+    answer = run(world, 6.0)[-1]
+    assert answer is not None
+    assert min(abs(terms.integral) for terms in (answer.right, answer.forward, answer.up)) > 0.05
+    world.follower.sent(Command(), 6.0 + LATENCY)
+    again = world.follower.update(world.see(6.0), 6.0 + LATENCY)
+    assert again is not None
+    assert max(abs(terms.integral) for terms in (again.right, again.forward, again.up)) < 0.03

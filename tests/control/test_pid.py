@@ -124,3 +124,41 @@ def test_an_approach_as_the_gains_want_it_adds_nothing_to_the_integral() -> None
     assert pid.terms.integral == pytest.approx(-0.08)
     pid.update(0.0, 0.8, 0.1, rate=0.4)  # away from the goal: more than the error alone
     assert pid.terms.integral == pytest.approx(-0.08 - 0.12)
+
+
+def test_at_the_limit_against_the_error_the_integral_goes_on() -> None:
+    pid = Pid(PidParameters(proportional=1.0, integral=1.0, derivative=10.0, output_limit=0.5))
+    assert pid.update(1.0, 0.5, 0.1, rate=1.0) == -0.5  # braking, with half the way to go
+    assert pid.terms.integral == pytest.approx(0.5 * 0.1)
+
+
+def test_the_first_rate_counts_in_full_however_slow_the_filter() -> None:
+    pid = Pid(PidParameters(proportional=0.0, derivative=1.0, derivative_filter_time=5.0))
+    assert pid.update(0.0, 0.0, STEP, rate=0.4) == -0.4
+    assert pid.update(0.0, 0.0, STEP, rate=-0.4) == pytest.approx(-0.4, abs=0.01)
+    pid.reset()
+    assert pid.update(0.0, 0.0, STEP, rate=-0.4) == 0.4
+
+
+def test_an_integral_that_is_kept_goes_on_learning_as_slowly_as_before() -> None:
+    kept, steady = (Pid(PidParameters(proportional=0.0, integral=1.0, integral_decay_time=0.5)) for _ in range(2))
+    for pid in (kept, steady):
+        for _ in range(100):
+            pid.update(1.0, 0.0, STEP)
+    kept.reset(keep_integral=True)
+    assert kept.update(1.0, 0.0, STEP) == steady.update(1.0, 0.0, STEP)
+
+
+@pytest.mark.parametrize("keep_integral", [False, True])
+def test_a_jump_of_the_measurement_over_a_reset_is_no_speed(keep_integral: bool) -> None:
+    pid = Pid(PidParameters(proportional=0.0, derivative=1.0))
+    pid.update(0.0, 0.0, STEP)
+    pid.reset(keep_integral)
+    assert pid.update(0.0, 5.0, STEP) == 0.0
+    assert pid.update(0.0, 6.0, STEP) == pytest.approx(-1.0 / STEP)
+
+
+@pytest.mark.parametrize("rate", [math.nan, math.inf, -math.inf])
+def test_a_rate_that_is_no_number_is_refused(rate: float) -> None:
+    with pytest.raises(ValueError, match="got rate"):
+        Pid(PidParameters(proportional=1.0)).update(0.0, 0.0, STEP, rate)

@@ -63,6 +63,10 @@ def test_the_fit_is_weighted_least_squares(seed: int, spread: Floats, speed: flo
     values = offset[np.arange(N), result.chosen][there]
     step, *_ = np.linalg.lstsq(rows, np.concatenate((root[:, 0] * values, means)))
     np.testing.assert_allclose(result.step, step[:5], atol=1e-8)
+    near = np.abs(result.residual[np.isfinite(result.residual)])
+    total = result.weight.sum()
+    scale = 1.4826 * median(near)  # of normal errors
+    assert result.noise == pytest.approx(scale * math.sqrt(total / (total - p)), rel=1e-5)
     covariance = result.noise**2 * np.linalg.inv(rows.T @ rows)
     np.testing.assert_allclose(result.covariance, covariance[:3, :3], rtol=1e-6, atol=1e-12)
 

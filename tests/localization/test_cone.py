@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,8 +9,9 @@ from scipy.optimize import least_squares
 
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, rim, square, track
-from matchset.localization.cone import CONE, BallParameters, ConeFailure, fit_cone
+from matchset.localization.cone import CONE, BallParameters, ConeFailure, OutlineRays, fit_cone, reweight
 from matchset.localization.localizer import LocalizerParameters
+from matchset.numeric.jit import kernel
 from matchset.numeric.record import fields, new_block, store
 from matchset.sim.clips.truth import sphere_outline
 
@@ -193,3 +195,62 @@ def test_any_points_give_finite_numbers_or_a_reason(points: list[tuple[float, fl
     else:
         assert np.isfinite(found.position).all()
         assert np.isfinite(found.covariance).all()
+
+
+def fitted(points: Floats, middle: Floats) -> tuple[int, Floats]:
+    """Why there is no position, and the position."""
+    block = new_block(CONE)
+    fit = fields(block, CONE)
+    store(fit.limits, EXACT)
+    fit.intrinsics[:], fit.inside[:], fit.radius, fit.robust = PINHOLE.intrinsics, middle, 0.14, True
+    return fit_cone(block.view(CONE)[0], points), fit.position
+
+
+def test_a_cone_needs_four_points() -> None:
+    place = np.array((0.1, -0.05, 1.3))
+    outline = PINHOLE.project(rim(place, count=4))
+    for kept in range(4):
+        assert fitted(outline[:kept], outline.mean(axis=0))[0] == ConeFailure.TOO_FEW_RAYS
+    failure, position = fitted(outline, outline.mean(axis=0))
+    assert failure == ConeFailure.NONE
+    np.testing.assert_allclose(position, place, rtol=1e-6)
+
+
+def test_the_covariance_is_honest_also_of_a_ball_that_fills_the_picture() -> None:
+    rng = np.random.default_rng(11)
+    truth, squares = np.array((0.03, -0.02, 0.2)), []
+    outline = PINHOLE.project(rim(truth))
+    for _ in range(300):
+        position, covariance = located(PINHOLE, track(outline + rng.normal(0.0, 0.3, outline.shape)), BARE)
+        squares.append(square(position - truth, covariance))
+    assert 2.4 < np.mean(squares) < 3.8
+
+
+def test_wrong_points_far_from_an_exact_outline_have_no_weight_at_all() -> None:
+    truth = np.array((0.2, 0.1, 1.4))
+    points = PINHOLE.project(rim(truth))
+    middle = points.mean(axis=0)
+    points[[3, 4, 20, 41]] += 0.3 * (points[[3, 4, 20, 41]] - middle)
+    failure, position = fitted(points, middle)
+    assert failure == ConeFailure.NONE
+    np.testing.assert_allclose(position, truth, rtol=1e-7)
+
+
+@kernel
+def _reweighted(fit: Any, rays: OutlineRays, absolute: bool) -> float:
+    return reweight(rays, fit.limits, absolute)
+
+
+def test_weights_are_tukey_s_biweight_after_least_absolute_values() -> None:
+    residual = np.concatenate((np.linspace(-2.0, 2.0, 41), np.full(9, 0.01)))
+    one = np.ones(len(residual))
+    block, weight = new_block(CONE), one.copy()
+    store(fields(block, CONE).limits, BallParameters())
+    flat, space = np.empty((0, 2)), np.empty((0, 3))
+    rays = OutlineRays(one, one, one, one, one, one, one, residual, np.abs(residual), weight, flat, space)
+    sigma = _reweighted(block.view(CONE)[0], rays, False)
+    assert sigma == pytest.approx(1.4826 * np.median(np.abs(residual)) * math.sqrt(50 / 47))
+    z = residual / (4.7 * sigma)
+    np.testing.assert_allclose(weight, np.where(np.abs(z) < 1.0, (1.0 - z * z) ** 2, 0.0), atol=1e-12)
+    assert _reweighted(block.view(CONE)[0], rays, True) == sigma
+    np.testing.assert_allclose(weight, np.minimum(1.0, sigma / np.maximum(np.abs(residual), 1e-9)), rtol=1e-9)

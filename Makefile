@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
-    soak wheel-check clean
+    soak wheel-check release-check clean
 
 BIN := .venv/bin
 READY := .venv/ready
@@ -83,6 +83,9 @@ toolchain: $(READY)  ## install the compiler and the emulators that the radio's 
 
 wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels for a Raspberry Pi
 	$(BIN)/python .ci/wheels.py
+
+release-check: $(READY)  ## build sdist and wheel, install each in a new virtual environment, try it there
+	$(BIN)/python .ci/smoke.py
 
 clean:  ## remove everything that was made, the virtual environment included
 	rm -rf .venv .bench $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info

@@ -175,3 +175,23 @@ def test_every_command_goes_on_with_torn_code(kept: Path, tmp_path: Path) -> Non
     answer, words = run(tmp_path, program)
     assert answer == "1"
     assert "damaged" in words
+
+
+READ_ONLY = """
+import tempfile
+def refuse(*_, **__):
+    raise PermissionError(30, "Read-only file system")
+tempfile.TemporaryFile = refuse
+"""
+
+
+def test_what_was_kept_is_used_on_a_read_only_disk(kept: Path) -> None:
+    """A container whose image has all kernels compiled: nothing may be written, and nothing is compiled."""
+    assert run(kept, READ_ONLY + PROGRAM) == (f"{SAME} 1", "")
+
+
+def test_a_read_only_disk_without_kept_code_is_said_once(tmp_path: Path) -> None:
+    answer, words = run(tmp_path, READ_ONLY + PROGRAM, HOME=str(tmp_path), XDG_CACHE_HOME=str(tmp_path))
+    assert answer.startswith(SAME)
+    assert words.count("\n") == 0
+    assert words.startswith("machine code cannot be kept, each start compiles it anew: "), words

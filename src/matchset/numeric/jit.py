@@ -37,7 +37,16 @@ from typing import Any, TypeVar, cast, overload
 
 import numba
 import numpy as np
-from numba.core import codegen, compiler, compiler_machinery, serialize, targetconfig, typed_passes, untyped_passes
+from numba.core import (
+    caching,
+    codegen,
+    compiler,
+    compiler_machinery,
+    serialize,
+    targetconfig,
+    typed_passes,
+    untyped_passes,
+)
 from numba.core.types.functions import BaseFunction
 
 from matchset.numeric.kept_code import PACKAGE, KeptCode, say_once, source_stamp
@@ -245,8 +254,8 @@ def _kept(function: F, **options: Any) -> F:
     """Compile a kernel whose machine code is kept on disk, where there is a folder for that."""
     made: Any = numba.njit(nogil=True, error_model="numpy", **options)(function)
     try:
-        made.enable_caching()
-    except RuntimeError as error:  # no folder that may be written
+        _find_folder(made)
+    except RuntimeError as error:  # no folder that may be written, none to be read
         say_once("no folder", f"machine code cannot be kept, each start compiles it anew: {error}")
         return cast(F, made)
     cache: Any = made._cache
@@ -256,6 +265,28 @@ def _kept(function: F, **options: Any) -> F:
     cache.load_overload = functools.partial(_load, cache)
     cache.save_overload = functools.partial(_save, cache)
     return cast(F, made)
+
+
+def _find_folder(made: Any) -> None:
+    """Keep code in a folder that may be written; else read what was kept where nothing may be written any more.
+
+    The image of a system has all kernels compiled and a read-only disk: Numba passes over folders that it cannot write.
+    """
+    try:
+        made.enable_caching()
+    except RuntimeError:
+        locator: Any = caching._CacheLocator
+        ensure, locator.ensure_cache_path = locator.ensure_cache_path, _require_folder
+        try:
+            made.enable_caching()
+        finally:
+            locator.ensure_cache_path = ensure
+
+
+def _require_folder(locator: Any) -> None:
+    """Accept a folder that has kept code, although it cannot be written."""
+    if not any(Path(locator.get_cache_path()).glob("*.nbi")):
+        raise OSError(f"no kept code in {locator.get_cache_path()}")
 
 
 def _load(cache: Any, signature: Any, context: Any) -> Any:

@@ -268,10 +268,7 @@ def _kept(function: F, **options: Any) -> F:
 
 
 def _find_folder(made: Any) -> None:
-    """Keep code in a folder that may be written; else read what was kept where nothing may be written any more.
-
-    The image of a system has all kernels compiled and a read-only disk: Numba passes over folders that it cannot write.
-    """
+    """Keep code where that may be written; on a read-only disk, which Numba passes over, read what was kept."""
     try:
         made.enable_caching()
     except RuntimeError:
@@ -284,7 +281,6 @@ def _find_folder(made: Any) -> None:
 
 
 def _require_folder(locator: Any) -> None:
-    """Accept a folder that has kept code, although it cannot be written."""
     if not any(Path(locator.get_cache_path()).glob("*.nbi")):
         raise OSError(f"no kept code in {locator.get_cache_path()}")
 

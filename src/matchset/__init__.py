@@ -13,6 +13,8 @@ TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this 
 if TYPE_CHECKING:
     from typing import Any
 
+    __version__: str
+
     from matchset import sim as sim
     from matchset.app import gym as gym
     from matchset.camera.camera_model import CameraModel
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
     from matchset.tracking.detector import detect
+    from matchset.tracking.parameters import TrackerParameters
     from matchset.tracking.track import Lost, Track
     from matchset.tracking.tracker import Tracker
 
@@ -58,6 +61,7 @@ __all__ = [
     "Rectangle",
     "Track",
     "Tracker",
+    "TrackerParameters",
     "Video",
     "detect",
 ]
@@ -84,6 +88,7 @@ _MODULES = {
     "Rectangle": "matchset.shapes.rectangle",
     "Track": "matchset.tracking.track",
     "Tracker": "matchset.tracking.tracker",
+    "TrackerParameters": "matchset.tracking.parameters",
     "Video": "matchset.image.video",
     "detect": "matchset.tracking.detector",
 }
@@ -94,7 +99,12 @@ _FOLDERS = {"gym": "matchset.app.gym", "sim": "matchset.sim"}
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
 
     def __getattr__(name: str) -> "Any":
-        """Load a public name when it is first used."""
+        """Load a public name when it is first used; `__version__` is that of the installed package."""
+        if name == "__version__":
+            from importlib.metadata import version
+
+            globals()[name] = version("matchset")
+            return globals()[name]
         if name in _FOLDERS:
             return import_module(_FOLDERS[name])
         if name not in _MODULES:

@@ -1,7 +1,6 @@
 """What all kinds of video share; see also test_video_file.py, test_image_folder.py and test_camera_stream.py."""
 
 from collections.abc import Iterator
-from operator import length_hint
 from pathlib import Path
 from typing import Any
 
@@ -88,9 +87,9 @@ def test_numbers_out_of_range_are_refused(avi: Path, name: str, value: float) ->
 
 def test_a_video_is_read_once_and_not_after_it_was_closed(avi: Path) -> None:
     video = Video(avi)
-    assert length_hint(video) == FRAMES
+    assert len(video) == FRAMES
     first = next(video)
-    assert (first.index, length_hint(video)) == (0, FRAMES - 1)
+    assert (first.index, len(video)) == (0, FRAMES)
     assert [frame.index for frame in video] == list(range(1, FRAMES))
     assert list(video) == []
     video.close()

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from matchset.camera import camera_toml as camera_file
 from matchset.camera import lens
 from matchset.image.frame import Frame, check_image
+from matchset.numeric.words import one_line, short
 
 Floats = npt.NDArray[np.float64]
 
@@ -65,6 +66,14 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         if self.intrinsics_covariance is not None:
             _check_covariance(self.intrinsics_covariance)
 
+    @one_line
+    def __repr__(self) -> str:
+        wide = 2.0 * math.degrees(math.atan2(0.5 * self.width, self.fx))
+        focal, center = f"fx {short(self.fx)}, fy {short(self.fy)}", f"cx {short(self.cx)}, cy {short(self.cy)} px"
+        bent = f"distortion {', '.join(map(short, self.distortion))}" if any(self.distortion) else "no distortion"
+        known = "" if self.intrinsics_covariance is None else ", with covariance"
+        return f"CameraModel({self.width} x {self.height}, {focal}, {center}, {wide:.1f}° wide, {bent}{known})"
+
     @classmethod
     def from_fov(cls, width: int, height: int, fov: float) -> "CameraModel":
         """Camera with square pixels and its principal point in the middle, from the horizontal field of view.
@@ -86,7 +95,8 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         if _number("width", width) < 1 or _number("height", height) < 1:
             raise ValueError(f"a picture's size must be positive, got {width} x {height}")
         if not 0.0 < _number("fov", fov) < math.pi:
-            raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}")
+            hint = f" ({fov:g} degrees are math.radians({fov:g}))" if math.pi <= fov < 180.0 else ""
+            raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}{hint}")
         focal = (width / 2.0) / math.tan(fov / 2.0)
         return cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)
 

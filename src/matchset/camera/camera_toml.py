@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.lens import INTRINSICS
+from matchset.image.errors import MissingFileError
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_limited
 from matchset.image.files.whole_file import write_whole
@@ -50,7 +51,8 @@ def read_camera(path: Path) -> tuple[dict[str, Any], Keys]:
     Raises
     ------
     ValueError
-        If there is no such file, it is none of these, or a number is missing; with the file and the key.
+        If there is no such file (also a FileNotFoundError), it is none of these, or a number is missing; with the file
+        and the key.
     """
     readers: dict[str, Callable[[str], tuple[dict[str, Any], Keys]]]
     readers = {".toml": _read_toml, ".yaml": _read_yaml, ".yml": _read_yaml}
@@ -60,7 +62,7 @@ def read_camera(path: Path) -> tuple[dict[str, Any], Keys]:
         text = read_limited(path, LIMITS.text, text=True).decode("utf-8-sig")
         return readers[path.suffix.lower()](text)
     except FileNotFoundError:
-        raise ValueError(f"no such camera file: {path}") from None
+        raise MissingFileError(f"no such camera file: {path}") from None
     except OSError as error:
         raise ValueError(f"cannot read the camera file {path}: {error.strerror}") from error
     except UnicodeDecodeError:

@@ -26,12 +26,16 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
+from matchset.image.display.png import png_of
+from matchset.image.display.swatch import colors_in_words, swatch_of
+from matchset.image.errors import MissingFileError
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_limited
 from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import Picture, image_of
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
+from matchset.numeric.words import one_line
 
 LIMIT = 4.0  # format: largest log-odds that a table holds, since any one pixel can be wrong
 WHITE = 127  # format: table value of a pixel that is surely target, the largest signed byte
@@ -74,6 +78,14 @@ class ColorModel(Copied):
             raise ValueError(f"a color table has 32768 or 256 finite numbers, got shape {values.shape}")
         self.log_odds = np.clip(values, -LIMIT, LIMIT)
         self.table = np.rint(WHITE * np.tanh(0.5 * self.log_odds)).astype(np.int8)
+
+    @one_line
+    def __repr__(self) -> str:
+        return f"ColorModel.{self.gray}()" if self.gray else f"ColorModel({colors_in_words(self.table)})"
+
+    def _repr_png_(self) -> bytes:
+        """Show in a notebook which colors, or gray levels, are taken for the target."""
+        return png_of(swatch_of(self.scores, bool(self.gray), self.channels))
 
     @property
     def channels(self) -> int:
@@ -366,7 +378,7 @@ class ColorModel(Copied):
         Raises
         ------
         ValueError
-            If there is no such file, it is not a color model, or it is of another version.
+            If it is not a color model, or of another version; if there is no such file, also a FileNotFoundError.
         """
         try:
             packed = io.BytesIO(read_limited(Path(path), LIMITS.color))
@@ -379,7 +391,7 @@ class ColorModel(Copied):
             if version == VERSION and gray in ("", "dark", "light", "edges"):
                 return cls(log_odds, cast(Gray, gray))
         except FileNotFoundError:
-            raise ValueError(f"no such color file: {path}") from None
+            raise MissingFileError(f"no such color file: {path}") from None
         except Exception as error:  # whatever NumPy and zipfile make of a foreign file
             words = " ".join(str(error).split())
             raise ValueError(f"not a color file: {path} ({words or type(error).__name__})") from error

@@ -1,5 +1,9 @@
-"""What a broken device raises."""
+"""What a broken device raises, and what a missing file."""
 
 
 class LinkError(ConnectionError):
     """A device (camera, stream, radio) cannot be opened, or went away while it was in use."""
+
+
+class MissingFileError(FileNotFoundError, ValueError):
+    """There is no file of the name that a caller gave: a wrong value, and for Python a file that is not found."""

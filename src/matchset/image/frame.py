@@ -7,7 +7,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.display.png import png_of
 from matchset.numeric.arguments import check_number
+from matchset.numeric.words import one_line, short
 
 BYTES = np.dtype(np.uint8)  # made once: to make it costs more than all else that is checked
 
@@ -44,6 +46,16 @@ class Frame(msgspec.Struct, frozen=True):
             check_number(f"the time of frame {self.index}", self.time)
         if not math.isfinite(self.time):
             raise ValueError(f"the time of frame {self.index} must be finite, got {self.time}")
+
+    @one_line
+    def __repr__(self) -> str:
+        height, width = self.image.shape[:2]
+        kind = "BGR" if self.image.ndim == 3 else "gray"
+        return f"Frame({width} x {height} {kind}, {short(self.time)} s, index {self.index})"
+
+    def _repr_png_(self) -> bytes:
+        """Show the picture in a notebook."""
+        return png_of(self.image)
 
 
 Picture = Frame | npt.NDArray[np.uint8]

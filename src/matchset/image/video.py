@@ -14,6 +14,7 @@ from matchset.image.video_files.image_folder import Pictures, is_picture
 from matchset.image.video_files.video_file import Recording
 from matchset.numeric.arguments import check_number
 from matchset.numeric.copies import NotCopied
+from matchset.numeric.words import one_line
 
 
 class Video(NotCopied):
@@ -73,8 +74,8 @@ class Video(NotCopied):
     Raises
     ------
     ValueError
-        If the source is missing, cannot be read or holds no frame that decodes; later, if the pictures
-        change in size or in channels, or the video is read after it was closed.
+        If the source is missing (then also a FileNotFoundError), cannot be read or holds no frame that decodes; later,
+        if the pictures change in size or in channels, or the video is read after it was closed.
     LinkError
         If a camera or stream cannot be opened or stops delivering.
 
@@ -113,7 +114,6 @@ class Video(NotCopied):
         else:  # reported, not refused: what ran live can be replayed from a file as it stands
             self.settings = {name: (value, None) for name, value in asked.items() if name != "fps"}
         self._shape = self._source.shape
-        self._seen = 0
         self.height, self.width = self._shape[:2]
         self.channels = 3 if len(self._shape) == 3 else 1
         self.fps, self.length, self.live = self._source.fps, self._source.length, self._source.live
@@ -153,11 +153,24 @@ class Video(NotCopied):
         if frame.image.shape != self._shape:
             found, before = _described(frame.image.shape), _described(self._shape)
             raise ValueError(f"{self._name}: frame {frame.index} is {found}, those before it are {before}")
-        self._seen = frame.index + 1
         return frame
 
-    def __length_hint__(self) -> int:
-        return NotImplemented if self.length is None else max(self.length - self._seen, 0)
+    def __len__(self) -> int:
+        """Return `length`; TypeError where it is not known."""
+        if self.length is None:
+            raise TypeError(f"{self._name} has no known length: it is live, or its file does not say")
+        return self.length
+
+    def __bool__(self) -> bool:
+        return True
+
+    @one_line
+    def __repr__(self) -> str:
+        rate = "" if self.fps is None else f", {self.fps:.4g} fps"
+        count = "live" if self.live else "length not known" if self.length is None else f"{self.length} frames"
+        kind = "BGR" if self.channels == 3 else "gray"
+        closed = ", closed" if self._closed else ""
+        return f"Video({self._name!r}, {self.width} x {self.height} {kind}{rate}, {count}{closed})"
 
     def close(self) -> None:
         """Let go of the file or device; its thread has ended afterwards. More than once does no harm."""

@@ -18,6 +18,7 @@ from matchset.localization.pose_estimation import POSE, estimate_pose
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
+from matchset.numeric.words import one_line, short
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
@@ -103,6 +104,11 @@ class Localizer(Copied):
         self._last_rotation, self._rotation = work.attitude.last_rotation, work.attitude.rotation
         self._position, self._covariance = work.cone.position, work.covariance
         precompile()
+
+    @one_line
+    def __repr__(self) -> str:
+        ball = f"ball of {short(self.target.diameter)} m with {len(self.target.markers)} markers"
+        return f"Localizer({ball}, {self.camera.width} x {self.camera.height} camera)"
 
     def update(
         self, ball: Track[Circle] | Lost[Circle], markers: Iterable[Track[Circle] | Lost[Circle]] = ()

@@ -2,11 +2,13 @@
 
 import math
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
+
+from matchset.numeric.words import measured, one_line, short, table_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -70,6 +72,49 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotati
     def heading(self) -> float | None:
         """How far the camera is before the marker, z in the ball frame, m (Eq. 8); None as for `side`."""
         return None if self._seen_from_ball is None else float(self._seen_from_ball[2])
+
+    def measured(self) -> dict[str, tuple[float, float]]:
+        """Return the columns of `poses.csv` with their standard deviations, m and rad; `yaw` comes last.
+
+        `side`, `height` and `heading` are there only where the rotation is observed.
+        """
+        values = dict(zip("xyz", self.position.tolist(), strict=True))
+        variances = dict(zip("xyz", np.diagonal(self.covariance).tolist(), strict=False))
+        relative = viewpoint_covariance(self)
+        if relative is not None:
+            names = ("side", "height", "heading")
+            values |= {name: float(getattr(self, name)) for name in names}
+            variances |= dict(zip(names, np.diagonal(relative).tolist(), strict=True))
+        values["yaw"], variances["yaw"] = self.yaw, yaw_variance(self)
+        return {name: (value, math.sqrt(max(variances[name], 0.0))) for name, value in values.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it for JSON, under the names of `poses.csv`: m, rad and s; with `rotation_matrix`, or None there."""
+        found = self.measured()
+        return {
+            "time": float(self.time),
+            "found": True,
+            **{name: value for name, (value, _) in found.items()},
+            **{f"{name}_std": sigma for name, (_, sigma) in found.items() if math.isfinite(sigma)},
+            "observed": self.observed,
+            "rotation_matrix": None if self.rotation_matrix is None else self.rotation_matrix.tolist(),
+        }
+
+    @one_line
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{name} {words}" for name, words in self._in_words())
+        return f"Pose({numbers}, observed {self.observed}, {short(self.time)} s)"
+
+    def _repr_html_(self) -> str:
+        """Show the numbers in a notebook."""
+        rows = [*self._in_words(), ("distance", f"{short(self.distance)} m"), ("observed", self.observed)]
+        return table_of("Pose of the ball before the camera", [*rows, ("time", f"{short(self.time)} s")])
+
+    def _in_words(self) -> list[tuple[str, str]]:
+        found = self.measured()
+        angle, sigma = (math.degrees(each) for each in found.pop("yaw"))
+        lengths = [(name, f"{measured(value, std, '+')} m") for name, (value, std) in found.items()]
+        return [*lengths, ("yaw", f"{measured(angle, sigma, '+')}°")]
 
     @cached_property
     def rotation(self) -> "Rotation | None":

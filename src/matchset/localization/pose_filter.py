@@ -11,6 +11,7 @@ from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.kalman import predict_constant_velocity, update
 from matchset.numeric.rotation import rotate, rotation_vector_between
+from matchset.numeric.words import one_line, short
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
@@ -111,6 +112,11 @@ class PoseFilter(Copied):
 
     def _derive(self) -> None:
         precompile()
+
+    @one_line
+    def __repr__(self) -> str:
+        last = "no pose yet" if self._time == -math.inf else f"{self._observed}, last pose at {short(self._time)} s"
+        return f"PoseFilter({last})"
 
     def update(self, pose: "Pose | Lost[Pose]") -> bool:
         """Correct the filter by the next pose.

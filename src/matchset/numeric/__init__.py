@@ -2,5 +2,5 @@
 
 Read `jit` first (how functions are compiled), then `record` (named fields in a block of floats, for kernels and for
 Python). `linalg` has small matrices, `rotation` rotation matrices and vectors, `kalman` the steps of a Kalman filter.
-`arguments` checks what a caller hands in.
+`arguments` checks what a caller hands in, `words` writes numbers for people.
 """

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
+from matchset.shapes.described import Described
 
 Floats = npt.NDArray[np.float64]
 
@@ -50,7 +51,7 @@ def _half_width(state: Floats) -> float:
     return float(state[2])
 
 
-class Circle(msgspec.Struct, frozen=True):
+class Circle(Described, msgspec.Struct, frozen=True):
     """A circle in the picture.
 
     Parameters
@@ -79,6 +80,11 @@ class Circle(msgspec.Struct, frozen=True):
             sound = False
         if not sound:
             raise ValueError(f"a circle needs finite numbers and a positive radius, got {self}")
+
+    @property
+    def bbox(self) -> tuple[float, float, float, float]:
+        """Least upright box around it: left, top, right, bottom, px; pixel centers are at integers."""
+        return self.x - self.radius, self.y - self.radius, self.x + self.radius, self.y + self.radius
 
     @property
     def state(self) -> Floats:

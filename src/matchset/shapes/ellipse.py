@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes import linear_outline as linear
+from matchset.shapes.described import Described
 
 Floats = npt.NDArray[np.float64]
 
@@ -38,7 +39,7 @@ class EllipseParameters(msgspec.Struct, frozen=True):
 DEFAULT = EllipseParameters()
 
 
-class Ellipse(msgspec.Struct, frozen=True):
+class Ellipse(Described, msgspec.Struct, frozen=True):
     """An ellipse in the picture.
 
     Parameters
@@ -72,6 +73,13 @@ class Ellipse(msgspec.Struct, frozen=True):
             sound = False
         if not sound:
             raise ValueError(f"an ellipse needs finite numbers and positive semi-axes, got {self}")
+
+    @property
+    def bbox(self) -> tuple[float, float, float, float]:
+        """Least upright box around it: left, top, right, bottom, px; pixel centers are at integers."""
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        wide, high = math.hypot(self.a * c, self.b * s), math.hypot(self.a * s, self.b * c)
+        return self.x - wide, self.y - high, self.x + wide, self.y + high
 
     @property
     def state(self) -> Floats:

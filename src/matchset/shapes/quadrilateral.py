@@ -11,7 +11,9 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.words import one_line, short
 from matchset.shapes import linear_outline as linear
+from matchset.shapes.described import Described
 from matchset.shapes.polygon import convex_corners
 
 Floats = npt.NDArray[np.float64]
@@ -21,7 +23,7 @@ CORNERS_OF = np.column_stack((np.ones(4), U, V, U * V))  # geometry: corners = C
 SLOPES = np.kron(CORNERS_OF, np.eye(2))  # geometry: derivative of the corners by the state
 
 
-class Quadrilateral:
+class Quadrilateral(Described):
     """A convex quadrilateral in the picture; attributes x0, y0, ... x3, y3 are its parameters.
 
     Parameters
@@ -59,8 +61,10 @@ class Quadrilateral:
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a quadrilateral is not changed, make another one: {name} = {value!r}")
 
+    @one_line
     def __repr__(self) -> str:
-        return f"Quadrilateral({self.corners.tolist()})"
+        corners = ", ".join(f"({short(x)}, {short(y)})" for x, y in self.corners.tolist())
+        return f"Quadrilateral([{corners}])"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Quadrilateral) and np.array_equal(self.corners, other.corners)

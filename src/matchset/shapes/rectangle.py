@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
+from matchset.shapes.described import Described
 from matchset.shapes.linear_outline import along_sides
 
 Floats = npt.NDArray[np.float64]
@@ -47,7 +48,7 @@ def _half_width(state: Floats) -> float:
     return float(min(math.sqrt(half * h), 2.0 * min(half, h)))
 
 
-class Rectangle(msgspec.Struct, frozen=True):
+class Rectangle(Described, msgspec.Struct, frozen=True):
     """A rectangle in the picture, turned by any angle.
 
     Parameters

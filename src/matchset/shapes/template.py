@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.shapes import linear_outline as linear
+from matchset.shapes.described import Described
 from matchset.shapes.orientation import likely_turns, root_of, symmetries
 from matchset.shapes.shape import center_of
 
@@ -45,7 +46,7 @@ class _FamilyType(msgspec.StructMeta):
     """Type of the families: one that was made is pickled as what it was made from, since no module has its name."""
 
 
-class Similar(msgspec.Struct, frozen=True, metaclass=_FamilyType):
+class Similar(Described, msgspec.Struct, frozen=True, metaclass=_FamilyType):
     """A template that was moved, turned and scaled.
 
     Parameters
@@ -151,7 +152,7 @@ class Similar(msgspec.Struct, frozen=True, metaclass=_FamilyType):
     half_width: ClassVar[Callable[[Floats], float]] = staticmethod(linear.half_width)
 
 
-class Affine(msgspec.Struct, frozen=True, metaclass=_FamilyType):
+class Affine(Described, msgspec.Struct, frozen=True, metaclass=_FamilyType):
     """A template under an affine map: ``(x, y) + [[xx, xy], [yx, yy]] (u, v)`` for a point (u, v) from its center.
 
     Parameters

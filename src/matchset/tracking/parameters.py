@@ -33,7 +33,7 @@ class ConfidenceParameters(msgspec.Struct, frozen=True):
     faint_frames: int = 5
 
 
-class TrackerParameters(FittingParameters, frozen=True):
+class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True):
     """Everything that decides how a shape is tracked; what it has in common with any fit is in `FittingParameters`.
 
     Parameters

@@ -1,10 +1,15 @@
 """What a tracker answers: `Track` where this frame's pixels confirm the shape, `Lost` where they do not."""
 
-from typing import Generic, TypeVar
+import html
+import math
+from typing import Any, Generic, TypeVar
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
+
+from matchset.numeric.words import measured, one_line, short, table_of
+from matchset.shapes.described import drawing_of, unit_of
 
 S = TypeVar("S")
 
@@ -32,6 +37,46 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
     match_set: npt.NDArray[np.float64]
     time: float
 
+    def measured(self) -> dict[str, tuple[float, float | None]]:
+        """Return the shape's parameters by name, px and rad, with their standard deviations; None if not finite."""
+        names, variances = self.shape.parameters, np.diagonal(self.covariance).tolist()  # type: ignore[attr-defined]
+        return {
+            name: (float(getattr(self.shape, name)), _root(variance))
+            for name, variance in zip(names, variances, strict=True)
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it for JSON, under the names of `tracks.csv`: px, rad and s; the match-set is left out."""
+        found = self.measured()
+        return {
+            "shape": type(self.shape).__name__,
+            "time": float(self.time),
+            "found": True,
+            **{name: value for name, (value, _) in found.items()},
+            **{f"{name}_std": sigma for name, (_, sigma) in found.items() if sigma is not None},
+            "support": float(self.support),
+            "points": len(self.match_set),
+        }
+
+    @one_line
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{name} {words}" for name, words in self._in_words())
+        rest = f"support {100.0 * self.support:.0f} %, {len(self.match_set)} points, {short(self.time)} s"
+        return f"Track({type(self.shape).__name__} {numbers}, {rest})"
+
+    def _repr_html_(self) -> str:
+        """Show numbers, outline and match-set in a notebook."""
+        rest = ("support", f"{100.0 * self.support:.0f} %"), ("match-set", f"{len(self.match_set)} points")
+        rows = [*self._in_words(), *rest, ("time", f"{short(self.time)} s")]
+        table = table_of(f"Track: {type(self.shape).__name__}", rows)
+        return f"<div style='display:flex;gap:1em'>{table}{drawing_of(self.shape, self.match_set)}</div>"
+
+    def _in_words(self) -> list[tuple[str, str]]:
+        return [
+            (name, f"{measured(value, sigma)} {unit_of(name)}".rstrip())
+            for name, (value, sigma) in self.measured().items()
+        ]
+
 
 class Lost(msgspec.Struct, Generic[S], frozen=True):
     """No shape in this frame, and why; false in a condition.
@@ -52,3 +97,23 @@ class Lost(msgspec.Struct, Generic[S], frozen=True):
 
     def __bool__(self) -> bool:
         return False
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it for JSON, under the names of `tracks.csv`; `predicted` as the shape's parameters, or None."""
+        shape: Any = self.predicted
+        named = None if shape is None else {name: float(getattr(shape, name)) for name in shape.parameters}
+        return {"time": float(self.time), "found": False, "reason": self.reason, "predicted": named}
+
+    @one_line
+    def __repr__(self) -> str:
+        expected = "" if self.predicted is None else f", expected at {self.predicted!r}"
+        return f"Lost({self.reason!r}, {short(self.time)} s{expected})"
+
+    def _repr_html_(self) -> str:
+        """Show the reason in a notebook."""
+        return f"<b style='color:#c06000'>Lost</b> at {html.escape(short(self.time))} s: {html.escape(self.reason)}"
+
+
+def _root(variance: float) -> float | None:
+    """Return the root of a variance; None where there is none."""
+    return math.sqrt(variance) if 0.0 <= variance < math.inf else None

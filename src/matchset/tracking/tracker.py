@@ -15,6 +15,7 @@ from matchset.image.color_adaptation import adapt_table, adaptation_block
 from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
 from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
+from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
@@ -123,6 +124,11 @@ class Tracker(Copied, Generic[S]):
         precompile(self._family, self._fitter.points, color.table.size, color.channels)
         if self.parameters.search.whole_frame:
             precompile_search(self._family, color.table.size, color.channels)
+
+    @one_line
+    def __repr__(self) -> str:
+        name, points, mode = self._family.__name__, self._fitter.points, self.mode.name.lower()
+        return f"Tracker({name}, {points} points, {mode}, {self._frames} frames)"
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -388,8 +394,7 @@ class Tracker(Copied, Generic[S]):
         fit, fitter, color = self._fitter.statistics, self._fitter, self.color
         whole = fit.visible == fitter.points and fit.inliers >= limits.min_support * fit.visible
         if whole and fit.interior_share >= limits.min_interior:
-            outline, interior = fitter.outline, fitter.interior
+            outline, interior, tables = fitter.outline, fitter.interior, (color.log_odds, self._learned, color.table)
             x, y = fitter.state.tolist()[:2]
             quadrant = self._frames // limits.period % 4
-            tables = color.log_odds, self._learned, color.table
             adapt_table(image, *tables, outline, interior, x, y, quadrant, self._adaptation)

@@ -8,6 +8,7 @@ import cv2
 import msgspec
 
 from matchset.image.capture import Capture, open_capture, unpack
+from matchset.image.errors import MissingFileError
 from matchset.image.frame import Frame
 from matchset.image.video_files.container import Container, look_into
 from matchset.image.video_files.file_clock import FileClock
@@ -190,12 +191,12 @@ def _words_without_frame(path: Path, container: Container, codec: str | None, tr
 
 
 def check_readable(path: Path) -> None:
-    """Refuse a file that is missing, empty or may not be read (ValueError with its path)."""
+    """Refuse a file that is missing (MissingFileError), empty or may not be read (ValueError), with its path."""
     try:
         with path.open("rb") as file:
             empty = not file.read(1)
     except FileNotFoundError:
-        raise ValueError(f"no such file: {path}") from None
+        raise MissingFileError(f"no such file: {path}") from None
     except OSError as error:
         raise ValueError(f"cannot read {path}: {error.strerror}") from None
     if empty:

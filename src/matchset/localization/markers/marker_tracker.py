@@ -15,6 +15,7 @@ from matchset.localization.markers.marker_workspace import CAPACITY, MARKERS, Ma
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
+from matchset.numeric.words import one_line
 from matchset.shapes.circle import Circle
 from matchset.tracking.detector import channels_last
 from matchset.tracking.track import Lost, Track
@@ -75,6 +76,10 @@ class MarkerTracker(Copied):
         fields(block, MARKERS).ball.radius = 1.0
         mark_color(image, self.color.table, (1.0, 1.0, 1.0), 1, np.zeros((1, 1), np.uint8))
         follow_markers(image, block)
+
+    @one_line
+    def __repr__(self) -> str:
+        return f"MarkerTracker({self._missed.count(0)} of {len(self.target.markers)} markers in sight)"
 
     def update(self, frame: Picture, ball: Track[Circle] | Lost[Circle]) -> tuple[Track[Circle], ...]:
         """Find the markers in a frame.

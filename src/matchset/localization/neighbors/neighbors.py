@@ -12,6 +12,7 @@ from matchset.localization.neighbors.ball_search import BallSearch, BallSearchPa
 from matchset.localization.neighbors.ball_track import BallTrack, BallTrackParameters, BallTrackSetup, Neighbor
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
+from matchset.numeric.words import one_line
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
@@ -126,6 +127,11 @@ class Neighbors(Copied):
 
     def _derive(self) -> None:
         BallTrack(0, self._setup, Circle(0.0, 0.0, 1.0), 0.0)  # compiles what new balls need
+
+    @one_line
+    def __repr__(self) -> str:
+        names = ", ".join(str(each.identity) for each in self._tracks)
+        return f"Neighbors({len(self._tracks)} balls followed{names and ': ' + names}, {self._frames} frames)"
 
     def update(self, frame: Picture) -> list[Neighbor]:
         """Track all balls in a frame, and search a strip of it for new ones.

@@ -1,7 +1,8 @@
-"""The Python of the pages in docs/ runs as it stands: each page in one namespace, with rendered inputs."""
+"""The Python of the pages in docs/ runs as it stands: each block by itself, beside the rendered files it names."""
 
 import re
 import runpy
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,12 @@ from scipy.spatial.transform import Rotation
 import boards
 import matchset as ms
 from matchset.app.cli import app
+from matchset.app.drawing.clip_export import write_clip
 from matchset.app.recording.encoding import to_png
 from matchset.app.recording.mcap_file import McapWriter, Message, Topic
 from matchset.app.recording.ros_messages import RosMessages
 from matchset.camera.board import Board
+from matchset.sim.clips.clip import Clip
 
 ROOT = Path(__file__).resolve().parents[1]
 CHECKED_ELSEWHERE = {"add_a_shape.md", "radio.md"}  # tests/shapes/families.py, tests/links/test_radio_page.py
@@ -34,17 +37,15 @@ def picture() -> np.ndarray:
     return image
 
 
-def color_file() -> dict[str, Any]:
-    ms.ColorModel.pick(picture(), 70, 50).save("ball.npz")
-    return {"image": picture(), "time": 0.0, "index": 0}
+def clip() -> None:
+    write_clip(Clip(frames=3), Path("ball.mp4"))
 
 
-def flight() -> dict[str, Any]:
+def flight() -> None:
     runpy.run_path(str(ROOT / "examples" / "render_flight.py"))
-    return {}
 
 
-def flight_and_board() -> dict[str, Any]:
+def flight_and_board() -> None:
     board = Board(columns=9, rows=6, square=0.025)
     camera = boards.BoardCamera(ms.CameraModel.from_fov(640, 480, 1.2), board)
     Path("pictures").mkdir()
@@ -53,28 +54,32 @@ def flight_and_board() -> dict[str, Any]:
         place = 0.08 * (index % 3 - 1), 0.06 * (index // 3 - 1), 0.4 + 0.03 * (index % 4)
         image = camera.picture(Rotation.from_euler("xy", tilt, degrees=True), place)
         cv2.imwrite(f"pictures/{index}.png", image)
-    return flight()
+    flight()
 
 
-def recording() -> dict[str, Any]:
+def recording() -> None:
     ros = RosMessages(1, ms.CameraModel.from_fov(160, 120, 1.2))
     with McapWriter(Path("flight.mcap"), [*ros.topics, Topic("/follower_1/step", "step", b"{}")]) as out:
         out.write(ros.picture(ms.Frame(picture()), to_png(picture())), 0.0, 0)
         out.write(Message("/follower_1/step", msgspec.msgpack.encode({"tick": 1})), 0.0, 0)
-    return {}
 
 
-def nothing() -> dict[str, Any]:
-    return {}
+def nothing() -> None:
+    pass
 
 
 def is_found(names: dict[str, Any]) -> None:
-    assert names["answer"].shape.x == pytest.approx(70.0, abs=0.5)
+    circle = Clip(frames=3).truth(0).circle
+    assert circle is not None
+    assert names["answer"].shape.x == pytest.approx(circle.x, abs=1.0)
+    drawn = cv2.imread("answer.png")
+    assert np.array_equal(np.asarray(drawn), ms.draw(names["image"], names["answer"]))
 
 
 def is_located(names: dict[str, Any]) -> None:
     assert names["pose"].observed == "level"
     assert names["ahead"].position[2] == pytest.approx(1.6, abs=0.4)
+    assert [each.identity for each in names["found"]] == [0, 1]
 
 
 def is_calibrated(names: dict[str, Any]) -> None:
@@ -108,8 +113,8 @@ def is_simulated(names: dict[str, Any]) -> None:
     assert names["picture"].shape == (120, 160, 3)
 
 
-PAGES: dict[str, tuple[Callable[[], dict[str, Any]], Callable[[dict[str, Any]], None]]] = {
-    "getting_started.md": (color_file, is_found),
+PAGES: dict[str, tuple[Callable[[], None], Callable[[dict[str, Any]], None]]] = {
+    "getting_started.md": (clip, is_found),
     "localization.md": (flight, is_located),
     "camera.md": (flight_and_board, is_calibrated),
     "recording.md": (recording, is_decoded),
@@ -128,9 +133,12 @@ def test_every_page_with_python_is_checked() -> None:
 def test_the_python_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     prepare, check = PAGES[page]
     monkeypatch.chdir(tmp_path)
-    names = prepare()
+    prepare()
+    names: dict[str, Any] = {}
     for block in BLOCKS.findall((ROOT / "docs" / page).read_text(encoding="utf-8")):
-        exec(compile(block, page, "exec"), names)
+        own: dict[str, Any] = {}
+        exec(compile(block, page, "exec"), own)
+        names |= own
     check(names)
 
 
@@ -148,3 +156,17 @@ def test_its_commands_exist(path: Path) -> None:
     used = re.findall(r"(?:^    (?:\$ )?|`)matchset ([a-z]+)", text, re.MULTILINE)
     command: Any = typer.main.get_command(app)
     assert set(used) <= set(command.commands)
+
+
+@pytest.mark.parametrize("path", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))])
+def test_its_commands_have_only_options_that_exist(path: Path) -> None:
+    """Each line is parsed as it would be typed; none is run."""
+    lines = re.findall(r"^    (?:\$ )?(matchset [a-z].*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    for line in lines:
+        words = shlex.split(re.split(r" +[|>] | 2> ", line)[0], comments=True)[1:]
+        command: Any = typer.main.get_command(app)
+        while hasattr(command, "commands"):
+            command = command.commands[words.pop(0)]
+        known = {option for parameter in command.params for option in parameter.opts + parameter.secondary_opts}
+        used = {word.split("=")[0] for word in words if re.match(r"--?[a-z]", word)}
+        assert used <= known | {"-h", "--help"}, line

@@ -147,6 +147,7 @@ def test_only_the_app_prints_and_draws() -> None:
     [
         ("serial", {"links/arduino/serial_port.py"}),
         ("mcap", {"app/recording/mcap_file.py", "image/bags/mcap_images.py", "image/bags/mcap_records.py"}),
+        ("supervision", {"app/adapters/supervision_detections.py"}),
         ("rosbags", {"image/bags/rosbag_file.py"}),
         ("av", {"app/drawing/pyav_encoder.py", "sim/digital_camera/h264.py", "image/video_files/pyav_capture.py"}),
     ],

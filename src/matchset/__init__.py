@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from matchset import sim as sim
     from matchset.app import gym as gym
+    from matchset.app.adapters.supervision_detections import to_supervision
+    from matchset.app.drawing.draw import draw, draw_pose
     from matchset.camera.camera_model import CameraModel
     from matchset.image.color import ColorModel
     from matchset.image.errors import LinkError
@@ -64,6 +66,9 @@ __all__ = [
     "TrackerParameters",
     "Video",
     "detect",
+    "draw",
+    "draw_pose",
+    "to_supervision",
 ]
 
 # The same as the imports above; a test compares them.
@@ -91,6 +96,9 @@ _MODULES = {
     "TrackerParameters": "matchset.tracking.parameters",
     "Video": "matchset.image.video",
     "detect": "matchset.tracking.detector",
+    "draw": "matchset.app.drawing.draw",
+    "draw_pose": "matchset.app.drawing.draw",
+    "to_supervision": "matchset.app.adapters.supervision_detections",
 }
 
 # Public folders; what they offer is in their own `__all__`.

@@ -39,10 +39,7 @@ class Described:
     @property
     def bbox(self) -> tuple[float, float, float, float]:
         """Least upright box around the outline: left, top, right, bottom, px; pixel centers are at integers."""
-        points = outline(self, BOX_POINTS)
-        left, top = points.min(axis=0).tolist()
-        right, bottom = points.max(axis=0).tolist()
-        return left, top, right, bottom
+        return _box(outline(self, BOX_POINTS))
 
     def to_dict(self) -> dict[str, float]:
         """Parameters by their names, px and rad, as in `tracks.csv`; ready for JSON."""
@@ -55,6 +52,17 @@ class Described:
 
 def _shown(shape: object, name: str) -> str:
     return short(getattr(shape, name))
+
+
+def box_of(shape: Any) -> tuple[float, float, float, float]:
+    """Return the `bbox` of any shape, also of a family that has none: left, top, right, bottom, px."""
+    return shape.bbox if isinstance(shape, Described) else _box(outline(shape, BOX_POINTS))
+
+
+def _box(points: Floats) -> tuple[float, float, float, float]:
+    left, top = points.min(axis=0).tolist()
+    right, bottom = points.max(axis=0).tolist()
+    return left, top, right, bottom
 
 
 def drawing_of(shape: Any, points: Floats) -> str:

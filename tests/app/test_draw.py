@@ -1,6 +1,7 @@
 """`ms.draw` and `ms.draw_pose`: copies with what was found; a loss says why; nothing else is accepted."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -123,7 +124,7 @@ def test_a_ball_behind_the_camera_or_a_lost_one_leaves_the_picture() -> None:
 
 
 make: Any = ms
-MISUSE = {
+MISUSE: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "no track": (lambda: make.draw(IMAGE, [POSE]), TypeError, "must be a Track or Lost, got Pose"),
     "no picture": (lambda: make.draw("a.png", TRACK), ValueError, "a picture must be an array of uint8, got str"),
     "no pose": (lambda: make.draw_pose(IMAGE, TRACK, CAMERA), TypeError, "pose must be a Pose or Lost, got Track"),

@@ -43,7 +43,8 @@ def test_boxes_confidence_and_identities() -> None:
 @pytest.mark.usefixtures("package")
 def test_one_track_or_none() -> None:
     assert ms.to_supervision(TRACK).xyxy.shape == (1, 4)
-    for nothing in (LOST, []):
+    both: list[Any] = [LOST, []]
+    for nothing in both:
         found = ms.to_supervision(nothing)
         assert found.xyxy.shape == (0, 4)
         assert found.tracker_id is None

@@ -1,4 +1,4 @@
-"""The Python of the pages in docs/ runs as it stands: each block by itself, beside the rendered files it names."""
+"""The Python of the pages in docs/ runs as it stands, one block after the other, beside the rendered files it names."""
 
 import re
 import runpy
@@ -136,9 +136,7 @@ def test_the_python_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pyt
     prepare()
     names: dict[str, Any] = {}
     for block in BLOCKS.findall((ROOT / "docs" / page).read_text(encoding="utf-8")):
-        own: dict[str, Any] = {}
-        exec(compile(block, page, "exec"), own)
-        names |= own
+        exec(compile(block, page, "exec"), names)
     check(names)
 
 

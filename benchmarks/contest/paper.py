@@ -6,6 +6,7 @@ from benchmarks.contest import speed as contest_times
 from benchmarks.contest.field import OURS, PAPER, missing, peer
 from benchmarks.contest.run import Results, SequenceRun, follow_sequence
 from benchmarks.contest.speed import PAPER_FPS
+from benchmarks.figures.kept import draw_kept
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Picture, Section, table
 from benchmarks.tracking.accuracy import figures, pooled
@@ -95,17 +96,17 @@ def run_figure6(options: Options) -> Section:
 
 
 def _draw(done: Results, options: Options) -> tuple[Picture, ...]:
-    from benchmarks.tracking.pictures import error_histogram, errors_over_frames
-
     assert options.pictures is not None
     errors = {_short(peer(key).name): trial.errors for key, trial in reversed(done.items())}
     truths = done["matchset"].truths
     radii = [truth.circle[2] if truth.circle else math.nan for truth in truths]
-    errors_over_frames(errors, radii, options.pictures / "figure6.png")
-    error_histogram(errors, options.pictures / "figure6_histogram.png")
+    best = _short(peer("matchset").name)
+    data = {"errors": errors, "radii": radii, "best": best}
+    draw_kept(options.pictures, "figure6", "errors over frames", data)
+    draw_kept(options.pictures, "figure6_histogram", "error histogram", {"errors": errors, "best": best})
     return (
-        Picture("figure6.png", "Error over 500 frames, as the paper's Fig. 6b"),
-        Picture("figure6_histogram.png", "Histogram of the error, as the paper's Fig. 6c"),
+        Picture("figure6.svg", "Error over 500 frames, as the paper's Fig. 6b"),
+        Picture("figure6_histogram.svg", "Histogram of the error, as the paper's Fig. 6c"),
     )
 
 

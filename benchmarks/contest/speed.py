@@ -25,6 +25,7 @@ from benchmarks.contest.field import (
 )
 from benchmarks.contest.run import first_sight, follow_with_all
 from benchmarks.contest.tags import TagClip
+from benchmarks.figures.kept import draw_kept
 from benchmarks.options import Options
 from benchmarks.peers.tags import CARDS
 from benchmarks.peers.visp import Visp
@@ -304,16 +305,16 @@ def _name(key: str) -> str:
 
 
 def _draw(by_radius: Mapping[int, Result], by_size: Mapping[float, Result], folder: Path) -> tuple[Picture, ...]:
-    from benchmarks.contest.pictures import times_over
-
     keys = list(by_radius[RADII[0]])
     radii = {_name(key): [by_radius[radius][key].median_us for radius in RADII] for key in keys}
-    times_over(list(RADII), radii, "radius of the ball, px", folder / "time_radius.png")
+    axis = {"label": "radius of the ball, px", "log_x": False}
+    draw_kept(folder, "time_radius", "times of many", {"xs": list(RADII), "times": radii, **axis})
     sizes = {_name(key): [result[key].median_us for result in by_size.values()] for key in keys}
-    times_over(list(by_size), sizes, "size of the picture, million px (r = 60 px in all)", folder / "time_size.png")
+    axis = {"label": "size of the picture, million px (radius 60 px in all)", "log_x": True}
+    draw_kept(folder, "time_size", "times of many", {"xs": list(by_size), "times": sizes, **axis})
     return (
-        Picture("time_radius.png", "Time per frame against the radius of the ball"),
-        Picture("time_size.png", "Time per frame against the size of the picture"),
+        Picture("time_radius.svg", "Time per frame against the radius of the ball"),
+        Picture("time_size.svg", "Time per frame against the size of the picture"),
     )
 
 

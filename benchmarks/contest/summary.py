@@ -6,13 +6,26 @@ from benchmarks.contest import run as contest
 from benchmarks.contest import speed as contest_times
 from benchmarks.contest.field import LIGHT, OURS, peer
 from benchmarks.contest.run import Results
-from benchmarks.contest.search import loss_px
+from benchmarks.figures.kept import draw_kept
 from benchmarks.options import Options
 from benchmarks.results import Picture, Section, quantity, table
 from benchmarks.tracking.accuracy import pooled
 from benchmarks.tracking.trial import WHAT
 
 TITLE = "In one table"
+NAMED = (
+    "matchset",
+    "region + HSV mask, contour, moments",
+    "hobby recipe: blur, HSV, inRange, minEnclosingCircle",
+    "ViSP vpMeEllipse",
+    "scikit-image: RANSAC CircleModel on the contour",
+    "EdgeDrawing (EDCircles), gray whole frame",
+    "HoughCircles (gradient), gray whole frame",
+    "CSRT",
+    "the paper to the letter (NumPy)",
+)
+"""Whose names stand in the figure."""
+
 BALLS = tuple(name for name in WHAT if name != "empty")
 
 
@@ -55,20 +68,22 @@ def _exactness(results: Mapping[str, Sequence[Results]], key: str) -> list[str]:
     """Median error on the four main sequences, percentage valid on all, false locks."""
     scores = {name: pooled([run[key] for run in runs if key in run]) for name, runs in results.items()}
     medians = [quantity(scores[name].median_error_px, "px", 2) for name in ("clean", "typical", "bad", "hard")]
-    tight = sum(scores[name].tight for name in BALLS)
-    valid = 100.0 * sum(scores[name].valid for name in BALLS) / max(tight, 1)
     false = sum(score.false_locks for score in scores.values())
-    return [*medians, f"{valid:.1f} %", str(false)]
+    return [*medians, f"{_valid_percent(results, key):.1f} %", str(false)]
+
+
+def _valid_percent(results: Mapping[str, Sequence[Results]], key: str) -> float:
+    """Percentage of the frames with the ball well visible that are right, on all sequences with a ball."""
+    scores = [pooled([run[key] for run in results[name] if key in run]) for name in BALLS]
+    return 100.0 * sum(score.valid for score in scores) / max(sum(score.tight for score in scores), 1)
 
 
 def _draw(results: Mapping[str, Sequence[Results]], options: Options) -> tuple[Picture, ...]:
-    from benchmarks.contest.pictures import accuracy_over_speed
-
     light, heavy = contest_times.everybody(options)
     times = {key: each.median_us for key, each in (heavy | light).items()}
     points = {}
     for key in results["clean"][0]:
-        points[peer(key).name] = (times[key], loss_px([run[key] for name in BALLS for run in results[name]]))
+        points[peer(key).name] = (times[key], _valid_percent(results, key))
     assert options.pictures is not None
-    accuracy_over_speed(points, options.pictures / "accuracy_speed.png")
-    return (Picture("accuracy_speed.png", "Accuracy against speed, all sequences with a ball"),)
+    draw_kept(options.pictures, "accuracy_speed", "valid over time", {"points": points, "named": NAMED})
+    return (Picture("accuracy_speed.svg", "Frames that are right against the time of one, all sequences with a ball"),)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 import matchset as ms
+from benchmarks.figures.kept import draw_kept
 from benchmarks.localization.poses import RADIUS, learn, place_ball
 from benchmarks.localization.range import CAMERAS
 from benchmarks.options import Options
@@ -40,10 +41,9 @@ def run(options: Options) -> Section:
     errors = {name: 100.0 * measured[..., way] for way, name in enumerate(WAYS)}
     pictures: tuple[Picture, ...] = ()
     if options.pictures is not None:
-        from benchmarks.tracking.pictures import range_errors
-
-        range_errors(ANGLES_DEG, errors, options.pictures / "range.png")
-        pictures = (Picture("range.png", "Error of the range against the angle off the axis"),)
+        data = {"angles_deg": ANGLES_DEG, "errors": errors, "best": WAYS[-1]}
+        draw_kept(options.pictures, "range", "range errors", data)
+        pictures = (Picture("range.svg", "Error of the range against the angle off the axis"),)
     rows = [[f"{angle}°", *(f"{mean:+.2f} %" for mean in means)] for angle, means in _means(errors)]
     text = (
         f"A balloon at rest in {len(seeds)} rendered rooms, `clean`, 800 × 600, f = 450 px, {RADIUS_PX:.0f} px of "

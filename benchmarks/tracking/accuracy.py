@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.figures.kept import draw_kept
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
 from benchmarks.tracking.trial import SEQUENCES, Trial, trials
@@ -45,16 +46,15 @@ def run(options: Options) -> Section:
 
 def draw_errors(options: Options, folder: Path) -> tuple[Picture, ...]:
     """Draw the error over the frames of one sequence of each kind, and the histogram of all."""
-    from benchmarks.tracking.pictures import error_histogram, errors_over_frames
-
     runs = {name: trials(name, options) for name in SEQUENCES}
     radii = [truth.circle[2] if truth.circle else math.nan for truth in runs["typical"][0].truths]
-    errors_over_frames({name: run[0].errors for name, run in runs.items()}, radii, folder / "error.png")
+    first = {name: run[0].errors for name, run in runs.items()}
+    draw_kept(folder, "error", "errors over frames", {"errors": first, "radii": radii, "best": "hard"})
     every = {name: [error for trial in run for error in trial.errors] for name, run in runs.items()}
-    error_histogram(every, folder / "histogram.png")
+    draw_kept(folder, "histogram", "error histogram", {"errors": every, "best": "hard"})
     return (
-        Picture("error.png", f"Error over the frames of seed {runs['typical'][0].seed}"),
-        Picture("histogram.png", "How often which error occurs, all seeds"),
+        Picture("error.svg", f"Error over the frames of seed {runs['typical'][0].seed}"),
+        Picture("histogram.svg", "How often which error occurs, all seeds"),
     )
 
 

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-import numpy as np
-
+from benchmarks.figures.kept import draw_kept
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Picture, Section, table
 from benchmarks.tracking import contenders as kinds
@@ -193,11 +192,10 @@ def times_table(result: Result) -> str:
 
 def draw_times(pool: Pool, swept: Result, folder: Path) -> tuple[Picture, ...]:
     """Draw the time of an update against the radius of the ball."""
-    from benchmarks.tracking.pictures import times_over_radius
-
     levels = {name: swept[name].median_us for name in (CONVERSION, COPY)}
-    times_over_radius(np.array(pool.radii), swept[UPDATE].by_place_us(), levels, UPDATE, folder / "time.png")
-    return (Picture("time.png", "Time of one update against the radius of the ball"),)
+    data = {"radii": pool.radii, "times": swept[UPDATE].by_place_us(), "levels": levels, "name": UPDATE}
+    draw_kept(folder, "time", "times over radius", data)
+    return (Picture("time.svg", "Time of one update against the radius of the ball"),)
 
 
 def _method(pool: Pool) -> str:

@@ -11,7 +11,7 @@ from pages import API, FOLDERS, ROOT, anchor, decisions, generated
 import matchset
 
 PAGES = ("*.md", "LICENSE", "benchmarks/*.md", "docs/*.md", "docs/decisions/*.md")
-BESIDE = ("docs/pictures/*.[pjw]*[gp]", "docs/site/*.css", "benchmarks/pictures/*.png")
+BESIDE = ("docs/pictures/*.[pjws]*[gp]", "docs/site/*.css", "benchmarks/pictures/*.svg")
 GUIDES = (
     "getting_started",
     "cli",

@@ -85,7 +85,7 @@ def crossed(figure: Figure) -> list[str]:
     for axes in figure.axes:
         for line in axes.lines:
             path = line.get_transform().transform_path(line.get_path())
-            if len(path.vertices) > 1 and line.get_linestyle() != "None":
+            if np.shape(path.vertices)[0] > 1 and line.get_linestyle() != "None":
                 lines.append(path)
         lines += [patch.get_transform().transform_path(patch.get_path()) for patch in axes.patches]
     found = []

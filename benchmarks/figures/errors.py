@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from benchmarks.figures.kept import numbers
@@ -27,6 +28,7 @@ VALID_PX = 5.0
 WINDOW = 21  # frames
 ERROR = "|Δx| + |Δy| + |Δr|"
 
+Floats = npt.NDArray[np.float64]
 Column = Sequence[float | None]
 
 
@@ -123,7 +125,7 @@ def colors(names: Mapping[str, object], best: str) -> dict[str, str]:
     return {name: OURS if name == best else next(others) for name in names}
 
 
-def _mean(name: str, values: np.ndarray) -> str:  # type: ignore[type-arg]
+def _mean(name: str, values: Floats) -> str:
     answered = values[np.isfinite(values)]
     if not len(answered):
         return f"{name}: no answer"

@@ -142,7 +142,7 @@ def _around(axes: Axes, x: float, y: float) -> Bbox:
 def _write_beside(axes: Axes, name: str, point: Sequence[float], taken: Sequence[Bbox]) -> Bbox:
     """Write a name where it touches nothing, as far as there is such a place."""
     figure: Any = axes.get_figure()
-    tried = []
+    tried: list[tuple[int, int, Any, Bbox]] = []
     for x, y, side in PLACES:
         text = axes.annotate(
             short(name),

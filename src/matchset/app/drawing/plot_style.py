@@ -53,7 +53,7 @@ DARK = {
 }
 """Each color's counterpart on a dark background; SVG files hold both."""
 
-SETTINGS = {
+SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": TEXT,
     "axes.titlesize": TITLE,
@@ -287,7 +287,7 @@ def svg_of(figure: Figure, name: str, inside: bool = False) -> str:
     str
     """
     text = io.StringIO()
-    settings: dict[str, Any] = {"svg.fonttype": "none" if inside else "path", "svg.hashsalt": name}
+    settings: Any = {"svg.fonttype": "none" if inside else "path", "svg.hashsalt": name}
     with matplotlib.rc_context(settings):
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     svg = text.getvalue()

@@ -51,6 +51,7 @@ FOR_PEOPLE = {"matplotlib", "PIL", "rich", "typer"}
 SHOWS = {"print", "putText", "arrowedLine", "drawMarker"}
 MAY_PLOT = {
     "app/drawing/curves.py",
+    "app/drawing/plot_style.py",
     "app/flight_report/plots.py",
     "app/locate/path_picture.py",
 }

@@ -53,6 +53,7 @@ DARK = {
 }
 """Each color's counterpart on a dark background; SVG files hold both."""
 
+# format: the style as Matplotlib reads it
 SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": TEXT,

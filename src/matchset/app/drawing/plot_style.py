@@ -301,8 +301,11 @@ def svg_of(figure: Figure, name: str, inside: bool = False) -> str:
     svg = re.sub(r"<!--.*?-->\s*", "", svg, flags=re.DOTALL)
     svg = re.sub(r' (d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+|\s*\n", r"\1", found[0]), svg)
     if inside:
+        svg = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)  # it would hold for the page
         svg = svg.replace("'DejaVu Sans'", "system-ui, 'DejaVu Sans'")
-        return re.sub(r"<svg[^>]*>", lambda found: re.sub(r' (width|height)="[^"]*"', "", found[0]), svg, count=1)
+        return re.sub(
+            r"<svg[^>]*>", lambda found: re.sub(r' (width|height|xmlns[:\w]*)="[^"]*"', "", found[0]), svg, count=1
+        )
     style = f"<style>{color_rules('svg')}</style>"
     return re.sub(r"(<svg[^>]*>)", lambda found: found[1] + style, svg, count=1)
 

@@ -122,6 +122,9 @@ class FlightLog:
     followers : list of FollowerLog
     counters : FlightCounters
     crashes : tuple of Crash
+    shown : ChainStep or None
+        A step from the second half of the flight in which every ball was found, for a picture of it; the first one with
+        pictures where there is none such.
     stops : dict of int to str
         Why the motors of a follower, from 0, were stopped from outside, see `PilotStep.stopped`.
     """
@@ -132,17 +135,28 @@ class FlightLog:
         self.counters = FlightCounters(setup.followers)
         self.crashes: tuple[Crash, ...] = ()
         self.stops: dict[int, str] = {}
+        self.shown: ChainStep | None = None
         self._balls_in_room = array("d")
 
     def add(self, chain_step: ChainStep) -> None:
         """Append a step of the flight."""
         self.counters.add(chain_step)
+        self._choose(chain_step)
         self.crashes = chain_step.crashes
         for sight in chain_step.truth_at_exposure:
             self._balls_in_room.extend(sight.ball.tolist())
         self.stops |= {number: step.stopped for number, step in enumerate(chain_step.steps) if step.stopped}
         for number, position in enumerate(camera_positions(chain_step.steps)):
             self.followers[number].add(self._row(chain_step, number, position))
+
+    def _choose(self, chain_step: ChainStep) -> None:
+        """Keep a step to show; each is replaced by one that comes at twice its time."""
+        steps = chain_step.steps
+        if self.shown is None:
+            if all(step.frame is not None for step in steps):
+                self.shown = chain_step
+        elif chain_step.time >= 2.0 * self.shown.time and all(isinstance(step.ball, Track) for step in steps):
+            self.shown = chain_step
 
     @property
     def balls_in_room(self) -> Floats:
@@ -191,15 +205,28 @@ class FlightLog:
 HEADINGS = (
     "",
     "pictures",
-    "ball found where it was to be seen",
+    "ball found",
     "losses",
-    "longest, s",
-    "error of the circle, px (mean, 95 %)",
-    f"off the set place, cm rms, from {SCORING.transient:g} s after its start on (side, height, heading)",
-    "age, ms (median, 95 %)",
-    "computing, µs (median)",
+    "longest loss, s",
+    "circle error, px",
+    "off the set place, cm",
+    "age, ms",
+    "computing, µs",
     "at the end",
 )
+EXPLANATIONS = (
+    "",
+    "",
+    "of those in which it was to be seen",
+    "",
+    "",
+    "mean, 95 %",
+    f"side, height, heading: rms from {SCORING.transient:g} s after its start on",
+    "picture to command: median, 95 %",
+    "median",
+    "phase of the safety filter",
+)
+"""What each of `HEADINGS` means, where that does not say it."""
 
 
 def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:

@@ -1,15 +1,27 @@
-"""The plots of a flight's report, as PNG; only reports import this file, which loads Matplotlib."""
+"""The plots of a flight's report, as SVG for one column; only reports import this file, which loads Matplotlib."""
 
-import io
-from collections.abc import Callable
+import itertools
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from matchset.app.drawing.curves import INK, PALE, PINK, style_axes
+from matchset.app.drawing.plot_style import (
+    DASHES,
+    INK,
+    PAPER,
+    QUIET,
+    TEXT,
+    LineLabel,
+    figure_of,
+    label_lines,
+    linear_ticks,
+    log_ticks,
+    style_axes,
+    title,
+)
 from matchset.app.flight.log import FlightLog, FollowerLog
 from matchset.app.flight.score import SCORING
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
@@ -19,103 +31,190 @@ from matchset.localization.pose import Pose
 Floats = npt.NDArray[np.float64]
 
 BARS = 40  # format: of a histogram
+# format: width of a plot, px: letters can be read on a phone, where it is shrunk to three quarters
+WIDTH = 540
+POINTS = 1000  # format: of a line at most; a longer flight keeps the extremes between them
 NAMES = ("side, m", "height, m", "heading, m")
-# geometry: px; larger errors are counted in the histogram's last bar
-LAST_BAR_PX = 10.0
 
 
-def paths_png(log: FlightLog) -> bytes:
-    """Draw the paths from above: in the room, and in the frame of the last ball as estimated and by the truth."""
-    figure = Figure(figsize=(14.8, 5.6), dpi=100)
-    left, right = figure.subplots(1, 2)
+def room_figure(log: FlightLog) -> Figure:
+    """Draw the paths in the room from above, by the truth."""
+    _, (axes,) = figure_of((WIDTH, 380))
     for number in range(log.setup.followers + 1):
         path = log.balls_in_room[:, number]
-        left.plot(path[:, 2], path[:, 0], color=_color(number), linewidth=1.2, label=f"vehicle {number + 1}")
-    left.set_title("in the room (truth)", loc="left", color=INK, fontsize=11)
-    left.legend(frameon=False, fontsize=9, labelcolor=INK)
+        path = path[:: max(len(path) // POINTS, 1)]
+        axes.plot(path[:, 2], path[:, 0], color=_color(number), linewidth=1.4)
+        _name(axes, str(number + 1), (float(np.median(path[:, 2])), float(path[:, 0].min())), number)
+    title(axes, "in the room, by the truth; the last one hangs on the rope")
+    return _from_above(axes, "z, m (forward)", "x, m (right)")
+
+
+def chain_figure(log: FlightLog) -> Figure:
+    """Draw the paths from above in the frame of the last ball: as the chain estimates them, and by the truth."""
+    _, (axes,) = figure_of((WIDTH, 380))
     for number, follower in enumerate(log.followers):
-        _draw_path(right, number, follower)
-    right.plot(0.0, 0.0, "o", color=_color(log.setup.followers), markersize=14)
-    goals = np.array(
-        [place.position for place in seen_from_last([_pose_at_set_place(log)] * len(log.followers)) if place]
-    )
-    right.plot(goals[:, 2], goals[:, 0], "+", color=INK, markersize=14, markeredgewidth=1.6)
-    title = "in the level frame of the last ball: dots as the chain sees it, line the truth, + set places"
-    right.set_title(title, loc="left", color=INK, fontsize=11)
-    for axes, across in ((left, "x, m (right)"), (right, "side of the last ball, m")):
-        axes.set_ylabel(across)
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.invert_yaxis()
-    left.set_xlabel("z, m (forward)")
-    right.set_xlabel("before the last ball's marker, m")
-    right.invert_xaxis()
-    right.invert_yaxis()
-    return _png(figure, grid="both")
+        step = max(len(follower.time) // (POINTS // 2), 1)
+        estimated, true = follower.estimated_in_chain[::step], follower.true_in_chain[::step]
+        axes.plot(estimated[:, 2], estimated[:, 0], ".", color=_color(number), markersize=3.5, alpha=0.5)
+        axes.plot(true[:, 2], true[:, 0], color=INK, linewidth=0.8)
+        most = float(np.nanmax(np.append(estimated[:, 0], true[:, 0])))
+        _name(axes, str(number + 1), (float(np.nanmedian(true[:, 2])), most), number)
+    last = log.setup.followers
+    axes.plot(0.0, 0.0, "o", color=_color(last), markersize=13)
+    axes.annotate(str(last + 1), (0.0, 0.0), ha="center", va="center", color=PAPER, fontsize=TEXT, fontweight="bold")
+    for place in seen_from_last([_pose_at_set_place(log)] * len(log.followers)):
+        if place:
+            at = place.position[2], place.position[0]
+            axes.plot(*at, "+", color=PAPER, markersize=17, markeredgewidth=4.5, zorder=5)
+            axes.plot(*at, "+", color=INK, markersize=15, markeredgewidth=1.8, zorder=6)
+    title(axes, "in the frame of the last ball, +: set places\ndots: as the chain estimates it; lines: the truth")
+    figure = _from_above(axes, "before the last ball's marker, m", "to its right, m")
+    axes.invert_xaxis()
+    axes.invert_yaxis()
+    return figure
 
 
-def coordinates_png(log: FlightLog, number: int) -> bytes:
+def coordinates_figure(log: FlightLog, number: int) -> Figure:
     """Draw side, height and heading of a follower, from 0, over time: truth, estimate, and set place."""
-    figure = Figure(figsize=(14.8, 5.6), dpi=100)
-    rows = figure.subplots(3, 1, sharex=True)
+    figure, rows = figure_of((WIDTH, 440), (1.0, 1.0, 1.0))
     follower, place = log.followers[number], log.setup.parameters.pilot.place
     delay = log.setup.parameters.pilot.follower.ego_motion.delay
     for axis, axes in enumerate(rows):
         wanted = (place.side, place.height, place.heading)[axis]
-        axes.axhline(wanted, color=INK, linewidth=0.8, linestyle=(0, (4, 4)), label="set place")
-        axes.plot(follower.time, follower.true_position[:, axis], color=INK, linewidth=1.0, label="truth")
+        axes.axhline(wanted, color=QUIET, linewidth=1.0, linestyle=DASHES)
+        axes.plot(*thin(follower.time, follower.true_position[:, axis]), color=INK, linewidth=1.1)
         estimated = follower.estimated_position[:, axis]
-        axes.plot(follower.time + delay, estimated, color=_color(number), linewidth=0.9, label="acted on")
+        axes.plot(*thin(follower.time + delay, estimated), color=_color(number), linewidth=1.0)
         _mark_losses(axes, follower)
         axes.set_ylabel(NAMES[axis])
-    rows[0].legend(frameon=False, fontsize=9, labelcolor=INK, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 0.98))
-    title = f"{number + 1} beside {number + 2}; ticks below: the ball was not found"
-    rows[0].set_title(title, loc="left", color=INK, fontsize=11)
-    rows[-1].set_xlabel("time, s")
-    return _png(figure)
+        linear_ticks(axes.yaxis, 4)
+    _time_axis(rows[-1])
+    title(rows[0], f"{number + 1} beside {number + 2}; ticks below: the ball was not found")
+    first = rows[0].get_ylim()
+    ends = (_last(follower.true_position[:, 0], place.side), _last(follower.estimated_position[:, 0], place.side))
+    labels = [LineLabel("set place", place.side, QUIET), LineLabel("truth", ends[0], INK)]
+    label_lines(rows[0], [*labels, LineLabel("acted on", ends[1], _color(number))])
+    rows[0].set_ylim(first)
+    return figure
 
 
-def errors_png(log: FlightLog) -> bytes:
-    """Draw the histograms: error of the circles as in the paper's Fig. 6c, and distance from the set place."""
-    figure = Figure(figsize=(14.8, 4.2), dpi=100)
-    left, right = figure.subplots(1, 2)
-    edges = np.linspace(0.0, LAST_BAR_PX, BARS + 1)
-    _histogram(left, log, lambda k: np.minimum(log.followers[k].circle_error_px, LAST_BAR_PX - 1e-9), edges)
-    left.set_title("error of the ball's circle, |dx| + |dy| + |dr|", loc="left", color=INK, fontsize=11)
-    left.set_xlabel(f"px ({LAST_BAR_PX:g} and more in the last bar)")
-    distances = [100.0 * np.linalg.norm(log.position_error(k), axis=1) for k in range(len(log.followers))]
-    most = max((float(each.max()) for each in distances if each.size), default=1.0)
-    _histogram(right, log, lambda k: distances[k], np.linspace(0.0, most, BARS + 1))
-    title = f"true distance from the set place, from {SCORING.transient:g} s after its start on"
-    right.set_title(title, loc="left", color=INK, fontsize=11)
-    right.set_xlabel("cm")
-    for axes in (left, right):
-        axes.set_ylabel("share of the frames, %")
-        axes.legend(frameon=False, fontsize=9, labelcolor=INK)
-    return _png(figure)
+def circle_error_figure(log: FlightLog) -> Figure:
+    """Draw the histogram of the error of the circles, as in the paper's Fig. 6c, a row for each follower."""
+    values = [follower.circle_error_px for follower in log.followers]
+    figure = _histograms(values, "px")
+    title(figure.axes[0], f"error of the ball's circle, |Δx| + |Δy| + |Δr|\n{figure.axes[0].get_title(loc='left')}")
+    return figure
 
 
-def times_png(log: FlightLog) -> bytes:
-    """Draw the age of the pictures that were acted on, with the losses, and the histogram of the computing time."""
-    figure = Figure(figsize=(14.8, 3.6), dpi=100)
-    left, right = figure.subplots(1, 2)
-    for number, follower in enumerate(log.followers):
-        left.plot(follower.time, 1000.0 * follower.age, color=_color(number), linewidth=1.0, label=_label(number))
-        _mark_losses(left, follower, height=0.02 + 0.05 * number, color=_color(number))
+def place_error_figure(log: FlightLog) -> Figure:
+    """Draw the histogram of the true distance from the set place, a row for each follower."""
+    values = [100.0 * np.linalg.norm(log.position_error(number), axis=1) for number in range(len(log.followers))]
+    figure = _histograms(values, "cm")
+    words = f"distance from the set place, from {SCORING.transient:g} s after the start on"
+    title(figure.axes[0], f"{words}\n{figure.axes[0].get_title(loc='left')}")
+    return figure
+
+
+def computing_figure(log: FlightLog) -> Figure:
+    """Draw the histogram of the computing time on a logarithmic axis, a row for each follower."""
+    figure = _histograms([1e6 * follower.processing for follower in log.followers], "µs", log_scale=True)
+    title(figure.axes[0], f"computing, from a picture to its command\n{figure.axes[0].get_title(loc='left')}")
+    return figure
+
+
+def age_figure(log: FlightLog) -> Figure:
+    """Draw the age of the pictures when their commands were sent, a row for each follower, with the losses."""
+    figure, rows = figure_of((WIDTH, 90 + 74 * len(log.followers)), [1.0] * len(log.followers))
     oldest = max(float(follower.age[np.isfinite(follower.age)].max(initial=0.0)) for follower in log.followers)
-    left.set_ylim(0.0, 1.3e3 * max(oldest, 1e-3))
-    left.set_title("age of the picture when its command was sent; ticks: losses", loc="left", color=INK, fontsize=11)
-    left.set_xlabel("time, s")
-    left.set_ylabel("age, ms")
-    spent = [1e6 * follower.processing for follower in log.followers]
-    most = max((float(np.nanpercentile(each, 98)) for each in spent if np.isfinite(each).any()), default=1.0)
-    _histogram(right, log, lambda k: np.minimum(spent[k], most), np.linspace(0.0, most, BARS + 1))
-    title = "computing from picture to command (longest 2 % in the last bar)"
-    right.set_title(title, loc="left", color=INK, fontsize=11)
-    right.set_xlabel("µs")
-    right.set_ylabel("share of the frames, %")
-    for axes in (left, right):
-        axes.legend(frameon=False, fontsize=9, labelcolor=INK)
-    return _png(figure)
+    for number, (axes, follower) in enumerate(zip(rows, log.followers, strict=True)):
+        axes.plot(*thin(follower.time, 1000.0 * follower.age), color=_color(number), linewidth=1.3)
+        _mark_losses(axes, follower)
+        axes.set_ylim(0.0, 1.25e3 * max(oldest, 1e-3))
+        linear_ticks(axes.yaxis, 3)
+        _row_title(axes, _label(number))
+    title(rows[0], f"age of a picture when its command was sent; ticks: losses\n{_label(0)}")
+    figure.supylabel("ms", color=INK, fontsize=TEXT)
+    _time_axis(rows[-1])
+    return figure
+
+
+def thin(time: Floats, values: Floats, most: int = POINTS) -> tuple[Floats, Floats]:
+    """Leave out points of a long line; of each stretch its least and largest value stay.
+
+    Parameters
+    ----------
+    time, values : ndarray of shape (n,), float64
+    most : int
+        Points to keep, about.
+
+    Returns
+    -------
+    time, values : ndarray, float64
+        As given where there are few.
+    """
+    if len(values) <= most:
+        return time, values
+    edges = np.linspace(0, len(values), most // 2 + 1).astype(int)
+    kept = set()
+    for low, high in itertools.pairwise(edges.tolist()):
+        some = values[low:high]
+        if np.isfinite(some).any():
+            kept |= {low + int(np.nanargmin(some)), low + int(np.nanargmax(some))}
+        if not np.isfinite(some).all():
+            kept.add(low + int(np.argmin(np.isfinite(some))))  # a gap stays a gap
+    order = sorted(kept)
+    return time[order], values[order]
+
+
+def _from_above(axes: Axes, along: str, across: str) -> Figure:
+    style_axes(axes, grid="both")
+    axes.margins(0.08, 0.2)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.invert_yaxis()
+    linear_ticks(axes.xaxis)
+    linear_ticks(axes.yaxis, 5)
+    axes.set_xlabel(along)
+    axes.set_ylabel(across)
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    return figure
+
+
+def _name(axes: Axes, words: str, at: tuple[float, float], number: int) -> None:
+    text = axes.annotate(words, at, xytext=(0, 5), textcoords="offset points", color=_color(number), fontsize=TEXT)
+    text.set(ha="center", va="bottom", fontweight="bold")
+
+
+def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) -> Figure:
+    """Draw a row for each follower; what exceeds 99.5 % of all of them is counted in the last bar."""
+    known = [each[np.isfinite(each)] for each in values]
+    every = np.concatenate(known)
+    low, high = (float(np.percentile(every, q)) for q in (0.5, 99.5)) if len(every) else (1.0, 2.0)
+    if log_scale:
+        low, high = 0.8 * low, 1.25 * high
+        bins = np.geomspace(low, max(high, 4.0 * low), BARS + 1)
+    else:
+        bins = np.linspace(0.0, max(high, 1e-3), BARS + 1)
+    figure, rows = figure_of((WIDTH, 100 + 84 * len(known)), [1.0] * len(known))
+    most = 0.0
+    for number, (axes, some) in enumerate(zip(rows, known, strict=True)):
+        share = 100.0 * np.histogram(np.clip(some, bins[0], bins[-1]), bins)[0] / max(len(some), 1)
+        axes.stairs(share, bins, fill=True, color=_color(number), alpha=0.3)
+        axes.stairs(share, bins, color=_color(number), linewidth=1.3)
+        median = f": median {_brief(float(np.median(some)))} {unit}" if len(some) else ": none"
+        _row_title(axes, _label(number) + median)
+        most = max(most, float(share.max()))
+    for axes in rows:
+        axes.set_ylim(0.0, 1.1 * max(most, 1.0))
+        linear_ticks(axes.yaxis, 3)
+    if log_scale:
+        log_ticks(rows[-1].xaxis, float(bins[0]), float(bins[-1]))
+    else:
+        rows[-1].set_xlim(0.0, float(bins[-1]))
+        linear_ticks(rows[-1].xaxis)
+    rows[-1].set_xlabel(f"{unit}; the last bar holds what is more")
+    figure.supylabel("share of the pictures, %", color=INK, fontsize=TEXT)
+    return figure
 
 
 def _pose_at_set_place(log: FlightLog) -> Pose:
@@ -125,29 +224,27 @@ def _pose_at_set_place(log: FlightLog) -> Pose:
     return Pose(position=position, rotation_matrix=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
 
 
-def _draw_path(axes: Axes, number: int, follower: FollowerLog) -> None:
-    estimated, true = follower.estimated_in_chain, follower.true_in_chain
-    axes.plot(
-        estimated[:, 2], estimated[:, 0], ".", color=_color(number), markersize=3, alpha=0.5, label=_label(number)
-    )
-    axes.plot(true[:, 2], true[:, 0], color=INK, linewidth=0.7)
-
-
-def _histogram(axes: Axes, log: FlightLog, values: Callable[[int], Floats], edges: Floats) -> None:
-    for number in range(len(log.followers)):
-        some = values(number)
-        some = some[np.isfinite(some)]
-        share = np.full(len(some), 100.0 / max(len(some), 1))
-        label = f"{_label(number)}: median {_brief(float(np.median(some)))}" if len(some) else _label(number)
-        color = _color(number)
-        axes.hist(some, edges.tolist(), weights=share, histtype="stepfilled", color=color, alpha=0.25)
-        axes.hist(some, edges.tolist(), weights=share, histtype="step", color=color, linewidth=1.2, label=label)
-
-
-def _mark_losses(axes: Axes, follower: FollowerLog, height: float = 0.02, color: str = PINK) -> None:
+def _mark_losses(axes: Axes, follower: FollowerLog) -> None:
     lost = follower.time[~follower.found]
+    if not len(lost):  # a line without points has no extent, and would leave its plot no room
+        return
+    lost = lost[:: max(len(lost) // POINTS, 1)]
     across = axes.get_xaxis_transform()
-    axes.plot(lost, np.full(len(lost), height), "|", color=color, markersize=6, transform=across, clip_on=False)
+    axes.plot(lost, np.full(len(lost), 0.02), "|", color=INK, markersize=6, transform=across, clip_on=False)
+
+
+def _time_axis(axes: Axes) -> None:
+    linear_ticks(axes.xaxis)
+    axes.set_xlabel("time, s")
+
+
+def _row_title(axes: Axes, words: str) -> None:
+    axes.set_title(words, loc="left", color=INK, fontsize=TEXT, pad=3)
+
+
+def _last(values: Floats, otherwise: float) -> float:
+    known = values[np.isfinite(values)]
+    return float(known[-1]) if len(known) else otherwise
 
 
 def _brief(value: float) -> str:
@@ -160,19 +257,3 @@ def _label(number: int) -> str:
 
 def _color(number: int) -> str:
     return as_hex(vehicle_rgb(number))
-
-
-def _png(figure: Figure, grid: str = "y") -> bytes:
-    """Finish a figure and return it as PNG."""
-    for axes in figure.axes:
-        style_axes(axes)
-        if grid == "both":
-            axes.grid(color="#eeeeee")
-            axes.margins(0.07)
-        axes.spines[["left", "bottom"]].set_color(PALE)
-    wide, high = figure.get_size_inches()
-    figure.subplots_adjust(0.75 / wide, 0.6 / high, 1.0 - 0.2 / wide, 1.0 - 0.4 / high, wspace=0.13, hspace=0.13)
-    FigureCanvasAgg(figure)
-    png = io.BytesIO()
-    figure.savefig(png, format="png")
-    return png.getvalue()

@@ -2,20 +2,43 @@
 
 import base64
 import html
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import msgspec
+import cv2
 
-from matchset.app.flight.log import HEADINGS, FlightLog, flight_summary, follower_row
+from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.log import EXPLANATIONS, HEADINGS, FlightLog, flight_summary, follower_row
+from matchset.app.flight_report.parameter_table import ParameterRow, parameter_rows
+from matchset.app.flight_report.picture import annotate_step
 from matchset.image.files.whole_file import write_whole
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# format: of the pictures of the flight: quality, and colors as sharp as brightness, for thin outlines
+JPEG = (cv2.IMWRITE_JPEG_QUALITY, 80, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444)
 STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #333; max-width: 1180px; margin: 2em auto; padding: 0 1em; }
-h1 { font-size: 1.5em; } h2 { font-size: 1.1em; margin-top: 2em; }
-table { border-collapse: collapse; font-size: 0.87em; } th { font-weight: normal; color: #777; vertical-align: bottom; }
-td, th { text-align: right; padding: 0.3em 0.8em; border-bottom: 1px solid #eee; }
-td:first-child, th:first-child { text-align: left; white-space: nowrap; } img { width: 100%; } .quiet { color: #777; }
+:root { color-scheme: light dark; --text: #2b2b2b; --quiet: #666; --line: #e4e4e4; --page: #fff; --accent: #b34a00; }
+@media screen and (prefers-color-scheme: dark) {
+:root { --text: #dcdcdc; --quiet: #a3a3a3; --line: #34373c; --page: #17191c; --accent: #ff9a57; } }
+* { box-sizing: border-box; }
+body { font: 16px/1.5 system-ui, 'DejaVu Sans', sans-serif; color: var(--text); background: var(--page);
+max-width: 1180px; margin: 0 auto; padding: 1em; overflow-wrap: break-word; }
+h1 { font-size: 1.5em; margin: 0.4em 0; } h2 { font-size: 1.15em; margin: 1.8em 0 0.4em; }
+.quiet, figcaption, small { color: var(--quiet); } small { display: block; font-size: 0.8em; line-height: 1.25; }
+.wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.92em; }
+td, th { text-align: right; vertical-align: top; padding: 0.35em 0 0.35em 1.2em; border-bottom: 1px solid var(--line); }
+th { font-weight: normal; } td:first-child, th:first-child { text-align: left; padding-left: 0; }
+thead th { font-weight: 600; white-space: nowrap; }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 500px), 1fr)); gap: 1.2em 2em; }
+figure { margin: 0; break-inside: avoid; } figure > svg, figure > img { display: block; width: 100%; height: auto; }
+figure > svg * { stroke-linejoin: round; }
+summary { cursor: pointer; padding: 0.5em 0; } .parameters td { text-align: left; padding-left: 1em; }
+.parameters td:first-child { padding-left: 0; } .changed td:first-child { color: var(--accent); font-weight: 600; }
+@media (max-width: 600px) { .parameters td:nth-child(4) { display: none; } }
+@media print { body { font-size: 11px; max-width: none; padding: 0; } .plots { grid-template-columns: 1fr 1fr; } }
 """
 
 
@@ -35,44 +58,88 @@ def _page(log: FlightLog) -> str:
     world = log.setup.parameters.world
     conditions = f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"
     parts = [
-        "<!doctype html><html lang=en><meta charset=utf-8><title>matchset: a flight</title>",
+        "<!doctype html><html lang=en><meta charset=utf-8>",
+        '<meta name=viewport content="width=device-width, initial-scale=1"><title>matchset: a flight</title>',
         f"<style>{STYLE}</style><h1>A flight of the chain</h1>",
         f"<p>{html.escape(flight_summary(log))}.<br><span class=quiet>{html.escape(conditions)}</span></p>",
-        _table(HEADINGS, (follower_row(log, number) for number in range(len(log.followers)))),
     ]
+    if log.shown is not None:
+        parts.append(_pictures(log, log.shown))
+    parts.append(_figures_table([follower_row(log, number) for number in range(len(log.followers))]))
     if log.counters.chain_steps:
         parts += _plots(log)
-    parts.append("<h2>Parameters</h2>")
-    parts.append(_table(("key", "value"), _flat("", msgspec.to_builtins(log.setup.parameters))))
+    parts.append(_parameters(parameter_rows(log.setup.parameters)))
     return "\n".join([*parts, "</html>\n"])
+
+
+def _pictures(log: FlightLog, shown: ChainStep) -> str:
+    """Show one step of the flight: every camera's picture with what was found in it."""
+    figures = []
+    for number, (step, camera) in enumerate(zip(shown.steps, log.setup.cameras, strict=True), 1):
+        image = annotate_step(step, number, camera, log.setup.radius, captions=False)
+        jpeg = cv2.imencode(".jpg", image, JPEG)[1].tobytes()
+        words = f"{number} watches {number + 1} at {shown.time:.1f} s: outline, match-set and axes as measured"
+        data = base64.b64encode(jpeg).decode()
+        figures.append(
+            f'<figure><img alt="camera of vehicle {number}" width={camera.width} height={camera.height} '
+            f'src="data:image/jpeg;base64,{data}"><figcaption>{words}</figcaption></figure>'
+        )
+    return f"<div class=plots>{''.join(figures)}</div>"
 
 
 def _plots(log: FlightLog) -> list[str]:
     """Draw the plots; Matplotlib is loaded only now."""
-    from matchset.app.flight_report.plots import coordinates_png, errors_png, paths_png, times_png
+    from matchset.app.drawing.plot_style import color_rules
+    from matchset.app.flight_report import plots
 
-    parts = ["<h2>Paths from above</h2>", _image(paths_png(log), "paths from above")]
-    parts.append("<h2>Side, height and heading over time</h2>")
     numbers = range(len(log.followers))
-    parts += [_image(coordinates_png(log, k), f"coordinates of follower {k + 1}") for k in numbers]
-    parts += ["<h2>Errors</h2>", _image(errors_png(log), "histograms of errors")]
-    return [*parts, "<h2>Age, losses and computing time</h2>", _image(times_png(log), "age and computing time")]
+    parts = [f"<style>{color_rules('figure > svg')}</style>"]
+    parts.append(_section("Paths from above", {"room": plots.room_figure(log), "chain": plots.chain_figure(log)}))
+    coordinates = {f"follower{k + 1}": plots.coordinates_figure(log, k) for k in numbers}
+    parts.append(_section("Side, height and heading over time", coordinates))
+    errors = {"circle": plots.circle_error_figure(log)}
+    if any(len(log.position_error(k)) for k in numbers):
+        errors["place"] = plots.place_error_figure(log)
+    parts.append(_section("Errors", errors))
+    times = {"age": plots.age_figure(log), "computing": plots.computing_figure(log)}
+    return [*parts, _section("Age, losses and computing time", times)]
 
 
-def _image(png: bytes, description: str) -> str:
-    return f'<img alt="{description}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+def _section(title: str, figures: "dict[str, Figure]") -> str:
+    from matchset.app.drawing.plot_style import svg_of
+
+    drawn = "".join(
+        f'<figure role=img aria-label="{name}">{svg_of(figure, name, inside=True)}</figure>'
+        for name, figure in figures.items()
+    )
+    return f"<h2>{title}</h2><div class=plots>{drawn}</div>"
 
 
-def _table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in headings)
-    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><tr>{head}</tr>{body}</table>"
+def _figures_table(rows: Sequence[Sequence[str]]) -> str:
+    """Write the figures of the followers: a column for each, so that few of them fit a phone."""
+    names, *lines = zip(HEADINGS, EXPLANATIONS, *rows, strict=True)
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in ("", *names[2:]))
+    body = "".join(
+        f"<tr><th>{html.escape(heading)}<small>{html.escape(explanation)}</small></th>"
+        + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
+        + "</tr>"
+        for heading, explanation, *cells in lines
+    )
+    return f"<h2>Figures</h2><div class=wide><table><thead><tr>{head}</tr></thead>{body}</table></div>"
 
 
-def _flat(name: str, value: object) -> Iterable[tuple[str, str]]:
-    """Yield the keys and values of nested parameters: ``pilot.place.height``."""
-    if not isinstance(value, dict):
-        yield name, str(value)
-        return
-    for key, each in value.items():
-        yield from _flat(f"{name}.{key}" if name else key, each)
+def _parameters(rows: Sequence[ParameterRow]) -> str:
+    """Write the parameters, folded away; those that are not the defaults stand out."""
+    changed = sum(row.changed for row in rows)
+    body = "".join(
+        f"<tr{' class=changed' if row.changed else ''}>"
+        + "".join(f"<td>{html.escape(cell)}</td>" for cell in (row.key, row.value, row.unit, row.meaning))
+        + "</tr>"
+        for row in rows
+    )
+    words = f"All {len(rows)} of them, {changed} changed from the defaults, in color"
+    return (
+        f"<h2>Parameters</h2><details><summary>{words}</summary><div class=wide><table class=parameters>"
+        "<thead><tr><td>key</td><td>value</td><td>unit</td><td>meaning</td></tr></thead>"
+        f"{body}</table></div></details>"
+    )

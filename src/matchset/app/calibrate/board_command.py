@@ -6,6 +6,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from matchset.app.calibrate.board_sheet import PAPERS, as_pdf, as_svg, board_sheet
 from matchset.app.calibrate.board_views import BoardViews, look_for_board
 from matchset.app.calibrate.command import BoardOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
@@ -113,16 +114,49 @@ def _print_report(calibration: Calibration, report: CalibrationReport) -> None:
     print()
 
 
-def draw_board(board: Board, path: Path, force: bool) -> int:
-    """Draw a board into a PNG file, to print.
+def draw_board(board: Board, path: Path, paper: str | None, force: bool) -> int:
+    """Draw a board to print: on a sheet of paper (.pdf, .svg), or as a picture without one (.png).
+
+    Parameters
+    ----------
+    board : Board
+    path : Path
+    paper : str or None
+        "a4" or "letter"; None: "a4", where there is paper.
+    force : bool
+        Whether the file may be overwritten.
 
     Returns
     -------
     int
         The exit code.
     """
-    if path.suffix.lower() != ".png":
-        raise ValueError(f"the board's picture must end in .png, got {str(path)!r}")
+    ending = path.suffix.lower()
+    if ending not in (".pdf", ".svg", ".png"):
+        raise ValueError(f"the board's picture must end in .pdf, .svg or .png, got {str(path)!r}")
+    if ending == ".png":
+        if paper is not None:
+            raise ValueError("a .png has no paper: --paper needs a --board-picture that ends in .pdf or .svg")
+        return _draw_png(board, path, force)
+    name = (paper or "a4").lower()
+    if name not in PAPERS:
+        raise ValueError(f"--paper is {' or '.join(PAPERS)}, got {paper!r}")
+    sheet = board_sheet(board, name)
+    write_whole(output_file(path, force), as_pdf(sheet) if ending == ".pdf" else as_svg(sheet))
+    print(f"  {path}")
+    wanted, drawn = (1000.0 * each.square for each in (board, sheet.board))
+    if drawn != wanted:
+        print(f"Squares of {wanted:.1f} mm do not fit on {name}: they are {drawn:.1f} mm.")
+    width, height = sheet.size
+    print(f"Print it on {name} ({width:g} x {height:g} mm) at 100 %: its ruler must be 100 mm long.")
+    print("Glue it to something flat.")
+    marker = "" if sheet.board.marker is None else f" --charuco {sheet.board.marker:.4g}"
+    words = f"--board {board.columns}x{board.rows} --square {sheet.board.square:.4g}{marker}"
+    print(f"then:  matchset calibrate 0 {words} -o camera.toml")
+    return FOUND
+
+
+def _draw_png(board: Board, path: Path, force: bool) -> int:
     square_px = max(round(board.square / _INCH * _DPI), 20)
     if (board.columns + 3) * (board.rows + 3) * square_px**2 > _MAX_PX:
         raise ValueError(f"{board} with squares of {board.square} m is too large to draw; --square is in meters")

@@ -14,7 +14,7 @@ from matchset.app.cli_options import Force, TargetOptions, Topic
 CALIBRATE_EPILOG = """
 [bold]Examples[/bold]
 
-  matchset calibrate --board 9x6 --square 0.025 --board-picture board.png
+  matchset calibrate --board 9x6 --square 0.025 --board-picture board.pdf --paper letter
 
   matchset calibrate pictures/ --board 9x6 --square 0.025 -o camera.toml
 
@@ -42,7 +42,11 @@ class BoardOptions(msgspec.Struct, frozen=True, kw_only=True):
     )
     dictionary: Annotated[str, typer.Option(metavar="NAME", help="The markers' dictionary.")] = "5X5_100"
     board_picture: Annotated[
-        Path | None, typer.Option(metavar="OUT.png", help="Draw the board to print; no SOURCE then.")
+        Path | None,
+        typer.Option(metavar="OUT.pdf", help="Draw the board to print, .pdf, .svg or .png; no SOURCE then."),
+    ] = None
+    paper: Annotated[
+        str | None, typer.Option(metavar="a4|letter", help="Paper of a .pdf or .svg; a4 if not given.")
     ] = None
 
 
@@ -108,7 +112,9 @@ def _with_board(options: CalibrateOptions) -> int:
     if options.printed_board.board_picture is not None:
         if sources:
             raise ValueError("--board-picture draws a board and takes no video")
-        return draw_board(board, options.printed_board.board_picture, options.force)
+        return draw_board(board, options.printed_board.board_picture, options.printed_board.paper, options.force)
+    if options.printed_board.paper is not None:
+        raise ValueError("--paper belongs to --board-picture")
     if len(sources) != 1:
         raise ValueError(f"give one video, folder of pictures or camera that sees the board, got {len(sources)}")
     return calibrate_board(sources[0], board, options.out, options.force, options.topic)

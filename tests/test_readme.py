@@ -107,3 +107,17 @@ def test_how_many_times_slower_is_the_quotient_of_the_times_beside_it(text: str)
             assert (time - 0.5) / (beside + 0.5) - 0.05 <= ratio <= (time + 0.5) / (beside - 0.5) + 0.05, row
             checked += 1
     assert checked >= 8
+
+
+def test_real_footage_is_attributed_and_small() -> None:
+    shown = README[README.index("docs/pictures/real.webp") :][:900]
+    for words in ("trflorian", "Ayşe Nur Akdeniz", "MIT license", "github.com/"):
+        assert words in shown
+    assert (ROOT / "docs" / "pictures" / "real.webp").stat().st_size < 200_000
+
+
+def test_how_many_pixels_are_read_is_said_the_same_everywhere() -> None:
+    package = (ROOT / "src" / "matchset" / "__init__.py").read_text(encoding="utf-8").splitlines()[0]
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert all("about a thousand pixels" in text for text in (README, package, project))
+    assert not any("few hundred pixels" in text for text in (README, package, project))

@@ -1,4 +1,4 @@
-"""Find a known shape in bad video from a few hundred pixels, thousands of times a second.
+"""Find a known shape in bad video from about a thousand pixels, thousands of times a second.
 
 Public names are loaded when they are first used (PEP 562), so ``import matchset`` takes a millisecond and loads neither
 NumPy, OpenCV nor Numba. To read the package, begin with `tracking` (one frame after the other), then `fitting` (one

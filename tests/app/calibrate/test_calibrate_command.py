@@ -117,7 +117,7 @@ def test_a_board_to_print(matchset: Matchset, capsys: pytest.CaptureFixture[str]
         ((*WORDS, "--board-picture", "a.png", "--board", "90x90", "--square", "9"), "too large to draw"),
         (("a", "b", *WORDS), "give one video"),
         (("gone.mp4", *WORDS), "gone.mp4"),
-        (("gone.mp4", *WORDS, "-o", "camera.txt"), "gone.mp4"),
+        (("gone.mp4", *WORDS, "-o", "camera.txt"), "must end in .toml"),
     ],
 )
 def test_misuse_is_one_line(

@@ -4,7 +4,7 @@ import base64
 import html
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import cv2
 
@@ -13,9 +13,6 @@ from matchset.app.flight.log import EXPLANATIONS, HEADINGS, FlightLog, flight_su
 from matchset.app.flight_report.parameter_table import ParameterRow, parameter_rows
 from matchset.app.flight_report.picture import annotate_step
 from matchset.image.files.whole_file import write_whole
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # format: of the pictures of the flight: quality, and colors as sharp as brightness, for thin outlines
 JPEG = (cv2.IMWRITE_JPEG_QUALITY, 80, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444)
@@ -105,7 +102,8 @@ def _plots(log: FlightLog) -> list[str]:
     return [*parts, _section("Age, losses and computing time", times)]
 
 
-def _section(title: str, figures: "dict[str, Figure]") -> str:
+def _section(title: str, figures: dict[str, Any]) -> str:
+    """Write a section with its plots, Matplotlib figures by name."""
     from matchset.app.drawing.plot_style import svg_of
 
     drawn = "".join(

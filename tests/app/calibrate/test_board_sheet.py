@@ -6,6 +6,7 @@ import zlib
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from blue_ball import Matchset
 
@@ -17,7 +18,7 @@ BOARD = Board(columns=9, rows=6, square=0.025)
 CHARUCO = Board(columns=9, rows=6, square=0.025, marker=0.018)
 
 
-def drawn(sheet: Sheet, scale: float = 5.0) -> np.ndarray:  # type: ignore[type-arg]
+def drawn(sheet: Sheet, scale: float = 5.0) -> npt.NDArray[np.uint8]:
     """The sheet as a picture, `scale` px a mm."""
     image = np.full((round(sheet.size[1] * scale), round(sheet.size[0] * scale)), 255, np.uint8)
     for x, y, w, h in sheet.black:

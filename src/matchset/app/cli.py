@@ -4,6 +4,8 @@ This module and the `command` modules load quickly, so that `matchset --help` do
 import what they need.
 """
 
+import io
+import shutil
 import sys
 from typing import Annotated
 
@@ -14,7 +16,7 @@ from matchset.app.cli_options import command_of
 from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line, print_error
 from matchset.app.flight.command import FLY_EPILOG, fly
 from matchset.app.flight.simulate import SIMULATE_EPILOG, simulate
-from matchset.app.help_printer import load_help_printer
+from matchset.app.help_printer import NARROW, load_help_printer, plain_help
 from matchset.app.locate.command import LOCATE_EPILOG, locate
 from matchset.app.radio.command import radio
 from matchset.app.recording.command import REPLAY_EPILOG, replay
@@ -45,7 +47,7 @@ app.add_typer(radio)
 
 @app.callback(invoke_without_command=True)
 def matchset(
-    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    version: Annotated[bool, typer.Option("--version", metavar="", help="Print the version.")] = False,
 ) -> None:
     """Find a ball of known color in bad video, from one click, thousands of times a second."""
     if version:
@@ -70,6 +72,11 @@ app.command()(warm)
 
 def main() -> None:
     """Run the command line; the console script `matchset`."""
+    for stream in (sys.stdout, sys.stderr):  # names of files that are no text are printed as they are
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="surrogateescape")
+    if shutil.get_terminal_size().columns < NARROW:
+        plain_help(app)
     if len(sys.argv) == 1 or not {"-h", "--help"}.isdisjoint(sys.argv):
         load_help_printer()
     try:

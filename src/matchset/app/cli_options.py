@@ -2,6 +2,8 @@
 
 import dataclasses
 import inspect
+import math
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -9,7 +11,7 @@ from typing import Annotated, Any, TypeVar
 import msgspec
 import typer
 
-from matchset.app.exit_codes import errors_in_one_line
+from matchset.app.exit_codes import compiling_announced, errors_in_one_line
 
 Source = Annotated[
     str,
@@ -44,7 +46,7 @@ ShapeName = Annotated[
     typer.Option(
         "--shape",
         metavar="SHAPE",
-        help="circle, ellipse, rectangle, quadrilateral, triangle, hexagon, octagon, corners '0,0 4,0 0,3', "
+        help="circle, ellipse, rectangle, quadrilateral, triangle, pentagon, hexagon, octagon, corners '0,0 4,0 0,3', "
         "or a picture of the outline; ':affine' behind it: seen from the side.",
     ),
 ]
@@ -82,6 +84,25 @@ def shape_file(shape: str) -> Path:
     return Path(shape.partition(":affine")[0])
 
 
+def unit_note(option: str, meters: float | None, most: float) -> None:
+    """Say on stderr that a length is most likely not in m.
+
+    Parameters
+    ----------
+    option : str
+        Its name.
+    meters : float or None
+        As typed.
+    most : float
+        Longer than this is unlikely, m.
+    """
+    if meters is None or not most < meters < math.inf:
+        return
+    unit, parts = ("cm", 100.0) if most >= LARGE_BALL and meters / 100.0 <= most else ("mm", 1000.0)
+    meant = f"{meters:g} {unit} are {option} {meters / parts:g}"
+    print(f"note: {option} {meters:g} is in m, and that is large: {meant}", file=sys.stderr)
+
+
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options that say what to track: exactly one of them, or `pick` together with `gray`."""
 
@@ -99,6 +120,7 @@ class GrayTargetOptions(TargetOptions, frozen=True, kw_only=True):
 
 
 Options = TypeVar("Options")
+LARGE_BALL, LARGE_SQUARE = 2.0, 0.5  # format: m; larger balls and squares of boards are unlikely
 
 
 def command_of(function: Callable[[Options], int]) -> Callable[..., None]:
@@ -121,7 +143,7 @@ def command_of(function: Callable[[Options], int]) -> Callable[..., None]:
     (options,) = inspect.signature(function, eval_str=True).parameters.values()
 
     def command(**values: Any) -> None:
-        with errors_in_one_line():
+        with errors_in_one_line(), compiling_announced():
             code = function(_built(options.annotation, values))
         raise typer.Exit(code)
 
@@ -139,6 +161,9 @@ def _parameters(options: type[Any]) -> list[inspect.Parameter]:
         if _is_group(field.annotation):
             found += _parameters(field.annotation)
         elif hasattr(field.annotation, "__metadata__"):
+            if field.annotation.__origin__ is bool:  # Typer would print <bool>, as if a value were to be given
+                for option in field.annotation.__metadata__:
+                    option.metavar = ""
             found.append(field.replace(kind=inspect.Parameter.KEYWORD_ONLY))
     return found
 

@@ -44,6 +44,11 @@ SPACE = SpaceParameters()
 MB = 1_000_000  # format: bytes
 
 
+def size_text(size: float) -> str:
+    """Write a number of bytes as people do: ``2.4 GB``, ``230 MB``."""
+    return f"{size / MB:.0f} MB" if size < 1000 * MB else f"{size / (1000 * MB):.3g} GB"
+
+
 class FreeSpace:
     """How much may still be written beside a file.
 

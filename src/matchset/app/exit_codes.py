@@ -5,18 +5,21 @@ import errno
 import os
 import signal
 import sys
+import time
 from collections.abc import Iterator
 from types import FrameType, TracebackType
 from typing import Self
 
 from matchset.app.disk import UnfinishedFileError
 from matchset.image.errors import LinkError
+from matchset.numeric.compiling import WATCHERS
 
 FOUND = 0  # format: the command did its work
 NOT_FOUND = 1  # format: it ran to the end, but the ball was never found
 BAD_INPUT = 2  # format: a wrong option, or a file that cannot be read or written
 DEVICE = 3  # format: a camera or stream cannot be opened, or was disconnected
 INTERRUPTED = 130  # format: stopped by Ctrl-C (128 + SIGINT); the files are complete
+COMPILING_PERIOD = 5.0  # format: s between two lines about the compiler
 STOPPING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 """Signals that stop a command; its exit code is then 128 + the number, and the files are complete."""
 
@@ -62,6 +65,30 @@ def errors_in_one_line() -> Iterator[None]:
             raise
         print_error(f"OpenCV: {error}")
         raise SystemExit(BAD_INPUT) from None
+
+
+@contextlib.contextmanager
+def compiling_announced() -> Iterator[None]:
+    """Say on stderr that kernels are compiled, if they are, and every few seconds how many are done."""
+    begin = last = 0.0
+    count = 0
+
+    def say() -> None:
+        nonlocal begin, last, count
+        now = time.monotonic()
+        if not count:
+            begin = last = now
+            print("compiling kernels (only once on this machine) ...", file=sys.stderr, flush=True)
+        elif now - last > COMPILING_PERIOD:
+            last = now
+            print(f"  {count} kernels compiled, {now - begin:.0f} s ...", file=sys.stderr, flush=True)
+        count += 1
+
+    WATCHERS.append(say)
+    try:
+        yield
+    finally:
+        WATCHERS.remove(say)
 
 
 def _is_opencv(error: Exception) -> bool:

@@ -61,6 +61,13 @@ class DisplayedRow(Protocol):
         ...
 
 
+def duration_text(seconds: float) -> str:
+    """Write a time that is estimated: ``40 s``, ``4 min``, ``2.5 h``."""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.2g} h"
+
+
 class Display(Protocol):
     """What shows the progress of a video, frame by frame."""
 

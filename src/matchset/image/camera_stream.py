@@ -1,8 +1,10 @@
 """A camera or a stream: a thread keeps its newest picture; what a camera is asked for, and what it says it does."""
 
 import math
+import re
 import threading
 from collections.abc import Mapping
+from pathlib import Path
 from time import monotonic
 
 import cv2
@@ -47,6 +49,16 @@ class StreamParameters(msgspec.Struct, frozen=True):
 DEFAULT = StreamParameters()
 
 
+def _hint(device: int | str) -> str:
+    """Say what else there is, or what to look at, where a camera or a stream does not open."""
+    if isinstance(device, str) and "://" in device:
+        return ": is its address right, and does it play in another program?"
+    found = sorted(str(path) for path in Path("/dev").glob("video*"))
+    if not found:
+        return ": this computer shows no camera (no /dev/video*); is it plugged in, and passed on to a container?"
+    return f": there are {', '.join(found)}; another program may hold it, or this user may not (group video)"
+
+
 class Live:
     """A live source, read by a thread of its own; the newest frame wins, the others are counted as dropped.
 
@@ -77,10 +89,11 @@ class Live:
     def __init__(self, device: int | str, name: str, timeout: float, wishes: Mapping[str, float]) -> None:
         self.name, self.timeout, self.dropped, self.broken = name, timeout, 0, 0
         self.warnings: list[str] = []
+        self._is_file = isinstance(device, str) and re.search(r"^https?://[^?]*\.\w{3,4}($|\?)", device) is not None
         is_stream = isinstance(device, str) and "://" in device
         self._capture = open_capture(device, max(timeout, DEFAULT.first_picture_s) if is_stream else None)
         if not self._capture.isOpened():
-            raise LinkError(f"cannot open {name}")
+            raise LinkError(f"cannot open {name}{_hint(device)}")
         with hushed:
             self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
             self.settings = apply(self._capture, wishes)
@@ -115,7 +128,8 @@ class Live:
             raise LinkError(f"{self.name} failed: {self._failure}")
         if self._stop.is_set():
             raise ValueError(f"{self.name} is closed")
-        raise LinkError(f"{self.name} has delivered no picture for {limit:g} s")
+        hint = ": if it is a file, not a stream, download it" if self._is_file else ""
+        raise LinkError(f"{self.name} has delivered no picture for {limit:g} s{hint}")
 
     def _run(self) -> None:
         # From here on the thread alone touches the capture: OpenCV crashes when another one releases it.

@@ -79,6 +79,21 @@ class Hush:
 hushed = Hush()
 
 
+def opencv_name(name: str) -> str:
+    """Return a file's name as it is, if OpenCV can open it: one that is not UTF-8 would end the program without a word.
+
+    Raises
+    ------
+    ValueError
+        With the name.
+    """
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"OpenCV cannot open a name that is not UTF-8: rename {name!a}") from None
+    return name
+
+
 def open_capture(source: int | str, timeout: float | None = None) -> Capture:
     """Open a video with OpenCV; ask the result's `isOpened` whether it worked.
 
@@ -93,7 +108,14 @@ def open_capture(source: int | str, timeout: float | None = None) -> Capture:
     -------
     Capture
         An OpenCV capture.
+
+    Raises
+    ------
+    ValueError
+        If the name is not UTF-8.
     """
+    if isinstance(source, str):
+        opencv_name(source)
     with hushed:
         if timeout is None:
             return cv2.VideoCapture(source)

@@ -294,7 +294,8 @@ def parse_uri(uri: str) -> SimulationParameters:
     """
     path, _, query = uri.partition("?")
     if path != SCHEME + "chain":
-        raise ValueError(f"a simulated world is named like sim://chain?vehicles=3&seed=7, got {uri!r}")
+        real = "; real links do not fly yet: docs/radio.md has the way to a hover" if uri.startswith("serial:") else ""
+        raise ValueError(f"a simulated world is named like sim://chain?vehicles=3&seed=7, got {uri!r}{real}")
     pairs = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
     try:
         return msgspec.convert(pairs, SimulationParameters, strict=False)

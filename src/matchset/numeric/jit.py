@@ -49,6 +49,7 @@ from numba.core import (
 )
 from numba.core.types.functions import BaseFunction
 
+from matchset.numeric.compiling import compiling
 from matchset.numeric.kept_code import PACKAGE, KeptCode, say_once, source_stamp
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -70,6 +71,22 @@ def _put_off_scipy() -> None:
 
 
 _put_off_scipy()
+
+
+_EVENT: Any = importlib.import_module("numba.core.event")
+
+
+class _CompileListener(_EVENT.Listener):  # type: ignore[misc]
+    """Hears of what Numba compiles, not of what it finds kept."""
+
+    def on_start(self, event: Any) -> None:  # noqa: ARG002 - which kernel it is does not matter
+        compiling()
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+_EVENT.register("numba:compile", _CompileListener())
 
 
 @overload
@@ -250,13 +267,19 @@ def _piece(function: F, **options: Any) -> F:
     return cast(F, made(function))
 
 
+NO_FOLDER = (
+    "machine code cannot be kept, each start compiles it anew: no folder for it can be written; name one in "
+    "NUMBA_CACHE_DIR, and run 'matchset warm' once"
+)
+
+
 def _kept(function: F, **options: Any) -> F:
     """Compile a kernel whose machine code is kept on disk, where there is a folder for that."""
     made: Any = numba.njit(nogil=True, error_model="numpy", **options)(function)
     try:
         _find_folder(made)
-    except RuntimeError as error:  # no folder that may be written, none to be read
-        say_once("no folder", f"machine code cannot be kept, each start compiles it anew: {error}")
+    except RuntimeError:  # no folder that may be written, none to be read
+        say_once("no folder", NO_FOLDER)
         return cast(F, made)
     cache: Any = made._cache
     stamp = numba.__version__, cache._cache_file._source_stamp, source_stamp(Path(function.__code__.co_filename))

@@ -14,8 +14,7 @@ from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
-from matchset.app.progress import InstructionLine, announce_if_slow, progress_bar
-from matchset.app.track.loop import COMPILING
+from matchset.app.progress import InstructionLine, progress_bar
 from matchset.app.track.target_options import (
     LearnedTarget,
     check_target_options,
@@ -127,8 +126,7 @@ def _track(
     video: Video, frames: Iterable[Frame], target: LearnedTarget, distances: list[float], stop: StopRequest
 ) -> _BallTracks:
     """Track the ball through one source; a camera's is over when the ball was held still at every distance."""
-    with announce_if_slow(COMPILING):
-        tracker = Tracker(Circle, target.color, start=target.start)
+    tracker = Tracker(Circle, target.color, start=target.start)
     tracks = _BallTracks((video.width, video.height), [])
     pictures = 0 < (video.length or 0) <= PARAMETERS.max_pictures
     display = InstructionLine() if video.live else progress_bar("following the ball", video.length)

@@ -9,7 +9,7 @@ from typing import Annotated
 import msgspec
 import typer
 
-from matchset.app.cli_options import Force, TargetOptions, Topic
+from matchset.app.cli_options import LARGE_BALL, LARGE_SQUARE, Force, TargetOptions, Topic, unit_note
 
 CALIBRATE_EPILOG = """
 [bold]Examples[/bold]
@@ -75,6 +75,9 @@ def calibrate(options: CalibrateOptions) -> int:
     if (options.printed_board.board is None) == (options.ball_diameter is None):
         raise ValueError("give --board 9x6 --square 0.025, or --ball-diameter 0.28 --at 0.5,1.0,1.5, and not both")
     _check_outputs(options)
+    unit_note("--ball-diameter", options.ball_diameter, LARGE_BALL)
+    unit_note("--square", options.printed_board.square, LARGE_SQUARE)
+    unit_note("--charuco", options.printed_board.charuco, LARGE_SQUARE)
     if options.ball_diameter is None:
         return _with_board(options)
     if options.at is None:

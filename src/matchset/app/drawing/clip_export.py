@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 
+from matchset.image.capture import opencv_name
 from matchset.sim.clips.clip import Clip
 from matchset.sim.clips.truth import ClipTruth
 
@@ -28,8 +29,9 @@ def write_clip(clip: Clip, target: Path, truth: Path | None = None) -> None:
     Raises
     ------
     ValueError
-        If the extension is unknown, the folder exists or the video cannot be written.
+        If the extension is unknown, the name is not UTF-8, the folder exists or the video cannot be written.
     """
+    opencv_name(str(target))
     table = truth if truth is not None else target.with_suffix(".csv")
     if target.suffix == "":
         rows = _write_pictures(clip, target)

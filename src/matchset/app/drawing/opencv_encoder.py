@@ -17,7 +17,7 @@ from pathlib import Path
 import cv2
 
 from matchset.app.drawing.codecs import MJPEG, MPEG4, VP8, Codec, Film, Picture, codecs_for
-from matchset.image.capture import hushed
+from matchset.image.capture import hushed, opencv_name
 from matchset.numeric.extras import advice
 
 MPEG4_NOTE = (
@@ -47,6 +47,7 @@ class OpencvEncoder:
 
     def __init__(self, film: Film) -> None:
         codecs = codecs_for(film.path)
+        opencv_name(str(film.path))
         self._film = film
         self._writer, self._codec = _open(film, codecs)
         self.note = MPEG4_NOTE if self._codec is MPEG4 else ""
@@ -100,12 +101,23 @@ def _stated_count(path: Path) -> int:
 
 def count_pictures(path: Path) -> int:
     """Count the pictures of a film that can be read."""
-    with hushed, _silent_stderr():
-        film, count = cv2.VideoCapture(str(path)), 0
+    with hushed, _silent_stderr(), _name_in_utf8(path) as name:
+        film, count = cv2.VideoCapture(name), 0
         while film.grab():
             count += 1
         film.release()
     return count
+
+
+@contextlib.contextmanager
+def _name_in_utf8(path: Path) -> Iterator[str]:
+    """Yield a name under which OpenCV can open a file, whatever it is called."""
+    with path.open("rb") as file:
+        try:
+            name = opencv_name(str(path))
+        except ValueError:
+            name = f"/dev/fd/{file.fileno()}"
+        yield name
 
 
 def _open(film: Film, codecs: tuple[Codec, ...]) -> tuple[cv2.VideoWriter, Codec]:

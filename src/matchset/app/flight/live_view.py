@@ -18,7 +18,7 @@ from matchset.app.flight_report.step_text import (
     position_text,
     state_text,
 )
-from matchset.app.progress import RedrawnDisplay
+from matchset.app.progress import RedrawnDisplay, duration_text
 from matchset.control.follower import RelativeSetpoint
 
 COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")
@@ -90,7 +90,7 @@ class LiveView(RedrawnDisplay):
         super().__init__(self._console, REFRESHES, quiet)
         self._place, self._duration, self._quiet = place, duration, quiet
         self._start: tuple[float, float] | None = None
-        self._line_time, self._crashes = -math.inf, 0
+        self._line_time, self._crashes, self._said_left = -math.inf, 0, False
 
     def show(self, chain_step: ChainStep, counters: FlightCounters) -> None:
         """Show a step that the counters have counted."""
@@ -103,6 +103,10 @@ class LiveView(RedrawnDisplay):
         elif chain_step.time - self._line_time >= LINE_PERIOD:
             self._line_time = chain_step.time
             self._print(text_line(chain_step, counters))
+            speed = self._speed(chain_step)
+            if speed is not None and not self._said_left:
+                self._said_left = True
+                self._print(f"about {duration_text((self._duration - chain_step.time) / max(speed, 1e-3))} left")
 
     def say(self, text: str) -> None:
         """Print a line above the table."""
@@ -124,7 +128,8 @@ class LiveView(RedrawnDisplay):
 def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:
     line = Text(f"{chain_step.time:.1f} of {duration:g} s", style="bold", no_wrap=True, overflow="ellipsis")
     if speed is not None:
-        line.append(f"   {speed:.2g} times as fast as real time", style="dim not bold")
+        left = duration_text(max(duration - chain_step.time, 0.0) / max(speed, 1e-3))
+        line.append(f"   {speed:.2g} times as fast as real time, {left} left", style="dim not bold")
     for crash in chain_step.crashes:
         line.append(f"   {crash.vehicle} {crash.what}", style="bold red")
     return line

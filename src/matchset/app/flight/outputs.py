@@ -1,6 +1,7 @@
 """What shows and writes a flight while it is flown or replayed: view, video, recording, report: `FlightOutputs`."""
 
 import functools
+import shutil
 import sys
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -10,6 +11,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.closing import Closing, close_all
+from matchset.app.disk import MB, size_text
 from matchset.app.drawing.video_writer import Recorder, RecorderParameters
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
@@ -38,10 +40,14 @@ class OutputParameters(msgspec.Struct, frozen=True, kw_only=True):
         longer pause of the disk; each takes 1 MB. Chosen by hand: two seconds of two followers.
     least : int
         Steps that wait for the recording at least, and for the video. Chosen by hand.
+    film_rate : float
+        What the video is said to take at the start, MB for a second of the flight. Chosen by: 231 MB for 60 s of two
+        followers, measured.
     """
 
     pictures: int = 128
     least: int = 8
+    film_rate: float = 3.9
 
 
 class _Shown(NamedTuple):
@@ -101,6 +107,8 @@ class FlightOutputs(Closing):
                 room = max(limits.pictures // setup.followers, limits.least)
                 write = _telling("the recording", recording, lambda item: recording.write(*item), self._say)
                 self._writers.append(stack.enter_context(self._writer("the recording", write, room, real_time)))
+            if opened and not quiet:
+                print(f"note: {self._size_note(opened, parameters.duration)}", file=sys.stderr)
             stack.enter_context(self._view)
             newest = BackgroundParameters(waiting=2, drops=real_time)
             self._screen = stack.enter_context(Background("the screen", self._show, newest))
@@ -144,6 +152,15 @@ class FlightOutputs(Closing):
         if self._files.report is not None:
             closes.append(functools.partial(write_report, self.log, self._files.report))
         close_all(*closes)
+
+    def _size_note(self, opened: Sequence[Closing], duration: float) -> str:
+        """Say what film and recording will take, and what the disk has."""
+        films = sum(isinstance(each, Recorder) for each in opened) * OutputParameters().film_rate * MB
+        rate = films + sum(each.rate for each in opened if isinstance(each, RecordingWriter))
+        path = next(path for path in (self._files.record, self._files.video) if path is not None)
+        free = shutil.disk_usage(path.absolute().parent).free
+        words = f"{duration:g} s of flight take about {size_text(rate * duration)} of disk, {size_text(free)} are free"
+        return words if rate * duration < free else f"{words}: they will end early"
 
     def _writer(self, name: str, work: Work, room: int, real_time: bool) -> Background[Item]:
         return Background(name, work, BackgroundParameters(waiting=room, drops=real_time), self._say)

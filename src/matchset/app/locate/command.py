@@ -14,6 +14,7 @@ import msgspec
 import typer
 
 from matchset.app.cli_options import (
+    LARGE_BALL,
     AnnotatedVideo,
     Folder,
     Force,
@@ -24,6 +25,7 @@ from matchset.app.cli_options import (
     TargetOptions,
     Topic,
     ToStdout,
+    unit_note,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
 
@@ -112,6 +114,8 @@ def locate(options: LocateOptions) -> int:
     from matchset.image.video import Video
 
     check_options(options)
+    unit_note("--diameter", options.diameter, LARGE_BALL)
+    unit_note("--marker-diameter", options.marker_diameter, LARGE_BALL)
     ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
     loaded = load_camera(options)
     with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:

@@ -21,7 +21,7 @@ from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
 from matchset.app.track.command import DemoOptions
 from matchset.app.track.learn_command import write_picture
-from matchset.app.track.loop import COMPILING, RunStatistics, TrackedFrame, follow
+from matchset.app.track.loop import RunStatistics, TrackedFrame, follow
 from matchset.app.track.outputs import track_outputs
 from matchset.app.track.rows import TrackRow
 from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
@@ -83,10 +83,9 @@ def demonstrate_circle(options: DemoOptions) -> int:
 
 
 def _track_circle(clip: Clip, folder: Path, statistics: RunStatistics, stop: StopRequest) -> _DemoRun:
-    with announce_if_slow(COMPILING):
-        background = clip.background()
-        color = ColorModel.pick(clip.render(0, background).image, *clip.first_click)
-        tracker = Tracker(Circle, color, start=clip.first_click)
+    background = clip.background()
+    color = ColorModel.pick(clip.render(0, background).image, *clip.first_click)
+    tracker = Tracker(Circle, color, start=clip.first_click)
     frames = (clip.render(index, background) for index in range(len(clip)))
     wanted = {round((place + 0.5) * len(clip) / _SHEET_FRAMES) for place in range(_SHEET_FRAMES)}
     run = _DemoRun([], [], [])
@@ -194,10 +193,9 @@ def _track_shape(
     clip: ShapeClip, folder: Path, family: type[Any], statistics: RunStatistics, stop: StopRequest
 ) -> list[float]:
     """Track the shape through the clip; return its overlap with the truth in each frame in which it was found."""
-    with announce_if_slow(COMPILING):
-        room, (x, y) = clip.room(), clip.outline(0.0).mean(axis=0).tolist()
-        color = ColorModel.pick(clip.render(0, room).image, x, y)
-        tracker: Tracker[Any] = Tracker(family, color, start=(x, y))
+    room, (x, y) = clip.room(), clip.outline(0.0).mean(axis=0).tolist()
+    color = ColorModel.pick(clip.render(0, room).image, x, y)
+    tracker: Tracker[Any] = Tracker(family, color, start=(x, y))
     frames: Iterator[Frame] = (clip.render(index, room) for index in range(len(clip)))
     overlaps = []
     with _write_demo(clip, folder, family, statistics) as take:

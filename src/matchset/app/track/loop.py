@@ -11,7 +11,6 @@ from typing import Any, Protocol, TextIO
 import msgspec
 
 from matchset.app.exit_codes import StopRequest
-from matchset.app.progress import announce_if_slow
 from matchset.app.track.rows import TrackRow, track_row
 from matchset.app.track.target_options import LearnedTarget
 from matchset.image.frame import Frame
@@ -19,7 +18,6 @@ from matchset.image.video import Video
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
-COMPILING = "compiling kernels (only once on this machine) ..."
 UNDECODED = "frame could not be decoded"
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -115,9 +113,8 @@ def trackers_for(target: LearnedTarget, make: Callable[..., Tracker[Any]]) -> Tr
     callable
         See `TrackerAt`.
     """
-    with announce_if_slow(COMPILING):
-        searching = make(target.color)
-        clicked = None if target.start is None else make(target.color, start=target.start)
+    searching = make(target.color)
+    clicked = None if target.start is None else make(target.color, start=target.start)
     started = False
 
     def tracker_at(frame: Frame) -> FrameTracker | None:

@@ -61,7 +61,8 @@ class SerialPort(NotCopied):
             self._keep_dtr()
         except (OSError, ValueError) as error:
             self.close()
-            raise LinkError(f"cannot open {path}: {error}") from error
+            number = getattr(error, "errno", None)
+            raise LinkError(f"cannot open {path}: {os.strerror(number) if number else error}") from error
         # FTDI converters delay bytes by up to 16 ms otherwise. Not every driver or system supports it.
         with contextlib.suppress(OSError, ValueError, NotImplementedError, AttributeError):
             self._serial.set_low_latency_mode(True)

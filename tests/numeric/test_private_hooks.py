@@ -19,7 +19,8 @@ import pytest
 from numba.core import serialize
 
 from matchset.numeric import jit, kept_code
-from matchset.numeric.jit import helper, identity, kernel
+from matchset.numeric.code_identity import identity
+from matchset.numeric.jit import helper, kernel
 from matchset.numeric.kept_code import KeptCode
 
 Floats = npt.NDArray[np.float64]
@@ -172,7 +173,8 @@ def test_two_closures_of_one_function_that_hold_the_same_are_the_same() -> None:
 def test_identities_hold_in_another_process() -> None:
     """Otherwise nothing kept is found: hashes of strings and addresses differ from process to process."""
     program = (
-        "from matchset.numeric.jit import identity; from matchset.shapes.circle import _trace; print(identity(_trace))"
+        "from matchset.numeric.code_identity import identity; from matchset.shapes.circle import _trace; "
+        "print(identity(_trace))"
     )
     seeds = ("1", "2")
     said = [

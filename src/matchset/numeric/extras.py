@@ -3,6 +3,7 @@
 # format: packages of each extra, as pyproject.toml names them; tests/numeric/test_extras.py compares
 EXTRAS = {
     "av": "av>=15",
+    "gym": "gymnasium>=1.0",
     "record": "mcap>=1.6",
     "ros": "rosbags>=0.11 mcap>=1.6",
     "serial": "pyserial>=3.5",

@@ -200,7 +200,7 @@ def test_without_gymnasium_one_is_told_what_to_install(tmp_path: Path) -> None:
     (tmp_path / "gymnasium.py").write_text("raise ModuleNotFoundError('gymnasium')")
     program = "import sys; sys.path.insert(0, sys.argv[1]); import matchset as ms; ms.sim; ms.gym"
     done = subprocess.run([sys.executable, "-c", program, str(tmp_path)], capture_output=True, text=True, check=False)
-    assert "pip install 'matchset[gym]'" in done.stderr.splitlines()[-1]
+    assert "pip install 'gymnasium>=1.0'" in done.stderr.splitlines()[-1]
 
 
 def test_gymnasium_finds_it_by_its_module() -> None:

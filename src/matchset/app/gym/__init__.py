@@ -7,10 +7,12 @@ Gymnasium) and `pose_sensor` (what a picture says about the ball's pose). The pa
 
 from importlib import import_module
 
+from matchset.numeric.extras import advice
+
 try:
     import gymnasium
 except ModuleNotFoundError:
-    raise ImportError("the environments need the package gymnasium: pip install 'matchset[gym]'") from None
+    raise ImportError(f"the environments need the package gymnasium: {advice('gym')}") from None
 
 TYPE_CHECKING = False  # as in `typing`, which takes longer to import than this package
 if TYPE_CHECKING:

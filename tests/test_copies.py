@@ -167,6 +167,7 @@ def values() -> dict[str, Any]:
         "Quadrilateral": ms.Quadrilateral([(0.0, 0.0), (9.0, 1.0), (8.0, 7.0), (1.0, 6.0)]),
         "Rectangle": ms.Rectangle(10.0, 20.0, 8.0, 5.0, 0.2),
         "Track": ball,
+        "TrackerParameters": ms.TrackerParameters(),
     }
 
 
@@ -178,7 +179,7 @@ def refused(folder: Path) -> dict[str, Any]:
     return {"Video": ms.Video(folder / "one.png")}
 
 
-FUNCTIONS = {"detect"}
+FUNCTIONS = {"detect", "draw", "draw_pose", "to_supervision"}
 
 
 def written(value: object) -> object:

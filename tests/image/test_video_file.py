@@ -197,5 +197,5 @@ def test_opencv_and_ffmpeg_say_nothing_on_the_terminal(avi: Path, tmp_path: Path
     run = subprocess.run(
         [sys.executable, "-c", SILENT, *sources], capture_output=True, text=True, env=quiet, check=True
     )
-    assert run.stdout.split("\n")[:4] == ["18 2", "ValueError", "ValueError", "LinkError"]
+    assert run.stdout.split("\n")[:4] == ["18 2", "ValueError", "MissingFileError", "LinkError"]
     assert run.stderr == ""

@@ -26,11 +26,15 @@ class ConfidenceParameters(msgspec.Struct, frozen=True):
         Color score below which a shape is seen faintly, and from which clearly again.
     faint_frames : int
         Frames in which it may be seen faintly before it counts as lost.
+    noise : float
+        Pixel noise, gray levels, from which on a shape that is seen faintly must be a detection: less loses shapes
+        before coarse textures, more finds shapes in noise. Chosen by hand between uniform noise (74) and links (10).
     """
 
     faint_score: float = 0.4
     clear_score: float = 0.5
     faint_frames: int = 5
+    noise: float = 40.0
 
 
 class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True):

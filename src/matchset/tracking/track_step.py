@@ -141,7 +141,7 @@ class TrackStep(Copied, Generic[S]):
             weighed = self.fitter.weigh(estimate, image, color)
             if weighed.evidence is None or weighed.evidence < self.parameters.evidence.present:
                 self.faint += 1
-            if weighed.evidence is not None:  # chance has edge points, too, in a picture of noise
+            if weighed.evidence is not None and fit.pixel_noise > limits.noise:  # chance has edge points, too
                 rejection = self.fitter.validate_detection(weighed, Prior.HERE)
                 if rejection:
                     return rejection

@@ -114,7 +114,7 @@ def test_a_board_to_print(matchset: Matchset, capsys: pytest.CaptureFixture[str]
         ((*WORDS, "--board-picture", "a.png", "--paper", "a4"), "a .png has no paper"),
         ((*WORDS, "--board-picture", "a.pdf", "--paper", "a3"), "--paper is a4 or letter, got 'a3'"),
         (("x.mp4", *WORDS, "--paper", "a4"), "--paper belongs to --board-picture"),
-        ((*WORDS, "--board-picture", "a.png", "--board", "900x900", "--square", "0.4"), "too large to draw"),
+        ((*WORDS, "--board-picture", "a.png", "--board", "90x90", "--square", "0.5"), "too large to draw"),
         (("a", "b", *WORDS), "give one video"),
         (("gone.mp4", *WORDS), "gone.mp4"),
         (("gone.mp4", *WORDS, "-o", "camera.txt"), "must end in .toml"),

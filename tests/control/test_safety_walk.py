@@ -13,6 +13,7 @@ import pytest
 
 from matchset.control.command import Command
 from matchset.control.safety import DesiredCommand, SafetyInputs, SafetyParameters, SafetyState, safety_filter
+from walks import walk_all
 
 STEP = 0.1
 LIMITS = SafetyParameters(
@@ -98,16 +99,7 @@ def step(before: Situation, happening: Happening) -> Taken:
 @functools.cache
 def walk() -> list[Taken]:
     """Every step from every situation that can be reached."""
-    taken, new, known = [], [Situation()], {Situation()}
-    while new:
-        before = new.pop()
-        for happening in HAPPENINGS:
-            each = step(before, happening)
-            taken.append(each)
-            if each.after not in known:
-                known.add(each.after)
-                new.append(each.after)
-    return taken
+    return walk_all(Situation(), HAPPENINGS, step)
 
 
 @functools.cache

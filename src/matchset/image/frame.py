@@ -105,19 +105,14 @@ class ArrayFrames:
                 f"this {came} comes after {before}, and their times would not fit together: "
                 "make each one with ms.Frame(image, time), or hand in arrays only"
             )
-        _check_picture(picture)
-        seconds = time.monotonic() if self.fps is None else self.count / self.fps
-        frame = Frame(picture, seconds, self.count)
+        frame = _framed(picture, time.monotonic() if self.fps is None else self.count / self.fps, self.count)
         self.count += 1
         return frame
 
 
 def frame_of(picture: Picture, seconds: float = 0.0) -> Frame:
     """Return a frame as it is, an array as a frame of this time, s; TypeError or ValueError as for `ArrayFrames`."""
-    if isinstance(picture, Frame):
-        return picture
-    _check_picture(picture)
-    return Frame(picture, seconds)
+    return picture if isinstance(picture, Frame) else _framed(picture, seconds)
 
 
 def image_of(picture: Picture) -> npt.NDArray[np.uint8]:
@@ -127,13 +122,13 @@ def image_of(picture: Picture) -> npt.NDArray[np.uint8]:
     return image
 
 
-def _check_picture(picture: object) -> None:
-    """Refuse what is no array (TypeError)."""
+def _framed(picture: object, seconds: float, index: int = 0) -> Frame:
+    """Make a frame of an array; TypeError for anything else, ValueError for an array that is no picture."""
     wanted = "an array (h, w, 3) BGR or (h, w) gray of uint8, or ms.Frame(image, time)"
     if not isinstance(picture, np.ndarray):
         raise TypeError(f"a picture must be {wanted}, got {type(picture).__name__}")
     try:
-        check_image(picture)
+        return Frame(picture, seconds, index)
     except ValueError as error:
         raise ValueError(f"{error}; wanted is {wanted}") from None
 

@@ -34,6 +34,14 @@ def check_number(name: str, value: object) -> None:
         raise TypeError(f"{name} must be a number, got {value!r:.60}")
 
 
+def are_finite(*values: object) -> bool:
+    """Whether all are finite numbers; a word or None is none."""
+    try:
+        return all(map(math.isfinite, values))  # type: ignore[arg-type]
+    except TypeError:
+        return False
+
+
 def checked_count(name: str, value: object, least: int, most: int) -> int:
     """Whole number from `least` to `most`; a ValueError that shows another one, and a TypeError for no number."""
     try:

@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import are_finite
 from matchset.shapes import linear_outline as linear
 from matchset.shapes.described import Described
 
@@ -66,12 +67,7 @@ class Ellipse(Described, msgspec.Struct, frozen=True):
     parameters: ClassVar[tuple[str, ...]] = ("x", "y", "a", "b", "angle")
 
     def __post_init__(self) -> None:
-        try:
-            sound = all(math.isfinite(value) for value in (self.x, self.y, self.a, self.b, self.angle))
-            sound = sound and self.a > 0.0 and self.b > 0.0
-        except TypeError:  # a word or None
-            sound = False
-        if not sound:
+        if not (are_finite(self.x, self.y, self.a, self.b, self.angle) and self.a > 0.0 and self.b > 0.0):
             raise ValueError(f"an ellipse needs finite numbers and positive semi-axes, got {self}")
 
     @property

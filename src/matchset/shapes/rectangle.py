@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import are_finite
 from matchset.numeric.jit import kernel
 from matchset.shapes.described import Described
 from matchset.shapes.linear_outline import along_sides
@@ -76,12 +77,9 @@ class Rectangle(Described, msgspec.Struct, frozen=True):
     parameters: ClassVar[tuple[str, ...]] = ("x", "y", "width", "height", "angle")
 
     def __post_init__(self) -> None:
-        try:
-            sound = all(math.isfinite(value) for value in (self.x, self.y, self.width, self.height, self.angle))
-            sound = sound and self.width > 0.0 and self.height > 0.0
-        except TypeError:  # a word or None
-            sound = False
-        if not sound:
+        if not (
+            are_finite(self.x, self.y, self.width, self.height, self.angle) and self.width > 0.0 and self.height > 0.0
+        ):
             raise ValueError(f"a rectangle needs finite numbers and positive sides, got {self}")
 
     @property

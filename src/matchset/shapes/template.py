@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.numeric.arguments import are_finite
 from matchset.shapes import linear_outline as linear
 from matchset.shapes.described import Described
 from matchset.shapes.orientation import likely_turns, root_of, symmetries
@@ -73,12 +74,7 @@ class Similar(Described, msgspec.Struct, frozen=True, metaclass=_FamilyType):
     template: ClassVar[Template]
 
     def __post_init__(self) -> None:
-        try:
-            sound = all(math.isfinite(value) for value in (self.x, self.y, self.scale, self.angle))
-            sound = sound and self.scale > 0.0
-        except TypeError:  # a word or None
-            sound = False
-        if not sound:
+        if not (are_finite(self.x, self.y, self.scale, self.angle) and self.scale > 0.0):
             raise ValueError(f"a {type(self).__name__} needs finite numbers and a positive scale, got {self}")
 
     @property
@@ -179,12 +175,10 @@ class Affine(Described, msgspec.Struct, frozen=True, metaclass=_FamilyType):
     template: ClassVar[Template]
 
     def __post_init__(self) -> None:
-        try:
-            sound = all(math.isfinite(value) for value in (self.x, self.y, self.xx, self.xy, self.yx, self.yy))
-            sound = sound and self.xx * self.yy - self.xy * self.yx > 0.0
-        except TypeError:  # a word or None
-            sound = False
-        if not sound:
+        if not (
+            are_finite(self.x, self.y, self.xx, self.xy, self.yx, self.yy)
+            and self.xx * self.yy - self.xy * self.yx > 0.0
+        ):
             raise ValueError(f"a {type(self).__name__} needs finite numbers and a positive determinant, got {self}")
 
     @property

@@ -19,6 +19,7 @@ from matchset.control.repeated_picture import PicturesSeen
 from matchset.control.safety import DesiredCommand, SafetyParameters, SafetyState
 from matchset.links.link import Link, LinkStatus, State
 from matchset.tracking.track import Lost
+from walks import walk_all
 
 STEP, OLD = 0.1, 0.5
 NOTHING = Command()
@@ -186,16 +187,7 @@ def step(before: Situation, happening: Happening) -> Taken:
 @functools.cache
 def walk() -> list[Taken]:
     """Every step from every situation that can be reached."""
-    taken, new, known = [], [Situation()], {Situation()}
-    while new:
-        before = new.pop()
-        for happening in HAPPENINGS:
-            each = step(before, happening)
-            taken.append(each)
-            if each.after not in known:
-                known.add(each.after)
-                new.append(each.after)
-    return taken
+    return walk_all(Situation(), HAPPENINGS, step)
 
 
 def test_the_walk_is_long_and_sees_every_phase() -> None:

@@ -141,7 +141,8 @@ def work_text(flights: "Sequence[FlightParameters]", jobs: int) -> str:
     from matchset.app.progress import duration_text
 
     work = sum(each.duration * (each.world.vehicles - 1) for each in flights) * WorkParameters().seconds
-    total, at_once = duration_text(work / min(jobs, len(flights))), min(jobs, len(flights))
+    at_once = min(jobs, len(flights))
+    total = duration_text(work / at_once)
     return f"{len(flights)} flights of {flights[0].duration:g} s, {at_once} at once: about {total} of computing"
 
 

@@ -104,9 +104,8 @@ class RecordingReader:
         of_picture = {image_topic(number): number for number in numbers}
         for topic, data in self._messages:
             chain_step = None
-            if (
-                len(self.damaged) > damaged
-            ):  # the step in which the damage begins, and that in which it ends, lack something
+            # The step in which the damage begins, and that in which it ends, lack something.
+            if len(self.damaged) > damaged:
                 damaged, torn, steps, pictures = len(self.damaged), True, {}, {}
             with _naming(self.path):
                 if topic in of_picture:

@@ -4,7 +4,6 @@ import contextlib
 import os
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,7 +40,7 @@ class _Scheduling(NamedTuple):
     parameters: Any
 
 
-@contextmanager
+@contextlib.contextmanager
 def raised_priority(parameters: PriorityParameters | None = None) -> Iterator[bool]:
     """Let the calling thread run as soon as it can, before all ordinary programs; yields whether it does.
 

@@ -34,14 +34,13 @@ def test_the_thread_alone_is_raised_and_falls_back() -> None:
     assert scheduling() == before
 
 
-@pytest.mark.usefixtures("allowed")
-def test_threads_of_before_come_right_behind() -> None:
-    """The one that holds the interpreter's lock must not wait for other programs."""
-    ready, go, seen = threading.Event(), threading.Event(), list[tuple[int, int]]()
+def seen_by_another_thread(parameters: PriorityParameters) -> list[tuple[tuple[int, int], set[int]]]:
+    """Scheduling and cores of a thread that was there before: before, in and after a block."""
+    ready, go, seen = threading.Event(), threading.Event(), list[tuple[tuple[int, int], set[int]]]()
 
     def look() -> None:
         for _ in range(3):
-            seen.append(scheduling())
+            seen.append((scheduling(), os.sched_getaffinity(0)))
             ready.set()
             assert go.wait(10.0)
             go.clear()
@@ -54,12 +53,37 @@ def test_threads_of_before_come_right_behind() -> None:
     other = threading.Thread(target=look)
     other.start()
     assert ready.wait(10.0)
-    with raised_priority(PriorityParameters(level=7, behind=2)):
+    with raised_priority(parameters):
         again()
     again()
     go.set()
     other.join()
-    assert seen == [seen[0], (os.SCHED_RR, 2), seen[0]]
+    return seen
+
+
+@pytest.mark.usefixtures("allowed")
+def test_threads_of_before_come_right_behind_on_one_core() -> None:
+    """The one that holds the interpreter's lock must not wait for other programs, nor may it hold all cores."""
+    cores = os.sched_getaffinity(0)
+    if len(cores) == 1:
+        pytest.skip("this machine has one core")
+    before, within, after = seen_by_another_thread(PriorityParameters(level=7, behind=2))
+    assert within == ((os.SCHED_RR, 2), {max(cores)})
+    assert before == after
+    assert before[1] == cores
+    assert os.sched_getaffinity(0) == cores
+
+
+@pytest.mark.usefixtures("allowed")
+def test_on_one_core_the_others_stay_ordinary() -> None:
+    """Otherwise they could keep it from the kernel's own threads, which carry the bytes of a serial port."""
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
+    try:
+        before, within, after = seen_by_another_thread(PriorityParameters(level=7, behind=2))
+    finally:
+        os.sched_setaffinity(0, cores)
+    assert before == within == after
 
 
 @pytest.mark.usefixtures("allowed")

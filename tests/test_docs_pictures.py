@@ -1,0 +1,42 @@
+"""The drawings of the docs are laid out well, and those in the repository are those that the scripts draw."""
+
+import importlib.util
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from matchset.app.drawing.plot_style import svg_of
+from plot_layout import crossed, faults
+
+PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
+
+
+def script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"picture_{name}", PICTURES / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+GEOMETRY = script("geometry").FIGURES
+
+
+@pytest.mark.parametrize("name", sorted(GEOMETRY))
+def test_a_drawing_of_the_geometry_is_laid_out_well(name: str) -> None:
+    assert not faults(GEOMETRY[name]())
+    assert not crossed(GEOMETRY[name]())
+
+
+@pytest.mark.parametrize("name", sorted(GEOMETRY))
+def test_a_drawing_of_the_geometry_is_what_its_script_draws(name: str) -> None:
+    kept = (PICTURES / f"geometry_{name}.svg").read_text(encoding="utf-8")
+    assert pieces(kept) == pieces(svg_of(GEOMETRY[name](), f"geometry_{name}"))
+
+
+def pieces(svg: str) -> list[str]:
+    """What a drawing consists of, without places: libraries of another version place them elsewhere by a hair."""
+    return re.findall(r"<(?:use|path|g|text)\b", svg)

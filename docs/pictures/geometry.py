@@ -93,11 +93,11 @@ def picture_figure() -> Figure:
     pointer(axes, (left[0], left[1]), (330, 380), "the match-set", OURS)
     seen = CAMERA.project(place[np.newaxis])[0]
     dot(axes, seen, INK, 6.5)
-    note(axes, seen + (12.0, 0.0), "the center", INK, "left")
+    note(axes, np.add(seen, (12.0, 0.0)), "the center", INK, "left")
     direction = np.array((-0.75, -0.35, -0.63)) / np.linalg.norm((-0.75, -0.35, -0.63))
     spot = CAMERA.project((place + RADIUS * direction)[np.newaxis])[0]
     axes.add_patch(Ellipse((spot[0], spot[1]), 22, 27, facecolor=MARKER, edgecolor="none"))
-    note(axes, spot + (18.0, -8.0), "marker", INK, "left")
+    note(axes, np.add(spot, (18.0, -8.0)), "marker", INK, "left")
     for tip, name, color, at in (((100, 28), "x", X, (112, 28)), ((28, 100), "y", Y, (28, 118))):
         arrow(axes, (28, 28), tip, color)
         note(axes, at, name, color)
@@ -129,7 +129,7 @@ def frames_figure() -> Figure:
     dot(axes, spot, MARKER, 10.0)
     axes.plot(*center, "x", color=Y, markersize=9, markeredgewidth=2.2, zorder=7)
     pointer(axes, center, (0.64, 1.12), "y, down:\ninto the page", Y)
-    note(axes, center + (0.02, 0.34), "the ball and its frame", INK, "left")
+    note(axes, np.add(center, (0.02, 0.34)), "the ball and its frame", INK, "left")
     for tip, color, name in (((0.0, 0.32), Z, "z"), ((0.32, 0.0), X, "x")):
         arrow(axes, (0.0, 0.0), tip, color)
         note(axes, np.multiply(tip, 1.13), name, color)

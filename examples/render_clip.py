@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from matchset.app.drawing.clip_export import write_clip
+from matchset.app.films.clip_export import write_clip
 from matchset.sim.clips.clip import Clip
 
 write_clip(Clip(frames=300), Path("ball.mp4"))

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 import boards
 import matchset as ms
 from matchset.app.cli import app
-from matchset.app.drawing.clip_export import write_clip
+from matchset.app.films.clip_export import write_clip
 from matchset.app.recording.encoding import to_png
 from matchset.app.recording.mcap_file import McapWriter, Message, Topic
 from matchset.app.recording.ros_messages import RosMessages

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from matchset.app.drawing.clip_export import write_clip
+from matchset.app.films.clip_export import write_clip
 from matchset.app.locate.rows import read_poses
 from matchset.sim.clips.clip import Clip
 

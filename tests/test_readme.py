@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from benchmarks.readme import BEGIN, END, block
 
-from matchset.app.drawing.clip_export import write_clip
+from matchset.app.films.clip_export import write_clip
 from matchset.sim.clips.clip import Clip
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -60,7 +60,7 @@ def test_the_answer_is_printed_of_a_folder_whose_name_is_no_text(ball_video: Pat
 
 
 def test_a_film_whose_name_opencv_cannot_take_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from matchset.app.drawing.video_writer import Recorder
+    from matchset.app.films.video_writer import Recorder
 
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(ValueError, match="not UTF-8: rename"):

@@ -16,8 +16,8 @@ from chain_flight import Flown
 
 from matchset.app.closing import close_all
 from matchset.app.disk import FreeSpace, SpaceParameters, UnfinishedFileError, WholeFile
-from matchset.app.drawing.video_writer import Recorder, RecorderParameters
 from matchset.app.exit_codes import errors_in_one_line
+from matchset.app.films.video_writer import Recorder, RecorderParameters
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.writer import RecordingWriter
 from matchset.app.tables import Column, RowWriter

@@ -16,7 +16,7 @@ from benchmarks.lost.killed import kill_film, record_until_killed
 from benchmarks.lost.runs import RUNS, write_clip
 from chain_flight import Flown
 
-from matchset.app.drawing.video_writer import Recorder
+from matchset.app.films.video_writer import Recorder
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.recording.reader import RecordingReader

@@ -10,7 +10,7 @@ import pytest
 from blue_ball import Matchset
 
 from matchset.app.disk import WholeFile
-from matchset.app.drawing.video_writer import Recorder
+from matchset.app.films.video_writer import Recorder
 from matchset.app.run_folder import check_outputs, check_run
 from matchset.app.tables import Column, RowWriter
 

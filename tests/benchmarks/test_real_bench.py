@@ -28,7 +28,7 @@ from benchmarks.real.section import run
 from benchmarks.real.starts import CLICKS, Start, beginnings, starts_of
 
 import matchset as ms
-from matchset.app.drawing.clip_export import write_clip
+from matchset.app.films.clip_export import write_clip
 from matchset.app.track.score import Circle3, TruthRow, score
 from matchset.sim.clips.clip import Clip as RenderedClip
 

@@ -72,7 +72,7 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         ValueError
             If a name has a wrong ending, a file exists, is read, or cannot be written, or a package is missing.
         """
-        from matchset.app.drawing.codecs import codecs_for
+        from matchset.app.films.codecs import codecs_for
         from matchset.app.run_folder import check_outputs
 
         check_outputs(self.paths, inputs, force)

@@ -12,7 +12,7 @@ import msgspec
 
 from matchset.app.closing import Closing, close_all
 from matchset.app.disk import MB, size_text
-from matchset.app.drawing.video_writer import Recorder, RecorderParameters
+from matchset.app.films.video_writer import Recorder, RecorderParameters
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.log import FlightLog

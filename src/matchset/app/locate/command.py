@@ -138,7 +138,7 @@ def locate(options: LocateOptions) -> int:
 
 def _check_outputs(options: LocateOptions) -> None:
     """Check the outputs before anything is opened or loaded."""
-    from matchset.app.drawing.codecs import codecs_for
+    from matchset.app.films.codecs import codecs_for
     from matchset.app.run_folder import check_run
 
     names = "poses.csv", "poses.png", *(("poses.jsonl",) if options.jsonl else ())

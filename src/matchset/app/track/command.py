@@ -109,7 +109,7 @@ def track(options: TrackOptions) -> int:
 
 def _check_track(options: TrackOptions) -> None:
     """Check the outputs before anything is opened or loaded."""
-    from matchset.app.drawing.codecs import codecs_for
+    from matchset.app.films.codecs import codecs_for
     from matchset.app.run_folder import check_run
 
     names = "tracks.csv", *(("tracks.jsonl",) if options.jsonl else ())

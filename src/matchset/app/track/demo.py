@@ -15,8 +15,8 @@ import numpy.typing as npt
 from rich.console import Console
 
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
-from matchset.app.drawing.video_writer import Recorder
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.films.video_writer import Recorder
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
 from matchset.app.track.command import DemoOptions

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from matchset.app.closing import Closing, close_all
 from matchset.app.drawing.annotate import annotate
-from matchset.app.drawing.video_writer import Recorder
 from matchset.app.exit_codes import discard_stdout
+from matchset.app.films.video_writer import Recorder
 from matchset.app.progress import display_for
 from matchset.app.run_folder import output_file
 from matchset.app.tables import Cell, RowWriter, json_line

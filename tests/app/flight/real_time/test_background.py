@@ -9,7 +9,7 @@ import pytest
 from blue_ball import Matchset
 from chain_flight import Flown
 
-from matchset.app.drawing.video_writer import Recorder
+from matchset.app.films.video_writer import Recorder
 from matchset.app.flight.live_view import LiveView
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs

@@ -8,10 +8,10 @@ import msgspec
 
 from matchset.app.closing import Closing
 from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileError, name_beside
-from matchset.app.drawing.codecs import Encoder, Film, Picture, codecs_for
-from matchset.app.drawing.ffmpeg_encoder import open_ffmpeg_encoder
-from matchset.app.drawing.opencv_encoder import OpencvEncoder, count_pictures
-from matchset.app.drawing.pyav_encoder import open_pyav_encoder
+from matchset.app.films.codecs import Encoder, Film, Picture, codecs_for
+from matchset.app.films.ffmpeg_encoder import open_ffmpeg_encoder
+from matchset.app.films.opencv_encoder import OpencvEncoder, count_pictures
+from matchset.app.films.pyav_encoder import open_pyav_encoder
 from matchset.numeric.copies import NotCopied
 
 

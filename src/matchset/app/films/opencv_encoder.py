@@ -16,7 +16,7 @@ from pathlib import Path
 
 import cv2
 
-from matchset.app.drawing.codecs import MJPEG, MPEG4, VP8, Codec, Film, Picture, codecs_for
+from matchset.app.films.codecs import MJPEG, MPEG4, VP8, Codec, Film, Picture, codecs_for
 from matchset.image.capture import hushed, opencv_name
 from matchset.numeric.extras import advice
 
@@ -33,7 +33,7 @@ _BUFFERED = 1 << 20  # format: bytes; FFmpeg keeps a quarter of this back, and O
 
 
 class OpencvEncoder:
-    """Packs a film with OpenCV; implements `matchset.app.drawing.codecs.Encoder`.
+    """Packs a film with OpenCV; implements `matchset.app.films.codecs.Encoder`.
 
     Parameters
     ----------

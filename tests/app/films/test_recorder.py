@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from matchset.app.disk import UnfinishedFileError
-from matchset.app.drawing import codecs
-from matchset.app.drawing.codecs import Codec
-from matchset.app.drawing.opencv_encoder import set_frame_rate
-from matchset.app.drawing.video_writer import Recorder
+from matchset.app.films import codecs
+from matchset.app.films.codecs import Codec
+from matchset.app.films.opencv_encoder import set_frame_rate
+from matchset.app.films.video_writer import Recorder
 
 SIZE = 64, 48
 

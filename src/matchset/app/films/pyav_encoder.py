@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from matchset.app.disk import WholeFile
-from matchset.app.drawing.codecs import EVEN, Film, Picture, codecs_for
+from matchset.app.films.codecs import EVEN, Film, Picture, codecs_for
 
 
 class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -92,7 +92,7 @@ def open_pyav_encoder(film: Film) -> "PyavEncoder | None":
 
 
 class PyavEncoder:
-    """Packs a film with PyAV; implements `matchset.app.drawing.codecs.Encoder`.
+    """Packs a film with PyAV; implements `matchset.app.films.codecs.Encoder`.
 
     Parameters
     ----------

@@ -14,8 +14,8 @@ import tempfile
 
 import numpy as np
 
-from matchset.app.drawing.codecs import EVEN, Film, Picture
-from matchset.app.drawing.pyav_encoder import PACKING
+from matchset.app.films.codecs import EVEN, Film, Picture
+from matchset.app.films.pyav_encoder import PACKING
 
 ENCODERS = ("libx264", "libopenh264")  # format: names of FFmpeg's encoders of H.264 that need no graphics card
 _FULL = "No space left on device"
@@ -42,7 +42,7 @@ def _encoder_of(program: str) -> str | None:
 
 
 class FfmpegEncoder:
-    """Packs a film with the program `ffmpeg`; implements `matchset.app.drawing.codecs.Encoder`.
+    """Packs a film with the program `ffmpeg`; implements `matchset.app.films.codecs.Encoder`.
 
     Parameters
     ----------

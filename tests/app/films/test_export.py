@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.app.drawing.clip_export import write_clip
+from matchset.app.films.clip_export import write_clip
 from matchset.sim.clips.clip import Clip
 
 CLIP = Clip(frames=3, width=160, height=120, radii=(8.0, 30.0), hidden=((1, 2),))

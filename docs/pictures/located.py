@@ -1,5 +1,9 @@
-"""Draw what `matchset locate` makes: `python docs/pictures/located.py`, from the root of the repository."""
+"""Draw what `matchset locate` makes: `python docs/pictures/located.py`, from the root of the repository.
 
+A frame of its video as a picture, and the two figures of `poses.png` as SVG, for light and dark pages.
+"""
+
+import itertools
 import math
 import tempfile
 from pathlib import Path
@@ -7,18 +11,24 @@ from pathlib import Path
 import cv2
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from matchset.app.cli_options import TargetOptions
-from matchset.app.locate.command import LocateOptions, MarkerOptions, locate
+from matchset.app.drawing.plot_style import write_svg
+from matchset.app.exit_codes import StopRequest
+from matchset.app.locate.annotate_pose import annotate_pose
+from matchset.app.locate.command import LocateOptions, MarkerOptions
+from matchset.app.locate.loop import PathLog, locate_frames
+from matchset.app.locate.options import ball_target, locator_for
+from matchset.app.locate.path_picture import coordinates_figure, top_figure
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=450.0, cx=319.5, cy=239.5, distortion=(-0.2, 0.0, 0.0, 0.0, 0.0)
 )
 FRAMES, SHOWN = 150, 62
+RADIUS, QUALITY = 0.14, 82  # m; WebP
 
 
 def place(time: float) -> npt.NDArray[np.float64]:
@@ -31,40 +41,41 @@ def turn(time: float) -> Rotation:
     return Rotation.from_euler("y", 180.0 + 35.0 * math.sin(1.3 * time), degrees=True)
 
 
-def locate_flight(folder: Path) -> None:
-    """Render the flight and run the command on it."""
+def flight(folder: Path) -> LocateOptions:
+    """Render the flight; return the options of the command for it."""
     video = cv2.VideoWriter(str(folder / "flight.avi"), cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (640, 480))
     for frame in BallFlightClip(camera=CAMERA, place=place, turn=turn, frames=FRAMES, seed=104, preset="typical"):
         video.write(frame.image)
     video.release()
-    CAMERA.save(folder / "camera.toml")
-    options = LocateOptions(
+    return LocateOptions(
         source=str(folder / "flight.avi"),
         target=TargetOptions(pick="319,254"),
         marker=MarkerOptions(marker_pick="319,239"),
-        camera=folder / "camera.toml",
-        diameter=0.28,
-        out=folder / "out",
-        video=folder / "out.avi",
+        diameter=2.0 * RADIUS,
     )
-    locate(options)
+
+
+def locate_as_the_command(options: LocateOptions) -> tuple[PathLog, npt.NDArray[np.uint8]]:
+    """Do what the command does with its options; return the path, and the annotated frame to show."""
+    ball, path = ball_target(options.diameter, None, None, True), PathLog()
+    with StopRequest() as stop, ms.Video(options.source) as video:
+        locator, taken = locator_for(options, video, CAMERA, ball)
+        located = list(path.record(locate_frames(itertools.chain(taken, video), locator, gaps=True, stop=stop)))
+    shown = located[SHOWN]
+    assert shown.frame is not None
+    return path, annotate_pose(shown.frame, shown, CAMERA, RADIUS)
 
 
 def main() -> None:
-    """Write docs/pictures/located.jpg."""
+    """Write docs/pictures/located.webp, located_top.svg and located_coordinates.svg."""
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        locate_flight(folder)
-        shown = cv2.VideoCapture(str(folder / "out.avi"))
-        shown.set(cv2.CAP_PROP_POS_FRAMES, SHOWN)
-        frame = np.asarray(shown.read()[1])
-        path = np.asarray(cv2.imread(str(folder / "out" / "poses.png")))
-    wide = round(path.shape[1] * frame.shape[0] / path.shape[0])
-    small = cv2.resize(path, (wide, frame.shape[0]), interpolation=cv2.INTER_AREA)
-    both = np.hstack((frame, small))[..., ::-1]
-    target = Path(__file__).with_name("located.jpg")
-    Image.fromarray(np.ascontiguousarray(both)).save(target, quality=90, subsampling=0)
-    print(f"{target}: {target.stat().st_size // 1000} kB")
+        path, shown = locate_as_the_command(flight(Path(name)))
+    folder = Path(__file__).parent
+    cv2.imwrite(str(folder / "located.webp"), shown, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
+    write_svg(top_figure(path, CAMERA), folder / "located_top.svg")
+    write_svg(coordinates_figure(path), folder / "located_coordinates.svg")
+    for each in sorted(folder.glob("located*.[sw]*")):
+        print(f"{each}: {each.stat().st_size // 1000} kB")
 
 
 if __name__ == "__main__":

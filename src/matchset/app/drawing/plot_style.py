@@ -264,8 +264,9 @@ def rolling(values: Sequence[float] | Floats, window: int, percentile: float) ->
     return result
 
 
-def picture_of(figure: Figure) -> npt.NDArray[np.uint8]:
-    """Draw a figure as a picture, (h, w, 3), BGR."""
+def picture_of(figure: Figure, scale: float = 1.0) -> npt.NDArray[np.uint8]:
+    """Draw a figure as a picture, (h, w, 3), BGR; `scale` times as large as the size it was made for."""
+    figure.set_dpi(scale * DPI)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]

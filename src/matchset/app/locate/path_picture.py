@@ -5,20 +5,45 @@ import math
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
-from matchset.app.drawing.curves import INK, PALE, PINK, figure_of, picture_of, style_axes
+from matchset.app.drawing.plot_style import (
+    DASHES,
+    INK,
+    OURS,
+    PAPER,
+    QUIET,
+    SERIES,
+    TEXT,
+    LineLabel,
+    figure_of,
+    label_lines,
+    linear_ticks,
+    log_ticks,
+    picture_of,
+    style_axes,
+    title,
+)
 from matchset.app.locate.loop import PathLog
 from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
 
 SIGMAS = 2.0  # geometry: half-width of the shaded bands, standard deviations
+SIZE_PX = 540, 560  # format: of each of the two figures; letters can be read on a phone
+SCALE = 1.37  # format: of the picture with both
+AXIS_COLORS = (OURS, SERIES[1], SERIES[0])  # format: of x, y and z
 _MAX_ELLIPSES = 600  # geometry: more make the picture no clearer
+_MOST_MARKS = 9  # format: round times along the path
+_GAP_POINTS = 7.0  # format: from a mark to its time
+_SLOPE = 0.35  # geometry: words stand above or below a path that is flatter, beside one that is steeper
 _AXIS_LABELS = ("x, m (right)", "y, m (down)", "z, m (forward)")
 
 
-def path_picture(path: PathLog, camera: CameraModel, size: tuple[int, int] = (1480, 760)) -> npt.NDArray[np.uint8]:
+def path_picture(path: PathLog, camera: CameraModel) -> npt.NDArray[np.uint8]:
     """Plot where the ball was: from above, and each coordinate over time, with bands of two standard deviations.
 
     Parameters
@@ -27,67 +52,156 @@ def path_picture(path: PathLog, camera: CameraModel, size: tuple[int, int] = (14
         With the ball located in at least one frame.
     camera : CameraModel
         The camera, at the origin.
-    size : tuple of two ints
-        Width and height of the picture, px.
 
     Returns
     -------
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
-    figure = figure_of(size)
-    grid = figure.add_gridspec(
-        3, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.985, top=0.94, bottom=0.08, wspace=0.14, hspace=0.14
-    )
-    _draw_top(figure.add_subplot(grid[:, 0]), path, camera)
-    curves = [figure.add_subplot(grid[axis, 1]) for axis in range(3)]
-    for axis, axes in enumerate(curves):
-        _draw_coordinate(axes, path, axis)
-    for axes in curves[:-1]:
-        axes.tick_params(labelbottom=False)
-    curves[0].set_title("each coordinate over time", loc="left", color=INK, fontsize=11)
-    curves[-1].set_xlabel("time since the first frame, s")
-    for axes in figure.axes:
-        style_axes(axes)
-    figure.axes[0].grid(color="#eeeeee")
-    return picture_of(figure)
+    return np.hstack([picture_of(each, SCALE) for each in (top_figure(path, camera), coordinates_figure(path))])
 
 
-def _draw_top(axes: Axes, path: PathLog, camera: CameraModel) -> None:
+def top_figure(path: PathLog, camera: CameraModel) -> Figure:
     """Draw the path from above: x to the right, z up, the camera with its field of view at the origin."""
+    figure, (axes,) = figure_of(SIZE_PX)
+    style_axes(axes, grid="both")
     position = path.position
     x, z = position[:, 0], position[:, 2]
-    found = np.flatnonzero(np.isfinite(x))
-    _frame_top(axes, float(np.nanmax(np.abs(x))), float(np.nanmax(z)))
-    some = found[:: max(1, math.ceil(len(found) / _MAX_ELLIPSES))]
-    axes.add_collection(PolyCollection(_ellipses(path, some), facecolor=PINK, edgecolor="none", alpha=0.10))
-    axes.plot(x, z, color=PINK, linewidth=1.4)
-    for index, words, marker in ((found[0], "first", "o"), (found[-1], "last", "s")):
-        axes.plot(x[index], z[index], marker, color=INK, markersize=5)
-        axes.annotate(words, (x[index], z[index]), xytext=(7, 4), textcoords="offset points", color=INK, fontsize=9)
-    _draw_camera(axes, camera, axes.get_ylim()[1])
     axes.set_xlabel("x, m (right)")
     axes.set_ylabel("z, m (forward)")
-    axes.set_title(f"from above; shaded: ±{SIGMAS:.0f} standard deviations", loc="left", color=INK, fontsize=11)
+    linear_ticks(axes.xaxis)
+    linear_ticks(axes.yaxis)
+    title(axes, f"from above; shaded: ±{SIGMAS:.0f} standard deviations")
+    _frame(axes, float(np.nanmax(np.abs(x))), float(np.nanmax(z)))
+    found = np.flatnonzero(np.isfinite(x))
+    some = found[:: max(1, math.ceil(len(found) / _MAX_ELLIPSES))]
+    axes.add_collection(PolyCollection(_ellipses(path, some), facecolor=OURS, edgecolor="none", alpha=0.14))
+    axes.plot(x, z, color=OURS, linewidth=1.6)
+    _draw_camera(axes, camera)
+    _mark_times(axes, path)
+    return figure
 
 
-def _frame_top(axes: Axes, wide: float, far: float) -> None:
-    """Show x to both sides and z from the camera on, with the same scale for both."""
-    box = axes.get_window_extent()
-    height = max(1.25 * far, 2.3 * wide * box.height / box.width)
-    width = height * box.width / box.height
-    axes.set_xlim(-0.5 * width, 0.5 * width)
-    axes.set_ylim(-0.07 * height, 0.93 * height)
+def coordinates_figure(path: PathLog) -> Figure:
+    """Draw x, y and z over time with their bands, and below them their standard deviations."""
+    figure, rows = figure_of(SIZE_PX, (1.0, 1.0, 1.0, 1.15))
+    time, lost = path.time, path.time[~np.isfinite(path.position[:, 0])]
+    for axis, (axes, color) in enumerate(zip(rows[:3], AXIS_COLORS, strict=True)):
+        value, band = path.position[:, axis], SIGMAS * path.std[:, axis]
+        axes.fill_between(time, value - band, value + band, color=color, alpha=0.3, linewidth=0)
+        axes.plot(time, value, "-" if len(time) > 1 else "o", color=color, linewidth=1.3)
+        if len(lost):
+            across = axes.get_xaxis_transform()
+            axes.plot(lost, np.full(len(lost), 0.02), "|", color=INK, markersize=6, transform=across, clip_on=False)
+        axes.set_ylabel(_AXIS_LABELS[axis])
+        linear_ticks(axes.yaxis, 4)
+    shaded = f"shaded: ±{SIGMAS:.0f} standard deviations"
+    title(rows[0], f"position; {shaded if not len(lost) else 'ticks below: where it was not found'}")
+    _draw_deviations(rows[3], time, 1000.0 * path.std)
+    return figure
 
 
-def _draw_camera(axes: Axes, camera: CameraModel, far: float) -> None:
+def _draw_deviations(axes: Axes, time: Floats, std_mm: Floats) -> None:
+    """Draw the standard deviations on a logarithmic axis, each with its name and median at its end."""
+    labels = []
+    for name, values, color in zip("xyz", np.maximum(std_mm, 1e-6).T, AXIS_COLORS, strict=True):
+        axes.plot(time, values, "-" if len(time) > 1 else "o", color=color, linewidth=1.3)
+        last = float(values[np.isfinite(values)][-1])
+        labels.append(LineLabel(f"{name}: {float(np.nanmedian(values)):.2g}", last, color))
+    log_ticks(axes.yaxis, 0.6 * float(np.nanmin(std_mm)), 1.7 * float(np.nanmax(std_mm)))
+    linear_ticks(axes.xaxis)
+    axes.set_xlabel("time since the first frame, s")
+    axes.set_ylabel("σ, mm")
+    title(axes, "standard deviation; at the right: its median, mm")
+    label_lines(axes, labels)
+
+
+def _frame(axes: Axes, wide: float, far: float) -> None:
+    """Show x to both sides and z from the camera on, with the same scale for both; the layout is fixed from here on."""
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    FigureCanvasAgg(figure)
+    for _ in range(3):  # the numbers at the axes and the room for them depend on each other
+        figure.draw_without_rendering()
+        box = axes.get_window_extent()
+        height = max(1.22 * far, 2.5 * wide * box.height / box.width)
+        width = height * box.width / box.height
+        axes.set_xlim(-0.5 * width, 0.5 * width)
+        axes.set_ylim(-0.07 * height, 0.93 * height)
+    figure.set_layout_engine("none")
+
+
+def _draw_camera(axes: Axes, camera: CameraModel) -> None:
     """Draw the borders of the picture as seen from above, as far as the lens model has directions there."""
-    middle = camera.cy
+    limits, middle, far = axes.get_xlim(), camera.cy, axes.get_ylim()[1]
     for ray in camera.rays(((-0.5, middle), (camera.width - 0.5, middle))):
         if ray[2] > 0.0:
-            axes.plot((0.0, far * ray[0] / ray[2]), (0.0, far), color=PALE, linewidth=1.0, linestyle=(0, (4, 4)))
+            axes.plot((0.0, far * ray[0] / ray[2]), (0.0, far), color=QUIET, linewidth=1.0, linestyle=DASHES)
     axes.plot(0.0, 0.0, "^", color=INK, markersize=9)
-    axes.annotate("camera", (0.0, 0.0), xytext=(9, -3), textcoords="offset points", color=INK, fontsize=9)
+    axes.annotate(
+        "camera", (0.0, 0.0), xytext=(10, 0), textcoords="offset points", color=INK, fontsize=TEXT, va="center"
+    )
+    axes.set_xlim(limits)
+
+
+def _mark_times(axes: Axes, path: PathLog) -> None:
+    """Mark the first and the last place and those at round times; a time that would lie on another is left out."""
+    found, time = np.flatnonzero(np.isfinite(path.position[:, 0])), path.time
+    first, last = int(found[0]), int(found[-1])
+    step = _round_step(float(time[last] - time[first]))
+    rounds = np.arange(math.ceil(time[first] / step), math.floor(time[last] / step) + 1) * step
+    at = {first: f"{time[first]:.3g} s"} | ({last: f"{time[last]:.3g} s"} if last > first else {})
+    for each in rounds:
+        at.setdefault(int(found[np.argmin(np.abs(time[found] - each))]), f"{each:g}")
+    places = axes.transData.transform(path.position[found][:, (0, 2)])
+    taken: list[Bbox] = []
+    for index, words in at.items():
+        end = index in (first, last)
+        spot = path.position[index, (0, 2)]
+        if _write_aside(axes, words, spot, places, taken) or end:
+            axes.plot(*spot, "o", color=OURS, markersize=8 if end else 5, markeredgecolor=PAPER, zorder=5)
+
+
+def _write_aside(axes: Axes, words: str, spot: Floats, places: Floats, taken: list[Bbox]) -> bool:
+    """Write beside a point of the path, where neither that (`places`, px) nor other words are; say if there is room."""
+    outward = _outward(places, axes.transData.transform(spot))
+    for turn in (0.0, math.pi, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0):
+        u, v = math.cos(outward + turn), math.sin(outward + turn)
+        text = axes.annotate(
+            words,
+            (float(spot[0]), float(spot[1])),
+            xytext=(u * _GAP_POINTS, v * _GAP_POINTS),
+            textcoords="offset points",
+            color=INK,
+            fontsize=TEXT,
+            ha="left" if u > _SLOPE else "right" if u < -_SLOPE else "center",
+            va="bottom" if v > _SLOPE else "top" if v < -_SLOPE else "center",
+        )
+        box = text.get_window_extent()
+        if not box.count_contains(places) and not any(box.overlaps(other) for other in taken):
+            taken.append(box)
+            return True
+        text.remove()
+    return False
+
+
+def _outward(places: Floats, at: Floats) -> float:
+    """Angle of the direction across a path, away from its middle; rad."""
+    index = int(np.argmin(np.hypot(*(places - at).T)))
+    near = places[max(index - 2, 0) : index + 3]
+    along = near[-1] - near[0]
+    across = np.array((-along[1], along[0]))
+    if across @ (at - places.mean(axis=0)) < 0.0:
+        across = -across
+    return math.atan2(across[1], across[0])
+
+
+def _round_step(duration: float) -> float:
+    """Least round number of seconds that divides a duration into few parts."""
+    if not duration > 0.0:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(duration / _MOST_MARKS))
+    return next(power * step for step in (1.0, 2.0, 5.0, 10.0) if power * step * _MOST_MARKS >= duration)
 
 
 def _ellipses(path: PathLog, some: npt.NDArray[np.intp]) -> list[Floats]:
@@ -98,16 +212,3 @@ def _ellipses(path: PathLog, some: npt.NDArray[np.intp]) -> list[Floats]:
     circle = SIGMAS * np.column_stack((np.cos(angles), np.sin(angles)))
     middle = path.position[some][:, (0, 2)]
     return list(middle[:, None, :] + np.einsum("nij,kj->nki", root, circle))
-
-
-def _draw_coordinate(axes: Axes, path: PathLog, axis: int) -> None:
-    time, value, std = path.time, path.position[:, axis], path.std[:, axis]
-    axes.fill_between(time, value - SIGMAS * std, value + SIGMAS * std, color=PINK, alpha=0.35, linewidth=0)
-    axes.plot(time, value, color=PINK, linewidth=0.8)
-    lost = time[~np.isfinite(value)]
-    across = axes.get_xaxis_transform()
-    axes.plot(lost, np.full(len(lost), 0.02), "|", color=INK, markersize=6, transform=across, clip_on=False)
-    typical_mm = 1000.0 * SIGMAS * float(np.nanmedian(std))
-    words = f"±{SIGMAS:.0f} standard deviations: {typical_mm:.1f} mm (median)"
-    axes.text(1.0, 1.0, words, transform=axes.transAxes, ha="right", va="bottom", color=INK, fontsize=9)
-    axes.set_ylabel(_AXIS_LABELS[axis])

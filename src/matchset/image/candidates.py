@@ -231,12 +231,15 @@ def _fit_circle(points: Floats) -> CircleTuple | None:
         if len(inliers) < PROPOSAL.min_fit:
             return None
         mean = inliers.mean(axis=0)
-        shifted = inliers - mean
-        squares = (shifted**2).sum(axis=1)
-        design = np.column_stack([shifted, np.ones(len(inliers))])
-        solution = np.linalg.lstsq(design, squares, rcond=None)[0]
-        center = solution[:2] / 2.0
-        radius = float(np.sqrt(max(solution[2] + (center**2).sum(), 1e-9)))
+        x, y = (inliers - mean).T
+        squares = x * x + y * y
+        # About the mean the sums of x and y vanish, and the normal equations are two.
+        xx, xy, yy, xq, yq = float(x @ x), float(x @ y), float(y @ y), float(x @ squares), float(y @ squares)
+        determinant = xx * yy - xy * xy
+        if not determinant > 1e-9 * xx * yy:
+            return None
+        center = np.array((xq * yy - yq * xy, yq * xx - xq * xy)) / (2.0 * determinant)
+        radius = float(np.sqrt(max(float(squares.mean()) + float(center @ center), 1e-9)))
         residual = np.abs(np.hypot(*(points - mean - center).T) - radius)
         inliers = points[residual < max(PROPOSAL.fit_tolerance * radius, PROPOSAL.fit_tolerance_px)]
     if len(inliers) < PROPOSAL.min_inliers * len(points):

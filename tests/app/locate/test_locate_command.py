@@ -219,7 +219,7 @@ def test_a_camera_that_goes_away_leaves_whole_files(
     begin: int,
 ) -> None:
     """The marker may be clicked in a later frame than the ball; no frame is told twice."""
-    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
+    monkeypatch.setattr("matchset.app.locate.run.Video", FakeCamera)
     options = "--pick", BLUE, "--marker-pick", PURPLE + at, "--print", "-o", "out", "--video", "out.webm"
     assert matchset("locate", "0", *BALL, *options) == 3
     captured = capsys.readouterr()

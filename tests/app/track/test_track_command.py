@@ -162,7 +162,7 @@ class FakeCamera:
 def test_a_camera_that_goes_away_leaves_whole_files(
     matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
+    monkeypatch.setattr("matchset.app.track.run.Video", FakeCamera)
     assert matchset("track", "0", "--pick", "50,60", "--print", "-o", "out", "--video", "out.webm") == 3
     captured = capsys.readouterr()
     lines = [json.loads(line) for line in captured.out.splitlines()]

@@ -10,9 +10,9 @@ from matchset.app.calibrate.board_sheet import PAPERS, as_pdf, as_svg, board_she
 from matchset.app.calibrate.board_views import BoardViews, look_for_board
 from matchset.app.calibrate.command import BoardOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
+from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
 from matchset.app.run_folder import output_file, output_folder
-from matchset.app.track.learn_command import write_picture
 from matchset.camera.board import Board
 from matchset.camera.calibrate import Calibration, calibrate
 from matchset.camera.calibration_report import CalibrationReport, grade_calibration

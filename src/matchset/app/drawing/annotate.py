@@ -54,7 +54,9 @@ def as_color(image: Picture) -> Picture:
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), np.uint8) if image.ndim == 2 else image.copy()
 
 
-def draw_circle(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False) -> None:
+def draw_circle(
+    image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False, thickness: int = 0
+) -> None:
     """Draw a circle's outline, to a sixteenth of a pixel.
 
     Parameters
@@ -67,8 +69,10 @@ def draw_circle(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLIN
         BGR.
     dashed : bool
         Whether to draw dashes, for a prediction.
+    thickness : int
+        Of the line, px; 0: as it suits the picture's size.
     """
-    thickness = 2 if min(image.shape[:2]) > 900 else 1
+    thickness = thickness or (2 if min(image.shape[:2]) > 900 else 1)
     if math.hypot(shape.x, shape.y) + shape.radius > 2**20:
         return
     center, radius = (_fixed(shape.x), _fixed(shape.y)), max(_fixed(shape.radius), 1)
@@ -79,15 +83,23 @@ def draw_circle(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLIN
         cv2.ellipse(image, center, (radius, radius), 0.0, start, start + 11, color, thickness, cv2.LINE_AA, _SHIFT)
 
 
-def draw_shape(image: Picture, shape: Any, color: tuple[int, int, int] = OUTLINE, dashed: bool = False) -> None:
-    """Draw the outline of any shape, as `draw_circle` does."""
+def draw_shape(
+    image: Picture,
+    shape: Any,
+    color: tuple[int, int, int] = OUTLINE,
+    dashed: bool = False,
+    scale: float = 1.0,
+    thickness: int = 0,
+) -> None:
+    """Draw the outline of any shape, as `draw_circle` does; into a frame that was resized by a scale."""
     if isinstance(shape, Circle):
-        draw_circle(image, shape, color, dashed)
+        x, y = ((value + 0.5) * scale - 0.5 for value in (shape.x, shape.y))
+        draw_circle(image, Circle(x, y, shape.radius * scale), color, dashed, thickness)
         return
-    corners = outline(shape, 180)
+    corners = (outline(shape, 180) + 0.5) * scale - 0.5
     if np.abs(corners).max() > 2**20:
         return
-    thickness = 2 if min(image.shape[:2]) > 900 else 1
+    thickness = thickness or (2 if min(image.shape[:2]) > 900 else 1)
     if not dashed:
         fixed = np.rint(corners * (1 << _SHIFT)).astype(np.int32).reshape(-1, 1, 2)
         cv2.polylines(image, [fixed], True, color, thickness, cv2.LINE_AA, _SHIFT)

@@ -1,4 +1,4 @@
-"""Text in pictures: `draw_text` with a TrueType font (it has ± and °), anti-aliased; letters are cached."""
+"""Text in pictures: `draw_text` with a TrueType font (it has ± and °), anti-aliased; `wrapped` breaks it into lines."""
 
 import functools
 import importlib.util
@@ -57,6 +57,32 @@ def draw_text(
 def text_width(text: str, size: int = 14) -> int:
     """Return the width of a line of text, px."""
     return int(_line(text, size).shape[1])
+
+
+def wrapped(text: str, width: int, size: int = 14) -> list[str]:
+    """Break a text into lines between its words; a word that is wider than a line is broken itself.
+
+    Parameters
+    ----------
+    text : str
+    width : int
+        Of a line, px.
+    size : int
+        Size of the font, px.
+    """
+    lines = [""]
+    for word in text.split(" "):
+        longer = f"{lines[-1]} {word}" if lines[-1] else word
+        if text_width(longer, size) <= width:
+            lines[-1] = longer
+            continue
+        if lines[-1]:
+            lines.append("")
+        for letter in word:
+            if lines[-1] and text_width(lines[-1] + letter, size) > width:
+                lines.append("")
+            lines[-1] += letter
+    return [line.strip() for line in lines]
 
 
 @functools.lru_cache(maxsize=256)

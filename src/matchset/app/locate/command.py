@@ -3,12 +3,8 @@
 This module is loaded for every `matchset --help`; the functions import what they need.
 """
 
-import functools
-import itertools
-import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import msgspec
 import typer
@@ -27,13 +23,7 @@ from matchset.app.cli_options import (
     ToStdout,
     unit_note,
 )
-from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
-
-if TYPE_CHECKING:
-    from matchset.app.locate.loop import LocatedFrame, PathLog
-    from matchset.app.track.outputs import Outputs, Picture
-    from matchset.camera.camera_model import CameraModel
-    from matchset.image.video import Video
+from matchset.app.exit_codes import EXIT_CODES
 
 LOCATE_EPILOG = f"""
 [bold]Examples[/bold]
@@ -106,34 +96,13 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
 def locate(options: LocateOptions) -> int:
     """Say where a ball of known size is, in meters, and the camera as the ball's markers see it."""
     _check_outputs(options)
-    from matchset.app.locate.loop import PathLog, locate_frames
-    from matchset.app.locate.options import ball_target, camera_for, check_options, load_camera, locator_for
-    from matchset.app.run_folder import output_folder
-    from matchset.app.track.loop import RunStatistics, print_summary
-    from matchset.app.track.outputs import write_frames
-    from matchset.image.video import Video
+    from matchset.app.locate.options import check_options
+    from matchset.app.locate.run import run_locate
 
     check_options(options)
     unit_note("--diameter", options.diameter, LARGE_BALL)
     unit_note("--marker-diameter", options.marker_diameter, LARGE_BALL)
-    ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
-    loaded = load_camera(options)
-    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
-        camera = camera_for(video, options, loaded)
-        locator, taken = locator_for(options, video, camera, ball)
-        folder = output_folder(options.out, "locate", options.force)
-        statistics, path = RunStatistics(), PathLog()
-        outputs = _outputs(options, video, functools.partial(_annotated, camera, ball.radius), folder)
-        try:
-            located = locate_frames(itertools.chain(taken, video), locator, gaps=not video.live, stop=stop)
-            write_frames(path.record(located), outputs, statistics, video, options.to_stdout, "locating")
-        finally:
-            files = _finish(options, folder, path, camera)
-            print_summary(video, statistics, "locating", files, sys.stderr if options.to_stdout else sys.stdout)
-    if stop:
-        print("note: stopped; the files hold what was done so far", file=sys.stderr)
-        return stop.code
-    return FOUND if statistics.found else NOT_FOUND
+    return run_locate(options)
 
 
 def _check_outputs(options: LocateOptions) -> None:
@@ -141,40 +110,9 @@ def _check_outputs(options: LocateOptions) -> None:
     from matchset.app.films.codecs import codecs_for
     from matchset.app.run_folder import check_run
 
-    names = "poses.csv", "poses.png", *(("poses.jsonl",) if options.jsonl else ())
+    names = "poses.csv", "poses.png", "why.png", *(("poses.jsonl",) if options.jsonl else ())
     colors = [*(options.target.color or ()), *(options.marker.marker_color or ())]
     inputs = [options.source, options.camera, options.markers, options.params, *colors]
     check_run(options.out, names, [options.video], inputs, options.force)
     if options.video is not None:
         codecs_for(options.video)
-
-
-def _annotated(camera: "CameraModel", radius: float, located: "LocatedFrame") -> "Picture | None":
-    from matchset.app.locate.annotate_pose import annotate_pose
-
-    return None if located.frame is None else annotate_pose(located.frame, located, camera, radius)
-
-
-def _outputs(
-    options: LocateOptions, video: "Video", draw: "Callable[[LocatedFrame], Picture | None]", folder: Path
-) -> "Outputs[LocatedFrame]":
-    from matchset.app.locate.rows import pose_table
-    from matchset.app.track.outputs import Outputs, recorder_for
-
-    recorder = recorder_for(options.video, video, options.force, options.source)
-    return Outputs(pose_table(folder, options.jsonl), draw, recorder)
-
-
-def _finish(options: LocateOptions, folder: Path, path: "PathLog", camera: "CameraModel") -> list[Path]:
-    """Draw the path, if there is one; return the files of the run."""
-    from matchset.app.progress import announce_if_slow
-    from matchset.app.track.learn_command import write_picture
-
-    files = [folder / "poses.csv", folder / "poses.jsonl" if options.jsonl else None, options.video]
-    if path.any_found:
-        with announce_if_slow("drawing the path ..."):
-            from matchset.app.locate.path_picture import path_picture
-
-            write_picture(folder / "poses.png", path_picture(path, camera))
-        files.append(folder / "poses.png")
-    return [each for each in files if each is not None]

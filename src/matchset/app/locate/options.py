@@ -202,12 +202,15 @@ def camera_for(video: Video, options: LocateOptions, loaded: CameraModel | None)
     return camera
 
 
-def locator_for(
-    options: LocateOptions, video: Video, camera: CameraModel, ball: BallTarget
-) -> tuple[Locator, tuple[Frame, ...]]:
-    """Make what tracks and locates the ball; return it with frames taken from a live source (see `targets_for`)."""
-    target, marker_color, taken = targets_for(options.source, video, options.target, options.marker)
+def locator_of(
+    options: LocateOptions,
+    target: LearnedTarget,
+    marker_color: ColorModel | None,
+    camera: CameraModel,
+    ball: BallTarget,
+) -> Locator:
+    """Make what tracks and locates the ball, and the markers of a color, if there are any."""
     marker_tracker = None if marker_color is None else MarkerTracker(marker_color, ball)
     parameters = tracker_parameters(options.params)
     make = functools.partial(Tracker, Circle, points=options.points, parameters=parameters)
-    return Locator(trackers_for(target, make), marker_tracker, Localizer(camera, ball)), taken
+    return Locator(trackers_for(target, make), marker_tracker, Localizer(camera, ball))

@@ -3,10 +3,6 @@
 This module is loaded for every `matchset --help`; the functions import what they need.
 """
 
-import functools
-import itertools
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -26,9 +22,8 @@ from matchset.app.cli_options import (
     Topic,
     ToStdout,
     shape_file,
-    source_words,
 )
-from matchset.app.exit_codes import EXIT_CODES, FOUND, NOT_FOUND, StopRequest
+from matchset.app.exit_codes import EXIT_CODES, FOUND
 
 TRACK_EPILOG = f"""
 [bold]Examples[/bold]
@@ -74,37 +69,9 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
 def track(options: TrackOptions) -> int:
     """Follow a ball, or another shape, through a video or before a camera, and write it for every frame."""
     _check_track(options)
-    from matchset.app.parameters_file import tracker_parameters
-    from matchset.app.run_folder import output_folder
-    from matchset.app.track.loop import RunStatistics, follow, print_summary, trackers_for
-    from matchset.app.track.outputs import recorder_for, track_outputs, write_frames
-    from matchset.app.track.shape_option import parse_shape
-    from matchset.app.track.target_options import check_target_options, target_for
-    from matchset.image.video import Video
-    from matchset.tracking.tracker import Tracker
+    from matchset.app.track.run import run_track
 
-    check_target_options(options.target, shlex.join(source_words(options.source, options.topic)))
-    family = parse_shape(options.shape)
-    parameters = tracker_parameters(options.params)
-    make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
-    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
-        target, taken = target_for(options.source, video, options.target)
-        tracker_at = trackers_for(target, make)
-        folder = output_folder(options.out, "track", options.force)
-        statistics = RunStatistics()
-        try:
-            recorder = recorder_for(options.video, video, options.force, options.source)
-            outputs = track_outputs(folder, family.parameters, options.jsonl, recorder)
-            frames = follow(itertools.chain(taken, video), tracker_at, gaps=not video.live, stop=stop)
-            write_frames(frames, outputs, statistics, video, options.to_stdout)
-        finally:
-            files = [folder / "tracks.csv", folder / "tracks.jsonl" if options.jsonl else None, options.video]
-            written = [path for path in files if path is not None]
-            print_summary(video, statistics, "tracking", written, sys.stderr if options.to_stdout else sys.stdout)
-    if stop:
-        print("note: stopped; the files hold what was done so far", file=sys.stderr)
-        return stop.code
-    return FOUND if statistics.found else NOT_FOUND
+    return run_track(options)
 
 
 def _check_track(options: TrackOptions) -> None:
@@ -112,7 +79,7 @@ def _check_track(options: TrackOptions) -> None:
     from matchset.app.films.codecs import codecs_for
     from matchset.app.run_folder import check_run
 
-    names = "tracks.csv", *(("tracks.jsonl",) if options.jsonl else ())
+    names = "tracks.csv", "why.png", *(("tracks.jsonl",) if options.jsonl else ())
     inputs = [options.source, shape_file(options.shape), options.params, *(options.target.color or ())]
     check_run(options.out, names, [options.video], inputs, options.force)
     if options.video is not None:

@@ -15,12 +15,12 @@ import numpy.typing as npt
 from rich.console import Console
 
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
+from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.films.video_writer import Recorder
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
 from matchset.app.track.command import DemoOptions
-from matchset.app.track.learn_command import write_picture
 from matchset.app.track.loop import RunStatistics, TrackedFrame, follow
 from matchset.app.track.outputs import track_outputs
 from matchset.app.track.rows import TrackRow

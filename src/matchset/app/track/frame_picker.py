@@ -1,27 +1,21 @@
-"""One frame of a video: a given one (`frame_at`), or one that shows something ball-like (`ball_like_frame`)."""
+"""One frame of a video: a given one (`frame_at`), which may not be black where it was clicked (`lit_frame_at`)."""
 
 from itertools import islice
-from typing import Any
 
 import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.candidates import Candidate, find_candidates
-from matchset.image.circle_score import SCORE
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 
 
 class PickerParameters(msgspec.Struct, frozen=True):
-    """Which frames of a video are looked at for something ball-like.
+    """Which frames are black, and how long to wait for another.
 
     Parameters
     ----------
-    samples : int
-        Frames spread over the video: more find a ball that is visible for a short time, and take longer. Chosen by
-        hand; `tests/app/track/test_learn_command.py` shows a change.
     warm_up : int
         Frames of a camera that are skipped until its automatic exposure has settled. Chosen by hand; no benchmark has
         a camera.
@@ -35,7 +29,6 @@ class PickerParameters(msgspec.Struct, frozen=True):
         Frames that are read behind a black one in search of another.
     """
 
-    samples: int = 24
     warm_up: int = 15
     dark: int = 24
     dark_part: int = 4
@@ -104,58 +97,3 @@ def is_black(image: npt.NDArray[np.uint8]) -> bool:
     """Whether a picture is black all over, noise aside."""
     size = [max(1, side // PARAMETERS.dark_part) for side in image.shape[1::-1]]
     return int(cv2.resize(image, size, interpolation=cv2.INTER_AREA).max()) < PARAMETERS.dark
-
-
-def ball_like_frame(video: Video) -> tuple[Frame, list[Candidate]]:
-    """Choose a frame: the first with a convincing candidate among some spread over the video.
-
-    Parameters
-    ----------
-    video : Video
-        Not yet read. Of a live source, a frame is taken once the exposure has settled.
-
-    Returns
-    -------
-    tuple of Frame and list of Candidate
-        The frame and its candidates; if none is convincing, those of the best frame. It is never a black one.
-
-    Raises
-    ------
-    ValueError
-        If the video holds no frames but black ones.
-    """
-    if video.live:
-        frame = lit_frame_at(video, PARAMETERS.warm_up)
-        return frame, find_candidates(frame.image)
-    step = max(1, (video.length or 10 * PARAMETERS.samples) // PARAMETERS.samples)
-    best: tuple[float, Frame, list[Candidate]] | None = None
-    for frame in video:
-        if frame.index % step and best is not None:
-            continue
-        if is_black(frame.image):
-            continue
-        found = find_candidates(frame.image)
-        score = found[0].score if found else 0.0
-        if best is None or score > best[0]:
-            best = score, frame, found
-        if score >= SCORE.convincing or frame.index > 2 * PARAMETERS.samples * step:
-            break
-    if best is None:
-        raise ValueError("the video holds no frames but black ones")
-    return best[1], best[2]
-
-
-def pick_in(frame: Frame, number: int, found: list[Candidate] | None = None) -> tuple[float, float]:
-    """Return the point at which to click for a candidate of a frame, by its number from 1.
-
-    Raises
-    ------
-    ValueError
-        If there is no such candidate.
-    """
-    candidates: list[Any] = find_candidates(frame.image) if found is None else found
-    if not 1 <= number <= len(candidates):
-        have = f"candidates 1 ... {len(candidates)}" if candidates else "no ball-like candidates"
-        raise ValueError(f"there is no candidate {number} in frame {frame.index}: it has {have}")
-    x, y = candidates[number - 1].pick
-    return float(x), float(y)

@@ -1,24 +1,26 @@
 """`matchset learn`: show ball-like circles in a frame (`show_candidates`), or save a color (`learn_color`)."""
 
-import shlex
+from collections.abc import Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
-import numpy.typing as npt
 
 from matchset.app.cli_options import source_words
-from matchset.app.drawing.annotate import as_color
+from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND
+from matchset.app.guidance.candidate_tiles import candidate_tiles, mask_picture
+from matchset.app.guidance.choice import Choice, choose
+from matchset.app.guidance.explain import PARAMETERS, explain_refused_click
+from matchset.app.guidance.next_command import Run, shell_command
+from matchset.app.guidance.why_picture import covered, percent
 from matchset.app.run_folder import output_file, output_folder
 from matchset.app.track.command import LearnOptions
-from matchset.app.track.frame_picker import ball_like_frame, lit_frame_at
+from matchset.app.track.frame_picker import lit_frame_at
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.shape_option import parse_shape
-from matchset.app.track.target_options import parse_pick
-from matchset.image.candidates import Candidate, find_candidates
+from matchset.app.track.target_options import RefusedClickError, color_at, parse_pick
+from matchset.image.candidates import Candidate
 from matchset.image.color import ColorModel
-from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.shapes.circle import Circle
@@ -39,7 +41,13 @@ def learn_color(options: LearnOptions) -> int:
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
     with Video(options.source, topic=options.topic) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
-    color = ColorModel.pick(frame.image, x, y)
+        live = video.live
+    try:
+        color = color_at(frame, x, y)
+    except RefusedClickError as refused:
+        run = Run("learn", options.source, options.topic, family, f"{x:g},{y:g}@{frame.index}", live=live)
+        explain_refused_click(refused, run, output_folder(None, "learn"))
+        raise
     path = (
         output_folder(None, "learn") / "ball.npz"
         if options.out is None
@@ -50,13 +58,22 @@ def learn_color(options: LearnOptions) -> int:
     write_picture(picture, mask_picture(frame.image, color))
     print(f"color saved:  {path}")
     print(f"look at it:   {picture}")
-    print("The ball should be bright, all else dark. Then type:\n")
+    _print_cover(frame, color)
     words = ("--shape", options.shape) if family is not Circle else ()
     if words:
         found = detect(frame, family, color)
         print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
     print(f"  {shell_command('track', *source_words(options.source, options.topic), '--color', str(path), *words)}")
     return FOUND
+
+
+def _print_cover(frame: Frame, color: ColorModel) -> None:
+    """Say how much of the picture a color covers, and what to do if that is much."""
+    share = covered(frame.image, color)
+    words = f"The color covers {percent(100.0 * share)} of frame {frame.index}"
+    if share > PARAMETERS.wide:
+        words += ": narrow it, by a click on a spot of the ball whose color is nowhere else"
+    print(f"{words}. The ball should be bright, all else dark. Then type:\n")
 
 
 def show_candidates(options: LearnOptions) -> int:
@@ -68,98 +85,92 @@ def show_candidates(options: LearnOptions) -> int:
         The exit code.
     """
     parse_shape(options.shape)
-    with Video(options.source, topic=options.topic) as video:
-        if options.frame is None:
-            frame, found = ball_like_frame(video)
-        else:
-            frame = lit_frame_at(video, options.frame)
-            found = find_candidates(frame.image)
-        live = video.live
+    choice, live = _choose(options)
+    frame, found = choice.frame, choice.candidates
     if options.out is None:
         path = output_folder(None, "learn") / f"frame-{frame.index}.png"
     else:
         path = output_file(options.out, options.force, options.source)
-    write_picture(path, grid_picture(frame.image, found))
+    colors = [_color_of(frame, each) for each in found]
+    picture = grid_picture(frame.image, found)
+    if found:
+        picture = np.hstack([picture, candidate_tiles(frame.image, found, colors, picture.shape[0])])
+    write_picture(path, picture)
     print(f"frame {frame.index} with a pixel grid: {path}\n")
     if found:
-        _print_candidates(found)
+        _print_candidates(frame, found, colors)
     else:
         print("nothing ball-like was found in it")
     if live:
-        _print_commands_for_camera(options, frame, found, path)
+        _print_commands_for_camera(options, choice, colors, path)
     else:
         _print_commands(source_words(options.source, options.topic), frame, found)
     return FOUND if found else NOT_FOUND
 
 
-def _print_candidates(found: list[Candidate]) -> None:
-    print("ball-like:    x      y  radius")
-    for number, candidate in enumerate(found, start=1):
-        print(f"  {number}    {candidate.x:6.0f} {candidate.y:6.0f} {candidate.radius:7.0f}")
+def _choose(options: LearnOptions) -> tuple[Choice, bool]:
+    """Choose the frame and order its candidates; also whether the source is live."""
+    given: Frame | None = None
+    with Video(options.source, topic=options.topic) as video:
+        if options.frame is not None:
+            given = lit_frame_at(video, options.frame)
+        if given is None or video.live:
+            return choose(video, given), video.live
+    with Video(options.source, topic=options.topic) as video:
+        return choose(video, given), False
 
 
-def _print_commands(source: tuple[str, ...], frame: Frame, found: list[Candidate]) -> None:
-    if found:
-        print("\nIf the ball is number 1, type:\n")
-        print(f"  {shell_command('track', *source, '--candidate', f'1@{frame.index}')}")
-        print("\nIf it has no number, read a pixel on it from the grid and put it in:\n")
-    else:
-        print("\nRead a pixel on the ball from the grid and put it in:\n")
+def _color_of(frame: Frame, candidate: Candidate) -> ColorModel | None:
+    try:
+        return ColorModel.pick(frame.image, *candidate.pick)
+    except ValueError:
+        return None
+
+
+def _print_candidates(frame: Frame, found: Sequence[Candidate], colors: Sequence[ColorModel | None]) -> None:
+    print("ball-like:    x      y  radius   click at   its color covers")
+    for number, (candidate, color) in enumerate(zip(found, colors, strict=True), start=1):
+        x, y = candidate.pick
+        share = "-" if color is None else percent(100.0 * covered(frame.image, color))
+        place = f"{candidate.x:6.0f} {candidate.y:6.0f} {candidate.radius:7.0f}"
+        print(f"  {number}    {place}   {f'{x},{y}':<9s}  {share}")
+
+
+def _print_commands(source: tuple[str, ...], frame: Frame, found: Sequence[Candidate]) -> None:
     height, width = frame.image.shape[:2]
-    x, y = found[0].pick if found else (width // 2, height // 2)
-    print(f"  {shell_command('track', *source, '--pick', f'{x},{y}@{frame.index}')}")
+    if found:
+        x, y = found[0].pick
+        print("\nIf the ball is number 1, type:\n")
+        print(f"  {shell_command('track', *source, '--pick', f'{x},{y}@{frame.index}')}")
+        print("\nIf it has another number, put its click in. If it has none, read a pixel on it from the grid.")
+        return
+    print("\nRead a pixel on the ball from the grid and put it in:\n")
+    print(f"  {shell_command('track', *source, '--pick', f'{width // 2},{height // 2}@{frame.index}')}")
 
 
-def _print_commands_for_camera(options: LearnOptions, frame: Frame, found: list[Candidate], path: Path) -> None:
+def _print_commands_for_camera(
+    options: LearnOptions, choice: Choice, colors: Sequence[ColorModel | None], path: Path
+) -> None:
     """Save the frame and every candidate's color: the ball will have moved when the next command is typed."""
+    frame, found = choice.frame, choice.candidates
     still = output_file(path.with_name(f"{path.stem}-still.png"), options.force, options.source)
     write_picture(still, frame.image)
-    for number, candidate in enumerate(found, start=1):
-        try:
-            color = ColorModel.pick(frame.image, *candidate.pick)
-        except ValueError:
+    saved: list[tuple[int, Path]] = []
+    for number, color in enumerate(colors, start=1):
+        if color is None:
             continue
         file = output_file(path.with_name(f"candidate-{number}.npz"), options.force, options.source)
         color.save(file)
-        if number == 1:
-            print("\nIf the ball is number 1, type (the others' colors are saved beside it):\n")
-            print(f"  {shell_command('track', options.source, '--color', str(file))}")
+        saved.append((number, file))
+    if saved:
+        number, file = saved[0]
+        others = ", ".join(str(each) for each, _ in saved[1:])
+        beside = f" (saved beside it: the colors of {others})" if others else ""
+        print(f"\nIf the ball is number {number}, type{beside}:\n")
+        print(f"  {shell_command('track', options.source, '--color', str(file))}")
+    missing = ", ".join(str(number) for number, color in enumerate(colors, start=1) if color is None)
+    if missing:
+        print(f"\nNo color could be learned of: {missing}")
     print("\nIf it has no number, read a pixel on it from the grid and learn its color:\n")
     x, y = found[0].pick if found else (frame.image.shape[1] // 2, frame.image.shape[0] // 2)
     print(f"  {shell_command('learn', str(still), '--pick', f'{x},{y}')}")
-
-
-def shell_command(*words: str) -> str:
-    """Return a command of matchset, quoted for a shell."""
-    return shlex.join(("matchset", *words))
-
-
-def mask_picture(image: npt.NDArray[np.uint8], color: ColorModel) -> npt.NDArray[np.uint8]:
-    """Darken the pixels that do not have the target's color.
-
-    Parameters
-    ----------
-    image : ndarray of shape (h, w, 3) or (h, w), uint8
-        A picture.
-    color : ColorModel
-        The target's color.
-
-    Returns
-    -------
-    ndarray of shape (h, 2 w, 3), uint8
-        The picture, and beside it the picture with only the target bright.
-    """
-    plain = as_color(image)
-    masked = np.where(color.mask(image)[..., None] > 0, plain, plain // 6).astype(np.uint8)
-    return np.hstack([plain, masked])
-
-
-def write_picture(path: Path, image: npt.NDArray[np.uint8]) -> None:
-    """Write a picture, whole or not at all; ValueError if it cannot be written."""
-    good, packed = cv2.imencode(path.suffix, image)
-    if not good:
-        raise ValueError(f"cannot write a picture as {path.suffix}")
-    try:
-        write_whole(path, packed.tobytes())
-    except OSError as error:
-        raise ValueError(f"cannot write {path}: {error.strerror}") from error

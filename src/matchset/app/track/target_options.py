@@ -9,7 +9,8 @@ from typing import Any
 import msgspec
 
 from matchset.app.cli_options import TargetOptions
-from matchset.app.track.frame_picker import ball_like_frame, frame_at, lit_frame_at, pick_in
+from matchset.app.guidance.choice import choose
+from matchset.app.track.frame_picker import frame_at, lit_frame_at
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
@@ -17,6 +18,24 @@ from matchset.image.video import Video
 _PICK = re.compile(r"\s*(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*(?:@\s*(\d{1,9})\s*)?")
 _CANDIDATE = re.compile(r"\s*(\d{1,9})\s*(?:@\s*(\d{1,9})\s*)?")
 _HSV = re.compile(r"\s*(\d+),(\d+),(\d+)\s*:\s*(\d+),(\d+),(\d+)\s*")
+
+
+class RefusedClickError(ValueError):
+    """A click in the picture from which no color could be learned.
+
+    Parameters
+    ----------
+    words : str
+        Why.
+    frame : Frame
+        Where it was.
+    click : tuple of two floats
+        px.
+    """
+
+    def __init__(self, words: str, frame: Frame, click: tuple[float, float]) -> None:
+        super().__init__(words)
+        self.frame, self.click = frame, click
 
 
 class LearnedTarget(msgspec.Struct, frozen=True):
@@ -79,11 +98,13 @@ def target_without_picture(options: TargetOptions) -> LearnedTarget | None:
     return LearnedTarget(functools.reduce(operator.or_, models)) if models else None
 
 
-def target_in(video: Video, options: TargetOptions) -> tuple[LearnedTarget, Frame]:
+def target_in(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, Frame]:
     """Learn the target from a picture of the video.
 
     Parameters
     ----------
+    source : str
+        What was opened: a file may be opened once more.
     video : Video
         Not yet read; it is read up to the picture.
     options : TargetOptions
@@ -98,17 +119,38 @@ def target_in(video: Video, options: TargetOptions) -> tuple[LearnedTarget, Fram
         x, y, index = parse_pick(options.pick)
         frame = lit_frame_at(video, index or 0)
     else:
-        number, index = parse_candidate(options.candidate or "")
-        if index is None:
-            frame, found = ball_like_frame(video)
-            x, y = pick_in(frame, number, found)
-        else:
-            frame = frame_at(video, index)
-            x, y = pick_in(frame, number)
-    color = ColorModel.pick(frame.image, x, y)
+        frame, (x, y) = _candidate_in(source, video, options.candidate or "")
+    color = color_at(frame, x, y)
     if color.note:
         print("note: " + color.note, file=sys.stderr)
     return LearnedTarget(color, (x, y), frame.index), frame
+
+
+def _candidate_in(source: str, video: Video, text: str) -> tuple[Frame, tuple[int, int]]:
+    """Find the frame and the pixel of a candidate, numbered as `learn` numbers them."""
+    number, index = parse_candidate(text)
+    given = None if index is None else frame_at(video, index)
+    if given is None or video.live:
+        choice = choose(video, given)
+    else:
+        with Video(source, topic=video.topic) as again:
+            choice = choose(again, given)
+    count = len(choice.candidates)
+    if not 1 <= number <= count:
+        have = f"candidates 1 ... {count}" if count else "no ball-like candidates"
+        raise ValueError(f"there is no candidate {number} in frame {choice.frame.index}: it has {have}")
+    return choice.frame, choice.candidates[number - 1].pick
+
+
+def color_at(frame: Frame, x: float, y: float) -> ColorModel:
+    """Learn the color at a click; `RefusedClickError` where none can be learned, ValueError outside of the picture."""
+    try:
+        return ColorModel.pick(frame.image, x, y)
+    except ValueError as error:
+        rows, columns = frame.image.shape[:2]
+        if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
+            raise
+        raise RefusedClickError(str(error), frame, (x, y)) from error
 
 
 def target_for(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, tuple[Frame, ...]]:
@@ -136,10 +178,10 @@ def target_for(source: str, video: Video, options: TargetOptions) -> tuple[Learn
                 lit_frame_at(second, known.frame)
         return known, ()
     if video.live:
-        target, frame = target_in(video, options)
+        target, frame = target_in(source, video, options)
         return msgspec.structs.replace(target, frame=frame.index), (frame,)
     with Video(source, topic=video.topic) as second:
-        target, _ = target_in(second, options)
+        target, _ = target_in(source, second, options)
     return target, ()
 
 

@@ -1,0 +1,103 @@
+"""The run of `matchset locate`: from its options to files, a summary, and what to do where nothing was found."""
+
+import functools
+import itertools
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from matchset.app.drawing.picture_file import write_picture
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.guidance.explain import Explainer, explain_refused_click
+from matchset.app.guidance.next_command import Run, kept_options
+from matchset.app.locate.annotate_pose import annotate_pose
+from matchset.app.locate.command import LocateOptions
+from matchset.app.locate.loop import LocatedFrame, Locator, PathLog, locate_frames
+from matchset.app.locate.options import ball_target, camera_for, load_camera, locator_of, targets_for
+from matchset.app.locate.rows import pose_table
+from matchset.app.progress import announce_if_slow
+from matchset.app.run_folder import output_folder
+from matchset.app.track.loop import RunStatistics, print_summary
+from matchset.app.track.outputs import Outputs, Picture, recorder_for, write_frames
+from matchset.app.track.target_options import RefusedClickError
+from matchset.camera.camera_model import CameraModel
+from matchset.image.video import Video
+
+_KEPT = {
+    "camera": "--camera",
+    "fov": "--fov",
+    "diameter": "--diameter",
+    "marker_diameter": "--marker-diameter",
+    "markers": "--markers",
+    "points": "--points",
+    "params": "--params",
+    "fps": "--fps",
+}
+_KEPT_MARKER = {"marker_pick": "--marker-pick", "marker_color": "--marker-color"}
+
+
+def run_locate(options: LocateOptions) -> int:
+    """Follow and locate what the options say, write the files, and print a summary.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
+    loaded = load_camera(options)
+    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
+        camera = camera_for(video, options, loaded)
+        command = _command(options, video.live)
+        try:
+            target, marker_color, taken = targets_for(options.source, video, options.target, options.marker)
+        except RefusedClickError as refused:
+            explain_refused_click(refused, command, output_folder(options.out, "locate", options.force))
+            raise
+        locator: Locator = locator_of(options, target, marker_color, camera, ball)
+        folder = output_folder(options.out, "locate", options.force)
+        statistics, path, explainer = RunStatistics(), PathLog(), Explainer(command, target)
+        outputs = _outputs(options, video, functools.partial(_annotated, camera, ball.radius), folder)
+        out = sys.stderr if options.to_stdout else sys.stdout
+        try:
+            located = locate_frames(itertools.chain(taken, video), locator, gaps=not video.live, stop=stop)
+            watched = explainer.watch(path.record(located))
+            write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")
+        finally:
+            files = _finish(options, folder, path, camera)
+            print_summary(video, statistics, "locating", files, out)
+        if not stop:
+            explainer.explain(folder, out)
+    if stop:
+        print("note: stopped; the files hold what was done so far", file=sys.stderr)
+        return stop.code
+    return FOUND if statistics.found else NOT_FOUND
+
+
+def _command(options: LocateOptions, live: bool) -> Run:
+    """Describe the command for what is said where nothing was found."""
+    kept = kept_options(options, _KEPT) + kept_options(options.marker, _KEPT_MARKER)
+    return Run("locate", options.source, options.topic, clicked=options.target.pick or "", kept=kept, live=live)
+
+
+def _annotated(camera: CameraModel, radius: float, located: LocatedFrame) -> Picture | None:
+    return None if located.frame is None else annotate_pose(located.frame, located, camera, radius)
+
+
+def _outputs(
+    options: LocateOptions, video: Video, draw: Callable[[LocatedFrame], Picture | None], folder: Path
+) -> Outputs[LocatedFrame]:
+    recorder = recorder_for(options.video, video, options.force, options.source)
+    return Outputs(pose_table(folder, options.jsonl), draw, recorder)
+
+
+def _finish(options: LocateOptions, folder: Path, path: PathLog, camera: CameraModel) -> list[Path]:
+    """Draw the path, if there is one; return the files of the run."""
+    files = [folder / "poses.csv", folder / "poses.jsonl" if options.jsonl else None, options.video]
+    if path.any_found:
+        with announce_if_slow("drawing the path ..."):
+            from matchset.app.locate.path_picture import path_picture
+
+            write_picture(folder / "poses.png", path_picture(path, camera))
+        files.append(folder / "poses.png")
+    return [each for each in files if each is not None]

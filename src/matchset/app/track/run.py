@@ -1,0 +1,68 @@
+"""The run of `matchset track`: from its options to files, a summary, and what to do where nothing was found."""
+
+import functools
+import itertools
+import shlex
+import sys
+from typing import Any
+
+from matchset.app.cli_options import source_words
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.guidance.explain import Explainer, explain_refused_click
+from matchset.app.guidance.next_command import Run, kept_options
+from matchset.app.parameters_file import tracker_parameters
+from matchset.app.run_folder import output_folder
+from matchset.app.track.command import TrackOptions
+from matchset.app.track.loop import RunStatistics, follow, print_summary, trackers_for
+from matchset.app.track.outputs import recorder_for, track_outputs, write_frames
+from matchset.app.track.shape_option import parse_shape
+from matchset.app.track.target_options import RefusedClickError, check_target_options, target_for
+from matchset.image.video import Video
+from matchset.tracking.tracker import Tracker
+
+_KEPT = {"points": "--points", "params": "--params", "fps": "--fps"}
+
+
+def run_track(options: TrackOptions) -> int:
+    """Follow what the options say, write the files, and print a summary.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    check_target_options(options.target, shlex.join(source_words(options.source, options.topic)))
+    family = parse_shape(options.shape)
+    parameters = tracker_parameters(options.params)
+    make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
+    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
+        command = _command(options, family, video.live)
+        try:
+            target, taken = target_for(options.source, video, options.target)
+        except RefusedClickError as refused:
+            explain_refused_click(refused, command, output_folder(options.out, "track", options.force))
+            raise
+        tracker_at = trackers_for(target, make)
+        folder = output_folder(options.out, "track", options.force)
+        statistics, explainer = RunStatistics(), Explainer(command, target)
+        out = sys.stderr if options.to_stdout else sys.stdout
+        try:
+            recorder = recorder_for(options.video, video, options.force, options.source)
+            outputs = track_outputs(folder, family.parameters, options.jsonl, recorder)
+            frames = follow(itertools.chain(taken, video), tracker_at, gaps=not video.live, stop=stop)
+            write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
+        finally:
+            files = [folder / "tracks.csv", folder / "tracks.jsonl" if options.jsonl else None, options.video]
+            print_summary(video, statistics, "tracking", [path for path in files if path is not None], out)
+        if not stop:
+            explainer.explain(folder, out)
+    if stop:
+        print("note: stopped; the files hold what was done so far", file=sys.stderr)
+        return stop.code
+    return FOUND if statistics.found else NOT_FOUND
+
+
+def _command(options: TrackOptions, family: type[Any], live: bool) -> Run:
+    """Describe the command for what is said where nothing was found."""
+    clicked = options.target.pick or ""
+    return Run("track", options.source, options.topic, family, clicked, kept_options(options, _KEPT), live)

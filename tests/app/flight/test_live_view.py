@@ -40,7 +40,7 @@ def test_the_view_has_a_row_for_each_follower(flown: Flown) -> None:
     Console(file=out, width=110).print(render_view(chain_step, counters, PLACE, 60.0, 2.04))
     head, names, first, second, reason, *_ = out.getvalue().splitlines()
     assert head.startswith("0.4 of 60 s   2 times as fast as real time")
-    assert all(name in names for name in COLUMNS)
+    assert all(column.name in names for column in COLUMNS)
     assert first.split()[:4] == ["1", "→", "2", "flying"]
     assert [word for word in first.split() if word in ("67", "30.0/s", "0")] == ["67", "30.0/s", "0"]
     distance = float(first.split()[4])
@@ -48,6 +48,28 @@ def test_the_view_has_a_row_for_each_follower(flown: Flown) -> None:
     assert second.split()[3:5] == ["holding", "-"]
     assert second.rstrip().endswith("1")
     assert reason.startswith("2 holding: the ball is not seen")
+
+
+@pytest.mark.parametrize("width", [24, 30, 40, 60, 80, 81, 110])
+def test_a_narrow_terminal_gets_fewer_columns_and_whole_numbers(flown: Flown, width: int) -> None:
+    """No number, name or reason is cut: what is on the narrow one is on the wide one, word by word."""
+    counters = FlightCounters(2)
+    chain_step = with_step(flown.chain_steps[9], 1, descending(flown.chain_steps[9].steps[1]))
+    counters.add(chain_step)
+    view = render_view(chain_step, counters, PLACE, 60.0, 2.04)
+    texts = {}
+    for each in (width, 200):
+        out = io.StringIO()
+        Console(file=out, width=each).print(view)
+        texts[each] = out.getvalue()
+    assert all(len(line) <= width for line in texts[width].splitlines())
+    assert "\u2026" not in texts[width]
+    assert set(texts[width].split()) <= set(texts[200].split())
+    names = next(line.split() for line in texts[width].splitlines() if "state" in line)
+    assert ("distance" in names) == (width >= 30)
+    assert ("off" in names) == ("lost" in names) == (width >= 40)
+    assert ("age" in names) == (width >= 60)
+    assert ("side," in names) == ("rate" in names) == (width >= 80)
 
 
 def test_nothing_known_is_a_dash(flown: Flown) -> None:

@@ -5,7 +5,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.app.track.rows import TrackRow
-from matchset.app.track.score import Circle3, Score, TruthRow, circles, error_px, score
+from matchset.app.track.score import (
+    Circle3,
+    Score,
+    TruthRow,
+    circles,
+    error_px,
+    print_score,
+    score,
+    score_lines,
+    score_text,
+)
 
 
 def test_a_hand_worked_example() -> None:
@@ -113,3 +123,36 @@ def _assert_like_the_naive_one(result: Score, answers: dict[int, Circle3 | None]
     assert result.mean_error_px == (pytest.approx(sum(errors) / len(errors)) if errors else None)
     assert result.trembling_px == (pytest.approx(sum(steps) / len(steps)) if steps else None)
     assert result.jitter_px == (pytest.approx(math.sqrt(sum(bends) / len(bends))) if bends else None)
+
+
+EXACT: dict[int, Circle3 | None] = dict.fromkeys(range(300), (1.0, 1.0, 1.0))
+WHOLE = score(EXACT, [TruthRow(frame, circle) for frame, circle in EXACT.items()])
+EMPTY = score({}, [TruthRow(0, None)])
+SPARSE = score(EXACT, [TruthRow(frame, (1.0, 1.0, 2.0)) for frame in (0, 5, 9)])
+
+
+@pytest.mark.parametrize("result", [WHOLE, EMPTY, SPARSE], ids=["whole", "empty", "sparse"])
+@pytest.mark.parametrize("width", [30, 40, 60, 80, 200])
+def test_a_narrow_terminal_breaks_no_word(result: Score, width: int) -> None:
+    lines = score_lines(result)
+    text = [figure + rest for figure, rest in score_text(lines, width)]
+    assert all(len(line) <= width for line in text)
+    assert not [line for line in text if line != line.rstrip()]
+    assert " ".join(text).split() == " ".join(" ".join(line) for line in lines).split()
+
+
+def test_a_dash_says_why() -> None:
+    words = {name: (value, why) for name, value, why in score_lines(SPARSE)}
+    assert words["trembling"] == ("-", "needs two answered frames with truth in a row")
+    assert words["jitter"] == ("-", "needs three answered frames with truth in a row")
+    words = {name: (value, why) for name, value, why in score_lines(EMPTY)}
+    assert words["mean error"] == ("-", "the truth has no exact circle")
+    (_, _, why), *_ = score_lines(score({}, [TruthRow(0, (1.0, 1.0, 2.0))]))
+    assert why == "none of 1 frames was answered"
+
+
+def test_a_printed_score_has_no_blanks_at_its_ends(capsys: pytest.CaptureFixture[str]) -> None:
+    print_score(WHOLE)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 8
+    assert not [line for line in lines if line != line.rstrip()]

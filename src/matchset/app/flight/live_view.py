@@ -2,8 +2,11 @@
 
 import math
 import time
+from collections.abc import Sequence
 
-from rich.console import Console, Group
+import msgspec
+from rich.cells import cell_len
+from rich.console import Console, ConsoleOptions, Group, RenderResult
 from rich.table import Table
 from rich.text import Text
 
@@ -21,7 +24,36 @@ from matchset.app.flight_report.step_text import (
 from matchset.app.progress import RedrawnDisplay, duration_text
 from matchset.control.follower import RelativeSetpoint
 
-COLUMNS = ("", "state", "distance", "side, m", "height, m", "heading, m", "off by", "age", "rate", "lost")
+
+class Column(msgspec.Struct, frozen=True):
+    """A column of the live table.
+
+    Parameters
+    ----------
+    name : str
+    width : int
+        Least width, cells: what it holds most of the time, so that columns do not come and go with every number.
+    keep : int
+        The lower, the sooner it is left out where the terminal is too narrow; columns of one `keep` go together.
+    """
+
+    name: str
+    width: int
+    keep: int
+
+
+COLUMNS = (
+    Column("", 5, 9),
+    Column("state", 10, 8),
+    Column("distance", 8, 7),
+    Column("side, m", 7, 2),
+    Column("height, m", 9, 2),
+    Column("heading, m", 10, 2),
+    Column("off by", 6, 6),
+    Column("age", 6, 3),
+    Column("rate", 6, 1),
+    Column("lost", 4, 5),
+)  # format: of the live table; a number that is cut would be a wrong number
 REFRESHES = 10  # format: of the live table, a second
 SPEED_AFTER = 0.5  # format: s after which the speed of the simulation is shown
 LINE_PERIOD = 5.0  # format: s of the flight between two lines of text
@@ -44,17 +76,45 @@ def render_view(
     speed : float or None
         Seconds of the flight per second of computing; None if not known yet.
     """
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    for number, name in enumerate(COLUMNS):
-        table.add_column(name, justify="left" if number < 2 else "right", no_wrap=True)
-    for number, (step, each) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
-        table.add_row(*_cells(number, step, each, place))
+    rows = [
+        _cells(number, step, each, place)
+        for number, (step, each) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1)
+    ]
     reasons = [
-        Text(f"{number} {state_text(step)}", style=_style(step), no_wrap=True, overflow="ellipsis")
+        Text(f"{number} {state_text(step)}", style=_style(step))
         for number, step in enumerate(chain_step.steps, 1)
         if step.safety.phase != "flying"
     ]
-    return Group(_head(chain_step, duration, speed), table, *reasons)
+    return Group(_head(chain_step, duration, speed), FittingTable(rows), *reasons)
+
+
+class FittingTable:
+    """A table with as many of `COLUMNS` as the terminal has room for: whole ones, the most important."""
+
+    def __init__(self, rows: Sequence[Sequence[Text]]) -> None:
+        self._rows = rows
+
+    def columns(self, width: int) -> list[int]:
+        """Return the numbers of the columns that fit into a width in cells."""
+        widths = [
+            max(column.width, cell_len(column.name), *(row[number].cell_len for row in self._rows))
+            for number, column in enumerate(COLUMNS)
+        ]
+        for least in sorted({column.keep for column in COLUMNS}):
+            kept = [number for number, column in enumerate(COLUMNS) if column.keep >= least]
+            if sum(widths[number] + 1 for number in kept) - 1 <= width:
+                break
+        return kept
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="dim")
+        kept = self.columns(options.max_width)
+        for number in kept:
+            name, width = COLUMNS[number].name, COLUMNS[number].width
+            table.add_column(name, justify="left" if number < 2 else "right", no_wrap=True, min_width=width)
+        for row in self._rows:
+            table.add_row(*(row[number] for number in kept))
+        yield table
 
 
 def text_line(chain_step: ChainStep, counters: FlightCounters) -> str:
@@ -126,7 +186,7 @@ class LiveView(RedrawnDisplay):
 
 
 def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:
-    line = Text(f"{chain_step.time:.1f} of {duration:g} s", style="bold", no_wrap=True, overflow="ellipsis")
+    line = Text(f"{chain_step.time:.1f} of {duration:g} s", style="bold")
     if speed is not None:
         left = duration_text(max(duration - chain_step.time, 0.0) / max(speed, 1e-3))
         line.append(f"   {speed:.2g} times as fast as real time, {left} left", style="dim not bold")
@@ -135,15 +195,13 @@ def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:
     return line
 
 
-def _cells(number: int, step: PilotStep, counters: FollowerCounters, place: RelativeSetpoint) -> tuple[Text | str, ...]:
+def _cells(number: int, step: PilotStep, counters: FollowerCounters, place: RelativeSetpoint) -> list[Text]:
     """One follower's row."""
     control, error = step.control, distance_to_set_place(step.control, place)
     position = (
         ("-",) * 3 if control is None else (f"{v:+z.2f}" for v in (control.side, control.height, control.heading))
     )
-    return (
-        f"{number} \u2192 {number + 1}",
-        Text(step.safety.phase, style=_style(step)),
+    words = (
         distance_text(step),
         *position,
         "-" if error is None else f"{100.0 * error:.0f} cm",
@@ -151,6 +209,8 @@ def _cells(number: int, step: PilotStep, counters: FollowerCounters, place: Rela
         "-" if counters.rate is None else f"{counters.rate:.1f}/s",
         str(counters.lost + counters.missing),
     )
+    state = Text(step.safety.phase, style=_style(step))
+    return [Text(f"{number} \u2192 {number + 1}"), state, *map(Text, words)]
 
 
 def _style(step: PilotStep) -> str:

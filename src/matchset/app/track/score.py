@@ -1,6 +1,7 @@
 """`matchset score`: answers against the truth (`score`), the truth's file (`read_truth`), and the printed table."""
 
 import math
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -242,24 +243,49 @@ def score_files(tracks: Path, truth: Path, start: int, video: str | None, as_jso
 
 
 def print_score(result: Score) -> None:
-    """Print a score as a table of figure, value and what it is computed over."""
+    """Print a score as a table of figure, value and what it is computed over, as wide as the terminal is."""
     from rich.console import Console
-    from rich.table import Table
+    from rich.text import Text
 
-    table = Table(box=None, pad_edge=False, show_header=False)
-    table.add_column("")
-    table.add_column("", justify="right")
-    table.add_column("", style="dim")
-    for line in score_lines(result):
-        table.add_row(*line)
-    Console(highlight=False).print(table)
+    console = Console(highlight=False)
+    for figure, rest in score_text(score_lines(result), console.width):
+        console.print(Text.assemble(figure, (rest, "dim")), soft_wrap=True)
+
+
+def score_text(lines: Sequence[tuple[str, str, str]], width: int) -> list[tuple[str, str]]:
+    """Align the lines of a score; explanations wrap between words, or stand below where there is little room.
+
+    Parameters
+    ----------
+    lines : sequence of (name, value, explanation)
+    width : int
+        Of the terminal, characters.
+
+    Returns
+    -------
+    list of (str, str)
+        Lines of a figure and what follows it, without blanks at their ends.
+    """
+    names, values = (max(len(line[part]) for line in lines) for part in (0, 1))
+    indent = names + values + 4
+    beside = width - indent >= max(len(word) for line in lines for word in line[2].split())
+    text: list[tuple[str, str]] = []
+    for name, value, words in lines:
+        figure = f"{name:<{names}}  {value:>{values}}"
+        if beside:
+            first, *more = textwrap.wrap(words, width - indent) or [""]
+            text.append((figure, f"  {first}".rstrip()))
+            text += [("", " " * indent + each) for each in more]
+        else:
+            text.append((figure, ""))
+            text += [("", f"  {each}") for each in textwrap.wrap(words, max(width - 2, 1), break_long_words=False)]
+    return text
 
 
 def score_lines(result: Score) -> list[tuple[str, str, str]]:
     """Return a score as lines of name, value with its unit, and explanation."""
-    answered = f"of {result.answered} answered frames, |dx| + |dy| + |dr|"
     return [
-        ("mean error", _px_text(result.mean_error_px), answered),
+        ("mean error", _px_text(result.mean_error_px), _answered_text(result)),
         ("median error", _px_text(result.median_error_px), ""),
         ("95 % of errors below", _px_text(result.error_95_px), ""),
         (
@@ -273,9 +299,28 @@ def score_lines(result: Score) -> list[tuple[str, str, str]]:
             _share_text(result.lost, result.visible, "ball visible, no answer"),
         ),
         ("false locks", str(result.false_locks), f"in {result.visible + result.absent} frames with truth"),
-        ("trembling", _px_text(result.trembling_px), "mean change of the error from frame to frame"),
-        ("jitter", _px_text(result.jitter_px), "rms second difference of the error"),
+        (
+            "trembling",
+            _px_text(result.trembling_px),
+            "mean change of the error from frame to frame"
+            if result.trembling_px is not None
+            else "needs two answered frames with truth in a row",
+        ),
+        (
+            "jitter",
+            _px_text(result.jitter_px),
+            "rms second difference: shaking without the drift"
+            if result.jitter_px is not None
+            else "needs three answered frames with truth in a row",
+        ),
     ]
+
+
+def _answered_text(result: Score) -> str:
+    """Say which frames the errors are taken over, or why there are none."""
+    if result.answered:
+        return f"of {result.answered} answered frames, |dx| + |dy| + |dr|"
+    return f"none of {result.tight} frames was answered" if result.tight else "the truth has no exact circle"
 
 
 def _px_text(value: float | None) -> str:

@@ -1,10 +1,11 @@
+import itertools
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from matchset.app.drawing.annotate import annotate, describe, draw_circle
+from matchset.app.drawing.annotate import Caption, annotate, describe, draw_circle, write_captions
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet, rim_tile
 from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.track.grid_picture import grid_picture
@@ -102,3 +103,31 @@ def test_a_plot_has_the_size_asked_for(tmp_path: Path) -> None:
     for error in ([0.1, nan, 0.3], [nan, nan, nan], []):
         times = [0.0, 0.1, 0.2][: len(error)]
         assert error_plot(times, error, error, (800, 300)).shape == (300, 800, 3)
+
+
+@pytest.mark.parametrize("size", [(480, 848), (320, 240), (480, 360), (640, 480), (800, 600), (1920, 1080)])
+def test_captions_are_whole_in_pictures_of_any_shape(size: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    width, height = size
+    written: list[tuple[str, float, float, int]] = []
+
+    def record(_: object, text: str, at: tuple[float, float], size: int, *__: object) -> None:
+        written.append((text, *at, size))
+
+    monkeypatch.setattr("matchset.app.drawing.annotate.draw_text", record)
+    numbers = "x 219.5 ±0.32   y 246.3 ±0.37   radius 150.1 ±0.30 px   support 100 %"
+    words = "Lost: nothing of this color and shape is in the picture, however long one looks at it"
+    for text in (numbers, words):
+        written.clear()
+        captions = Caption("the one above"), Caption(text, "frame 1234   61.70 s", bad=True)
+        write_captions(np.zeros((height, width, 3), np.uint8), *captions)
+        assert (
+            " ".join(each for each, *_ in written if each).split() == f"the one above {text} frame 1234 61.70 s".split()
+        )
+        for each, x, y, letters in written:
+            assert letters >= 11
+            assert x >= 0.0
+            assert x + text_width(each, letters) <= width
+            assert 0.5 * letters <= y <= height - 0.5 * letters
+        for (one, x, y, letters), (_, right, level, _) in itertools.pairwise(written):
+            assert level != y or x + text_width(one, letters) < right
+    assert len(written) <= 6

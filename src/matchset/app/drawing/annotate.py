@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -19,7 +20,16 @@ Picture = npt.NDArray[np.uint8]
 OUTLINE = (190, 40, 255)  # geometry: color of what was found, BGR: a pink that balls and rooms do not have
 POINT = (255, 255, 255)  # geometry: color of the match-set, BGR
 PREDICTED = (60, 190, 255)  # geometry: color of a predicted outline and of a loss, BGR
+_LEAST_SIZE, _LARGEST_SIZE = 11, 28  # geometry: of the letters below a picture, px
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
+
+
+class Caption(msgspec.Struct, frozen=True):
+    """What is written below a picture: at the left, at the right, and whether it is about a loss (another color)."""
+
+    left: str
+    right: str = ""
+    bad: bool = False
 
 
 def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Picture:
@@ -45,7 +55,7 @@ def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Pic
         draw_shape(image, answer.shape)
     elif answer.predicted is not None:
         draw_shape(image, answer.predicted, PREDICTED, dashed=True)
-    caption(image, describe(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
+    write_captions(image, Caption(describe(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found))
     return image
 
 
@@ -136,33 +146,53 @@ def describe(row: TrackRow) -> str:
     return "   ".join(numbers) + " px" + support
 
 
-def caption(image: Picture, left: str, right: str = "", bad: bool = False, line: int = 0) -> None:
-    """Write a caption on the darkened lower edge of a picture: two texts, the right one if it fits.
+def write_captions(image: Picture, *captions: Caption) -> None:
+    """Write captions on the darkened lower edge of a picture; what is too wide takes several lines.
 
     Parameters
     ----------
     image : ndarray of shape (h, w, 3), uint8
         The picture, changed in place.
-    left, right : str
-        The texts.
-    bad : bool
-        Whether the left text is about a loss; then the bar beside it has the color of a prediction.
-    line : int
-        Index of the line, from the lowest.
+    *captions : Caption
+        From above.
     """
     height, width = image.shape[:2]
-    size = min(max(11, round(height / 36)), 28)
+    largest = round(min(max(_LEAST_SIZE, min(height, 0.75 * width) / 36.0), _LARGEST_SIZE))
+    sizes = range(largest, max(_LEAST_SIZE, round(0.8 * largest)) - 1, -1)  # smaller where that saves a line
+    broken = {size: [line for each in captions for line in _lines(each, width, size)] for size in sizes}
+    size = min(sizes, key=lambda each: len(broken[each]))
+    lines = broken[size]
     high = round(1.9 * size)
-    bottom = height - line * high
-    strip = image[max(bottom - high, 0) : max(bottom, 0)]
+    strip = image[max(height - high * len(lines), 0) :]
     strip //= 3
-    middle = bottom - 0.95 * size
-    cv2.rectangle(strip, (0, 0), (max(2, size // 4), strip.shape[0]), PREDICTED if bad else OUTLINE, cv2.FILLED)
-    draw_text(image, left, (0.9 * size, middle), size)
-    room = width - text_width(left, size) - text_width(right, size) - 3.0 * size
-    if right and room > 0:
-        at = width - text_width(right, size) - 0.7 * size
-        draw_text(image, right, (at, middle), size, (190, 190, 190))
+    for number, line in enumerate(lines):
+        bottom = height - high * (len(lines) - 1 - number)
+        bar = image[max(bottom - high, 0) : max(bottom, 0), : max(2, size // 4)]
+        bar[:] = PREDICTED if line.bad else OUTLINE
+        draw_text(image, line.left, (0.9 * size, bottom - 0.95 * size), size)
+        if line.right:
+            at = width - text_width(line.right, size) - 0.7 * size
+            draw_text(image, line.right, (at, bottom - 0.95 * size), size, (190, 190, 190))
+
+
+def _lines(caption: Caption, width: int, size: int) -> list[Caption]:
+    """Break a caption into lines that fit: between its groups, which three spaces part, or else between words."""
+    room = width - 1.8 * size
+    lines = [""]
+    for group in caption.left.split("   "):
+        whole = text_width(group, size) <= room
+        for number, word in enumerate([group] if whole else group.split(" ")):
+            longer = lines[-1] + ("   " if number == 0 else " ") + word
+            if lines[-1] and text_width(longer, size) > room:
+                lines.append(word)
+            else:
+                lines[-1] = longer if lines[-1] else word
+    right = text_width(caption.right, size) + 1.2 * size if caption.right else 0.0
+    if right > room - text_width(lines[-1], size):
+        lines.append("")
+    broken = [Caption(line, "", caption.bad) for line in lines]
+    broken[-1] = Caption(lines[-1], caption.right, caption.bad)
+    return broken
 
 
 def _fixed(value: float) -> int:

@@ -8,7 +8,16 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.annotate import OUTLINE, PREDICTED, as_color, caption, describe, draw_points, draw_shape
+from matchset.app.drawing.annotate import (
+    OUTLINE,
+    PREDICTED,
+    Caption,
+    as_color,
+    describe,
+    draw_points,
+    draw_shape,
+    write_captions,
+)
 from matchset.app.locate.annotate_pose import describe_position, describe_relative_pose, draw_axes, label_ball
 from matchset.app.locate.rows import pose_row
 from matchset.app.track.rows import track_row
@@ -71,7 +80,7 @@ def draw(image: Picture, track: Found | Iterable[Found], words: bool = True) -> 
     if words:
         count = sum(map(bool, given))
         text = describe(track_row(0, given[0])) if len(given) == 1 else f"{count} found"
-        caption(drawn, text, bad=not count)
+        write_captions(drawn, Caption(text, bad=not count))
     return drawn.view(Drawing)
 
 
@@ -116,10 +125,10 @@ def draw_pose(
     row = pose_row(0, pose)
     if isinstance(pose, Pose):
         _draw_ball(drawn, pose, camera, diameter)
-        if words and pose.observed != "position":
-            caption(drawn, describe_relative_pose(row), line=1)
     if words:
-        caption(drawn, describe_position(row), bad=not row.found)
+        level = isinstance(pose, Pose) and pose.observed != "position"
+        above = (Caption(describe_relative_pose(row)),) if level else ()
+        write_captions(drawn, *above, Caption(describe_position(row), bad=not row.found))
     return drawn.view(Drawing)
 
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.annotate import as_color, caption
+from matchset.app.drawing.annotate import Caption, as_color, write_captions
 from matchset.app.drawing.text import draw_text
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.pilot import PilotStep
@@ -106,8 +106,11 @@ def annotate_step(step: PilotStep, number: int, camera: CameraModel, radius: flo
 
 def _write(image: Picture, step: PilotStep, number: int) -> None:
     bad = step.safety.phase != "flying"
-    caption(image, f"{number} watches {number + 1}   {state_text(step)}", f"{step.now:.2f} s", bad=bad, line=1)
-    caption(image, position_text(step.control), f"age {age_text(step.age)}", bad=bad)
+    write_captions(
+        image,
+        Caption(f"{number} watches {number + 1}   {state_text(step)}", f"{step.now:.2f} s", bad),
+        Caption(position_text(step.control), f"age {age_text(step.age)}", bad),
+    )
 
 
 def _picture(step: PilotStep, camera: CameraModel) -> Picture:

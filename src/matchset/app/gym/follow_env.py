@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from matchset.app.drawing.annotate import caption, draw_circle
+from matchset.app.drawing.annotate import Caption, draw_circle, write_captions
 from matchset.app.gym.follow_flight import FollowFlight
 from matchset.app.gym.follow_parameters import FollowParameters
 from matchset.app.gym.pose_sensor import HIGH, LOW, PoseSensor, pose_vector
@@ -154,7 +154,7 @@ class FollowEnv(gymnasium.Env[Array, Array]):
         radius = self.camera.fx * self._flight.world.parameters.vehicle.ball_radius / place.heading
         draw_circle(picture, Circle(x, y, radius), dashed=True)
         words = self._flight.crash or f"off {100.0 * self._flight.error:.0f} cm"
-        caption(picture, words, f"{self._flight.flown:.1f} s", bad=bool(self._flight.crash))
+        write_captions(picture, Caption(words, f"{self._flight.flown:.1f} s", bad=bool(self._flight.crash)))
         return np.ascontiguousarray(picture[:, :, ::-1])
 
     def sample(self) -> Frame:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.annotate import PREDICTED, as_color, caption, draw_circle, draw_points
+from matchset.app.drawing.annotate import PREDICTED, Caption, as_color, draw_circle, draw_points, write_captions
 from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.locate.loop import LocatedFrame
 from matchset.app.locate.rows import POSITION, PoseRow
@@ -21,6 +21,7 @@ Picture = npt.NDArray[np.uint8]
 
 MARKER = (90, 255, 255)  # geometry: color of a marker's circle, BGR
 AXES = ((80, 80, 255), (80, 230, 80), (255, 190, 60))  # geometry: colors of the ball's x, y and z axes, BGR
+_LEAST_NAME = 13.0  # geometry: least size of an axis's name, px
 _LENGTH = 1.7  # geometry: length of the drawn axes, ball radii
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
 
@@ -47,9 +48,9 @@ def annotate_pose(frame: Frame, located: LocatedFrame, camera: CameraModel, radi
     """
     image, row = as_color(frame.image), located.row
     draw_located(image, located.ball, located.markers, located.pose, camera, radius)
-    if row.observed in ("level", "full"):
-        caption(image, describe_relative_pose(row), line=1)
-    caption(image, describe_position(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found)
+    above = (Caption(describe_relative_pose(row)),) if row.observed in ("level", "full") else ()
+    time = f"frame {row.frame}   {row.time:.2f} s"
+    write_captions(image, *above, Caption(describe_position(row), time, bad=not row.found))
     return image
 
 
@@ -86,25 +87,25 @@ def draw_located(
 
 
 def describe_position(row: PoseRow) -> str:
-    """Format the position of the ball: ``x +0.121 ±0.0011   y -0.040 ±0.0009   z +1.912 ±0.0084 m``."""
+    """Format the position of the ball: ``x +0.1212 ±0.0011   y -0.0401 ±0.0009   z +1.9120 ±0.0084 m``."""
     if row.values is None:
         return f"Lost: {row.reason}"
-    return "   ".join(_with_std(row, name, "+z.3f", ".4f") for name in POSITION) + " m"
+    return "   ".join(_with_std(row, name, 4) for name in POSITION) + " m"
 
 
 def describe_relative_pose(row: PoseRow) -> str:
-    """Format the camera's position relative to the ball: ``level:  side +0.12 ±0.021   ...   yaw +3.1°``."""
+    """Format the camera's position relative to the ball: ``level:  side +0.121 ±0.021   ...   yaw +3.1°``."""
     if row.values is None or "side" not in row.values:
         return ""
     yaw_deg = math.degrees(row.values["yaw"])
-    numbers = "   ".join(_with_std(row, name, "+z.2f", ".3f") for name in ("side", "height", "heading"))
+    numbers = "   ".join(_with_std(row, name, 3) for name in ("side", "height", "heading"))
     return f"{row.observed}:  {numbers} m   yaw {yaw_deg:+z.1f}°"
 
 
-def _with_std(row: PoseRow, name: str, number: str, deviation: str) -> str:
+def _with_std(row: PoseRow, name: str, digits: int) -> str:
     value = (row.values or {})[name]
     std = (row.std or {}).get(name)
-    return f"{name} {value:{number}}" + ("" if std is None else f" ±{std:{deviation}}")
+    return f"{name} {value:+z.{digits}f}" + ("" if std is None else f" ±{std:.{digits}f}")
 
 
 def draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) -> None:
@@ -120,6 +121,7 @@ def draw_axes(image: Picture, pose: Pose, camera: CameraModel, radius: float) ->
         begin, end = (tuple(round(float(part) * (1 << _SHIFT)) for part in point) for point in camera.project(line))
         for color, width in (((30, 30, 30), 4), (AXES[axis], 2)):
             cv2.line(image, begin, end, color, width, cv2.LINE_AA, _SHIFT)
+        _name_axis(image, axis, camera.project(line))
 
 
 def _drawable(camera: CameraModel, points: npt.NDArray[np.float64]) -> bool:
@@ -137,6 +139,24 @@ def label_ball(image: Picture, words: str, x: float, y: float, radius: float) ->
     left = min(max(x - wide / 2.0, 4.0), width - wide - 4.0)
     above = y - radius - 0.9 * size
     middle = above if above > 0.7 * size else min(y + radius + 0.9 * size, height - 5.0 * size)
+    _write_outlined(image, words, (left, middle), size)
+
+
+def _name_axis(image: Picture, axis: int, line: npt.NDArray[np.float64]) -> None:
+    """Write x, y or z beyond the end of a drawn axis."""
+    size = round(min(max(_LEAST_NAME, min(image.shape[:2]) / 30.0), 30.0))
+    along = line[1] - line[0]
+    length = float(np.hypot(*along))
+    beyond = along / length if length > 1.0 else np.array((0.7, -0.7))
+    x, y = (line[1] + 0.75 * size * beyond).tolist()
+    name = "xyz"[axis]
+    _write_outlined(image, name, (x - text_width(name, size) / 2.0, y), size, AXES[axis])
+
+
+def _write_outlined(
+    image: Picture, words: str, at: tuple[float, float], size: int, color: tuple[int, int, int] = (255, 255, 255)
+) -> None:
+    """Write with a dark outline, to be read before anything."""
     for shift in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-        draw_text(image, words, (left + shift[0], middle + shift[1]), size, (20, 20, 20))
-    draw_text(image, words, (left, middle), size)
+        draw_text(image, words, (at[0] + shift[0], at[1] + shift[1]), size, (20, 20, 20))
+    draw_text(image, words, at, size, color)

@@ -161,6 +161,7 @@ def test_weighed_evidence_decides_and_more_is_needed_where_less_is_known() -> No
         Prior.ASKED: EVIDENCE.asked,
         Prior.PRESENT: EVIDENCE.present,
         Prior.HERE: EVIDENCE.here,
+        Prior.CLICKED: EVIDENCE.clicked,
     }
     dull = GOOD._replace(color_score=0.0)
     for prior, least in needed.items():

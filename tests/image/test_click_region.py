@@ -125,6 +125,34 @@ def test_a_vivid_ball_before_a_plate_is_the_ball() -> None:
     assert found[1] == pytest.approx((X, Y, 30.0), abs=4.0)
 
 
+def with_a_patch(shelf: bool) -> Picture:
+    """A red ball with a pale patch, which is clicked; before a wall with a shelf of the patch's color, or without."""
+    image = paint(textured(spread=2.0), disc((480, 640), radius=24.0), (35.0, 55.0, 170.0))
+    pale = disc((480, 640), X - 9.6, Y - 9.6, 10.0)
+    pale[:60] = shelf
+    return cv2.GaussianBlur(paint(image, pale, (120.0, 170.0, 190.0)), (0, 0), 1.0).astype(np.uint8)
+
+
+def test_a_part_of_the_color_of_a_shelf_is_not_the_ball() -> None:
+    image = with_a_patch(shelf=True)
+    regions, circle = regions_at_click(image, X - 10.0, Y - 10.0)
+    assert len(regions) == 2
+    assert regions[0].sum() < 600
+    color = ms.ColorModel.pick(image, X - 10.0, Y - 10.0)
+    assert color.circle == circle == pytest.approx((X, Y, 24.0), abs=3.0)
+    looks = color.scores(image) > 0
+    assert looks[disc((480, 640), radius=21.0)].mean() > 0.7
+    assert looks[~disc((480, 640), radius=27.0)].mean() < 0.05
+
+
+def test_a_part_of_a_color_of_its_own_is_what_was_clicked() -> None:
+    image = with_a_patch(shelf=False)
+    color = ms.ColorModel.pick(image, X - 10.0, Y - 10.0)
+    looks = color.scores(image) > 0
+    assert looks[disc((480, 640), X - 9.6, Y - 9.6, 7.0)].all()
+    assert not looks[disc((480, 640), X + 8.0, Y + 8.0, 8.0)].any()
+
+
 def leaking() -> tuple[Picture, Mask]:
     """A ball that runs into a long thin bar and a far beam of its own color."""
     ball = disc((480, 640), radius=30.0)

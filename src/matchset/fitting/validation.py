@@ -75,9 +75,11 @@ class Prior(enum.Enum):
         It is expected about here.
     ASKED
         Nothing, but somebody asks for this one picture.
+    CLICKED
+        Somebody clicked at it in this very picture, and this is the circle that was found around the click.
     """
 
-    NONE, PRESENT, HERE, ASKED = range(4)
+    NONE, PRESENT, HERE, ASKED, CLICKED = range(5)
 
 
 class ValidationParameters(msgspec.Struct, frozen=True):
@@ -284,6 +286,7 @@ class Validator:
             Prior.PRESENT: asked.present,
             Prior.HERE: asked.here,
             Prior.ASKED: asked.asked,
+            Prior.CLICKED: asked.clicked,
         }[prior]
         least_msac = {Prior.NONE: asked.unknown_msac, Prior.ASKED: asked.asked_msac}.get(prior, 0.0)
         if evidence < least + asked.hidden * hidden:

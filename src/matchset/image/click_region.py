@@ -7,7 +7,7 @@ agree the target is what either shows; where the region leaks or holds a part of
 
 import itertools
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import cv2
 import numpy as np
@@ -29,6 +29,15 @@ from matchset.image.color_learning import (
 )
 
 Circle3 = tuple[float, float, float]
+
+
+class ColorTable(Protocol):
+    """What tells pixels of the target: a `ColorModel`."""
+
+    def scores(self, pixels: Bytes) -> npt.NDArray[np.int8]:
+        """Positive where a pixel looks like the target."""
+
+
 Points = npt.NDArray[np.int32]
 
 
@@ -312,6 +321,42 @@ def _target_of(image: Bytes, disc: Mask, region: Mask, parameters: ColorParamete
     found = np.zeros(disc.shape, bool)
     found[disc] = odds[cells_of(image[disc], len(odds))] > parameters.region.rarer
     return found if found.any() else disc
+
+
+def tells(model: ColorTable, image: Bytes, target: Mask, circle: Circle3, limits: RegionParameters) -> bool:
+    """Whether the color of a region tells the circle that it is a part of, or is rare enough to be a thing of its own.
+
+    A pale or shaded part of a ball may have the color of the wall: that color is hardly more frequent in the circle
+    than around it, and all over the picture. A marker on a ball is neither.
+
+    Parameters
+    ----------
+    model : ColorModel
+        Learned from the region.
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    target : ndarray of shape (h, w), bool
+        The region.
+    circle : (x, y, radius)
+        The most ball-like circle around the click, px.
+    limits : RegionParameters
+    """
+    x, y, radius = circle
+    reach = limits.ring[1] * radius
+    left, top = max(math.floor(x - reach), 0), max(math.floor(y - reach), 0)
+    near = image[top : math.ceil(y + reach) + 1, left : math.ceil(x + reach) + 1]
+    place = (x - left, y - top, radius)
+    disc, inner, outer = (disc_mask(near.shape[:2], place, share) for share in (limits.rim, *limits.ring))
+    ring, alike = outer & ~inner, model.scores(near) > 0
+    if not (disc.any() and ring.any()) or alike[disc].mean() - alike[ring].mean() > limits.contrast:
+        return True
+    everywhere = model.scores(image) > 0
+    return bool((everywhere & target).sum() > limits.own * everywhere.sum())
+
+
+def circle_around(region: Mask) -> Circle3:
+    """Smallest circle around a region, px."""
+    (x, y), radius = cv2.minEnclosingCircle(points_of(region))
+    return float(x), float(y), float(radius)
 
 
 def _circle_of(points: Points, extent: float, limits: RegionParameters) -> Circle3 | None:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
-from matchset.image.click_region import background_mask, disc_mask, grow_region, regions_at_click
+from matchset.image.click_region import background_mask, circle_around, disc_mask, grow_region, regions_at_click, tells
 from matchset.image.color_learning import (
     DEFAULT,
     ColorParameters,
@@ -56,7 +56,7 @@ class ColorModel(Copied):
     Attributes
     ----------
     circle : (x, y, radius) or None
-        The most ball-like circle around the click that it was picked at, px: where a search may begin.
+        Where a search may begin, px: the most ball-like circle around the click, or else that of the region there.
     note : str
         What a user should know of how it was learned; empty if nothing.
 
@@ -144,27 +144,29 @@ class ColorModel(Copied):
         Raises
         ------
         ValueError
-            If the point is not in the picture; or its color cannot be told from the background, and no closed outline
-            can be found around it either.
+            If the point is not in the picture, or neither its color nor a closed outline around it stands out.
         """
         image = image_of(image)
         check_kind("parameters", parameters, ColorParameters)
-        for name, value in (("x", x), ("y", y)):
-            check_number(f"{name} of the pick", value)
-        rows, columns = image.shape[:2]
-        if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
-            raise ValueError(f"pick ({x}, {y}) does not lie in the {columns} x {rows} picture")
+        check_number("x of the pick", x)
+        check_number("y of the pick", y)
+        if not (-0.5 <= x < image.shape[1] - 0.5 and -0.5 <= y < image.shape[0] - 0.5):
+            raise ValueError(f"pick ({x}, {y}) does not lie in the {image.shape[1]} x {image.shape[0]} picture")
         targets, circle = regions_at_click(image, x, y, parameters)
-        refusals = []
+        refusals: list[str] = []
+        found: list[ColorModel] = []
         for target in targets:
             model = cls._told_apart(image, target, background_mask(target, parameters), parameters)
-            if isinstance(model, ColorModel):
-                model.circle = circle
+            if isinstance(model, str):
+                refusals.append(model)
+                continue
+            model.circle = circle or circle_around(target)
+            found.append(model)
+            if circle is None or tells(model, image, target, circle, parameters.region):
                 return model
-            refusals.append(model)
         if circle is None:
             raise ValueError(f"pick ({x:g}, {y:g}): {refusals[0]}")
-        return cls._in_its_surroundings(image, targets[-1], circle, parameters)
+        return found[0] if found else cls._in_its_surroundings(image, targets[-1], circle, parameters)
 
     @classmethod
     def _in_its_surroundings(
@@ -179,12 +181,12 @@ class ColorModel(Copied):
         Where not even that helps, only contrast counts (`edges`).
         """
         outside = background_mask(target, parameters) & disc_mask(target.shape, circle, parameters.surroundings)
-        words = f"the color at ({circle[0]:.0f}, {circle[1]:.0f}) is all over the picture"
         model = cls._told_apart(image, target, outside, parameters)
         how = "learned against what is next to it"
         if isinstance(model, str):
             model, how = cls.edges().for_image(image), "only edges are followed, which is less sure"
-        model.circle, model.note = circle, f"{words}: {how}"
+        model.circle = circle
+        model.note = f"the color at ({circle[0]:.0f}, {circle[1]:.0f}) is all over the picture: {how}"
         return model
 
     @classmethod

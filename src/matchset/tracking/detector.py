@@ -137,8 +137,9 @@ class Detector(Generic[S]):
         known: list[Start] = []
         given = [] if first is None else [[_start_at(self.fitter.family, first.state)]]
         for starts in itertools.chain(given, self._starts(image, color)):
-            best, merit = self._best(image, color, starts, (known, prior))
-            if best is None:
+            asked = Prior.HERE if prior is Prior.CLICKED and starts not in given else prior
+            best, merit = self._best(image, color, starts, (known, asked))
+            if best is None or (asked is Prior.CLICKED and not self._is_where_clicked(best, starts)):
                 continue
             place = _place_of(best)
             if len(starts) > 1:
@@ -182,6 +183,10 @@ class Detector(Generic[S]):
             for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
                 yield [Start(x, y, radius, family.from_coarse(x, y, radius).state)]
 
+    def _is_where_clicked(self, best: Estimate, starts: list[Start]) -> bool:
+        """Whether a fit is the circle around a click, or else has evidence of its own."""
+        return self._is_known(_place_of(best), starts) or not self.fitter.validate_detection(best, Prior.HERE)
+
     def _is_known(self, place: Start, known: list[Start]) -> bool:
         """Whether this is one of the shapes detected already."""
         limits, size = self.limits, place.half_width
@@ -215,7 +220,9 @@ class Detector(Generic[S]):
         """
         fitter, limits, best, most = self.fitter, self.limits, None, -math.inf
         made = fitter.block
-        if prior is Prior.NONE or (prior is not Prior.HERE and (estimate.evidence or 0.0) < limits.hopeless):
+        if prior is Prior.NONE or (
+            prior not in (Prior.HERE, Prior.CLICKED) and (estimate.evidence or 0.0) < limits.hopeless
+        ):
             start = None
         for other in self._others(image, color, estimate, start):
             weighed = fitter.weigh(other, image, color)

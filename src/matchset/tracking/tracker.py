@@ -290,7 +290,7 @@ class Tracker(Copied, Generic[S]):
             if predicted is None and self._hint is not None:
                 if self._holds_hint(estimate.state):
                     merit += self.parameters.detection.hint_bonus
-                elif self._fitter.validate_detection(estimate, Prior.PRESENT):
+                elif self._fitter.validate_detection(estimate, Prior.NONE if self._frames == 1 else Prior.PRESENT):
                     continue
             elif predicted is None and not self._is_expected(estimate):
                 continue
@@ -377,7 +377,7 @@ class Tracker(Copied, Generic[S]):
         weighs = self._fitter.weighs(self.color)
         if self._hint is None:
             return Prior.PRESENT if weighs and self._last is not None else Prior.NONE
-        return Prior.HERE if weighs else Prior.PRESENT
+        return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
 
     def _shape_of(self, state: Floats) -> S | None:
         """Shape of an extrapolated state, None where it has shrunk to nothing."""

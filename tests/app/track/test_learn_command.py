@@ -9,8 +9,9 @@ import numpy.typing as npt
 import pytest
 from blue_ball import Matchset, ball_picture
 
+from matchset.app.guidance.large_frames import reduced, rescaled
 from matchset.app.track import learn_command
-from matchset.image.candidates import find_candidates
+from matchset.image.candidates import Candidate, find_candidates
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.sim.clips.clip import Clip
@@ -80,6 +81,39 @@ def test_a_picture_without_a_ball_ends_with_one(matchset: Matchset, capsys: pyte
     assert matchset("learn", "wall.png") == 1
     assert "nothing ball-like" in capsys.readouterr().out
     assert Path("runs/0001-learn/frame-0.png").is_file()
+
+
+@pytest.mark.parametrize(("gray", "times"), [(False, 24), (True, 16)], ids=["color", "gray"])
+def test_a_large_picture_is_shown_small_and_its_ball_is_found(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str], gray: bool, times: int
+) -> None:
+    image = cv2.resize(ball_picture((56.0, 60.0)), None, fx=times, fy=times, interpolation=cv2.INTER_CUBIC)
+    cv2.imwrite("large.png", cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if gray else image)
+    assert matchset("learn", "large.png") == 0
+    (words,) = commands(capsys)
+    grid = cv2.imread("runs/0001-learn/frame-0.png")
+    assert grid is not None
+    assert max(grid.shape) < 2000
+    assert Path("runs/0001-learn/frame-0.png").stat().st_size < 2e6
+    assert matchset(*words) == 0
+    assert matchset("learn", "large.png", "--pick", words[-1]) == 0
+    mask = cv2.imread(str(next(Path("runs").glob("*-learn/ball-mask.png"))))
+    assert mask is not None
+    assert max(mask.shape) < 4000
+
+
+def test_candidates_are_the_same_in_both_copies_of_a_large_frame() -> None:
+    frame = Frame(np.zeros((3000, 4000, 3), np.uint8), 1.5, 7)
+    small = reduced(frame)
+    assert (small.image.shape, small.time, small.index) == ((1440, 1920, 3), 1.5, 7)
+    assert reduced(small) is small
+    candidate = Candidate(100.0, 50.0, 20.0, (1919, 1439), 0.7)
+    whole = rescaled(candidate, small, frame)
+    assert 3990 < whole.pick[0] < 4000
+    assert 2990 < whole.pick[1] < 3000
+    assert whole.radius == pytest.approx(20.0 * 4000 / 1920)
+    back = rescaled(whole, frame, small)
+    assert (back.x, back.y, back.radius, back.pick) == (pytest.approx(100.0), pytest.approx(50.0), 20.0, (1919, 1439))
 
 
 class FakeCamera:

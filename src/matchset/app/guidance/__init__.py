@@ -4,4 +4,5 @@ Read `explain` first: it is called when a run has found nothing or hardly anythi
 looks for the best outline that was not believed, `why_picture` draws it beside the mask of the color, and
 `next_command` chooses what to type. `choice` finds the frame and the circle that are most likely the ball,
 `separation` the pixel of it to click at, and `candidate_tiles` shows what the colors of several circles cover.
+All of them look at smaller copies of large pictures (`large_frames`).
 """

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
+from matchset.app.guidance.large_frames import reduced, rescaled
 from matchset.app.guidance.separation import separate
 from matchset.app.track.frame_picker import PARAMETERS as PICKER
 from matchset.app.track.frame_picker import is_black, lit_frame_at
@@ -97,22 +98,29 @@ def choose(video: Video, given: Frame | None = None) -> Choice:
     """
     if video.live:
         frame = lit_frame_at(video, PICKER.warm_up) if given is None else given
-        return _choice(frame, find_candidates(frame.image), None)
-    sampled = _samples(video)
+        small = reduced(frame)
+        return _in_full(_choice(small, find_candidates(small.image), None), frame)
+    whole: dict[int, Frame] = {}
+    sampled = _samples(video, whole)
     if given is not None and all(frame.index != given.index for frame, _ in sampled):
-        sampled.append((given, find_candidates(given.image)))
+        whole[given.index], small = given, reduced(given)
+        sampled.append((small, find_candidates(small.image)))
     if not sampled:
         raise ValueError("the video holds no frames but black ones")
     likeliest = _likeliest(sampled, None if given is None else given.index)
     if likeliest is None:
-        frame = sampled[0][0] if given is None else given
-        return Choice(frame, [])
+        return Choice(whole[sampled[0][0].index] if given is None else given, [])
     frame, best = likeliest
-    return _choice(frame, next(found for each, found in sampled if each is frame), best)
+    return _in_full(_choice(frame, next(found for each, found in sampled if each is frame), best), whole[frame.index])
 
 
-def _samples(video: Video) -> list[tuple[Frame, list[Candidate]]]:
-    """Frames spread over a video that are not black, with their ball-like circles."""
+def _in_full(choice: Choice, frame: Frame) -> Choice:
+    """Return a choice made in a reduced copy in the pixels of the frame."""
+    return Choice(frame, [rescaled(each, choice.frame, frame) for each in choice.candidates])
+
+
+def _samples(video: Video, whole: dict[int, Frame]) -> list[tuple[Frame, list[Candidate]]]:
+    """Frames spread over a video that are not black, reduced, with their circles; `whole` takes them as read."""
     wanted = min(max(int(PARAMETERS.pixels / (video.width * video.height)), 3), PARAMETERS.samples)
     step = max(1, min(video.length or PARAMETERS.span, PARAMETERS.span) // wanted)
     found: list[tuple[Frame, list[Candidate]]] = []
@@ -124,12 +132,15 @@ def _samples(video: Video) -> list[tuple[Frame, list[Candidate]]]:
             if not found and frame.index > PARAMETERS.farthest * step * wanted:
                 break
             continue
-        circles = find_candidates(frame.image)
+        small = reduced(frame)
+        circles = find_candidates(small.image)
         convincing |= bool(circles) and circles[0].score >= SCORE.convincing
         if len(found) >= wanted:
             scores = [each[0].score if each else 0.0 for _, each in found]
-            del found[scores.index(min(scores))]
-        found.append((frame, circles))
+            worst = scores.index(min(scores))
+            del whole[found[worst][0].index], found[worst]
+        whole[frame.index] = frame
+        found.append((small, circles))
     return found
 
 

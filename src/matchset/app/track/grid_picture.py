@@ -16,6 +16,7 @@ Picture = npt.NDArray[np.uint8]
 _PAPER = (250, 250, 250)  # geometry: color of the margin, BGR
 _INK = (70, 70, 70)  # geometry: color of the labels, BGR
 _BADGE_PX = 20  # geometry: size of a number
+_LONGEST_PX = 1300  # geometry: longer side of a frame that is drawn in its own size
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
 
 
@@ -32,10 +33,11 @@ def grid_picture(image: Picture, candidates: Sequence[Candidate]) -> Picture:
     Returns
     -------
     ndarray of shape (h, w, 3), uint8
-        BGR, with a margin that holds the labels; small frames are enlarged, but labels count the
-        frame's pixels.
+        BGR, with a margin that holds the labels; small frames are enlarged and large ones reduced, but labels
+        count the frame's pixels.
     """
-    zoom = min(max(1, 1300 // max(image.shape[:2])), 4)
+    side = max(image.shape[:2])
+    zoom = float(min(max(1, 1300 // side), 4)) if side <= _LONGEST_PX else _LONGEST_PX / side
     canvas, at = _framed(image, zoom)
     step = _grid_step(max(image.shape[:2]))
     _draw_lines(canvas, image, at, zoom, step)
@@ -43,21 +45,22 @@ def grid_picture(image: Picture, candidates: Sequence[Candidate]) -> Picture:
     return canvas
 
 
-def _framed(image: Picture, zoom: int) -> tuple[Picture, tuple[int, int]]:
-    height, width = image.shape[:2]
+def _framed(image: Picture, zoom: float) -> tuple[Picture, tuple[int, int]]:
+    height, width = _drawn_size(image, zoom)
     size = _font_size(image, zoom)
     left, top = text_width("0000", size) + size, 2 * size
-    canvas = np.full((height * zoom + top + size, width * zoom + left + size, 3), _PAPER, np.uint8)
-    large = cv2.resize(as_color(image), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_CUBIC)
-    canvas[top : top + height * zoom, left : left + width * zoom] = large
+    canvas = np.full((height + top + size, width + left + size, 3), _PAPER, np.uint8)
+    how = cv2.INTER_CUBIC if zoom >= 1.0 else cv2.INTER_AREA
+    canvas[top : top + height, left : left + width] = cv2.resize(as_color(image), (width, height), interpolation=how)
     return canvas, (left, top)
 
 
-def _draw_lines(canvas: Picture, image: Picture, at: tuple[int, int], zoom: int, step: int) -> None:
+def _draw_lines(canvas: Picture, image: Picture, at: tuple[int, int], zoom: float, step: int) -> None:
     height, width = image.shape[:2]
     left, top = at
     size = _font_size(image, zoom)
-    inside = canvas[top : top + height * zoom, left : left + width * zoom]
+    drawn_height, drawn_width = _drawn_size(image, zoom)
+    inside = canvas[top : top + drawn_height, left : left + drawn_width]
     for value in range(0, width, step):
         column = _line_position(value, zoom)
         _shade(inside[:, column], strong=value % _strong_step(step) == 0)
@@ -77,7 +80,7 @@ def _shade(line: Picture, strong: bool) -> None:
     line[:] = np.round(line + (toward - line) * share).astype(np.uint8)
 
 
-def _draw_candidates(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int], zoom: int) -> None:
+def _draw_candidates(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int], zoom: float) -> None:
     badges: list[tuple[float, float]] = []
     for candidate in candidates:
         x, y = (
@@ -127,9 +130,15 @@ def _strong_step(step: int) -> int:
     return 4 * step if step == 25 else 5 * step
 
 
-def _font_size(image: Picture, zoom: int) -> int:
+def _font_size(image: Picture, zoom: float) -> int:
     return int(min(max(12, round(zoom * max(image.shape[:2]) / 85)), 20))
 
 
-def _line_position(value: int, zoom: int) -> int:
-    return value * zoom + zoom // 2
+def _line_position(value: int, zoom: float) -> int:
+    return int((value + 0.5) * zoom)
+
+
+def _drawn_size(image: Picture, zoom: float) -> tuple[int, int]:
+    """Height and width of a frame on the canvas, px."""
+    height, width = image.shape[:2]
+    return max(round(height * zoom), 1), max(round(width * zoom), 1)

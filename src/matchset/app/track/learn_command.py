@@ -11,6 +11,7 @@ from matchset.app.exit_codes import FOUND, NOT_FOUND
 from matchset.app.guidance.candidate_tiles import candidate_tiles, mask_picture
 from matchset.app.guidance.choice import Choice, choose
 from matchset.app.guidance.explain import PARAMETERS, explain_refused_click
+from matchset.app.guidance.large_frames import reduced, rescaled
 from matchset.app.guidance.next_command import Run, shell_command
 from matchset.app.guidance.why_picture import covered, percent
 from matchset.app.run_folder import output_file, output_folder
@@ -55,10 +56,11 @@ def learn_color(options: LearnOptions) -> int:
     )
     picture = output_file(path.with_name(path.stem + "-mask.png"), options.force, options.source)
     color.save(path)
-    write_picture(picture, mask_picture(frame.image, color))
+    small = reduced(frame)
+    write_picture(picture, mask_picture(small.image, color))
     print(f"color saved:  {path}")
     print(f"look at it:   {picture}")
-    _print_cover(frame, color)
+    _print_cover(small, color)
     words = ("--shape", options.shape) if family is not Circle else ()
     if words:
         found = detect(frame, family, color)
@@ -91,14 +93,16 @@ def show_candidates(options: LearnOptions) -> int:
         path = output_folder(None, "learn") / f"frame-{frame.index}.png"
     else:
         path = output_file(options.out, options.force, options.source)
-    colors = [_color_of(frame, each) for each in found]
+    small = reduced(frame)
+    smaller = [rescaled(each, frame, small) for each in found]
+    colors = [_color_of(small, each) for each in smaller]
     picture = grid_picture(frame.image, found)
     if found:
-        picture = np.hstack([picture, candidate_tiles(frame.image, found, colors, picture.shape[0])])
+        picture = np.hstack([picture, candidate_tiles(small.image, smaller, colors, picture.shape[0])])
     write_picture(path, picture)
     print(f"frame {frame.index} with a pixel grid: {path}\n")
     if found:
-        _print_candidates(frame, found, colors)
+        _print_candidates(small, found, colors)
     else:
         print("nothing ball-like was found in it")
     if live:

@@ -11,9 +11,7 @@ from scipy.spatial.transform import Rotation
 import matchset as ms
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
-camera = ms.CameraModel(
-    width=480, height=360, fx=340.0, fy=340.0, cx=239.5, cy=179.5, distortion=(-0.2, 0.0, 0.0, 0.0, 0.0)
-)
+camera = ms.CameraModel(width=480, height=360, fx=340, fy=340, cx=239.5, cy=179.5, distortion=(-0.2, 0, 0, 0, 0))
 
 
 def place(time: float) -> np.ndarray:
@@ -26,6 +24,8 @@ def turn(time: float) -> Rotation:
     return Rotation.from_euler("y", 180.0 + 30.0 * math.sin(2.5 * time), degrees=True)
 
 
+if taken := [name for name in ("flight.avi", "flight.csv", "camera.toml") if Path(name).exists()]:
+    raise SystemExit(f"error: {taken[0]} exists and is not overwritten: go to another folder, or delete it")
 camera.save("camera.toml")
 video = cv2.VideoWriter("flight.avi", cv2.VideoWriter.fourcc(*"FFV1"), 30.0, (camera.width, camera.height))
 with Path("flight.csv").open("w", newline="") as file:

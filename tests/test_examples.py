@@ -49,6 +49,20 @@ def test_a_clip_is_rendered(tmp_path: Path) -> None:
     assert (tmp_path / "ball.csv").read_text().startswith("video,frame,x,y,r")
 
 
+@pytest.mark.parametrize(
+    ("name", "taken"),
+    [("render_clip.py", "ball.mp4"), ("render_clip.py", "ball.csv"), ("render_flight.py", "camera.toml")],
+)
+def test_nothing_is_overwritten(tmp_path: Path, name: str, taken: str) -> None:
+    (tmp_path / taken).write_text("mine")
+    result = run(tmp_path, name)
+    assert result.returncode == 1
+    words = f"error: {taken} exists and is not overwritten: go to another folder, or delete it\n"
+    assert result.stderr == words
+    assert [path.name for path in tmp_path.iterdir()] == [taken]
+    assert (tmp_path / taken).read_text() == "mine"
+
+
 def test_a_video_is_tracked(tmp_path: Path) -> None:
     write_clip(Clip(frames=10), tmp_path / "ball.mp4")
     lines = lines_of(run(tmp_path, "track_video.py", "ball.mp4", "346", "151"))

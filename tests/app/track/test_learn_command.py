@@ -1,3 +1,4 @@
+import re
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
@@ -113,7 +114,8 @@ def test_candidates_are_the_same_in_both_copies_of_a_large_frame() -> None:
     assert 2990 < whole.pick[1] < 3000
     assert whole.radius == pytest.approx(20.0 * 4000 / 1920)
     back = rescaled(whole, frame, small)
-    assert (back.x, back.y, back.radius, back.pick) == (pytest.approx(100.0), pytest.approx(50.0), 20.0, (1919, 1439))
+    assert (back.x, back.y, back.radius) == pytest.approx((100.0, 50.0, 20.0))
+    assert back.pick == (1919, 1439)
 
 
 class FakeCamera:
@@ -147,6 +149,28 @@ def test_before_a_camera_the_candidates_colors_are_saved(
     assert ColorModel.load(track[-1]).mask(ball_picture((56.0, 60.0)))[60, 56] == 255
     assert learn[:2] == ["learn", "runs/0001-learn/frame-15-still.png"]
     assert Path(learn[1]).is_file()
+
+
+def test_before_a_camera_it_names_the_colors_that_it_saved(
+    matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    image = ball_picture((56.0, 60.0))
+    cv2.circle(image, (130, 30), 12, (30, 200, 60), -1)
+    cv2.circle(image, (128, 95), 12, (30, 60, 200), -1)
+
+    class ThreeBalls(FakeCamera):
+        def __next__(self) -> Frame:
+            return Frame(image, 0.1, super().__next__().index)
+
+    real = learn_command._color_of
+    monkeypatch.setattr(learn_command, "Video", ThreeBalls)
+    monkeypatch.setattr(learn_command, "_color_of", lambda frame, c: real(frame, c) if c.x < 129.0 else None)
+    assert matchset("learn", "0") == 0
+    out = capsys.readouterr().out
+    saved = {path.name for path in Path("runs/0001-learn").glob("*.npz")}
+    first, others = re.search(r"number (\d), type \(saved beside it: the colors of ([\d, ]+)\)", out).groups()  # type: ignore[union-attr]
+    assert saved == {f"candidate-{number}.npz" for number in (first, *others.split(", "))}
+    assert re.search(r"No color could be learned of: \d\n", out)
 
 
 @pytest.mark.parametrize("preset", ["clean", "typical", "bad"])

@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
 import matchset as ms
-from matchset.app.drawing.contact_sheet import SheetFrame, rim_tile, whole_tile
+from matchset.app.drawing.contact_sheet import LETTERS_PX, SheetFrame, label, rim_tile, whole_tile
 from matchset.app.track.score import error_px
 from matchset.sim.clips.clip import Clip
 
-TILE, GAP = 262, 10  # px
-COLORS = 240  # of the palette: few enough to keep the file small
+TILE, GAP, LETTERS = 262, 10, 22  # px; to be read where the strip is as wide as a phone
+QUALITY = 88  # WebP
 CLIPS = (
     (Clip(preset="typical", seed=100), (57, 130)),
     (Clip.hard(seed=101), (10, 106)),
@@ -41,16 +41,18 @@ def shots(clip: Clip, wanted: tuple[int, ...]) -> list[SheetFrame]:
 
 def column(shot: SheetFrame) -> npt.NDArray[np.uint8]:
     """Show the whole frame, and below it the enlarged ball with its match-set."""
-    tile = np.vstack([whole_tile(shot, TILE), rim_tile(shot, TILE)])
-    return np.pad(tile, ((GAP, 0), (GAP, GAP), (0, 0)), constant_values=255)
+    whole, rim = (tile[: -2 * LETTERS_PX] for tile in (whole_tile(shot, TILE), rim_tile(shot, TILE)))
+    points = len(shot.answer.match_set) if isinstance(shot.answer, ms.Track) else 0
+    words = (f"error {shot.error_px:.2f} px", f"{points} edge points")
+    above, below = (label(each, TILE, LETTERS) for each in words)
+    return np.pad(np.vstack([whole, above, rim, below]), ((GAP, 0), (GAP, GAP), (0, 0)), constant_values=255)
 
 
 def main() -> None:
-    """Write docs/pictures/strip.png."""
+    """Write docs/pictures/strip.webp."""
     strip = np.hstack([column(shot) for clip, wanted in CLIPS for shot in shots(clip, wanted)])
-    picture = Image.fromarray(strip[..., ::-1]).quantize(COLORS, dither=Image.Dither.NONE)
-    path = Path(__file__).with_name("strip.png")
-    picture.save(path, optimize=True)
+    path = Path(__file__).with_name("strip.webp")
+    cv2.imwrite(str(path), strip, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
     print(f"{path}: {path.stat().st_size // 1000} kB")
 
 

@@ -1,18 +1,21 @@
 import itertools
-from pathlib import Path
+import math
 
 import cv2
 import numpy as np
 import pytest
 
 from matchset.app.drawing.annotate import Caption, annotate, describe, draw_circle, write_captions
-from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet, rim_tile
+from matchset.app.drawing.contact_sheet import TRUTH, WIDTH_PX, SheetFrame, contact_sheet, rim_tile
 from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.rows import TrackRow, track_row
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
+from plot_layout import faults
+
+NAN = math.nan
 
 
 def circle_track(x: float, y: float, radius: float) -> Track[Circle]:
@@ -92,17 +95,45 @@ def test_the_enlarged_rim_lies_where_the_ball_is() -> None:
 def test_a_sheet_takes_any_answer() -> None:
     frame = Frame(np.full((48, 64, 3), 90, np.uint8))
     shots = [SheetFrame(frame, circle_track(2.0, 15.0, 9.0), 0.5), SheetFrame(frame, Lost("gone", 0.0))] * 3
+    shots.append(SheetFrame(frame, Lost("a long reason " * 9, 0.0), None, Circle(2.0, 15.0, 9.0), "the worst"))
     sheet = contact_sheet("title", "subtitle", shots, np.zeros((100, WIDTH_PX, 3), np.uint8))
     assert sheet.shape[1] == WIDTH_PX
 
 
-def test_a_plot_has_the_size_asked_for(tmp_path: Path) -> None:
-    from matchset.app.drawing.curves import error_plot
+def test_the_truth_is_drawn_beside_what_was_found() -> None:
+    frame = Frame(np.full((200, 200, 3), 90, np.uint8))
+    shown = SheetFrame(frame, circle_track(100.0, 100.0, 40.0), 5.0, Circle(100.0, 100.0, 45.0))
+    tile = rim_tile(shown, 400)
+    wide = tile.astype(int)
+    assert TRUTH[2] > TRUTH[0] < TRUTH[1]
+    colored = (wide[..., 2] - wide[..., 0] > 60) & (wide[..., 1] - wide[..., 0] > 60)
+    rows, columns = np.nonzero(colored)
+    zoom = 400 / (2.44 * 40.0)
+    assert np.hypot(rows - 199.5, columns - 199.5) == pytest.approx(45.0 * zoom, abs=2.0)
+    assert len(rows) > 200
 
-    nan = float("nan")
-    for error in ([0.1, nan, 0.3], [nan, nan, nan], []):
-        times = [0.0, 0.1, 0.2][: len(error)]
-        assert error_plot(times, error, error, (800, 300)).shape == (300, 800, 3)
+
+CURVES = {
+    "one frame lost": ([0.1, NAN, 0.3], [1]),
+    "never found": ([NAN, NAN, NAN], [0, 2]),
+    "no frame": ([], []),
+    "many": ([0.3, 0.2, 0.1] * 100, [19, 56, 94, 131, 169, 206, 244, 270]),
+    "neighbors shown": ([0.3, 0.2, 0.1, NAN] * 75, [0, 1, 2, 150, 297, 298, 299]),
+}
+
+
+@pytest.mark.parametrize("name", sorted(CURVES))
+def test_the_error_of_a_run_is_laid_out_well(name: str) -> None:
+    from matchset.app.drawing.curves import SIZE_PX, ErrorCurve, error_figure
+    from matchset.app.drawing.plot_style import picture_of
+
+    errors, shown = CURVES[name]
+    figure = error_figure(ErrorCurve([index / 30.0 for index in range(len(errors))], errors, errors, shown))
+    assert not faults(figure)
+    written = {text.get_text() for text in figure.axes[0].texts}
+    assert {str(index) for index in shown} <= written
+    width, height = SIZE_PX
+    assert picture_of(figure).shape == (height, width, 3)
 
 
 @pytest.mark.parametrize("size", [(480, 848), (320, 240), (480, 360), (640, 480), (800, 600), (1920, 1080)])

@@ -1,83 +1,123 @@
-"""The error of a run over time, plotted by Matplotlib; Matplotlib loads slowly, so import this module only to draw."""
+"""The error of a run over time, as a figure; Matplotlib loads slowly, so import this module only to draw."""
 
 from collections.abc import Sequence
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-PINK, INK, PALE = "#ff28be", "#444444", "#bbbbbb"
+from matchset.app.drawing.plot_style import (
+    DASHES,
+    INK,
+    OURS,
+    PAD,
+    PALE,
+    PAPER,
+    POINTS_PER_INCH,
+    QUIET,
+    TEXT,
+    LineLabel,
+    apart,
+    figure_of,
+    label_lines,
+    linear_ticks,
+    title,
+)
+
+SIZE_PX = 1096, 330  # format: of the figure
+_GAP_PX = 40.0  # format: least distance of the numbers of frames, px
 
 
-def error_plot(
-    time: Sequence[float], error: Sequence[float], radius: Sequence[float], size: tuple[int, int]
-) -> npt.NDArray[np.uint8]:
-    """Plot the error of a run over time, and below it the radius of the ball.
+class ErrorCurve(msgspec.Struct, frozen=True):
+    """What is known of a run, frame by frame.
 
     Parameters
     ----------
     time : sequence of float
         When each frame was taken, s.
     error : sequence of float
-        Error of each frame, Eq. 10, px; NaN where it was not answered.
+        Eq. 10, px; NaN where it was not answered.
     radius : sequence of float
         True radius of the ball, px; NaN where it is absent.
-    size : tuple of two ints
-        Width and height of the plot, px.
+    shown : sequence of int
+        Indices of frames that are shown elsewhere; they are marked.
+    """
+
+    time: Sequence[float]
+    error: Sequence[float]
+    radius: Sequence[float]
+    shown: Sequence[int] = ()
+
+
+def error_figure(curve: ErrorCurve) -> Figure:
+    """Plot the error of a run over time with its mean, and below it the radius of the ball.
+
+    Parameters
+    ----------
+    curve : ErrorCurve
 
     Returns
     -------
-    ndarray of shape (h, w, 3), uint8
-        BGR.
+    Figure
     """
-    figure = figure_of(size)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    figure.subplots_adjust(left=0.045, right=0.985, top=0.9, bottom=0.14, hspace=0.2)
-    _draw_errors(above, time, np.asarray(error, float))
-    below.plot(time, np.asarray(radius, float), color=INK, linewidth=1.0)
+    figure, (above, below) = figure_of(SIZE_PX, (3.0, 1.0))
+    labels = _draw_errors(above, curve.time, np.asarray(curve.error, float))
+    below.plot(curve.time, np.asarray(curve.radius, float), color=INK, linewidth=1.2)
     below.set_ylim(bottom=0)
     below.set_ylabel("radius, px")
     below.set_xlabel("time, s")
-    for axes in (above, below):
-        style_axes(axes)
-    return picture_of(figure)
+    linear_ticks(below.xaxis, 10)
+    linear_ticks(below.yaxis, 3)
+    marked = "; the numbers are those of the frames above" if curve.shown else ""
+    title(
+        above, f"error of each frame, |Δx| + |Δy| + |Δr| against the truth{marked}", 2.0 * TEXT if curve.shown else PAD
+    )
+    label_lines(above, labels)
+    if curve.shown:
+        _mark_frames(above, curve)
+    return figure
 
 
-def figure_of(size: tuple[int, int]) -> Figure:
-    """Begin a plot of a width and height in px."""
-    return Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
-
-
-def picture_of(figure: Figure) -> npt.NDArray[np.uint8]:
-    """Draw a plot as a picture, (h, w, 3), BGR."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()  # type: ignore[no-untyped-call]
-    rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-    return np.ascontiguousarray(rgba[..., 2::-1])
-
-
-def _draw_errors(axes: Axes, time: Sequence[float], errors: npt.NDArray[np.float64]) -> None:
-    axes.plot(time, errors, color=PINK, linewidth=1.2)
+def _draw_errors(axes: Axes, time: Sequence[float], errors: npt.NDArray[np.float64]) -> list[LineLabel]:
+    axes.plot(time, errors, color=OURS, linewidth=1.3)
     lost = np.asarray(time)[np.isnan(errors)]
-    axes.plot(lost, np.zeros(len(lost)), "|", color=INK, markersize=8, clip_on=False)
-    title = "|Δx| + |Δy| + |Δr| against the truth, frame by frame"
-    if np.isfinite(errors).any():
-        mean = float(np.nanmean(errors))
-        axes.axhline(mean, color=INK, linewidth=0.8, linestyle=(0, (4, 4)))
-        title += f"; dashed: their mean, {mean:.2f} px"
+    if len(lost):  # a line without points has no extent, and would leave the plot no room
+        across = axes.get_xaxis_transform()
+        axes.plot(lost, np.full(len(lost), 0.02), "|", color=INK, markersize=8, transform=across, clip_on=False)
     axes.set_ylim(bottom=0)
-    axes.set_title(title, loc="left", color=INK, fontsize=11)
     axes.set_ylabel("error, px")
+    linear_ticks(axes.yaxis, 5)
+    if not np.isfinite(errors).any():
+        return [LineLabel("never found", 0.0, INK)]
+    mean = float(np.nanmean(errors))
+    axes.axhline(mean, color=QUIET, linewidth=1.0, linestyle=DASHES)
+    ticks = [LineLabel("ticks: not found", 0.0, INK)] if len(lost) else []
+    return [*ticks, LineLabel(f"mean {mean:.2f} px", mean, QUIET)]
 
 
-def style_axes(axes: Axes) -> None:
-    """Give a plot the style of all plots: no frame, pale axes, horizontal grid lines."""
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(PALE)
-    axes.tick_params(color=PALE, labelcolor=INK, labelsize=9)
-    axes.yaxis.label.set_color(INK)
-    axes.xaxis.label.set_color(INK)
-    axes.grid(axis="y", color="#eeeeee")
-    axes.margins(x=0.01)
+def _mark_frames(axes: Axes, curve: ErrorCurve) -> None:
+    """Mark frames at the curve, and write their numbers above the plot."""
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    figure.set_layout_engine("none")  # what follows needs no room of its own
+    shown = sorted(curve.shown)
+    wanted = [float(axes.transData.transform((curve.time[index], 0.0))[0]) for index in shown]
+    box = axes.get_window_extent()
+    for index, at, place in zip(shown, wanted, apart(wanted, _GAP_PX, (box.x0, box.x1)), strict=True):
+        time, error = curve.time[index], curve.error[index]
+        axes.axvline(time, color=PALE, linewidth=0.8, zorder=1.5)
+        if np.isfinite(error):
+            axes.plot(time, error, "o", color=OURS, markersize=6, markeredgecolor=PAPER, zorder=4)
+        axes.annotate(
+            f"{index}",
+            (time, 1.0),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=((place - at) * POINTS_PER_INCH / figure.dpi, 3.0),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            color=INK,
+            fontsize=TEXT,
+        )

@@ -34,6 +34,7 @@ OURS = "#d55e00"
 SERIES = ("#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f", "#5d4a9c")
 # format: length of the line from a curve's end to its name, and the unit of letters, points
 LEADER, POINTS_PER_INCH = 13.0, 72.0
+PAD = 6.0  # format: between a plot and its title, points
 LEAST_TICKS = 3  # format: numbers at an axis
 DASHES = (0, (4, 3))  # format: of lines that are no measurement
 DARK = {
@@ -133,9 +134,9 @@ def style_axes(axes: Axes, grid: str = "y") -> None:
     axes.margins(x=0.01)
 
 
-def title(axes: Axes, text: str) -> None:
-    """Write what a plot shows above it, at the left."""
-    axes.set_title(text, loc="left", color=INK, fontsize=TITLE)
+def title(axes: Axes, text: str, pad: float = PAD) -> None:
+    """Write what a plot shows above it, at the left, `pad` points away."""
+    axes.set_title(text, loc="left", color=INK, fontsize=TITLE, pad=pad)
 
 
 def linear_ticks(axis: Axis, most: int = 6) -> None:

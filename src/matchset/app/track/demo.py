@@ -51,6 +51,8 @@ class _DemoRun(msgspec.Struct):
     rows: list[TrackRow]
     truths: list[TruthRow]
     sheet_frames: list[SheetFrame]
+    worst: SheetFrame | None = None
+    largest_error: float = -1.0
 
 
 def demonstrate_circle(options: DemoOptions) -> int:
@@ -94,10 +96,34 @@ def _track_circle(clip: Clip, folder: Path, statistics: RunStatistics, stop: Sto
             truth = _truth(clip, tracked.row.frame)
             run.rows.append(tracked.row)
             run.truths.append(truth)
-            if tracked.frame is not None and tracked.row.frame in wanted:
-                run.sheet_frames.append(SheetFrame(tracked.frame, tracked.answer, _error(tracked.row, truth)))
+            if tracked.frame is not None:
+                _keep(run, tracked, wanted)
             take(tracked)
+    _show_worst(run)
     return run
+
+
+def _keep(run: _DemoRun, tracked: TrackedFrame, wanted: set[int]) -> None:
+    """Keep a frame for the sheet if it is wanted there or the worst so far; a lost one is worse than any error."""
+    row, truth = run.rows[-1], run.truths[-1]
+    if tracked.frame is None or truth.circle is None:
+        return
+    error = _error(row, truth)
+    shown = SheetFrame(tracked.frame, tracked.answer, error, Circle(*truth.circle))
+    if row.frame in wanted:
+        run.sheet_frames.append(shown)
+    badness = math.inf if error is None else error
+    if badness > run.largest_error:
+        run.largest_error, run.worst = badness, shown
+
+
+def _show_worst(run: _DemoRun) -> None:
+    """Put the worst frame of the run on the sheet, in the place of the one nearest to it in time."""
+    worst = run.worst
+    if worst is None or not run.sheet_frames:
+        return
+    distances = [abs(each.frame.index - worst.frame.index) for each in run.sheet_frames]
+    run.sheet_frames[distances.index(min(distances))] = msgspec.structs.replace(worst, remark="the worst")
 
 
 @contextmanager
@@ -141,16 +167,18 @@ def _write_truth(path: Path, truths: list[TruthRow]) -> None:
 
 def _sheet(clip: Clip, run: _DemoRun, result: Score, statistics: RunStatistics) -> npt.NDArray[np.uint8]:
     with announce_if_slow("drawing the sheet ..."):
-        from matchset.app.drawing.curves import error_plot
+        from matchset.app.drawing.curves import SIZE_PX, ErrorCurve, error_figure
+        from matchset.app.drawing.plot_style import picture_of
 
         errors = [_error(row, truth) for row, truth in zip(run.rows, run.truths, strict=True)]
         radii = [math.nan if truth.circle is None else truth.circle[2] for truth in run.truths]
-        plot = error_plot(
+        curve = ErrorCurve(
             [row.time for row in run.rows],
             [math.nan if error is None else error for error in errors],
             radii,
-            (WIDTH_PX, 360),
+            [shown.frame.index for shown in run.sheet_frames],
         )
+        plot = picture_of(error_figure(curve), WIDTH_PX / SIZE_PX[0])
         mean = "-" if result.mean_error_px is None else f"{result.mean_error_px:.2f} px"
         valid = "-" if result.valid_percent is None else f"{result.valid_percent:.1f} %"
         subtitle = (

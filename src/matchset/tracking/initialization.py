@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.fitter import Fitter
+from matchset.fitting.match_set import SECOND_DIFFERENCE
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.brightness import DEFAULT, BrightnessParameters, level_across, level_in
 from matchset.image.color import ColorModel
@@ -67,6 +68,26 @@ class InitializationParameters(msgspec.Struct, frozen=True):
     near: float = 0.7
     shrink: float = 0.5
     growth: float = 1.7
+
+
+def noise_in(image: Image, box: tuple[float, float, float, float], limits: InitializationParameters) -> float:
+    """Measure the noise of the pixels around a box, gray levels: from second differences along the rows.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, channels), uint8
+    box : tuple of four floats
+        Left, top, right, bottom, px.
+    limits : InitializationParameters
+    """
+    (left, top, right, bottom), margin = box, limits.around_px
+    across, down = limits.around * (right - left) + margin, limits.around * (bottom - top) + margin
+    rows = slice(max(round(top - down), 0), max(round(bottom + down) + 1, 0))
+    columns = slice(max(round(left - across), 0), max(round(right + across) + 1, 0))
+    pixels = image[rows, columns, 1 if image.shape[2] > 1 else 0].astype(np.int16)
+    if pixels.shape[0] < 1 or pixels.shape[1] <= 2:
+        return 0.0
+    return float(np.abs(np.diff(pixels, 2, axis=1)).mean()) / SECOND_DIFFERENCE
 
 
 def initialize_near(

@@ -21,10 +21,12 @@ from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import collection_paused, interpreted
+from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
 from matchset.tracking.hypothesis_filter import HypothesisFilter
+from matchset.tracking.initialization import noise_in
 from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.voting import Searcher
@@ -50,10 +52,12 @@ class TrackStep(Copied, Generic[S]):
     ----------
     faint : int
         For how many frames the shape has been seen faintly.
+    given : bool
+        Whether the shape was given by somebody and no picture has confirmed it yet.
     """
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
-        self.fitter, self.parameters, self.faint = fitter, parameters, 0
+        self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.spread: Floats | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
@@ -61,7 +65,7 @@ class TrackStep(Copied, Generic[S]):
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint, self.spread = 0, None
+        self.faint, self.spread, self.given = 0, None, False
         self._filter.forget()
         self._make_derived()
 
@@ -84,13 +88,26 @@ class TrackStep(Copied, Generic[S]):
         """
         fitter, self.spread = self.fitter, None
         rejection = fitter.track(image, color, time, interval)
-        if not rejection:  # of an `IntEnum` that is faster than a comparison
+        if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
             return None
-        estimate = self._reacquire(image, color, fitter.estimate(rejection), (time, interval, index))
+        estimate = fitter.estimate(rejection)
+        if rejection:
+            estimate = self._reacquire(image, color, estimate, (time, interval, index))
+        if self.given and not estimate.rejection:
+            estimate = estimate._replace(rejection=self._chance_in_noise(estimate, image, color))
         if estimate.rejection:
             return estimate
-        self.accept(time)
+        if rejection:
+            self.accept(time)
+        self.given = False
         return None
+
+    def _chance_in_noise(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
+        """Demand of a shape that was given what a detection needs, where noise alone has edge points anywhere."""
+        box = box_of(self.fitter.family.from_state(estimate.state))
+        if noise_in(image, box, self.parameters.initialization) <= self.parameters.confidence.noise:
+            return Rejection.NONE
+        return self.fitter.validate_detection(self.fitter.weigh(estimate, image, color), Prior.HERE)
 
     def _reacquire(
         self, image: Image, color: ColorModel, estimate: Estimate, when: tuple[float, float, int]
@@ -220,6 +237,7 @@ class TrackStep(Copied, Generic[S]):
 
     def accept(self, time: float) -> None:
         """Correct the motion with the last fit, which was accepted at a time, s."""
+        self.given = False
         self._accept(self.fitter.block, time)
 
     def missed(self, time: float, interval: float) -> float:

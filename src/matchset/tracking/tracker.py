@@ -249,7 +249,7 @@ class Tracker(Copied, Generic[S]):
 
     def _prepare(self, image: Image) -> None:
         """Fit a brightness model to the picture, and begin at the shape that was given, if one was."""
-        given, self._initial = self._initial, None
+        given, self._initial, self._step.given = self._initial, None, self._initial is not None
         if self.color.gray:
             self.color = model_for_image(self.color, image, given, self.parameters.brightness)
             self._learned = self.color.log_odds.copy()

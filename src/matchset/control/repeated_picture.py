@@ -32,15 +32,20 @@ class RepeatedPictureParameters(msgspec.Struct, frozen=True, kw_only=True, forbi
         After so many pictures in a row that came before, the vehicle descends. Fewer does so sooner, and also where a
         grabber sends the pictures of a slower camera twice: 1 of 6 where it makes 30 of 25 a second. Chosen by: the
         project's safety rules.
+    final_repeats : int
+        After so many in a row the descent is final, until somebody arms: a grabber that stood still so long may have
+        queued what it delivers next, and nothing but the motion would tell that it is old. Fewer ends flights that a
+        grabber only disturbed; more lets queues grow. Chosen by: `python -m benchmarks.flight.faults --only late`.
     """
 
     lines: int = 4
     memory: int = 64
     max_repeats: int = 3
+    final_repeats: int = 9
 
     def __post_init__(self) -> None:
         require(self, ("lines",), lambda value: value >= 0, "0 or more")
-        require(self, ("memory", "max_repeats"), lambda value: value >= 1, "1 or more")
+        require(self, ("memory", "max_repeats", "final_repeats"), lambda value: value >= 1, "1 or more")
 
 
 class PicturesSeen(NamedTuple):

@@ -103,6 +103,16 @@ def test_a_picture_that_stands_still_for_a_moment_does_not_end_a_flight() -> Non
     assert phases[-1] == ["flying", "flying"]
 
 
+def test_what_comes_after_a_picture_that_stood_still_for_long_is_not_flown_by() -> None:
+    """It may be as old as the picture stood still, and nothing in it says so."""
+    with Flight(flight(4.5, seed=107, freeze=1.5, freeze_for=0.5)) as flown:
+        chain_steps = list(flown)
+    for who in range(2):
+        down = [each.steps[who].safety for each in chain_steps if each.steps[who].safety.phase == "descending"]
+        assert "may be old" in down[-1].reason
+        assert chain_steps[-1].steps[who].safety.phase == "cut"
+
+
 def test_old_pictures_that_never_came_before_are_known_by_their_motion() -> None:
     parameters = flight(6.0, seed=108, stale=2.0)
     pilot = msgspec.structs.replace(parameters.pilot, repeated=RepeatedPictureParameters(lines=0))

@@ -138,7 +138,7 @@ class Walked(Pilot):
             self._frame_time, self._pictures = now, PicturesSeen()
             self._seen_time = now if picture == "ball" else self._seen_time
         elif picture in ("again", "old"):
-            repeats = min(self._pictures.repeats + 1, self.parameters.repeated.max_repeats)
+            repeats = min(self._pictures.repeats + 1, self.parameters.repeated.final_repeats)
             self._pictures = PicturesSeen((), repeats, self._pictures.went_back or picture == "old")
         stamps.extend([stamps[-1]] * 3)
         return Lost("", now), (), Lost("", now)

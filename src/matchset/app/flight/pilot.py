@@ -276,9 +276,8 @@ class Pilot:
 
     def _stop_reason(self) -> str:
         """Say why the motors have stopped although the safety filter would fly on; empty if they have not."""
-        if self._safety.phase == "cut":
-            return ""
-        return self.killed or (self.link.status().refusal if self.armed else "")
+        why = self.killed or (self.link.status().refusal if self.armed else "")
+        return "" if self._safety.phase == "cut" else why
 
     def _picture_fault(self) -> str:
         """Say why the pictures must not be flown by; those of another time are not to be trusted again until `arm`."""

@@ -10,19 +10,19 @@ from matchset.camera.calibration_report import CalibrationReport, covered_cells
 
 Picture = npt.NDArray[np.uint8]
 
-# geometry: colors, BGR
-_GREEN, _ORANGE, _RED = (90, 200, 60), (0, 160, 255), (70, 70, 240)
-_GRADES = {"good": _GREEN, "usable": _ORANGE, "poor": _RED}
-# geometry: colors, BGR
-_WHITE, _PALE, _PAPER = (255, 255, 255), (170, 170, 170), (32, 32, 32)
-# geometry: height of a line of text; least width and largest side of the picture, px
-_LINE_PX, _MIN_WIDTH_PX, _MAX_SIDE_PX = 22, 900, 1280
+# format: colors, BGR: dots, where the board never was, letters, lesser ones, border, paper; then by grade
+_DOT, _UNSEEN = (178, 114, 0), (0, 94, 213)
+_INK, _QUIET, _BORDER, _PAPER = (51, 51, 51), (107, 107, 107), (120, 120, 120), (255, 255, 255)
+_GRADES = {"good": (115, 158, 0), "usable": (0, 140, 200), "poor": (0, 60, 200), "refused": (0, 60, 200)}
+# format: height of a line of text, size of its letters; least width and largest side of the picture; its margin, px
+_LINE_PX, _LETTERS_PX, _MIN_WIDTH_PX, _MAX_SIDE_PX, _MARGIN_PX = 26, 16, 900, 1280, 24
+_UNSEEN_SHARE, _PICTURE_SHARE = 0.30, 0.35  # format: how strong the colors of the background are
 
 
 def coverage_picture(
     picture: Picture, views: list[View], report: CalibrationReport | None, refused: str = ""
 ) -> Picture:
-    """Draw the board's corners over a darkened picture, with the report below.
+    """Draw the board's corners over a pale picture, colored where the board never was, with the report below.
 
     Parameters
     ----------
@@ -46,33 +46,53 @@ def coverage_picture(
     gray = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY))
     back = cv2.cvtColor(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), cv2.COLOR_GRAY2BGR)
     shade = cv2.resize(covered_cells(views, width, height).astype(np.float32), size, interpolation=cv2.INTER_NEAREST)
-    drawn = 0.25 * back.astype(np.float32) + shade[..., None] * np.array((28.0, 60.0, 20.0))
-    image = np.ascontiguousarray(np.clip(drawn, 0, 255).astype(np.uint8))
-    for number, view in enumerate(views):
-        hue = np.array([[[180 * number // max(len(views), 1), 150, 255]]], np.uint8)
-        color = tuple(int(part) for part in cv2.cvtColor(hue, cv2.COLOR_HSV2BGR)[0, 0])
+    paper = np.array(_PAPER) - _PICTURE_SHARE * (255.0 - back.astype(np.float32))
+    unseen = _UNSEEN_SHARE * (1.0 - shade[..., None])
+    image = np.ascontiguousarray(np.round(paper + unseen * (np.array(_UNSEEN) - paper)).astype(np.uint8))
+    for view in views:
         for x, y in (view.pixels + 0.5) * scale - 0.5:
-            cv2.circle(image, (round(x * 16), round(y * 16)), 40, color, cv2.FILLED, cv2.LINE_AA, 4)
-    return np.vstack((image, _report_lines(size[0], len(views), report, refused)))
+            cv2.circle(image, (round(x * 16), round(y * 16)), 40, _DOT, cv2.FILLED, cv2.LINE_AA, 4)
+    bordered = cv2.copyMakeBorder(image, 2, 2, 2, 2, cv2.BORDER_CONSTANT, value=_BORDER)
+    margin = _MARGIN_PX
+    framed = cv2.copyMakeBorder(bordered, 8, 8, margin, margin, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
+    return np.vstack((_title(framed.shape[1], len(views)), framed, _report_lines(framed.shape[1], report, refused)))
 
 
-def _report_lines(width: int, views: int, report: CalibrationReport | None, refused: str) -> Picture:
-    """Draw the lines of text below the picture, each marked with the color of its grade."""
-    lines = [("", f"Corners of the board in {views} view{'s' * (views != 1)}; shaded: where it was", _WHITE)]
+def _title(width: int, views: int) -> Picture:
+    """Say what the picture shows, with a sample of each mark."""
+    strip = np.full((2 * _LINE_PX + 34, width, 3), _PAPER, np.uint8)
+    draw_text(strip, f"Where the board was seen, in {views} view{'s' * (views != 1)}", (_MARGIN_PX, 28), 24, _INK)
+    y = _LINE_PX + 38
+    cv2.circle(strip, (_MARGIN_PX + 8, y), 3, _DOT, cv2.FILLED, cv2.LINE_AA)
+    x = _MARGIN_PX + 24
+    draw_text(strip, "its corners", (x, y), _LETTERS_PX, _INK)
+    x += text_width("its corners", _LETTERS_PX) + 36
+    tint = tuple(round(255.0 - _UNSEEN_SHARE * (255 - part)) for part in _UNSEEN)
+    cv2.rectangle(strip, (x, y - 9), (x + 26, y + 9), tint, cv2.FILLED)
+    draw_text(strip, "where it never was: hold it there too", (x + 36, y), _LETTERS_PX, _INK)
+    return strip
+
+
+def _report_lines(width: int, report: CalibrationReport | None, refused: str) -> Picture:
+    """Draw the lines of text below the picture, each with its grade in words, and in its color."""
     if report is None:
-        lines += [("refused", refused, _RED)]
+        lines = [("refused", "", refused)]
     else:
-        lines += [(finding.name, finding.words, _GRADES[finding.grade]) for finding in report.findings]
-    wrapped: list[tuple[str, str, tuple[int, int, int]]] = []
-    for name, words, color in lines:
-        for part in _wrap(words, width - 130):
-            wrapped.append((name, part, color))
-            name = ""
-    strip = np.full((_LINE_PX * len(wrapped) + 18, width, 3), _PAPER, np.uint8)
-    for row, (name, part, color) in enumerate(wrapped):
-        y = 9 + _LINE_PX * (row + 0.5)
-        draw_text(strip, name, (16, y), 14, color)
-        draw_text(strip, part, (112 if row else 16, y), 14, _PALE if row else _WHITE)
+        lines = [(finding.grade, finding.name, finding.words) for finding in report.findings]
+    at = _MARGIN_PX, _MARGIN_PX + 100, _MARGIN_PX + (100 if report is None else 220)
+    wrapped: list[tuple[str, str, str]] = []
+    for grade, name, words in lines:
+        parts = _wrap(words, width - at[2] - _MARGIN_PX)
+        wrapped += [(grade, name, parts[0]), *(("", "", part) for part in parts[1:])]
+    strip = np.full((_LINE_PX * len(wrapped) + 24, width, 3), _PAPER, np.uint8)
+    for row, (grade, name, words) in enumerate(wrapped):
+        y = 8 + _LINE_PX * (row + 0.5)
+        if grade:
+            color, middle = _GRADES[grade], round(y)
+            cv2.rectangle(strip, (at[0], middle - 7), (at[0] + 14, middle + 7), color, cv2.FILLED)
+        draw_text(strip, grade, (at[0] + 24, y), _LETTERS_PX, _INK)
+        draw_text(strip, name, (at[1], y), _LETTERS_PX, _INK)
+        draw_text(strip, words, (at[2], y), _LETTERS_PX, _QUIET)
     return strip
 
 
@@ -80,7 +100,7 @@ def _wrap(words: str, width: int) -> list[str]:
     lines = [""]
     for word in words.split():
         longer = f"{lines[-1]} {word}".strip()
-        if lines[-1] and text_width(longer) > width:
+        if lines[-1] and text_width(longer, _LETTERS_PX) > width:
             lines.append(word)
         else:
             lines[-1] = longer

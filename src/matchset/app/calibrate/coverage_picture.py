@@ -10,12 +10,13 @@ from matchset.camera.calibration_report import CalibrationReport, covered_cells
 
 Picture = npt.NDArray[np.uint8]
 
-# format: colors, BGR: dots, where the board never was, letters, lesser ones, border, paper; then by grade
-_DOT, _UNSEEN = (178, 114, 0), (0, 94, 213)
+_DOT, _UNSEEN = (178, 114, 0), (0, 94, 213)  # format: of corners, and where the board never was; BGR
+# format: of letters, of lesser ones, of the picture's border, of the background, BGR
 _INK, _QUIET, _BORDER, _PAPER = (51, 51, 51), (107, 107, 107), (120, 120, 120), (255, 255, 255)
+# format: by grade, BGR
 _GRADES = {"good": (115, 158, 0), "usable": (0, 140, 200), "poor": (0, 60, 200), "refused": (0, 60, 200)}
-# format: height of a line of text, size of its letters; least width and largest side of the picture; its margin, px
-_LINE_PX, _LETTERS_PX, _MIN_WIDTH_PX, _MAX_SIDE_PX, _MARGIN_PX = 26, 16, 900, 1280, 24
+_LINE_PX, _LETTERS_PX = 26, 16  # format: height of a line of text, size of its letters
+_MIN_WIDTH_PX, _MAX_SIDE_PX, _MARGIN_PX = 900, 1280, 24  # format: of the picture
 _UNSEEN_SHARE, _PICTURE_SHARE = 0.30, 0.35  # format: how strong the colors of the background are
 
 

@@ -49,7 +49,7 @@ SHORTER = {
 FAILS = {"--hsv 0,0,0:179,255,255": 1}  # exit codes of lines that show what goes wrong
 
 
-def rendered(folder: Path, frames: int = 12) -> None:
+def rendered(folder: Path, frames: int = 2) -> None:
     """`python examples/render_clip.py`, shorter."""
     write_clip(Clip(frames=frames), folder / "ball.mp4")
 
@@ -73,7 +73,7 @@ def sign_and_bag(folder: Path) -> None:
 
 def bag(folder: Path, kind: str = "ros1") -> None:
     bags.need_rosbags()
-    clip = Clip(frames=3)
+    clip = Clip(frames=2)
     background = clip.background()
     types = bags.store(ros1=kind == "ros1")
     frames = [(k * bags.NANO // 30, clip.render(k, background).image) for k in range(len(clip))]

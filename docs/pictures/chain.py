@@ -2,24 +2,24 @@
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from matchset.app.drawing.text import draw_text
+from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.flight.flight import ChainStep, Flight, FlightParameters, FlightSetup, flight_setup
 from matchset.app.flight_report.picture import annotate_step
-from matchset.app.flight_report.top_view import TopView
+from matchset.app.flight_report.top_view import INK, TopView
 from matchset.app.progress import progress_bar
 from matchset.links.simulated import FPS, SimulationParameters
 
 Picture = npt.NDArray[np.uint8]
 
 SEED, DURATION, BEGIN = 104, 14.0, 4.0  # s; the picture begins where the start is over
-EVERY = 3  # steps
-CELL, MAP = (420, 315), (840, 330)  # px
-QUALITY, METHOD = 42, 3
+EVERY = 4  # steps
+CELL, CORNER, MAP = (420, 300), (70, 50), (840, 310)  # px: a part of each camera's picture as it is, not shrunk
+LETTERS = 20  # px; to be read where the picture is as wide as a phone
+QUALITY, METHOD = 36, 4
 LARGEST = 3_000_000  # bytes
 
 
@@ -28,10 +28,14 @@ def scene(chain_step: ChainStep, setup: FlightSetup, top: TopView) -> Picture:
     cells = []
     for number, (step, camera) in enumerate(zip(chain_step.steps, setup.cameras, strict=True), 1):
         picture = annotate_step(step, number, camera, setup.radius, captions=False)
-        cell = np.asarray(cv2.resize(picture, CELL, interpolation=cv2.INTER_AREA), np.uint8)
-        draw_text(cell, f"camera of {number}", (10, 16), 15)
+        cell = np.ascontiguousarray(picture[CORNER[1] :, CORNER[0] :][: CELL[1], : CELL[0]])
+        cell[: 2 * LETTERS] //= 3
+        draw_text(cell, f"camera of {number}: it follows {number + 1}", (10, LETTERS), LETTERS)
         cells.append(cell)
-    return np.vstack((np.hstack(cells), top.draw(chain_step)))
+    view = top.draw(chain_step)
+    last = f"{len(setup.cameras) + 1} hangs on a rope"
+    draw_text(view, last, (MAP[0] - text_width(last, LETTERS) - 14, MAP[1] - 1.2 * LETTERS), LETTERS, INK)
+    return np.vstack((np.hstack(cells), view))
 
 
 def main() -> None:

@@ -24,7 +24,7 @@ PATH_LENGTH = 120  # format: steps that a path shows, 4 s
 # geometry: m, free space before the first and behind the last vehicle, and beside the widest swing of the chain
 MARGIN, SIDE_MARGIN = 0.65, 0.25
 # geometry: m, radius of a drawn ball, of the ring around an estimated position, half a side of the cross at a set place
-BALL, RING, CROSS = 0.14, 0.07, 0.07
+BALL, RING, CROSS = 0.14, 0.075, 0.045
 SHIFT = 4  # format: fractional bits of the coordinates that OpenCV's drawing functions take
 
 
@@ -58,9 +58,9 @@ class TopView:
             self._line(image, camera_position(me)[[2, 0]], other.ball[[2, 0]], PALE)
         for number, vehicle in enumerate(chain_step.truth_at_exposure):
             self._draw_vehicle(image, number, vehicle)
-        for number, other in enumerate(chain_step.truth_at_exposure[1:]):
-            self._draw_set_place(image, number, other)
         self._draw_estimates(image, chain_step)
+        for other in chain_step.truth_at_exposure[1:]:
+            self._draw_set_place(image, other)
         self._write(image)
         return image
 
@@ -105,14 +105,19 @@ class TopView:
             shade = tuple(int(part) for part in share * color + (1.0 - share) * np.array(PAPER))
             self._line(image, a, b, shade, 2)  # type: ignore[arg-type]
 
-    def _draw_set_place(self, image: Picture, number: int, other: VehiclePose) -> None:
+    def _draw_set_place(self, image: Picture, other: VehiclePose) -> None:
         """Draw the set place of a follower's camera, a cross."""
         place = other.ball + level_ball_frame(other) @ (self._place.side, -self._place.height, self._place.heading)
-        at, color = place[[2, 0]], bgr(vehicle_rgb(number))
-        arms = (np.array((CROSS, 0.0)), np.array((0.0, CROSS)))
+        self._cross(image, place[[2, 0]], INK)
+
+    def _cross(self, image: Picture, at: Floats, color: tuple[int, int, int], size: float = CROSS) -> None:
         for shade, wide in ((PAPER, 4), (color, 2)):
-            for arm in arms:
+            for arm in (np.array((size, 0.0)), np.array((0.0, size))):
                 self._line(image, at - arm, at + arm, shade, wide)
+
+    def _ring(self, image: Picture, at: Floats, color: tuple[int, int, int], size: float = RING) -> None:
+        for shade, wide in ((PAPER, 5), (color, 2)):
+            self._circle(image, at, size, shade, wide)
 
     def _draw_vehicle(self, image: Picture, number: int, vehicle: VehiclePose) -> None:
         """Draw the arms, the ball at its true size, and a nose that points forward."""
@@ -121,9 +126,10 @@ class TopView:
         for arm in (ahead + right, ahead - right):
             self._line(image, at - 0.15 * arm, at + 0.15 * arm, INK, 2)
         self._line(image, at, at + 0.3 * ahead, color, 3)
-        self._circle(image, at, BALL, color, cv2.FILLED)
-        name, size = str(number + 1), max(self._size[1] // 24, 11)
-        x, y = (part / (1 << SHIFT) for part in self._px(at - 0.27 * ahead))
+        self._circle(image, at, BALL, _pale(color), cv2.FILLED)
+        self._circle(image, at, BALL, color, 2)
+        name, size = str(number + 1), max(self._size[1] // 20, self._size[0] // 45, 12)
+        x, y = (part / (1 << SHIFT) for part in self._px(at - 0.30 * ahead))
         draw_text(image, name, (x - text_width(name, size) / 2.0, y), size, INK)
 
     def _draw_estimates(self, image: Picture, chain_step: ChainStep) -> None:
@@ -131,11 +137,26 @@ class TopView:
         for number, position in enumerate(camera_positions(chain_step.steps)):
             if position is not None:
                 at = chain_frame_to_room(position, chain_step.truth_at_exposure[-1])[[2, 0]]
-                self._circle(image, at, RING, PAPER, 4)
-                self._circle(image, at, RING, bgr(vehicle_rgb(number)), 2)
+                self._ring(image, at, bgr(vehicle_rgb(number)))
 
     def _write(self, image: Picture) -> None:
-        size = max(self._size[1] // 34, 10)
-        lines = ("from above, squares of 0.5 m", "+ set place of the camera    o where the chain sees that it is")
-        for line, text in enumerate(lines):
-            draw_text(image, text, (0.8 * size, (1.2 + 1.5 * line) * size), size, INK)
+        """Say what is seen, and what the marks mean; in two lines where one has no room."""
+        size = max(self._size[1] // 26, self._size[0] // 50, 11)
+        draw_text(image, "from above, squares of 0.5 m", (0.8 * size, 1.2 * size), size, INK)
+        x, y = 0.8 * size, 2.9 * size
+        for mark, words in ((self._cross, "where the camera should be"), (self._ring, "where the chain sees it")):
+            if x > size and x + 2.2 * size + text_width(words, size) > self._size[0]:
+                x, y = 0.8 * size, y + 1.7 * size
+            mark(image, self._point(x + 0.6 * size, y), INK, 0.5 * size / self._scale)
+            draw_text(image, words, (x + 1.6 * size, y), size, INK)
+            x += 3.5 * size + text_width(words, size)
+
+    def _point(self, u: float, v: float) -> Floats:
+        """Undo `_px`: (z, x), m, of a place in the picture, px."""
+        return np.asarray((np.array((u, v)) - np.array(self._size) / 2.0) / self._scale + self._middle)
+
+
+def _pale(color: tuple[int, int, int]) -> tuple[int, int, int]:
+    """Mix a color with three parts of the background."""
+    blue, green, red = (round(0.3 * part + 0.7 * paper) for part, paper in zip(color, PAPER, strict=True))
+    return blue, green, red

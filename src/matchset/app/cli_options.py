@@ -55,10 +55,21 @@ AnnotatedVideo = Annotated[
     typer.Option(
         "--video",
         metavar="OUT.webm",
-        help="Write the annotated video: .webm (VP8), .mp4 (H.264 by PyAV or ffmpeg, "
+        help="Write the annotated video, all of it at full size: .webm (VP8), .mp4 (H.264 by PyAV or ffmpeg, "
         "else MPEG-4) or .avi (Motion JPEG).",
     ),
 ]
+NoVideo = Annotated[
+    bool, typer.Option("--no-video", help="No video and no summary.png in the folder that nobody asked for: quicker.")
+]
+Gif = Annotated[
+    Path | None,
+    typer.Option("--gif", metavar="OUT.gif", help="Write an animated picture too, .gif or .webp; see --start, --end."),
+]
+Start = Annotated[
+    str | None, typer.Option("--start", metavar="FRAME|4.5s", help="Begin here: a frame, or seconds with an s.")
+]
+End = Annotated[str | None, typer.Option("--end", metavar="FRAME|9s", help="End before this frame or time.")]
 Folder = Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for the tables.")]
 ToStdout = Annotated[
     bool, typer.Option("--print", help="Write one line of JSON a frame to stdout, and nothing else there.")
@@ -101,6 +112,31 @@ def unit_note(option: str, meters: float | None, most: float) -> None:
     unit, parts = ("cm", 100.0) if most >= LARGE_BALL and meters / 100.0 <= most else ("mm", 1000.0)
     meant = f"{meters:g} {unit} are {option} {meters / parts:g}"
     print(f"note: {option} {meters:g} is in m, and that is large: {meant}", file=sys.stderr)
+
+
+class ShownOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say which part of a video is used, and what is drawn of it."""
+
+    no_video: NoVideo = False
+    gif: Gif = None
+    start: Start = None
+    end: End = None
+
+    def check(self, video: Path | None) -> None:
+        """Check the names of the pictures, and the part, before anything is opened (ValueError)."""
+        from matchset.app.films.codecs import check_animation, codecs_for
+        from matchset.app.pictures.part import Part
+
+        if video is not None:
+            codecs_for(video)
+        if self.gif is not None:
+            check_animation(self.gif)
+        Part.parse(self.start, self.end)
+
+    def names(self, name: str, video: Path | None, to_stdout: bool) -> tuple[str, ...]:
+        """Return the files that nobody asked for in the run's folder; of a live source they are not written."""
+        film = () if video is not None else (f"{name}.mp4", f"{name}.webm")
+        return () if self.no_video or to_stdout else ("summary.png", *film)
 
 
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):

@@ -1,6 +1,7 @@
-"""The answer of a tracker, drawn into its frame: `annotate`."""
+"""The answer of a tracker, drawn into its frame: `annotate`; of a whole run, with its trail: `TrackPainter`."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -8,7 +9,9 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.drawing.status_strip import StatusStrip
 from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.drawing.trail import Trail
 from matchset.app.track.rows import TrackRow
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
@@ -22,6 +25,7 @@ POINT = (255, 255, 255)  # geometry: color of the match-set, BGR
 PREDICTED = (60, 190, 255)  # geometry: color of a predicted outline and of a loss, BGR
 _LEAST_SIZE, _LARGEST_SIZE = 11, 28  # geometry: of the letters below a picture, px
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
+_BETWEEN = "   "  # format: what separates the parts of a line
 
 
 class Caption(msgspec.Struct, frozen=True):
@@ -30,6 +34,44 @@ class Caption(msgspec.Struct, frozen=True):
     left: str
     right: str = ""
     bad: bool = False
+
+
+class TrackPainter:
+    """Draws the answers of a run, with the way that the shape has come, above a strip of text.
+
+    Parameters
+    ----------
+    size : tuple of two ints
+        Width and height of the frames, px.
+    parameters : sequence of str
+        Names of the shape's parameters.
+
+    Attributes
+    ----------
+    size : tuple of two ints
+        Width and height of the pictures, px.
+    """
+
+    def __init__(self, size: tuple[int, int], parameters: Sequence[str]) -> None:
+        numbers = (f"{name} 8888.8 ±88.88" for name in parameters)
+        longest = _BETWEEN.join([*numbers]) + " px   support 100 %"
+        self._strip = StatusStrip(*size, [(longest, "frame 88888   8888.88 s")])
+        self._trail = Trail()
+        self.size = size[0], size[1] + self._strip.height
+
+    def paint(self, frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Picture:
+        """Draw the next answer into a copy of its frame, see `annotate`; (h + strip, w, 3), BGR."""
+        image = as_color(frame.image)
+        self._trail.append(center_of(answer))
+        self._trail.draw(image)
+        draw_answer(image, answer)
+        texts = [(describe(row), f"frame {row.frame}   {row.time:.2f} s")]
+        return self._strip.below(image, texts, OUTLINE if row.found else PREDICTED)
+
+
+def center_of(answer: Track[Any] | Lost[Any]) -> tuple[float, float] | None:
+    """Return the center of an answer's shape, px; None where there is none."""
+    return answer.shape.center if isinstance(answer, Track) else None
 
 
 def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Picture:
@@ -50,13 +92,18 @@ def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Pic
         BGR, with the outline and its match-set (or, dashed, the predicted outline of a lost shape), and a caption.
     """
     image = as_color(frame.image)
+    draw_answer(image, answer)
+    write_captions(image, Caption(describe(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found))
+    return image
+
+
+def draw_answer(image: Picture, answer: Track[Any] | Lost[Any]) -> None:
+    """Draw an outline with its match-set or, dashed, a predicted one."""
     if isinstance(answer, Track):
         draw_points(image, answer.match_set)
         draw_shape(image, answer.shape)
     elif answer.predicted is not None:
         draw_shape(image, answer.predicted, PREDICTED, dashed=True)
-    write_captions(image, Caption(describe(row), f"frame {row.frame}   {row.time:.2f} s", bad=not row.found))
-    return image
 
 
 def as_color(image: Picture) -> Picture:

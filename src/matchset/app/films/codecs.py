@@ -27,6 +27,16 @@ CODECS = {".mp4": (MPEG4,), ".webm": (VP8,), ".avi": (MJPEG,)}
 EVEN = 2  # format: width and height of H.264 with 4:2:0 chroma are multiples of this
 
 
+ANIMATIONS = (".gif", ".webp")
+"""Endings of animated pictures."""
+
+
+def check_animation(path: Path) -> None:
+    """Refuse an animated picture's name of another kind (ValueError)."""
+    if path.suffix.lower() not in ANIMATIONS:
+        raise ValueError(f"an animated picture's name must end in {' or '.join(ANIMATIONS)}, got {str(path)!r}")
+
+
 def codecs_for(path: Path) -> tuple[Codec, ...]:
     """Return the codecs to try for a file's extension; ValueError if there are none."""
     try:

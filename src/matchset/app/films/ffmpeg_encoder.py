@@ -30,6 +30,12 @@ def open_ffmpeg_encoder(film: Film) -> "FfmpegEncoder | None":
     return None if encoder is None else FfmpegEncoder(film, program, encoder)
 
 
+def has_ffmpeg() -> bool:
+    """Whether there is a program `ffmpeg` that packs H.264."""
+    program = shutil.which("ffmpeg")
+    return program is not None and _encoder_of(program) is not None
+
+
 @functools.cache
 def _encoder_of(program: str) -> str | None:
     """Ask the program which encoder of H.264 it has."""

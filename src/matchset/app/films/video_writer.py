@@ -2,6 +2,7 @@
 
 import queue
 import threading
+from importlib.util import find_spec
 from pathlib import Path
 
 import msgspec
@@ -9,10 +10,15 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileError, name_beside
 from matchset.app.films.codecs import Encoder, Film, Picture, codecs_for
-from matchset.app.films.ffmpeg_encoder import open_ffmpeg_encoder
+from matchset.app.films.ffmpeg_encoder import has_ffmpeg, open_ffmpeg_encoder
 from matchset.app.films.opencv_encoder import OpencvEncoder, count_pictures
 from matchset.app.films.pyav_encoder import open_pyav_encoder
 from matchset.numeric.copies import NotCopied
+
+
+def quick_ending() -> str:
+    """Return the ending of films that are packed fastest and shown by browsers: H.264 where there is one, else VP8."""
+    return ".mp4" if find_spec("av") is not None or has_ffmpeg() else ".webm"
 
 
 class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):

@@ -7,8 +7,19 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.annotate import PREDICTED, Caption, as_color, draw_circle, draw_points, write_captions
+from matchset.app.drawing.annotate import (
+    OUTLINE,
+    PREDICTED,
+    Caption,
+    as_color,
+    center_of,
+    draw_circle,
+    draw_points,
+    write_captions,
+)
+from matchset.app.drawing.status_strip import StatusStrip
 from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.drawing.trail import Trail
 from matchset.app.locate.loop import LocatedFrame
 from matchset.app.locate.rows import POSITION, PoseRow
 from matchset.camera.camera_model import CameraModel
@@ -24,6 +35,43 @@ AXES = ((80, 80, 255), (80, 230, 80), (255, 190, 60))  # geometry: colors of the
 _LEAST_NAME = 13.0  # geometry: least size of an axis's name, px
 _LENGTH = 1.7  # geometry: length of the drawn axes, ball radii
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
+
+
+class PosePainter:
+    """Draws the poses of a run, with the way that the ball has come, above a strip of text.
+
+    Parameters
+    ----------
+    camera : CameraModel
+    radius : float
+        Of the ball, m.
+    marked : bool
+        Whether the ball has markers: then there is a line for what they show.
+
+    Attributes
+    ----------
+    size : tuple of two ints
+        Width and height of the pictures, px.
+    """
+
+    def __init__(self, camera: CameraModel, radius: float, marked: bool) -> None:
+        numbers = "x +88.8888 ±8.8888   y +88.8888 ±8.8888   z +88.8888 ±8.8888 m"
+        relative = "level:  side +88.888 ±8.888   height +88.888 ±8.888   heading +88.888 ±8.888 m   yaw +888.8°"
+        longest = [*([(relative, "")] if marked else []), (numbers, "frame 88888   8888.88 s")]
+        self._strip = StatusStrip(camera.width, camera.height, longest)
+        self._camera, self._radius, self._trail = camera, radius, Trail()
+        self.size = camera.width, camera.height + self._strip.height
+
+    def paint(self, frame: Frame, located: LocatedFrame) -> Picture:
+        """Draw the next pose into a copy of its frame, see `annotate_pose`; (h + strip, w, 3), BGR."""
+        image, row = as_color(frame.image), located.row
+        self._trail.append(center_of(located.ball))
+        self._trail.draw(image)
+        draw_located(image, located.ball, located.markers, located.pose, self._camera, self._radius)
+        texts = [(describe_position(row), f"frame {row.frame}   {row.time:.2f} s")]
+        if row.observed in ("level", "full"):
+            texts.insert(0, (describe_relative_pose(row), ""))
+        return self._strip.below(image, texts, OUTLINE if row.found else PREDICTED)
 
 
 def annotate_pose(frame: Frame, located: LocatedFrame, camera: CameraModel, radius: float) -> Picture:

@@ -17,6 +17,7 @@ from matchset.app.cli_options import (
     Fps,
     Params,
     Points,
+    ShownOptions,
     Source,
     TargetOptions,
     Topic,
@@ -84,6 +85,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
         Path | None, typer.Option(metavar="FILE.toml", help="The ball, if it has several markers: see below.")
     ] = None
     video: AnnotatedVideo = None
+    shown: ShownOptions = ShownOptions()
     out: Folder = None
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write poses.jsonl too.")] = False
     to_stdout: ToStdout = False
@@ -107,12 +109,12 @@ def locate(options: LocateOptions) -> int:
 
 def _check_outputs(options: LocateOptions) -> None:
     """Check the outputs before anything is opened or loaded."""
-    from matchset.app.films.codecs import codecs_for
     from matchset.app.run_folder import check_run
 
-    names = "poses.csv", "poses.png", "why.png", *(("poses.jsonl",) if options.jsonl else ())
+    shown = options.shown.names("locate", options.video, options.to_stdout)
+    tables = "poses.csv", "latency.csv", *(("poses.jsonl",) if options.jsonl else ())
+    names = *tables, "poses.png", "why.png", *shown
     colors = [*(options.target.color or ()), *(options.marker.marker_color or ())]
     inputs = [options.source, options.camera, options.markers, options.params, *colors]
-    check_run(options.out, names, [options.video], inputs, options.force)
-    if options.video is not None:
-        codecs_for(options.video)
+    check_run(options.out, names, [options.video, options.shown.gif], inputs, options.force)
+    options.shown.check(options.video)

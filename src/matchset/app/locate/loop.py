@@ -49,6 +49,11 @@ class LocatedFrame(msgspec.Struct, frozen=True):
     row: PoseRow
     seconds: float = 0.0
 
+    @property
+    def answer(self) -> Track[Any] | Lost[Any]:
+        """The tracker's answer for the ball."""
+        return self.ball
+
 
 class Locator:
     """Tracks ball and markers and computes the pose; it is a `FrameTracker` of the ball.
@@ -87,7 +92,9 @@ class Locator:
         return ball
 
 
-def locate_frames(frames: Iterable[Frame], locator: Locator, gaps: bool, stop: StopRequest) -> Iterator[LocatedFrame]:
+def locate_frames(
+    frames: Iterable[Frame], locator: Locator, gaps: bool, stop: StopRequest, whole: bool = True
+) -> Iterator[LocatedFrame]:
     """Locate the ball in a video frame by frame.
 
     Parameters
@@ -96,7 +103,7 @@ def locate_frames(frames: Iterable[Frame], locator: Locator, gaps: bool, stop: S
         The video.
     locator : Locator
         What tracks and locates it.
-    gaps : bool
+    gaps, whole : bool
         See `matchset.app.track.loop.follow`.
     stop : StopRequest
         Checked after each frame.
@@ -106,7 +113,7 @@ def locate_frames(frames: Iterable[Frame], locator: Locator, gaps: bool, stop: S
     LocatedFrame
         One for each frame, in order.
     """
-    for tracked in follow(frames, lambda _: locator, gaps, stop):
+    for tracked in follow(frames, lambda _: locator, gaps, stop, whole):
         index = tracked.row.frame
         if tracked.frame is None:
             lost: Lost[Pose] = Lost(tracked.row.reason, tracked.row.time)

@@ -1,24 +1,24 @@
 """The run of `matchset locate`: from its options to files, a summary, and what to do where nothing was found."""
 
-import functools
 import itertools
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
 from matchset.app.guidance.next_command import Run, kept_options
-from matchset.app.locate.annotate_pose import annotate_pose
+from matchset.app.locate.annotate_pose import PosePainter
 from matchset.app.locate.command import LocateOptions
 from matchset.app.locate.loop import LocatedFrame, Locator, PathLog, locate_frames
 from matchset.app.locate.options import ball_target, camera_for, load_camera, locator_of, targets_for
 from matchset.app.locate.rows import pose_table
+from matchset.app.pictures.part import Part
+from matchset.app.pictures.run_pictures import RunPictures, Wanted
 from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import output_folder
 from matchset.app.track.loop import RunStatistics, print_summary
-from matchset.app.track.outputs import Outputs, Picture, recorder_for, write_frames
+from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.target_options import RefusedClickError
 from matchset.camera.camera_model import CameraModel
 from matchset.image.video import Video
@@ -57,14 +57,16 @@ def run_locate(options: LocateOptions) -> int:
         locator: Locator = locator_of(options, target, marker_color, camera, ball)
         folder = output_folder(options.out, "locate", options.force)
         statistics, path, explainer = RunStatistics(), PathLog(), Explainer(command, target)
-        outputs = _outputs(options, video, functools.partial(_annotated, camera, ball.radius), folder)
+        outputs = _outputs(options, video, PosePainter(camera, ball.radius, options.marker.given), folder)
+        part = Part.parse(options.shown.start, options.shown.end)
         out = sys.stderr if options.to_stdout else sys.stdout
         try:
-            located = locate_frames(itertools.chain(taken, video), locator, gaps=not video.live, stop=stop)
+            used = part.of(itertools.chain(taken, video))
+            located = locate_frames(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
             watched = explainer.watch(path.record(located))
             write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")
         finally:
-            files = _finish(options, folder, path, camera)
+            files = [*_finish(options, folder, path, camera), *outputs.pictures.files]
             print_summary(video, statistics, "locating", files, out)
         if not stop:
             explainer.explain(folder, out)
@@ -80,20 +82,27 @@ def _command(options: LocateOptions, live: bool) -> Run:
     return Run("locate", options.source, options.topic, clicked=options.target.pick or "", kept=kept, live=live)
 
 
-def _annotated(camera: CameraModel, radius: float, located: LocatedFrame) -> Picture | None:
-    return None if located.frame is None else annotate_pose(located.frame, located, camera, radius)
-
-
-def _outputs(
-    options: LocateOptions, video: Video, draw: Callable[[LocatedFrame], Picture | None], folder: Path
-) -> Outputs[LocatedFrame]:
-    recorder = recorder_for(options.video, video, options.force, options.source)
-    return Outputs(pose_table(folder, options.jsonl), draw, recorder)
+def _outputs(options: LocateOptions, video: Video, painter: PosePainter, folder: Path) -> Outputs[LocatedFrame]:
+    """Begin the files of the run."""
+    shown = options.shown
+    wanted = Wanted(
+        folder,
+        "locate",
+        options.source,
+        fps=video.fps,
+        live=video.live,
+        video=options.video,
+        gif=shown.gif,
+        none=shown.no_video or options.to_stdout,
+        force=options.force,
+    )
+    pictures = RunPictures(wanted, painter.size, painter.paint)
+    return Outputs(pose_table(folder, options.jsonl), pictures, latency_table(folder))
 
 
 def _finish(options: LocateOptions, folder: Path, path: PathLog, camera: CameraModel) -> list[Path]:
     """Draw the path, if there is one; return the files of the run."""
-    files = [folder / "poses.csv", folder / "poses.jsonl" if options.jsonl else None, options.video]
+    files = [folder / "poses.csv", folder / "poses.jsonl" if options.jsonl else None, folder / "latency.csv"]
     if path.any_found:
         with announce_if_slow("drawing the path ..."):
             from matchset.app.locate.path_picture import path_picture

@@ -18,6 +18,7 @@ from matchset.app.cli_options import (
     Params,
     Points,
     ShapeName,
+    ShownOptions,
     Source,
     Topic,
     ToStdout,
@@ -57,6 +58,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     target: GrayTargetOptions = GrayTargetOptions()
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
+    shown: ShownOptions = ShownOptions()
     out: Folder = None
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False
     to_stdout: ToStdout = False
@@ -76,14 +78,13 @@ def track(options: TrackOptions) -> int:
 
 def _check_track(options: TrackOptions) -> None:
     """Check the outputs before anything is opened or loaded."""
-    from matchset.app.films.codecs import codecs_for
     from matchset.app.run_folder import check_run
 
-    names = "tracks.csv", "why.png", *(("tracks.jsonl",) if options.jsonl else ())
+    shown = options.shown.names("track", options.video, options.to_stdout)
+    names = "tracks.csv", "latency.csv", "why.png", *(("tracks.jsonl",) if options.jsonl else ()), *shown
     inputs = [options.source, shape_file(options.shape), options.params, *(options.target.color or ())]
-    check_run(options.out, names, [options.video], inputs, options.force)
-    if options.video is not None:
-        codecs_for(options.video)
+    check_run(options.out, names, [options.video, options.shown.gif], inputs, options.force)
+    options.shown.check(options.video)
 
 
 LEARN_EPILOG = f"""

@@ -14,16 +14,17 @@ import numpy as np
 import numpy.typing as npt
 from rich.console import Console
 
+from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
-from matchset.app.films.video_writer import Recorder
+from matchset.app.pictures.run_pictures import RunPictures, Wanted
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
 from matchset.app.track.command import DemoOptions
 from matchset.app.track.loop import RunStatistics, TrackedFrame, follow
-from matchset.app.track.outputs import track_outputs
-from matchset.app.track.rows import TrackRow
+from matchset.app.track.outputs import Outputs
+from matchset.app.track.rows import TrackRow, track_table
 from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
 from matchset.app.track.shape_option import parse_shape
 from matchset.image.color import ColorModel
@@ -132,8 +133,7 @@ def _write_demo(
 ) -> Iterator[Callable[[TrackedFrame], None]]:
     """Open video, table and progress bar; yield what writes, counts and shows a frame."""
     with ExitStack() as stack:
-        recorder = Recorder(folder / "demo.webm", clip.fps, (clip.width, clip.height))
-        outputs = stack.enter_context(track_outputs(folder, tuple(family.parameters), False, recorder))
+        outputs = stack.enter_context(_outputs(clip, folder, family))
         bar = stack.enter_context(progress_bar("rendering, tracking, recording", len(clip)))
 
         def take(tracked: TrackedFrame) -> None:
@@ -142,6 +142,25 @@ def _write_demo(
             bar.show(tracked.row)
 
         yield take
+
+
+def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any]) -> Outputs[TrackedFrame]:
+    """Begin the files of the demonstration; the sheet of a shape that is no circle is the summary of the run."""
+    wanted = Wanted(
+        folder,
+        "demo",
+        f"demo --shape {family.__name__}",
+        clip.fps,
+        summary="sheet.png",
+        video=folder / "demo.webm",
+        none=family is Circle,
+        force=True,
+    )
+    painter = TrackPainter((clip.width, clip.height), family.parameters)
+    pictures = RunPictures[TrackedFrame](
+        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row)
+    )
+    return Outputs(track_table(folder / "tracks.csv", family.parameters), pictures)
 
 
 def _truth(clip: Clip, index: int) -> TruthRow:
@@ -201,7 +220,7 @@ def demonstrate_shape(options: DemoOptions) -> int:
     tilt = _TILT if family is Quadrilateral else 0.0
     clip = ShapeClip(corners=_rendered_outline(family), frames=options.frames, tilt=tilt)
     size = f"{clip.width} x {clip.height}, {options.frames} frames"
-    console.print(f"A blue {options.shape} in a room, {size} over an analog radio link.")
+    console.print(f"A blue {_named(options.shape)} in a room, {size} over an analog radio link.")
     console.print("It is tracked from one click in the first frame.\n")
     statistics = RunStatistics()
     with StopRequest() as stop:
@@ -212,7 +231,7 @@ def demonstrate_shape(options: DemoOptions) -> int:
         least = f"{min(overlaps):.4f} at least"
         console.print(f"overlap with truth   {np.mean(overlaps):8.4f}     mean, {least} (1: equal)")
     console.print(f"\ntracking took {statistics.median_ms:.2f} ms of computing a frame (median)")
-    for name in ("demo.webm", "tracks.csv"):
+    for name in ("demo.webm", "sheet.png", "tracks.csv"):
         console.print(f"  {folder / name}", soft_wrap=True)
     return stop.code or (FOUND if statistics.found else NOT_FOUND)
 
@@ -233,6 +252,14 @@ def _track_shape(
                 truth = clip.outline(float(tracked.row.frame))
                 overlaps.append(overlap(outline(tracked.answer.shape, 180), truth))
     return overlaps
+
+
+def _named(shape: str) -> str:
+    """Name a shape in words: "octagon"; "shape with 3 corners"; "shape as in leaf.png"."""
+    name = shape.partition(":affine")[0].strip()
+    if name[:1] in "-0123456789" and "," in name:
+        return f"shape with {name.count(',')} corners"
+    return f"shape as in {name}" if Path(name).suffix else name
 
 
 def overlap(one: Floats, other: Floats) -> float:

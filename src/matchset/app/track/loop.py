@@ -130,7 +130,9 @@ def trackers_for(target: LearnedTarget, make: Callable[..., Tracker[Any]]) -> Tr
     return tracker_at
 
 
-def follow(frames: Iterable[Frame], tracker_at: TrackerAt, gaps: bool, stop: StopRequest) -> Iterator[TrackedFrame]:
+def follow(
+    frames: Iterable[Frame], tracker_at: TrackerAt, gaps: bool, stop: StopRequest, whole: bool = True
+) -> Iterator[TrackedFrame]:
     """Track a video frame by frame.
 
     Parameters
@@ -144,6 +146,8 @@ def follow(frames: Iterable[Frame], tracker_at: TrackerAt, gaps: bool, stop: Sto
         a live source it is a frame that was dropped, and gets none.
     stop : StopRequest
         Checked after each frame.
+    whole : bool
+        Whether the video is used from its beginning: then frames before the first one are gaps, too.
 
     Yields
     ------
@@ -153,7 +157,7 @@ def follow(frames: Iterable[Frame], tracker_at: TrackerAt, gaps: bool, stop: Sto
     tracker: FrameTracker | None = None
     last: Frame | None = None
     for frame in frames:
-        if gaps:
+        if gaps and (whole or last is not None):
             yield from _undecoded(last, frame)
         tracker = tracker_at(frame) or tracker
         if tracker is None:

@@ -1,32 +1,44 @@
-"""Where the answers of a run are written: table, JSON lines, annotated video, stdout (`Outputs`)."""
+"""Where the answers of a run are written: tables, JSON lines, pictures, stdout (`Outputs`)."""
 
+import operator
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-import numpy as np
-import numpy.typing as npt
+import msgspec
 
 from matchset.app.closing import Closing, close_all
-from matchset.app.drawing.annotate import annotate
 from matchset.app.exit_codes import discard_stdout
-from matchset.app.films.video_writer import Recorder
+from matchset.app.pictures.run_pictures import RunPictures
 from matchset.app.progress import display_for
-from matchset.app.run_folder import output_file
-from matchset.app.tables import Cell, RowWriter, json_line
-from matchset.app.track.loop import CountedFrame, RunStatistics, TrackedFrame
-from matchset.app.track.rows import track_table
+from matchset.app.tables import Column, RowWriter, json_line
+from matchset.app.track.loop import CountedFrame, RunStatistics
 from matchset.image.video import Video
-
-Picture = npt.NDArray[np.uint8]
-
-_DEFAULT_FPS = 30.0  # format: frame rate of an annotated video whose source has none
-
 
 Answered = TypeVar("Answered", bound=CountedFrame)
 """One frame of a run with its answer, such as a `TrackedFrame`."""
+
+
+class LatencyRow(msgspec.Struct, frozen=True):
+    """What one answer took.
+
+    Parameters
+    ----------
+    frame : int
+    time : float
+        When the frame was taken, s.
+    compute_ms : float
+        Computing time of the answer, ms.
+    age_ms : float or None
+        Of a live frame: time since it was taken when the answer was there, ms.
+    """
+
+    frame: int
+    time: float
+    compute_ms: float
+    age_ms: float | None = None
 
 
 class Outputs(Closing, Generic[Answered]):
@@ -36,10 +48,10 @@ class Outputs(Closing, Generic[Answered]):
     ----------
     table : RowWriter
         The table.
-    draw : callable
-        From an answered frame to its annotated picture; None where there is no picture.
-    recorder : Recorder, optional
-        The annotated video.
+    pictures : RunPictures
+        Its pictures.
+    latency : RowWriter, optional
+        The table of what each answer took.
 
     Attributes
     ----------
@@ -48,20 +60,24 @@ class Outputs(Closing, Generic[Answered]):
     """
 
     def __init__(
-        self, table: RowWriter[Any], draw: Callable[[Answered], Picture | None], recorder: Recorder | None = None
+        self,
+        table: RowWriter[Any],
+        pictures: RunPictures[Any],
+        latency: RowWriter[LatencyRow] | None = None,
     ) -> None:
-        self._table, self._draw, self._recorder = table, draw, recorder
+        self._table, self.pictures, self._latency = table, pictures, latency
         self.pipe_closed = False
 
-    def write(self, answered: Answered) -> None:
-        """Write one frame's answer to every file."""
+    def write(self, answered: Answered, age_ms: float | None = None) -> None:
+        """Write one frame's answer to every file; of a live frame with its age when it was answered, ms."""
         self._table.write(answered.row)
-        if self._recorder is not None:
-            picture = self._draw(answered)
-            if picture is not None:
-                self._recorder.write(picture)
+        if self._latency is not None and answered.frame is not None:
+            row = answered.row
+            took_ms = round(1000.0 * answered.seconds, 3)
+            self._latency.write(LatencyRow(row.frame, round(row.time, 6), took_ms, age_ms))
+        self.pictures.add(answered)
 
-    def print(self, answered: Answered, extra: dict[str, Cell]) -> None:
+    def print(self, answered: Answered, extra: Mapping[str, float]) -> None:
         """Write one frame's answer to stdout as a line of JSON.
 
         Parameters
@@ -72,34 +88,22 @@ class Outputs(Closing, Generic[Answered]):
             More values, by name.
         """
         try:
-            sys.stdout.write(json_line(self._table.cells(answered.row) | extra))
+            sys.stdout.write(json_line(self._table.cells(answered.row) | dict(extra)))
             sys.stdout.flush()
         except BrokenPipeError:
             self.pipe_closed = True
             discard_stdout()
 
     def close(self) -> None:
-        """Close the files; the video last, since it takes longest and can fail."""
-        close_all(self._table.close, *([] if self._recorder is None else [self._recorder.close]))
+        """Close the files; the pictures last, since they take longest and can fail."""
+        latency = [] if self._latency is None else [self._latency.close]
+        close_all(self._table.close, *latency, self.pictures.close)
 
 
-def track_outputs(
-    folder: Path, parameters: Sequence[str], jsonl: bool, recorder: Recorder | None
-) -> Outputs[TrackedFrame]:
-    """Begin the files of a run of `matchset track`: its tables in `folder`, and its video."""
-    table = track_table(folder / "tracks.csv", parameters, folder / "tracks.jsonl" if jsonl else None)
-    return Outputs(table, _annotated, recorder)
-
-
-def recorder_for(path: Path | None, video: Video, force: bool, source: str) -> Recorder | None:
-    """Begin the annotated video of a source, if one is wanted; a note on its codec goes to stderr."""
-    if path is None:
-        return None
-    size = video.width, video.height
-    recorder = Recorder(output_file(path, force, source), video.fps or _DEFAULT_FPS, size, video.live)
-    if recorder.note:
-        print("note: " + recorder.note, file=sys.stderr)
-    return recorder
+def latency_table(folder: Path) -> RowWriter[LatencyRow]:
+    """Begin `latency.csv`: beside the table of answers, whose columns are fixed."""
+    names = ("frame", "time", "compute_ms", "age_ms")
+    return RowWriter(folder / "latency.csv", [Column(name, operator.attrgetter(name)) for name in names])
 
 
 def write_frames(
@@ -129,21 +133,18 @@ def write_frames(
     """
     with outputs, display_for(video, to_stdout, words) as display:
         for answered in frames:
-            outputs.write(answered)
+            extra = live_values(video, answered.row.time)
+            outputs.write(answered, extra.get("age_ms"))
             statistics.count(answered)
             display.show(answered.row)
             if to_stdout:
-                outputs.print(answered, live_values(video, answered.row.time))
+                outputs.print(answered, extra)
             if outputs.pipe_closed:
                 break
 
 
-def live_values(video: Video, taken: float) -> dict[str, Cell]:
+def live_values(video: Video, taken: float) -> dict[str, float]:
     """Return what is printed of a live frame taken at a time, s, besides its row: its age; nothing for a file."""
     if not video.live:
         return {}
     return {"age_ms": round(1000.0 * (time.monotonic() - taken), 1), "dropped": video.dropped}
-
-
-def _annotated(tracked: TrackedFrame) -> Picture | None:
-    return None if tracked.frame is None else annotate(tracked.frame, tracked.answer, tracked.row)

@@ -4,17 +4,22 @@ import functools
 import itertools
 import shlex
 import sys
+from pathlib import Path
 from typing import Any
 
 from matchset.app.cli_options import source_words
+from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
 from matchset.app.guidance.next_command import Run, kept_options
 from matchset.app.parameters_file import tracker_parameters
+from matchset.app.pictures.part import Part
+from matchset.app.pictures.run_pictures import RunPictures, Wanted
 from matchset.app.run_folder import output_folder
 from matchset.app.track.command import TrackOptions
-from matchset.app.track.loop import RunStatistics, follow, print_summary, trackers_for
-from matchset.app.track.outputs import recorder_for, track_outputs, write_frames
+from matchset.app.track.loop import RunStatistics, TrackedFrame, follow, print_summary, trackers_for
+from matchset.app.track.outputs import Outputs, latency_table, write_frames
+from matchset.app.track.rows import track_table
 from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import RefusedClickError, check_target_options, target_for
 from matchset.image.video import Video
@@ -46,20 +51,46 @@ def run_track(options: TrackOptions) -> int:
         folder = output_folder(options.out, "track", options.force)
         statistics, explainer = RunStatistics(), Explainer(command, target)
         out = sys.stderr if options.to_stdout else sys.stdout
+        tables = [folder / "tracks.csv", *([folder / "tracks.jsonl"] if options.jsonl else []), folder / "latency.csv"]
+        files = list(tables)
         try:
-            recorder = recorder_for(options.video, video, options.force, options.source)
-            outputs = track_outputs(folder, family.parameters, options.jsonl, recorder)
-            frames = follow(itertools.chain(taken, video), tracker_at, gaps=not video.live, stop=stop)
+            outputs = _outputs(options, folder, video, family)
+            files = [*tables, *outputs.pictures.files]
+            part = Part.parse(options.shown.start, options.shown.end)
+            used = part.of(itertools.chain(taken, video))
+            frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
+            files = [*tables, *outputs.pictures.files]
         finally:
-            files = [folder / "tracks.csv", folder / "tracks.jsonl" if options.jsonl else None, options.video]
-            print_summary(video, statistics, "tracking", [path for path in files if path is not None], out)
+            print_summary(video, statistics, "tracking", files, out)
         if not stop:
             explainer.explain(folder, out)
     if stop:
         print("note: stopped; the files hold what was done so far", file=sys.stderr)
         return stop.code
     return FOUND if statistics.found else NOT_FOUND
+
+
+def _outputs(options: TrackOptions, folder: Path, video: Video, family: type[Any]) -> Outputs[TrackedFrame]:
+    """Begin the files of the run."""
+    shown = options.shown
+    wanted = Wanted(
+        folder,
+        "track",
+        options.source,
+        fps=video.fps,
+        live=video.live,
+        video=options.video,
+        gif=shown.gif,
+        none=shown.no_video or options.to_stdout,
+        force=options.force,
+    )
+    painter = TrackPainter((video.width, video.height), family.parameters)
+    pictures = RunPictures[TrackedFrame](
+        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row)
+    )
+    table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
+    return Outputs(table, pictures, latency_table(folder))
 
 
 def _command(options: TrackOptions, family: type[Any], live: bool) -> Run:

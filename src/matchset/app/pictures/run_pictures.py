@@ -1,0 +1,162 @@
+"""All pictures of a run: the annotated video, an animation of it, and the summary (`RunPictures`)."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.closing import Closing, close_all
+from matchset.app.drawing.picture_file import write_picture
+from matchset.app.films.video_writer import quick_ending
+from matchset.app.pictures.animation import Animation
+from matchset.app.pictures.film import PARAMETERS, RunFilm
+from matchset.app.pictures.summary import Summary
+from matchset.app.run_folder import output_file
+from matchset.image.frame import Frame
+from matchset.tracking.track import Lost, Track
+
+Picture = npt.NDArray[np.uint8]
+
+_DEFAULT_FPS = 30.0  # format: frame rate of an annotated video whose source has none
+
+
+class DrawnFrame(Protocol):
+    """What is needed of a frame of a run."""
+
+    @property
+    def frame(self) -> Frame | None:
+        """The frame; None if it could not be decoded."""
+        ...
+
+    @property
+    def answer(self) -> Track[Any] | Lost[Any]:
+        """The tracker's answer."""
+        ...
+
+    @property
+    def row(self) -> Any:
+        """Its row in the table."""
+        ...
+
+
+Drawn = TypeVar("Drawn", bound=DrawnFrame)
+
+
+class Wanted(msgspec.Struct, frozen=True):
+    """Which pictures are asked for.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the run.
+    name : str
+        Of the video there that nobody asked for, and of the summary: "track".
+    source : str
+        What is read.
+    fps : float or None
+        Of the source, frames per second.
+    live : bool
+        Whether it is a camera or a stream: then only what is asked for is written.
+    video : Path or None
+        Of the video in full, if one is asked for.
+    gif : Path or None
+        Of the animated picture.
+    none : bool
+        Neither a video nor a summary that nobody asked for.
+    summary : str
+        Name of the summary.
+    force : bool
+        Whether files may be overwritten.
+    """
+
+    folder: Path
+    name: str
+    source: str
+    fps: float | None = None
+    live: bool = False
+    video: Path | None = None
+    gif: Path | None = None
+    none: bool = False
+    force: bool = False
+    summary: str = "summary.png"
+
+
+class RunPictures(Closing, Generic[Drawn]):
+    """Draws the frames of a run and writes its pictures.
+
+    Parameters
+    ----------
+    wanted : Wanted
+    size : tuple of two ints
+        Of the annotated pictures, px.
+    paint : callable
+        From a frame and its answer, one after the other, to the annotated picture.
+
+    Attributes
+    ----------
+    files : list of Path
+        What is written; complete after `close`.
+    """
+
+    def __init__(self, wanted: Wanted, size: tuple[int, int], paint: Callable[[Frame, Drawn], Picture]) -> None:
+        self._wanted, self._paint, self.files = wanted, paint, list[Path]()
+        fps, unasked = wanted.fps or _DEFAULT_FPS, not wanted.none and not wanted.live
+        self._film: RunFilm | None = None
+        if wanted.video is not None:
+            path = output_file(wanted.video, wanted.force, wanted.source)
+            self._film = RunFilm(path, fps, size, wanted.live)
+        elif unasked:
+            self._film = RunFilm(wanted.folder / (wanted.name + quick_ending()), fps, size, limits=PARAMETERS)
+        if self._film is not None:
+            self._tell(self._film.note)
+            self.files.append(self._film.path)
+        self._animation: Animation | None = None
+        if wanted.gif is not None:
+            self._animation = Animation(output_file(wanted.gif, wanted.force, wanted.source), fps)
+            self.files.append(wanted.gif)
+        self._summary = Summary() if unasked else None
+
+    def add(self, drawn: Drawn) -> None:
+        """Take the next answered frame."""
+        frame = drawn.frame
+        if frame is None:
+            return
+        if self._summary is not None:
+            self._summary.append(frame, drawn.answer, drawn.row)
+        if self._film is not None or self._animation is not None:
+            picture = self._paint(frame, drawn)
+            if self._animation is not None:
+                self._animation.append(picture)
+            if self._film is not None:
+                self._film.write(picture)
+
+    def close(self) -> None:
+        """Write what is still to be written; the video last, since it takes longest and can fail."""
+        closers = [self._write_summary]
+        if self._animation is not None:
+            closers.append(self._animation.close)
+        if self._film is not None:
+            closers.append(self._close_film)
+        close_all(*closers)
+
+    def _write_summary(self) -> None:
+        summary, self._summary = self._summary, None
+        if summary is None or summary.is_empty:
+            return
+        path = self._wanted.folder / self._wanted.summary
+        write_picture(path, summary.picture(Path(self._wanted.source).name))
+        self.files.append(path)
+
+    def _close_film(self) -> None:
+        film, self._film = self._film, None
+        if film is not None:
+            film.close()
+            self._tell(film.ending)
+
+    def _tell(self, note: str) -> None:
+        if note:
+            print("note: " + note, file=sys.stderr)

@@ -10,6 +10,7 @@ from matchset.app.drawing.contact_sheet import TRUTH, WIDTH_PX, SheetFrame, cont
 from matchset.app.drawing.text import draw_text, text_width
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.rows import TrackRow, track_row
+from matchset.image.candidates import Candidate
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -162,3 +163,23 @@ def test_captions_are_whole_in_pictures_of_any_shape(size: tuple[int, int], monk
         for (one, x, y, letters), (_, right, level, _) in itertools.pairwise(written):
             assert level != y or x + text_width(one, letters) < right
     assert len(written) <= 6
+
+
+def test_circles_and_numbers_of_candidates_stay_off_the_margin() -> None:
+    bare, dark = (grid_picture(np.full((480, 640, 3), gray, np.uint8), []) for gray in (120, 60))
+    inside = np.zeros(bare.shape[:2], bool)
+    rows, columns = np.nonzero((bare != dark).any(axis=2))
+    inside[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1] = True
+    found = [Candidate(x, y, radius, (0, 0), 1.0) for x, y, radius in ((630.0, 5.0, 60.0), (2.0, 470.0, 90.0))]
+    drawn = grid_picture(np.full((480, 640, 3), 120, np.uint8), found)
+    changed = (drawn != bare).any(axis=2)
+    assert changed.any()
+    assert not (changed & ~inside).any()
+
+
+def test_the_first_candidate_is_drawn_strongest() -> None:
+    image = np.full((480, 640, 3), 120, np.uint8)
+    found = [Candidate(x, 240.0, 60.0, (0, 0), 1.0) for x in (150.0, 450.0)]
+    pink = (grid_picture(image, found).astype(int)[..., 2] - 40 > 180) & (grid_picture(image, found)[..., 1] < 80)
+    half = pink.shape[1] // 2
+    assert pink[:, :half].sum() > 2.0 * pink[:, half:].sum() > 0.0

@@ -89,7 +89,7 @@ def _tile(image: Picture, candidate: Candidate, color: ColorModel | None, look: 
     if color is None:
         title, shown = f"{number}: no color", as_color(image) // 6
     else:
-        title, shown = f"{number}: {percent(100.0 * covered(image, color))}", masked(image, color)
+        title, shown = f"{number}: covers {percent(100.0 * covered(image, color))}", masked(image, color)
     scale = width / image.shape[1]
     size = width, max(round(image.shape[0] * scale), 1)
     small = cv2.resize(shown, size, interpolation=cv2.INTER_AREA).astype(np.uint8)

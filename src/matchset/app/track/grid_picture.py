@@ -14,8 +14,9 @@ from matchset.image.candidates import Candidate
 Picture = npt.NDArray[np.uint8]
 
 _PAPER = (250, 250, 250)  # geometry: color of the margin, BGR
-_INK = (70, 70, 70)  # geometry: color of the labels, BGR
-_BADGE_PX = 20  # geometry: size of a number
+_INK = (51, 51, 51)  # geometry: color of the labels, BGR
+_BADGE_PX, _OTHER_BADGE_PX = 22, 16  # geometry: size of the first candidate's number, and of the others
+_LEAST_PX = 11  # geometry: least size of letters
 _LONGEST_PX = 1300  # geometry: longer side of a frame that is drawn in its own size
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
 
@@ -41,7 +42,10 @@ def grid_picture(image: Picture, candidates: Sequence[Candidate]) -> Picture:
     canvas, at = _framed(image, zoom)
     step = _grid_step(max(image.shape[:2]))
     _draw_lines(canvas, image, at, zoom, step)
-    _draw_candidates(canvas, candidates, at, zoom)
+    height, width = _drawn_size(image, zoom)
+    inside = canvas[at[1] : at[1] + height, at[0] : at[0] + width]
+    _name_crossings(inside, image, zoom, _strong_step(step))
+    _draw_candidates(inside, candidates, zoom)
     return canvas
 
 
@@ -80,22 +84,35 @@ def _shade(line: Picture, strong: bool) -> None:
     line[:] = np.round(line + (toward - line) * share).astype(np.uint8)
 
 
-def _draw_candidates(canvas: Picture, candidates: Sequence[Candidate], at: tuple[int, int], zoom: float) -> None:
+def _name_crossings(inside: Picture, image: Picture, zoom: float, step: int) -> None:
+    """Write x,y where the stronger lines cross, so that no line must be followed to the margin."""
+    size = max(round(0.75 * _font_size(image, zoom)), _LEAST_PX)
+    for y in range(step, image.shape[0], step):
+        for x in range(step, image.shape[1], step):
+            words = f"{x},{y}"
+            at = _line_position(x, zoom) + 3.0, _line_position(y, zoom) + 0.7 * size
+            if at[0] + text_width(words, size) > inside.shape[1] or at[1] + 0.7 * size > inside.shape[0]:
+                continue
+            draw_text(inside, words, (at[0] + 1.0, at[1] + 1.0), size, (0, 0, 0))
+            draw_text(inside, words, at, size)
+
+
+def _draw_candidates(inside: Picture, candidates: Sequence[Candidate], zoom: float) -> None:
+    """Draw circles with their numbers, the first one strong; what lies outside the frame is cut off."""
     badges: list[tuple[float, float]] = []
-    for candidate in candidates:
-        x, y = (
-            offset + zoom * (value + 0.5) - 0.5 for offset, value in zip(at, (candidate.x, candidate.y), strict=True)
-        )
+    for number, candidate in enumerate(candidates):
+        x, y = (zoom * (value + 0.5) - 0.5 for value in (candidate.x, candidate.y))
         center, radius = (round(x * 16), round(y * 16)), round(candidate.radius * zoom * 16)
-        cv2.circle(canvas, center, radius, (255, 255, 255), 4, cv2.LINE_AA, _SHIFT)
-        cv2.circle(canvas, center, radius, OUTLINE, 2, cv2.LINE_AA, _SHIFT)
-        badges.append(_badge_position(canvas, (x, y, candidate.radius * zoom), badges))
+        rim, wide = (7, 4) if number == 0 else (3, 1)
+        cv2.circle(inside, center, radius, (255, 255, 255), rim, cv2.LINE_AA, _SHIFT)
+        cv2.circle(inside, center, radius, OUTLINE, wide, cv2.LINE_AA, _SHIFT)
+        badges.append(_badge_position(inside, (x, y, candidate.radius * zoom), badges))
     for number, (x, y) in enumerate(badges, start=1):
-        spot = round(x * 16), round(y * 16)
-        cv2.circle(canvas, spot, round(0.72 * _BADGE_PX * 16), (255, 255, 255), cv2.FILLED, cv2.LINE_AA, _SHIFT)
-        cv2.circle(canvas, spot, round(0.62 * _BADGE_PX * 16), OUTLINE, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+        spot, size = (round(x * 16), round(y * 16)), _BADGE_PX if number == 1 else _OTHER_BADGE_PX
+        cv2.circle(inside, spot, round(0.78 * size * 16), (255, 255, 255), cv2.FILLED, cv2.LINE_AA, _SHIFT)
+        cv2.circle(inside, spot, round(0.66 * size * 16), OUTLINE, cv2.FILLED, cv2.LINE_AA, _SHIFT)
         label = str(number)
-        draw_text(canvas, label, (x - text_width(label, _BADGE_PX) / 2 + 1, y), _BADGE_PX)
+        draw_text(inside, label, (x - text_width(label, size) / 2 + 1, y), size)
 
 
 def _badge_position(

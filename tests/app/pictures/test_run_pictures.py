@@ -13,6 +13,7 @@ from matchset.app.drawing.annotate import OUTLINE, PREDICTED, TrackPainter
 from matchset.app.drawing.status_strip import StatusStrip
 from matchset.app.drawing.text import text_width, wrapped
 from matchset.app.films.video_writer import quick_ending
+from matchset.app.pictures.animation import Animation
 from matchset.app.pictures.film import FilmParameters, RunFilm
 from matchset.app.pictures.part import Moment, Part
 from matchset.app.track.rows import TrackRow, read_tracks, track_row
@@ -115,6 +116,20 @@ def test_seconds_count_from_the_first_frame() -> None:
     frames = [Frame(np.zeros((4, 4), np.uint8), 1000.0 + 0.1 * index, index) for index in range(10)]
     part = Part(Moment(seconds=0.2), Moment(seconds=0.5))
     assert [frame.index for frame in part.of(frames)] == [2, 3, 4]
+
+
+@pytest.mark.parametrize(("fps", "seconds"), [(30.0, 4.0), (24.0, 5.0), (7.0, 120.0 / 7.0)])
+def test_an_animation_is_shown_at_the_speed_of_the_video(tmp_path: Path, fps: float, seconds: float) -> None:
+    animation = Animation(tmp_path / "a.gif", fps)
+    for index in range(120):
+        animation.append(np.full((24, 32, 3), 2 * index, np.uint8))
+    animation.close()
+    with Image.open(tmp_path / "a.gif") as picture:
+        shown_ms = 0
+        for index in range(picture.n_frames):  # type: ignore[attr-defined]
+            picture.seek(index)
+            shown_ms += picture.info["duration"]
+    assert shown_ms == pytest.approx(1000.0 * seconds, abs=10.0)
 
 
 def test_a_video_that_nobody_asked_for_is_reduced_and_ends(tmp_path: Path) -> None:

@@ -75,7 +75,8 @@ class Animation:
             return
         pictures = [Image.fromarray(each) for each in self._kept]
         self._kept = []
-        packed, shown_ms = io.BytesIO(), max(round(1000.0 * self._step / self._fps), 20)
+        packed, steps = io.BytesIO(), np.arange(len(pictures) + 1)
+        shown_ms = 10 * np.diff(np.round(np.maximum(100.0 * self._step / self._fps, 2.0) * steps)).astype(int)
         if self.path.suffix.lower() == ".gif":
             colors = pictures[len(pictures) // 2].quantize(256)
             pictures = [each.quantize(256, palette=colors, dither=Image.Dither.NONE) for each in pictures]
@@ -84,7 +85,7 @@ class Animation:
             "GIF" if self.path.suffix.lower() == ".gif" else "WEBP",
             save_all=True,
             append_images=pictures[1:],
-            duration=shown_ms,
+            duration=shown_ms.tolist(),  # GIF counts hundredths of a second
             loop=0,
             quality=PARAMETERS.quality,
         )

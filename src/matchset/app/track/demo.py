@@ -149,7 +149,7 @@ def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any]) -> Outputs
     wanted = Wanted(
         folder,
         "demo",
-        f"demo --shape {family.__name__}",
+        "One click, then every frame",
         clip.fps,
         summary="sheet.png",
         video=folder / "demo.webm",

@@ -128,6 +128,18 @@ MISUSE: dict[str, tuple[Callable[[], object], str]] = {
     "target, negative": (lambda: make.BallTarget(diameter=-1.0), "-1.0"),
     "target, a word": (lambda: make.BallTarget(diameter="0.28"), "ball's diameter must be a number, got '0.28'"),
     "target, marker": (lambda: make.BallTarget(marker_diameter=None), "marker's diameter must be a number, got None"),
+    "markers of a lost ball, a word": (
+        lambda: make.Localizer(CAMERA, TARGET).update(LOST, markers="abc"),
+        "a marker must be a Track or Lost, got str 'a': MarkerTracker",
+    ),
+    "markers of a lost ball, a number": (
+        lambda: make.Localizer(CAMERA, TARGET).update(LOST, markers=3),
+        "markers must be several of Track and Lost, got int 3",
+    ),
+    "markers of a lost ball, poses": (
+        lambda: make.Localizer(CAMERA, TARGET).update(LOST, markers=[None]),
+        "a marker must be a Track or Lost, got NoneType",
+    ),
     "target, markers": (lambda: make.BallTarget(markers=3), "markers must be unit vectors of 3 numbers, got 3"),
     "target, a marker": (lambda: make.BallTarget(markers=(("a", 0, 0),)), "markers must be unit vectors.*'a'"),
     "camera, a word": (lambda: make.CameraModel.from_fov("640", 480, 1.0), "width must be a number, got '640'"),

@@ -126,11 +126,17 @@ class Localizer(Copied):
         -------
         Pose or Lost
             `Lost` if the ball is lost or its outline is not that of a ball before the camera, with the reason.
+
+        Raises
+        ------
+        TypeError
+            If the ball or a marker is no `Track` or `Lost`, whether it would have been looked at or not.
         """
         check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
+        seen = _checked(markers)
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
-        count = self._take_markers(markers)
+        count = self._take_markers(seen)
         self._last_known[0] = 0.0 <= ball.time - self._rotation_time <= self.parameters.memory
         ways = assignments(max(count, 1), len(self.target.markers))
         failure, source = estimate_pose(self._block, self._take_outline(ball), *ways)
@@ -172,6 +178,16 @@ class Localizer(Copied):
                     count += 1
         self._pixel_count[0] = count
         return count
+
+
+def _checked(markers: Iterable[Track[Circle] | Lost[Circle]]) -> tuple[Track[Circle] | Lost[Circle], ...]:
+    """Return the markers, all of them looked at; TypeError for what is none."""
+    if not isinstance(markers, Iterable):
+        raise TypeError(f"markers must be several of Track and Lost, got {type(markers).__name__} {markers!r:.60}")
+    listed = tuple(markers)
+    for marker in listed:
+        check_kind("a marker", marker, (Track, Lost), "MarkerTracker.update(frame, ball) gives them")
+    return listed
 
 
 def precompile() -> None:

@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
-    soak wheel-check release-check clean
+    soak wheel-check release-check first-picture clean
 
 BIN := .venv/bin
 READY := .venv/ready
@@ -86,6 +86,9 @@ wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels 
 
 release-check: $(READY)  ## build sdist and wheel, install each in a new virtual environment, try it there
 	$(BIN)/python .ci/smoke.py
+
+first-picture: $(READY)  ## the README's commands from `git clone` on, in an empty folder: at most 60 s of computing
+	$(BIN)/python .ci/first_picture.py
 
 clean:  ## remove everything that was made, the virtual environment included
 	rm -rf .venv .bench $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info

@@ -102,3 +102,20 @@ def test_there_is_a_list_for_a_release() -> None:
     release = text.split("## A release")[1].split("\n## ")[0]
     for word in ("make release-check", "CHANGELOG.md", "CITATION.cff", "hadolint", "[project.urls]", "twine check"):
         assert word in release, word
+
+
+def test_three_commands_lead_to_the_first_picture() -> None:
+    """`make first-picture` types them in an empty folder and measures what they take."""
+    from importlib.util import module_from_spec, spec_from_file_location
+
+    spec = spec_from_file_location("first_picture", ROOT / ".ci" / "first_picture.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.commands() == [f"git clone {ROOT} matchset", "cd matchset", "make demo"]
+    assert module.MOST_SECONDS <= 60.0
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert "\ndemo: $(READY) " in makefile
+    assert ".ci/first_picture.py" in makefile
+    assert "PIP_NO_COMPILE=1" in (ROOT / ".ci" / "setup").read_text(encoding="utf-8")

@@ -122,4 +122,6 @@ def test_old_pictures_that_never_came_before_are_known_by_their_motion() -> None
         down = [each.steps[who] for each in chain_steps if each.steps[who].safety.phase == "descending"]
         assert down[0].now - 2.0 <= 1.5
         assert "does not answer to the commands" in down[0].safety.reason
+        # the radio is one-way: which of both it is cannot be known here
+        assert "old pictures, or commands that do not arrive" in down[0].safety.reason
         assert chain_steps[-1].steps[who].safety.phase == "cut"

@@ -285,7 +285,9 @@ class Pilot:
         if again and self._pictures.went_back:
             self._fault = "pictures come that came before"
         elif not self._follower.consistency.holds:
-            self._fault = "the motion in the pictures does not answer to the commands: they are not those of now"
+            self._fault = (
+                "the motion seen does not answer to the commands: old pictures, or commands that do not arrive"
+            )
         elif self._safety.phase == "descending" and self._pictures.repeats >= self.parameters.repeated.final_repeats:
             self._fault = "the picture stood still for so long that those that come next may be old"
         return self._fault or ("the picture stands still" if again else "")

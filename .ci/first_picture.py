@@ -1,0 +1,43 @@
+"""Type what the README says from `git clone` to the first picture, in an empty folder: `make first-picture`.
+
+It fails if there is no picture, or if it took more than a minute of computing (all processes together, user and system).
+"""
+
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+MOST_SECONDS = 60.0  # format: of computing, what the README promises
+
+
+def commands() -> list[str]:
+    """Return the commands of the README, with this repository for the address."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8").split("## Install")[1]
+    block = re.search(r"(?:^    .*\n)+", text, re.MULTILINE)
+    lines = [] if block is None else [line.split("#")[0].strip() for line in block[0].splitlines()]
+    return [line.replace("ADDRESS", str(ROOT)) for line in lines]
+
+
+def main() -> None:
+    """Type them, and say what they took."""
+    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "NUMBA_CACHE_DIR")}
+    environment = {name: value for name, value in environment.items() if not name.startswith("MAKE")}
+    with tempfile.TemporaryDirectory() as name:
+        typed = commands()
+        print("\n".join(typed))
+        subprocess.run(["sh", "-ec", "\n".join(typed)], cwd=name, env=environment, check=True)
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        pictures = list(Path(name).rglob("sheet.png"))
+    seconds = used.ru_utime + used.ru_stime
+    print(f"{len(typed)} commands, {seconds:.0f} s of computing, pictures: {len(pictures)}")
+    if not pictures or seconds > MOST_SECONDS:
+        sys.exit(f"the README promises a picture after {MOST_SECONDS:g} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,6 +1,6 @@
 """Type what the README says from `git clone` to the first picture, in an empty folder: `make first-picture`.
 
-It fails if there is no picture, or if it took more than a minute of computing (all processes together, user and system).
+It fails without a picture, and if it took more than a minute of computing (all processes together, user and system).
 """
 
 import os

@@ -123,5 +123,5 @@ def test_old_pictures_that_never_came_before_are_known_by_their_motion() -> None
         assert down[0].now - 2.0 <= 1.5
         assert "does not answer to the commands" in down[0].safety.reason
         # the radio is one-way: which of both it is cannot be known here
-        assert "old pictures, or commands that do not arrive" in down[0].safety.reason
+        assert "old pictures, or commands that got lost" in down[0].safety.reason
         assert chain_steps[-1].steps[who].safety.phase == "cut"

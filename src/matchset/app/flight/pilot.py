@@ -285,9 +285,7 @@ class Pilot:
         if again and self._pictures.went_back:
             self._fault = "pictures come that came before"
         elif not self._follower.consistency.holds:
-            self._fault = (
-                "the motion seen does not answer to the commands: old pictures, or commands that do not arrive"
-            )
+            self._fault = "the motion seen does not answer to the commands: old pictures, or commands that got lost"
         elif self._safety.phase == "descending" and self._pictures.repeats >= self.parameters.repeated.final_repeats:
             self._fault = "the picture stood still for so long that those that come next may be old"
         return self._fault or ("the picture stands still" if again else "")

@@ -88,3 +88,42 @@ def test_a_cell_sums_the_scores_of_two_pixels(stride: int, channels: int) -> Non
     rows = scores[stride // 2 :: stride][: len(grid)]
     both = [rows[:, offset::stride][:, : grid.shape[1]] for offset in (0, stride // 2)]
     np.testing.assert_array_equal(grid, both[0] + both[1])
+
+
+@pytest.mark.parametrize("radius", [6.0, 9.0, 12.0])
+def test_blobs_find_a_disc_in_parts_on_speckled_ground(radius: float) -> None:
+    rng = np.random.default_rng(3)
+    rows, columns = np.indices((120, 160))
+    white = rng.random(rows.shape) < 0.05
+    inside = np.hypot(columns - 70.0, rows - 50.0) < radius
+    white |= inside
+    white &= ~(inside & (np.abs(rows - 50) < 2))  # a dark seam
+    grid = np.where(white, 254, -254).astype(np.int16)
+    blobs = peak_circles.blobs_of(grid, 5.0, 0.25, 5)
+    assert len(blobs) <= 5
+    assert [len(each) for each in blobs] == [3] * len(blobs)
+    apart = np.hypot(blobs[0][:, 0] - 70.0, blobs[0][:, 1] - 50.0)
+    assert (apart < 1.5 * blobs[0][:, 2]).all()
+    assert apart.min() < 0.4 * radius
+    np.testing.assert_allclose(blobs[0][:, 2], 5.0 * np.array(peak_circles.BLOB_SIZES))
+    assert all(each[:, 3].max() > 0.25 for each in blobs)
+
+
+def test_blobs_of_a_picture_without_the_color_or_too_small_for_them() -> None:
+    assert peak_circles.blobs_of(np.full((60, 80), -254, np.int16), 4.0, 0.25, 5) == []
+    assert peak_circles.blobs_of(np.full((6, 6), 254, np.int16), 4.0, 0.25, 5) == []
+
+
+def test_blobs_are_places_in_the_picture_where_a_size_is_expected() -> None:
+    searcher = voting.Searcher(160, 120, radius=5.0)
+    rows, columns = np.indices((120, 160))
+    image = np.full((120, 160, 3), 128, np.uint8)
+    image[np.hypot(columns - 70.0, rows - 50.0) < 10.0] = (20, 200, 20)
+    table = np.full((32, 32, 32), -4.0, np.float32)
+    table[:8, 20:, :8] = 4.0
+    color = ColorModel(table.ravel())
+    (first,) = searcher.blobs(image, color)
+    assert (np.hypot(first[:, 0] - 70.0, first[:, 1] - 50.0) < 5.0).all()
+    assert first[:, 2].tolist() == pytest.approx([7.0, 10.0, 14.0])
+    assert first[:, 3].max() > 0.8
+    assert voting.Searcher(160, 120).blobs(image, color) == []  # no size is expected

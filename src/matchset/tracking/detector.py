@@ -57,6 +57,8 @@ class DetectionParameters(msgspec.Struct, frozen=True):
         share of its half-width; and how far edge points are expected, px.
     smaller : float
         How much smaller than at the click a shape may be for a search of small cells, as a factor.
+    blob_size, blob_msac : float
+        Least half-width of a fit at a blob, as a share of that at the click, and its MSAC score: less finds specks.
     hint_bonus : float
         Merit that a shape gains by holding the point that was given; the merit itself is 1 at most.
     """
@@ -79,16 +81,19 @@ class DetectionParameters(msgspec.Struct, frozen=True):
     color_share: float = 0.06
     color_sigma: float = 1.0
     smaller: float = 0.5
+    blob_size: float = 0.85
+    blob_msac: float = 0.6
     hint_bonus: float = 2.0
 
 
 class Start(NamedTuple):
-    """Where the fit of a candidate begins: center and half-width, px, and state."""
+    """Where the fit of a candidate begins: center, half-width, px, state, and the least half-width that counts."""
 
     x: float
     y: float
     half_width: float
     state: Floats
+    least: float = 0.0
 
 
 class Detector(Generic[S]):
@@ -136,16 +141,20 @@ class Detector(Generic[S]):
         """
         known: list[Start] = []
         given = [] if first is None else [[_start_at(self.fitter.family, first.state)]]
-        for starts in itertools.chain(given, self._starts(image, color)):
+        for starts in itertools.chain(given, self._starts(image, color), self._blobs(image, color, known, prior)):
             asked = Prior.HERE if prior is Prior.CLICKED and starts not in given else prior
             best, merit = self._best(image, color, starts, (known, asked))
-            if best is None or (asked is Prior.CLICKED and not self._is_where_clicked(best, starts)):
+            if best is None:
                 continue
-            place = _place_of(best)
+            place, alone = _place_of(best), asked is Prior.CLICKED and self.fitter.validate_detection(best, Prior.HERE)
+            if alone and not self._is_known(place, starts):
+                continue
             if len(starts) > 1:
                 best = self.fitter.weigh(
                     self.fitter.fit(image, color, best.state, SearchWindow(self.limits.refit_range)), image, color
                 )
+                if not self._is_whole(best, starts[0].least):
+                    continue
             if starts not in given:  # a circle that a click showed does not keep a better one out
                 known.append(place._replace(half_width=best.fit.half_width, state=best.state))
             yield best, merit
@@ -161,7 +170,7 @@ class Detector(Generic[S]):
                 continue
             reach = max(limits.range_cells * self.searcher.stride, limits.range_share * start.half_width)
             estimate = self.fitter.fit(image, color, start.state, SearchWindow(reach, min_score=limits.min_score))
-            if not estimate.is_fitted or self._is_known(_place_of(estimate), found):
+            if not self._is_whole(estimate, start.least) or self._is_known(_place_of(estimate), found):
                 continue
             valid = self._validated(image, color, estimate, start, prior)
             if valid is None or self._is_known(_place_of(valid), found):
@@ -183,9 +192,19 @@ class Detector(Generic[S]):
             for x, y, radius, _ in self.searcher.candidates(image, sought).tolist():
                 yield [Start(x, y, radius, family.from_coarse(x, y, radius).state)]
 
-    def _is_where_clicked(self, best: Estimate, starts: list[Start]) -> bool:
-        """Whether a fit is the circle around a click, or else has evidence of its own."""
-        return self._is_known(_place_of(best), starts) or not self.fitter.validate_detection(best, Prior.HERE)
+    def _blobs(self, image: Image, color: ColorModel, known: list[Start], prior: Prior) -> Iterator[list[Start]]:
+        """Where fits may begin in a picture that is asked for, if nothing has an outline in the coarse grid."""
+        family, least = self.fitter.family, self.limits.blob_size * self.searcher.radius / self.limits.smaller
+        if known or prior is not Prior.ASKED or not self.fitter.weighs(color) or finds_itself(family):
+            return
+        for discs in self.searcher.blobs(image, color):
+            yield [Start(*disc[:3], family.from_coarse(*disc[:3]).state, least) for disc in discs.tolist()]
+
+    def _is_whole(self, estimate: Estimate, least: float) -> bool:
+        """Whether this is a fit, and one that begins at a blob is large, clear and wholly in the picture."""
+        fit, whole = estimate.fit, self.fitter.validator.limits.whole_visible * self.fitter.points
+        clear = fit.half_width >= least and fit.visible >= whole and fit.msac_score >= self.limits.blob_msac
+        return estimate.is_fitted and bool(not least or clear)
 
     def _is_known(self, place: Start, known: list[Start]) -> bool:
         """Whether this is one of the shapes detected already."""
@@ -367,6 +386,7 @@ def _detector(family: type[S], width: int, height: int, candidates: int, radius:
         searcher = Searcher(width, height, search, radius)
         detector = _memory.detector = Detector(tracking_fitter(family, DETECTION_LINES), searcher)
         _memory.wanted = wanted
+    detector.searcher.radius = radius
     detector.fitter.forget()
     return detector
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.numeric.jit import kernel
-from matchset.tracking.peak_circles import RADIUS, SHARE, X, Y, find_radii, fit_circles, pick_peaks, sum_votes
+from matchset.tracking.peak_circles import RADIUS, SHARE, X, Y, blobs_of, find_radii, fit_circles, pick_peaks, sum_votes
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -66,6 +66,9 @@ class SearchParameters(msgspec.Struct, frozen=True):
         Of peaks nearer to each other than this, in cells of their votes, only the strongest is kept.
     region : float
         Least area of a region that a shape may begin at, cells.
+    blobs, least_step : int, float
+        In a picture that is asked for, where no candidate is right: how many places that have more of the target's
+        color than what is around them are looked at, and by how much more, as a difference of the mean whiteness.
     """
 
     whole_frame: bool = True
@@ -87,6 +90,8 @@ class SearchParameters(msgspec.Struct, frozen=True):
     damping: float = 0.1
     apart: float = 3.0
     region: float = 4.0
+    blobs: int = 12
+    least_step: float = 0.4
 
 
 def stride_for(width: int, limits: SearchParameters, radius: float = math.inf) -> int:
@@ -111,7 +116,7 @@ class Searcher:
         self, width: int, height: int, parameters: SearchParameters | None = None, radius: float = math.inf
     ) -> None:
         self.parameters = parameters or SearchParameters()
-        self.size = width, height
+        self.size, self.radius = (width, height), radius
         self.stride = stride_for(width, self.parameters, radius)
         rows, columns = max(height // self.stride, 3), max(width // self.stride, 3)
         self.fits = height >= 3 * self.stride and width >= 3 * self.stride
@@ -149,10 +154,21 @@ class Searcher:
             fit_circles(edges, rough, self._fit_limits, self._sums, self._inverse)
         rough = rough[rough[:, SHARE] >= limits.share]
         rough = rough[np.argsort(-rough[:, SHARE], kind="stable")]
-        rough[:, :SHARE] *= self.stride
-        rough[:, X] += 0.25 * self.stride
-        rough[:, Y] += 0.5 * self.stride
-        return rough
+        return self._in_pixels(rough)
+
+    def blobs(self, image: Bytes, color: ColorModel) -> list[Floats]:
+        """Rough circles in px as of `blobs_of`, for an image as of `candidates`; none where no radius is expected."""
+        if not self.fits or not math.isfinite(self.radius):
+            return []
+        sample_grid(image, color.table, self.stride, self._grid)
+        limits, least = self.parameters, self.radius / self.stride
+        return [self._in_pixels(each) for each in blobs_of(self._grid, least, limits.least_step, limits.blobs)]
+
+    def _in_pixels(self, circles: Floats) -> Floats:
+        circles[:, :SHARE] *= self.stride
+        circles[:, X] += 0.25 * self.stride
+        circles[:, Y] += 0.5 * self.stride
+        return circles
 
     def hulls(self, image: Bytes, color: ColorModel) -> list[Floats]:
         """Rough convex outlines of the regions that look like the target, largest first.

@@ -198,7 +198,7 @@ class Detector(Generic[S]):
         if known or prior is not Prior.ASKED or not self.fitter.weighs(color) or finds_itself(family):
             return
         for discs in self.searcher.blobs(image, color):
-            yield [Start(*disc[:3], family.from_coarse(*disc[:3]).state, least) for disc in discs.tolist()]
+            yield [_start_at(family, family.from_coarse(x, y, r).state)._replace(least=least) for x, y, r, _ in discs]
 
     def _is_whole(self, estimate: Estimate, least: float) -> bool:
         """Whether this is a fit, and one that begins at a blob is large, clear and wholly in the picture."""

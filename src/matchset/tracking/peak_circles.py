@@ -204,7 +204,8 @@ def blobs_of(grid: npt.NDArray[np.int16], smallest: float, least: float, most: i
         inner, outer = 2 * round(INNER * radius) + 1, 2 * round(OUTER * radius) + 1
         if outer < min(whiteness.shape):
             within, around = _box_sums(whiteness, inner), _box_sums(whiteness, outer)
-            steps.append((radius, within / inner**2 - (around - within) / (outer**2 - inner**2)))
+            step = within / inner**2 - (around - within) / (outer**2 - inner**2)
+            steps.append((radius, np.asarray(step, np.float32)))
     peaks = [np.zeros((0, 4)), *(_peaks_of(step, radius, least) for radius, step in steps)]
     blobs = np.concatenate(peaks)
     kept: list[Floats] = []

@@ -7,14 +7,16 @@ from typing import Any
 import cv2
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
 import matchset as ms
 from matchset.app.drawing.annotate import draw_points, draw_shape
+from matchset.app.drawing.contact_sheet import label
 from matchset.shapes.shape import outline
 from matchset.sim.clips.shape_clip import ShapeClip
 
-TILE, ROOM, GAP, COLUMNS, COLORS = 200, 1.5, 8, 4, 240
+TILE, ROOM, GAP, COLUMNS = 200, 1.5, 5, 4
+LETTERS, QUALITY = 19, 88  # px, to be read where the picture is as wide as a phone; WebP
+NAMES = ("ellipse", "rectangle", "quadrilateral", "triangle", "octagon", "egg", "half disc", "square, bad link")
 LAST = 12  # frame that is shown
 FRAME = ((-1.5, -1.0), (1.5, -1.0), (1.5, 1.0), (-1.5, 1.0))
 BLUE, RED, GREEN, YELLOW = (205.0, 88.0, 30.0), (40.0, 40.0, 205.0), (70.0, 150.0, 50.0), (40.0, 190.0, 225.0)
@@ -71,12 +73,14 @@ def tile(family: type[Any], shown: ShapeClip) -> npt.NDArray[np.uint8]:
 
 
 def main() -> None:
-    """Write docs/pictures/shapes.png."""
-    tiles = [np.pad(tile(*scene), ((0, GAP), (0, GAP), (0, 0)), constant_values=255) for scene in scenes()]
+    """Write docs/pictures/shapes.webp."""
+    tiles = []
+    for name, scene in zip(NAMES, scenes(), strict=True):
+        named = np.vstack([tile(*scene), label(name, TILE, LETTERS)])
+        tiles.append(np.pad(named, ((GAP, 0), (GAP, GAP), (0, 0)), constant_values=255))
     rows = [np.hstack(tiles[k : k + COLUMNS]) for k in range(0, len(tiles), COLUMNS)]
-    picture = Image.fromarray(np.vstack(rows)[..., ::-1]).quantize(COLORS, dither=Image.Dither.NONE)
-    path = Path(__file__).with_name("shapes.png")
-    picture.save(path, optimize=True)
+    path = Path(__file__).with_name("shapes.webp")
+    cv2.imwrite(str(path), np.vstack(rows), [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
     print(f"{path}: {path.stat().st_size // 1000} kB")
 
 

@@ -125,3 +125,15 @@ def test_a_small_share_is_not_called_zero() -> None:
         "12 %",
         "100 %",
     ]
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_learn_says_where_nothing_looks_much_like_a_ball(
+    matchset: Matchset, hidden: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = ball_picture((80.0, 60.0))
+    if hidden:
+        picture[:, 81:] = 150  # a half of a ball
+    cv2.imwrite("ball.png", picture)
+    assert matchset("learn", "ball.png") == 0
+    assert ("None of them looks much like a ball" in capsys.readouterr().out) == hidden

@@ -21,6 +21,7 @@ from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import RefusedClickError, color_at, parse_pick
 from matchset.image.candidates import Candidate
+from matchset.image.circle_score import SCORE
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
@@ -144,6 +145,8 @@ def _print_commands(source: tuple[str, ...], frame: Frame, found: Sequence[Candi
     height, width = frame.image.shape[:2]
     if found:
         x, y = found[0].pick
+        if found[0].score < SCORE.convincing:
+            print("\nNone of them looks much like a ball: look at the picture before you believe number 1.")
         print("\nIf the ball is number 1, type:\n")
         print(f"  {shell_command('track', *source, '--pick', f'{x},{y}@{frame.index}')}")
         print("\nIf it has another number, put its click in. If it has none, read a pixel on it from the grid.")

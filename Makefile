@@ -22,7 +22,7 @@ help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*  ## ' Makefile | sed -E 's/^([a-z-]+):[^#]*## /make \1\t/' | expand -t 20
 
 demo: $(READY)  ## render a clip, track the ball in it, compare with the truth; no camera needed
-	$(BIN)/matchset demo $(ARGS)
+	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
 test: $(READY) $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)

@@ -170,3 +170,20 @@ def test_the_derivative_of_the_coverage_is_its_change() -> None:
         np.testing.assert_allclose(
             (float(right), float(down)), numeric, atol=0.03
         )  # the slope itself is taken to be constant
+
+
+@pytest.mark.parametrize("beyond", [-12.0, -6.0, 2.0, 4.0, 6.0, 8.0])
+def test_no_marker_is_placed_beyond_the_border(beyond: float) -> None:
+    """Where its center is, less than half of it is in the picture."""
+    rows, columns = np.indices((120, 240))
+    image = np.full((120, 240, 3), 120, np.uint8)
+    image[np.hypot(columns - 130, rows - 60) < 40] = (190, 70, 30)
+    image[np.hypot(columns - 159.5 - beyond, rows - 60) < 9] = (120, 30, 110)
+    noise = np.random.default_rng(5).normal(0.0, 8.0, image.shape)
+    image = np.clip(image + noise, 0, 255).astype(np.uint8)[:, :160].copy()
+    ball = ms.Track(ms.Circle(130.0, 60.0, 40.0), np.diag((0.01, 0.01, 0.01)), 1.0, np.empty((0, 2)), 0.0)
+    finder = ms.MarkerTracker(PURPLE, ms.BallTarget())
+    for index in range(3):
+        found = finder.update(ms.Frame(image, index / 30.0, index), ball)
+        assert found or beyond > 0.0
+        assert all(marker.shape.x < 159.5 for marker in found)

@@ -27,6 +27,12 @@ def _is_separate(x: float, y: float, work: Any, count: int) -> bool:
     return separate
 
 
+@kernel(refcount=False)
+def _in_picture(x: float, y: float, width: int, height: int) -> bool:
+    """Whether a marker's center, px, is in the picture; of one beyond its border less than half is seen."""
+    return -0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5
+
+
 @kernel
 def _place_markers(image: Bytes, work: Any) -> int:
     """Fit every marker and describe those that are found, first; returns how many."""
@@ -39,6 +45,7 @@ def _place_markers(image: Bytes, work: Any) -> int:
         dx, dy = (work.places[k, 0] - ball.x) / ball.radius, (work.places[k, 1] - ball.y) / ball.radius
         far = math.sqrt(dx**2 + dy**2)
         good = work.result.contrast >= limits.min_contrast and work.result.explained >= limits.min_explained
+        good = good and _in_picture(work.places[k, 0], work.places[k, 1], image.shape[1], image.shape[0])
         if good and far < limits.max_offset * work.rim_distance and _is_separate(dx, dy, work, kept):
             describe_marker(work, k, kept)
             work.offsets[kept, 0], work.offsets[kept, 1], work.order[kept] = dx, dy, k

@@ -40,6 +40,8 @@ def content_of(path: Path) -> Content:
     """
     if path.suffix in FILMS:
         return _film(path)
+    if path.name == "latency.csv":
+        return Content(len(path.read_text(encoding="utf-8").splitlines()) - 1)
     if path.suffix == ".csv":
         return Content(len((read_tracks if path.name == "tracks.csv" else read_poses)(path)))
     if path.suffix == ".jsonl":

@@ -9,6 +9,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
+from matchset.app.films.video_writer import quick_ending
+
 SIZE = 160, 120
 FRAMES = 400
 FPS = 30.0
@@ -30,17 +32,24 @@ class Run(NamedTuple):
     files: tuple[str, ...]
 
 
+BESIDE_TRACKS = "out/tracks.csv", "out/latency.csv", "out/summary.png"
+BESIDE_POSES = "out/poses.csv", "out/poses.jsonl", "out/poses.png", "out/latency.csv", "out/summary.png"
+
+
 def _film(ending: str, folder: str = "ELSE") -> Run:
     words = "track", "CLIP", *BALL, "-o", f"{folder}/out", "--video", f"DISK/film{ending}"
-    return Run(words, (f"film{ending}", *(["out/tracks.csv"] if folder == "DISK" else [])))
+    return Run(words, (f"film{ending}", *(BESIDE_TRACKS if folder == "DISK" else ())))
 
 
 FLIGHT = "fly", "sim://chain?seed=3", "--quiet"
 RUNS = {
-    "table": Run(("track", "CLIP", *BALL, "-o", "DISK/out", "--jsonl"), ("out/tracks.csv", "out/tracks.jsonl")),
+    "table": Run(
+        ("track", "CLIP", *BALL, "-o", "DISK/out", "--jsonl"),
+        (*BESIDE_TRACKS, "out/tracks.jsonl", f"out/track{quick_ending()}"),
+    ),
     "poses": Run(
         ("locate", "CLIP", *BALL, "-o", "DISK/out", "--fov", "60", "--diameter", "0.28", "--jsonl"),
-        ("out/poses.csv", "out/poses.jsonl", "out/poses.png"),
+        (*BESIDE_POSES, f"out/locate{quick_ending()}"),
     ),
     "webm": _film(".webm"),
     "mp4": _film(".mp4"),

@@ -63,13 +63,14 @@ def test_a_full_disk_ends_in_two_and_names_what_is_left(clip: Path, tmp_path: Pa
     assert end.wrong == (), end.line
 
 
-def test_a_disk_on_which_not_even_the_beginning_of_a_film_fits_is_named(clip: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("title", ["mp4", "table and mp4", "table and webm"])
+def test_a_disk_on_which_not_even_the_beginning_of_a_film_fits_is_named(clip: Path, tmp_path: Path, title: str) -> None:
     try:
         with small_disk(tmp_path, 4096):
             pass
     except OSError as error:
         pytest.skip(f"a small disk cannot be mounted here: {error}")
-    end = run_on_full_disk(RUNS["mp4"], clip, tmp_path, 4096)
+    end = run_on_full_disk(RUNS[title], clip, tmp_path, 4096)
     assert end.wrong == (), end.line
 
 

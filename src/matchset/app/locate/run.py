@@ -83,8 +83,8 @@ def _command(options: LocateOptions, live: bool) -> Run:
 
 
 def _outputs(options: LocateOptions, video: Video, painter: PosePainter, folder: Path) -> Outputs[LocatedFrame]:
-    """Begin the files of the run."""
-    shown = options.shown
+    """Begin the files of the run; the tables first, for a film that was begun must be closed."""
+    table, latency, shown = pose_table(folder, options.jsonl), latency_table(folder), options.shown
     wanted = Wanted(
         folder,
         "locate",
@@ -97,7 +97,7 @@ def _outputs(options: LocateOptions, video: Video, painter: PosePainter, folder:
         force=options.force,
     )
     pictures = RunPictures(wanted, painter.size, painter.paint)
-    return Outputs(pose_table(folder, options.jsonl), pictures, latency_table(folder))
+    return Outputs(table, pictures, latency)
 
 
 def _finish(options: LocateOptions, folder: Path, path: PathLog, camera: CameraModel) -> list[Path]:

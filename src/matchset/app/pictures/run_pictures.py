@@ -105,6 +105,10 @@ class RunPictures(Closing, Generic[Drawn]):
     def __init__(self, wanted: Wanted, size: tuple[int, int], paint: Callable[[Frame, Drawn], Picture]) -> None:
         self._wanted, self._paint, self.files = wanted, paint, list[Path]()
         fps, unasked = wanted.fps or _DEFAULT_FPS, not wanted.none and not wanted.live
+        self._animation: Animation | None = None
+        if wanted.gif is not None:
+            self._animation = Animation(output_file(wanted.gif, wanted.force, wanted.source), fps)
+            self.files.append(wanted.gif)
         self._film: RunFilm | None = None
         if wanted.video is not None:
             path = output_file(wanted.video, wanted.force, wanted.source)
@@ -114,10 +118,6 @@ class RunPictures(Closing, Generic[Drawn]):
         if self._film is not None:
             self._tell(self._film.note)
             self.files.append(self._film.path)
-        self._animation: Animation | None = None
-        if wanted.gif is not None:
-            self._animation = Animation(output_file(wanted.gif, wanted.force, wanted.source), fps)
-            self.files.append(wanted.gif)
         self._summary = Summary() if unasked else None
 
     def add(self, drawn: Drawn) -> None:

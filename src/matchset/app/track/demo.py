@@ -146,6 +146,7 @@ def _write_demo(
 
 def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any]) -> Outputs[TrackedFrame]:
     """Begin the files of the demonstration; the sheet of a shape that is no circle is the summary of the run."""
+    table = track_table(folder / "tracks.csv", family.parameters)
     wanted = Wanted(
         folder,
         "demo",
@@ -160,7 +161,7 @@ def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any]) -> Outputs
     pictures = RunPictures[TrackedFrame](
         wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row)
     )
-    return Outputs(track_table(folder / "tracks.csv", family.parameters), pictures)
+    return Outputs(table, pictures)
 
 
 def _truth(clip: Clip, index: int) -> TruthRow:

@@ -72,8 +72,9 @@ def run_track(options: TrackOptions) -> int:
 
 
 def _outputs(options: TrackOptions, folder: Path, video: Video, family: type[Any]) -> Outputs[TrackedFrame]:
-    """Begin the files of the run."""
-    shown = options.shown
+    """Begin the files of the run; the tables first, for a film that was begun must be closed."""
+    table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
+    latency, shown = latency_table(folder), options.shown
     wanted = Wanted(
         folder,
         "track",
@@ -89,8 +90,7 @@ def _outputs(options: TrackOptions, folder: Path, video: Video, family: type[Any
     pictures = RunPictures[TrackedFrame](
         wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row)
     )
-    table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
-    return Outputs(table, pictures, latency_table(folder))
+    return Outputs(table, pictures, latency)
 
 
 def _command(options: TrackOptions, family: type[Any], live: bool) -> Run:

@@ -2,6 +2,8 @@
 
 import os
 import threading
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import pytest
 
@@ -34,8 +36,9 @@ def test_the_thread_alone_is_raised_and_falls_back() -> None:
     assert scheduling() == before
 
 
-def seen_by_another_thread(parameters: PriorityParameters) -> list[tuple[tuple[int, int], set[int]]]:
+def seen_by_another_thread(cores: set[int]) -> list[tuple[tuple[int, int], set[int]]]:
     """Scheduling and cores of a thread that was there before: before, in and after a block."""
+    os.sched_setaffinity(0, cores)
     ready, go, seen = threading.Event(), threading.Event(), list[tuple[tuple[int, int], set[int]]]()
 
     def look() -> None:
@@ -53,12 +56,18 @@ def seen_by_another_thread(parameters: PriorityParameters) -> list[tuple[tuple[i
     other = threading.Thread(target=look)
     other.start()
     assert ready.wait(10.0)
-    with raised_priority(parameters):
+    with raised_priority(PriorityParameters(level=7, behind=2)):
         again()
     again()
     go.set()
     other.join()
     return seen
+
+
+def seen_in_a_process_of_its_own(cores: set[int]) -> list[tuple[tuple[int, int], set[int]]]:
+    """The same in a new process, whose threads no other test and no library has touched."""
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        return pool.submit(seen_by_another_thread, cores).result()
 
 
 @pytest.mark.usefixtures("allowed")
@@ -67,23 +76,15 @@ def test_threads_of_before_come_right_behind_on_one_core() -> None:
     cores = os.sched_getaffinity(0)
     if len(cores) == 1:
         pytest.skip("this machine has one core")
-    before, within, after = seen_by_another_thread(PriorityParameters(level=7, behind=2))
-    assert within == ((os.SCHED_RR, 2), {max(cores)})
-    assert before == after
-    assert before[1] == cores
-    assert os.sched_getaffinity(0) == cores
+    ordinary = (os.SCHED_OTHER, 0), cores
+    assert seen_in_a_process_of_its_own(cores) == [ordinary, ((os.SCHED_RR, 2), {max(cores)}), ordinary]
 
 
 @pytest.mark.usefixtures("allowed")
 def test_on_one_core_the_others_stay_ordinary() -> None:
     """Otherwise they could keep it from the kernel's own threads, which carry the bytes of a serial port."""
-    cores = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {min(cores)})
-    try:
-        before, within, after = seen_by_another_thread(PriorityParameters(level=7, behind=2))
-    finally:
-        os.sched_setaffinity(0, cores)
-    assert before == within == after
+    core = {min(os.sched_getaffinity(0))}
+    assert seen_in_a_process_of_its_own(core) == [((os.SCHED_OTHER, 0), core)] * 3
 
 
 @pytest.mark.usefixtures("allowed")

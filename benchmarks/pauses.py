@@ -4,7 +4,9 @@ A follower flies through its own loop, `Pilot` and `ArduinoLink` over a pseudo-t
 terminal. World, camera and transmitter are processes of their own (`flight/outside.py`), as they would be on a table. A
 pause is the time from one command that was sent to the next: 33 ms is the period of the pictures, and the failsafe acts
 at 240 ms. As root the loop runs before all other programs (`raised_priority`), and so does what stands for hardware;
-otherwise, on a machine with other work, the longest pause is that of the scheduler.
+otherwise, on a machine with other work, the longest pause is that of the scheduler. A virtual machine may stand still
+as a whole: `flight/standstills.py` sees that, and each pause is printed with how much of it that was. The bar is for
+all of the pause.
 """
 
 import argparse
@@ -23,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.flight.outside import DrainedTerminal, Outside
+from benchmarks.flight.standstills import Witnesses
 from matchset.app.flight.flight import ChainStep, FlightParameters, FlightSetup
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
@@ -35,7 +38,7 @@ from matchset.sim.vehicle import VehiclePose
 
 BAR, PRIZE = 0.060, 0.035  # s
 SEED = 300
-WORST = 5  # pauses that are listed
+WORST = 8  # pauses that are listed
 
 
 class Measured(msgspec.Struct):
@@ -56,6 +59,8 @@ class Measured(msgspec.Struct):
         Before it landed.
     raised : bool
         Whether the loop ran with priority.
+    witnesses : Witnesses
+        When the machine stood still.
     """
 
     sent: list[float]
@@ -65,6 +70,7 @@ class Measured(msgspec.Struct):
     collections: list[float]
     crashed: bool = False
     raised: bool = False
+    witnesses: Witnesses = msgspec.field(default_factory=Witnesses)
 
 
 def fly(seconds: float, record: Path) -> tuple[Measured, Outside, FlightOutputs, ArduinoLink]:
@@ -75,7 +81,7 @@ def fly(seconds: float, record: Path) -> tuple[Measured, Outside, FlightOutputs,
     chain.close()
     parameters = FlightParameters(duration=seconds, world=world)
     measured = Measured([], [], [], Counter(), [])
-    with Outside(world) as outside, DrainedTerminal():
+    with measured.witnesses, Outside(world) as outside, DrainedTerminal():
         link = ArduinoLink(outside.path)
         pilot = Pilot(outside.camera, link, learn_colors(sample))
         setup = FlightSetup(parameters, (outside.camera.model,), (sample,))
@@ -143,12 +149,17 @@ def describe(measured: Measured, outside: Outside, outputs: FlightOutputs, link:
         f"longer than {1e3 * BAR:.0f} ms: {int((pauses > BAR).sum())}; failsafes: {outside.failsafes.value}; longest "
         f"silence at the transmitter {1e3 * outside.silence.value:.1f} ms, which itself did not run for up to "
         f"{1e3 * outside.delay.value:.1f} ms",
+        *_without_standstills(measured, pauses),
     ]
     for k in np.argsort(pauses)[::-1][:WORST].tolist():
         stages = ", ".join(
             f"{name} {1e3 * spent:.1f}" for name, spent in zip(STAGES, measured.steps[k + 1], strict=True)
         )
-        lines.append(f"  {1e3 * pauses[k]:.1f} ms at step {k + 1}: outputs {1e3 * measured.added[k]:.1f}, {stages}")
+        still = measured.witnesses.within(*measured.sent[k : k + 2])
+        lines.append(
+            f"  {1e3 * pauses[k]:.1f} ms at step {k + 1}: the machine stood still {1e3 * still:.1f}, "
+            f"outputs {1e3 * measured.added[k]:.1f}, {stages}"
+        )
     computing = np.array([sum(each[1:]) for each in measured.steps])
     collected = measured.collections or [0.0]
     lines += [
@@ -162,6 +173,17 @@ def describe(measured: Measured, outside: Outside, outputs: FlightOutputs, link:
         *[f"note: {note}" for note in outputs.notes],
     ]
     return lines
+
+
+def _without_standstills(measured: Measured, pauses: npt.NDArray[np.float64]) -> list[str]:
+    """Write how long the machine stood still, and the pauses without that."""
+    still = np.array([measured.witnesses.within(*measured.sent[k : k + 2]) for k in range(len(pauses))])
+    longest = max((end - begin for begin, end in measured.witnesses.seen), default=0.0)
+    own = pauses - still
+    return [
+        f"the machine stood still {len(measured.witnesses.seen)} times, up to {1e3 * longest:.1f} ms; longest pause "
+        f"without that {1e3 * own.max():.1f} ms, longer than {1e3 * BAR:.0f} ms: {int((own > BAR).sum())}"
+    ]
 
 
 def stolen() -> float:

@@ -2,6 +2,7 @@
 
 import os
 import threading
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -14,6 +15,19 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="o
 
 def scheduling() -> tuple[int, int]:
     return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(0).sched_priority
+
+
+def make_ordinary() -> None:
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
+@pytest.fixture(autouse=True)
+def ordinary() -> Iterator[None]:
+    """The tests themselves may run with real-time priority, which the thread has again afterwards."""
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    make_ordinary()
+    yield
+    os.sched_setscheduler(0, policy, parameters)
 
 
 @pytest.fixture
@@ -36,14 +50,18 @@ def test_the_thread_alone_is_raised_and_falls_back() -> None:
     assert scheduling() == before
 
 
-def seen_by_another_thread(cores: set[int]) -> list[tuple[tuple[int, int], set[int]]]:
-    """Scheduling and cores of a thread that was there before: before, in and after a block."""
+def seen_by_another_thread(cores: set[int]) -> list[tuple[int, int]]:
+    """Scheduling of a thread that was there before: before, in and after a block; then of one that it begins in it."""
+    make_ordinary()
     os.sched_setaffinity(0, cores)
-    ready, go, seen = threading.Event(), threading.Event(), list[tuple[tuple[int, int], set[int]]]()
+    ready, go, seen, begun = threading.Event(), threading.Event(), list[tuple[int, int]](), list[tuple[int, int]]()
 
     def look() -> None:
         for _ in range(3):
-            seen.append((scheduling(), os.sched_getaffinity(0)))
+            seen.append(scheduling())
+            younger = threading.Thread(target=lambda: begun.append(scheduling()))
+            younger.start()
+            younger.join()
             ready.set()
             assert go.wait(10.0)
             go.clear()
@@ -61,40 +79,68 @@ def seen_by_another_thread(cores: set[int]) -> list[tuple[tuple[int, int], set[i
     again()
     go.set()
     other.join()
-    return seen
+    return [*seen, begun[1]]
 
 
-def seen_in_a_process_of_its_own(cores: set[int]) -> list[tuple[tuple[int, int], set[int]]]:
+def seen_in_a_process_of_its_own(cores: set[int]) -> list[tuple[int, int]]:
     """The same in a new process, whose threads no other test and no library has touched."""
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         return pool.submit(seen_by_another_thread, cores).result()
 
 
+ORDINARY = (0, 0)  # SCHED_OTHER, which other systems lack
+
+
 @pytest.mark.usefixtures("allowed")
-def test_threads_of_before_come_right_behind_on_one_core() -> None:
-    """The one that holds the interpreter's lock must not wait for other programs, nor may it hold all cores."""
+def test_threads_of_before_come_right_behind() -> None:
+    """The one that holds the interpreter's lock must not wait for other programs; what it begins itself may."""
     cores = os.sched_getaffinity(0)
     if len(cores) == 1:
         pytest.skip("this machine has one core")
-    ordinary = (os.SCHED_OTHER, 0), cores
-    assert seen_in_a_process_of_its_own(cores) == [ordinary, ((os.SCHED_RR, 2), {max(cores)}), ordinary]
+    assert seen_in_a_process_of_its_own(cores) == [ORDINARY, (os.SCHED_RR, 2), ORDINARY, ORDINARY]
 
 
 @pytest.mark.usefixtures("allowed")
 def test_on_one_core_the_others_stay_ordinary() -> None:
     """Otherwise they could keep it from the kernel's own threads, which carry the bytes of a serial port."""
     core = {min(os.sched_getaffinity(0))}
-    assert seen_in_a_process_of_its_own(core) == [((os.SCHED_OTHER, 0), core)] * 3
+    assert seen_in_a_process_of_its_own(core) == [ORDINARY] * 4
+
+
+@pytest.mark.usefixtures("allowed")
+def test_a_user_who_may_not_take_a_flag_away_falls_back_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without CAP_SYS_NICE, SCHED_RESET_ON_FORK stays set once it is."""
+    really = os.sched_setscheduler
+
+    def unless_flag_goes(thread: int, policy: int, parameters: os.sched_param) -> None:
+        if os.sched_getscheduler(thread) & ~policy & os.SCHED_RESET_ON_FORK:
+            raise PermissionError(1, "Operation not permitted")
+        really(thread, policy, parameters)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "sched_setscheduler", unless_flag_goes)
+        with raised_priority():
+            assert scheduling() == (os.SCHED_RR, PriorityParameters().level)
+        assert scheduling() == ORDINARY
 
 
 @pytest.mark.usefixtures("allowed")
 def test_blocks_may_be_nested() -> None:
     before = scheduling()
     with raised_priority(PriorityParameters(level=7)):
-        with raised_priority():
-            assert scheduling() == (os.SCHED_RR, PriorityParameters().level)
+        with raised_priority(PriorityParameters(level=9)):
+            assert scheduling() == (os.SCHED_RR, 9)
         assert scheduling() == (os.SCHED_RR, 7)
     assert scheduling() == before
+
+
+@pytest.mark.usefixtures("allowed")
+def test_a_higher_priority_is_left_as_it_is() -> None:
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
+    with raised_priority() as raised:
+        assert raised
+        assert scheduling() == (os.SCHED_FIFO, 60)
+    assert scheduling() == (os.SCHED_FIFO, 60)
 
 
 def test_where_it_is_not_allowed_nothing_changes(monkeypatch: pytest.MonkeyPatch) -> None:

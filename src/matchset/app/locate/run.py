@@ -84,19 +84,8 @@ def _command(options: LocateOptions, live: bool) -> Run:
 
 def _outputs(options: LocateOptions, video: Video, painter: PosePainter, folder: Path) -> Outputs[LocatedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
-    table, latency, shown = pose_table(folder, options.jsonl), latency_table(folder), options.shown
-    wanted = Wanted(
-        folder,
-        "locate",
-        options.source,
-        fps=video.fps,
-        live=video.live,
-        video=options.video,
-        gif=shown.gif,
-        none=shown.no_video or options.to_stdout,
-        force=options.force,
-    )
-    pictures = RunPictures(wanted, painter.size, painter.paint)
+    table, latency = pose_table(folder, options.jsonl), latency_table(folder)
+    pictures = RunPictures(Wanted.of(options, "locate", folder, video), painter.size, painter.paint)
     return Outputs(table, pictures, latency)
 
 

@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.cli_options import ShownOptions
 from matchset.app.closing import Closing, close_all
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.films.video_writer import quick_ending
@@ -17,6 +18,7 @@ from matchset.app.pictures.film import PARAMETERS, RunFilm
 from matchset.app.pictures.summary import Summary
 from matchset.app.run_folder import output_file
 from matchset.image.frame import Frame
+from matchset.image.video import Video
 from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
@@ -46,6 +48,35 @@ class DrawnFrame(Protocol):
 Drawn = TypeVar("Drawn", bound=DrawnFrame)
 
 
+class RunOptions(Protocol):
+    """What is needed of the options of a command that reads a video."""
+
+    @property
+    def source(self) -> str:
+        """What is read."""
+        ...
+
+    @property
+    def video(self) -> Path | None:
+        """The annotated video in full."""
+        ...
+
+    @property
+    def shown(self) -> ShownOptions:
+        """Other pictures."""
+        ...
+
+    @property
+    def to_stdout(self) -> bool:
+        """Whether rows go to another program, and no picture is wanted that nobody asked for."""
+        ...
+
+    @property
+    def force(self) -> bool:
+        """Whether files may be overwritten."""
+        ...
+
+
 class Wanted(msgspec.Struct, frozen=True):
     """Which pictures are asked for.
 
@@ -67,10 +98,10 @@ class Wanted(msgspec.Struct, frozen=True):
         Of the animated picture.
     none : bool
         Neither a video nor a summary that nobody asked for.
-    summary : str
-        Name of the summary.
     force : bool
         Whether files may be overwritten.
+    summary : str
+        Name of the summary.
     """
 
     folder: Path
@@ -83,6 +114,21 @@ class Wanted(msgspec.Struct, frozen=True):
     none: bool = False
     force: bool = False
     summary: str = "summary.png"
+
+    @classmethod
+    def of(cls, options: RunOptions, name: str, folder: Path, video: Video) -> "Wanted":
+        """Take what the options of a command ask for, of a video that is open."""
+        return cls(
+            folder,
+            name,
+            options.source,
+            fps=video.fps,
+            live=video.live,
+            video=options.video,
+            gif=options.shown.gif,
+            none=options.shown.no_video or options.to_stdout,
+            force=options.force,
+        )
 
 
 class RunPictures(Closing, Generic[Drawn]):

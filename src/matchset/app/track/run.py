@@ -74,21 +74,12 @@ def run_track(options: TrackOptions) -> int:
 def _outputs(options: TrackOptions, folder: Path, video: Video, family: type[Any]) -> Outputs[TrackedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
     table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
-    latency, shown = latency_table(folder), options.shown
-    wanted = Wanted(
-        folder,
-        "track",
-        options.source,
-        fps=video.fps,
-        live=video.live,
-        video=options.video,
-        gif=shown.gif,
-        none=shown.no_video or options.to_stdout,
-        force=options.force,
-    )
+    latency = latency_table(folder)
     painter = TrackPainter((video.width, video.height), family.parameters)
     pictures = RunPictures[TrackedFrame](
-        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row)
+        Wanted.of(options, "track", folder, video),
+        painter.size,
+        lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row),
     )
     return Outputs(table, pictures, latency)
 

@@ -38,19 +38,19 @@ class _Scheduling(NamedTuple):
     thread: int
     policy: int
     parameters: Any
-    cores: set[int]
 
 
 @contextlib.contextmanager
 def raised_priority(parameters: PriorityParameters | None = None) -> Iterator[bool]:
     """Let the calling thread run as soon as it can, before all ordinary programs; yields whether it does.
 
-    Linux's round-robin scheduling. The threads that the program has when the block begins come right behind this one,
-    all on one core, since they may have much to do, and the kernel's own threads, which carry the bytes of a serial
-    port, are ordinary ones: those keep the other cores. Where there is one core only, the program's other threads stay
-    ordinary. Those that the calling thread begins in the block are ordinary, too. The system allows it to root, to a
-    program with CAP_SYS_NICE, and to a user with a limit of `rtprio`; elsewhere nothing changes. For a loop that waits
-    most of the time only: one that never waits would leave nothing to others.
+    Linux's round-robin scheduling. The threads that the program has when the block begins come right behind this one;
+    where there is one core only they stay ordinary. Threads that any of them begins in the block are ordinary, too, as
+    those that compress a recording: all that has real-time priority must need much less than the cores have, since
+    Linux takes 5 % of each second from it, in one piece, and the kernel's own threads, which carry the bytes of a
+    serial port, are ordinary ones. A thread with the same or a higher priority already is left as it is. The system
+    allows it to root, to a program with CAP_SYS_NICE, and to a user with a limit of `rtprio`; elsewhere nothing
+    changes. For a loop that waits most of the time only: one that never waits would leave nothing to others.
 
     Parameters
     ----------
@@ -63,26 +63,30 @@ def raised_priority(parameters: PriorityParameters | None = None) -> Iterator[bo
     except (AttributeError, OSError):  # not Linux; not allowed
         yield False
         return
-    cores = os.sched_getaffinity(0)
-    for thread in _others() if len(cores) > 1 else ():
+    for thread in _others() if len(os.sched_getaffinity(0)) > 1 else ():
         with contextlib.suppress(OSError):  # it has ended
             _raise(before, thread, levels.behind)
-            os.sched_setaffinity(thread, {max(cores)})
     try:
         yield True
     finally:
         for each in before:
-            with contextlib.suppress(OSError):
-                os.sched_setscheduler(each.thread, each.policy, each.parameters)
-                os.sched_setaffinity(each.thread, each.cores)
+            _restore(each)
 
 
 def _raise(before: list[_Scheduling], thread: int, level: int) -> None:
     """Raise a thread, 0 for the calling one, and note how it was."""
-    was = _Scheduling(thread, os.sched_getscheduler(thread), os.sched_getparam(thread), os.sched_getaffinity(thread))
-    policy = os.SCHED_RR if thread else os.SCHED_RR | os.SCHED_RESET_ON_FORK
-    os.sched_setscheduler(thread, policy, os.sched_param(level))
+    was = _Scheduling(thread, os.sched_getscheduler(thread), os.sched_getparam(thread))
+    if was.parameters.sched_priority >= level:  # 0 for ordinary ones
+        return
+    os.sched_setscheduler(thread, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(level))
     before.append(was)
+
+
+def _restore(was: _Scheduling) -> None:
+    for flag in (0, os.SCHED_RESET_ON_FORK):  # which a user without CAP_SYS_NICE may not take away again
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(was.thread, was.policy | flag, was.parameters)
+            return
 
 
 def _others() -> list[int]:

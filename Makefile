@@ -9,6 +9,7 @@ PEERS := .bench/ready
 VISP := .bench/visp
 SITE_TOOLS := .venv/site-tools
 TOOLCHAIN := .venv/toolchain
+BROWSER := .venv/browser
 # A kernel is compiled again when a source that it is made from has changed: nothing here has to be removed for that.
 CACHE := .numba_cache
 ARGS ?=
@@ -24,7 +25,7 @@ help:  ## say what can be made
 demo: $(READY)  ## render a clip, track the ball in it, compare with the truth; no camera needed
 	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
-test: $(READY) $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
+test: $(READY) $(TOOLCHAIN) $(BROWSER)  ## run the tests (ARGS="-k video" for some of them)
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
 
 check: $(READY) wheel-check  ## lint, format, types, and the wheel
@@ -111,3 +112,6 @@ $(VISP): benchmarks/peers/visp_driver.cpp .ci/setup-visp $(PEERS)
 # Made only where everything is there; otherwise looked at again next time.
 $(TOOLCHAIN): $(READY) .ci/toolchain tests/emu/avr8js/package-lock.json
 	.ci/toolchain
+
+$(BROWSER): $(READY) .ci/browser
+	.ci/browser

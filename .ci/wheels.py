@@ -13,6 +13,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 GLIBC = 17, 24, 26, 27, 28  # Debian 11 has 2.31, so wheels for glibc 2.28 and older run there
 OLDEST_PYTHON = "3.11"
+PACKED = (".py", ".toml", ".html", ".css", ".js", ".svg")
 
 
 def pip(*arguments: str) -> None:
@@ -35,10 +36,11 @@ def built_wheel(folder: Path) -> Path:
 
 
 def faults(wheel: Path) -> list[str]:
-    """Say what is wrong with the wheel: its tag, or Python files that are not in it."""
+    """Say what is wrong with the wheel: its tag, or files that are not in it."""
     words = [] if wheel.name.endswith("-py3-none-any.whl") else [f"not a pure Python wheel: {wheel.name}"]
     packed = set(zipfile.ZipFile(wheel).namelist())
-    source = {path.relative_to(ROOT / "src").as_posix() for path in (ROOT / "src").rglob("*.py")}
+    files = [path for path in (ROOT / "src").rglob("*") if path.suffix in PACKED]
+    source = {path.relative_to(ROOT / "src").as_posix() for path in files}
     return words + [f"missing from the wheel: {name}" for name in sorted(source - packed)]
 
 

@@ -1,0 +1,6 @@
+"""All messages of a page, panel by panel: `READER`."""
+
+from matchset.app.live.targets.messages import MESSAGES as OF_TARGETS
+from matchset.app.live.wire.messages import Ack, Reader
+
+READER = Reader((Ack, *OF_TARGETS))

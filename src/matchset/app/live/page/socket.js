@@ -1,0 +1,64 @@
+// The WebSocket to the server: packets down, messages up, and a new try where it breaks.
+
+const HEADER = 28; // u32 sequence, u32 flags, f64 time, f64 shown age, u32 length
+const OF_SESSION = 2; // bit of the flags: the JSON is that of the session
+const WAITS = [500, 1000, 2000]; // ms before each new try; the last one again and again
+const SILENT = 2000; // ms without a picture, after which a connection counts as broken
+
+export function parsePacket(buffer) {
+  const view = new DataView(buffer);
+  const length = view.getUint32(24, true);
+  const flags = view.getUint32(4, true);
+  const state = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, HEADER, length)));
+  return {
+    sequence: view.getUint32(0, true),
+    stream: (flags >> 8) & 255,
+    ofSession: Boolean(flags & OF_SESSION),
+    shownAge: view.getFloat64(16, true),
+    state,
+    jpeg: buffer.byteLength > HEADER + length ? new Blob([new Uint8Array(buffer, HEADER + length)], { type: "image/jpeg" }) : null,
+  };
+}
+
+export class Connection {
+  constructor(onPicture, onSession, onChange) {
+    this.onPicture = onPicture;
+    this.onSession = onSession;
+    this.onChange = onChange;
+    this.tries = 0;
+    this.heard = performance.now();
+    this.connect();
+    setInterval(() => this.watch(), 250);
+  }
+
+  connect() {
+    this.onChange(this.tries ? "connecting again …" : "connecting …");
+    const socket = new WebSocket(`ws://${location.host}/ws`);
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = (event) => {
+      this.heard = performance.now();
+      this.tries = 0;
+      const packet = parsePacket(event.data);
+      if (packet.ofSession) this.onSession(packet.state); else this.onPicture(packet);
+    };
+    socket.onopen = () => { this.heard = performance.now(); this.onChange(""); };
+    socket.onclose = (event) => {
+      if (this.socket !== socket) return;
+      this.socket = null;
+      this.onChange(event.code === 4403 ? "open the address that matchset printed" : "no connection: trying again");
+      setTimeout(() => this.connect(), WAITS[Math.min(this.tries++, WAITS.length - 1)]);
+    };
+    this.socket = socket;
+  }
+
+  watch() {
+    // A server that has nothing new (a paused video) is no broken one: it still answers pings of the protocol.
+    if (this.socket && this.socket.readyState === WebSocket.CONNECTING && performance.now() - this.heard > 5 * SILENT) {
+      this.socket.close();
+    }
+  }
+
+  send(message) {
+    if (this.socket && this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+}

@@ -1,0 +1,20 @@
+// Lengths as people type them, and numbers as people read them.
+
+const METERS = { mm: 0.001, cm: 0.01, m: 1, in: 0.0254, '"': 0.0254 };
+const LARGEST = 20; // m
+
+export function parseLength(text) {
+  const match = /^\s*(\d+(?:[.,]\d+)?|[.,]\d+)\s*(mm|cm|m|in|")?\s*$/.exec(text);
+  if (!match) throw new Error(`"${text}" is no length: type 28 cm, 0.28 m, 280 mm or 11 in`);
+  if (!match[2]) throw new Error(`${text.trim()} of what? Type the unit: mm, cm, m or in`);
+  const meters = parseFloat(match[1].replace(",", ".")) * METERS[match[2]];
+  if (!(meters > 0 && meters <= LARGEST)) throw new Error(`a diameter is more than 0 and at most ${LARGEST} m, not ${text.trim()}`);
+  return meters;
+}
+
+// As many digits as the standard deviation makes sense of: its two leading ones.
+export function measured(value, sigma) {
+  if (sigma === null || sigma === undefined || !(sigma > 0)) return [value.toFixed(2), ""];
+  const digits = Math.min(Math.max(1 - Math.floor(Math.log10(sigma)), 0), 5);
+  return [value.toFixed(digits), `±${sigma.toFixed(digits)}`];
+}

@@ -1,0 +1,108 @@
+"""Runs the page's server until Ctrl-C: `serve`."""
+
+import socket
+import sys
+import time
+import webbrowser
+
+from matchset.app.live.command import LiveOptions
+from matchset.app.live.known_messages import READER
+from matchset.app.live.session import Session
+from matchset.app.live.vision.camera_feed import CameraFeed
+from matchset.app.live.web.application import make_application
+from matchset.app.live.web.security import Guard
+from matchset.app.live.web.viewer import Desk, Viewers
+from matchset.app.live.wire.pictures import Pictures
+from matchset.image.frame import Frame
+from matchset.image.video import Video
+
+PORTS = 20  # format: ports that are tried, one after the other
+
+
+class PacedVideo(Video):
+    """A video that plays at its own rate; a live source as it comes."""
+
+    _begin: float | None = None
+
+    def __next__(self) -> Frame:
+        frame = super().__next__()
+        if not self.live:
+            if self._begin is None:
+                self._begin = time.monotonic() - frame.time
+            time.sleep(max(0.0, self._begin + frame.time - time.monotonic()))
+        return frame
+
+
+def serve(options: LiveOptions) -> int:
+    """Serve the page until Ctrl-C; returns the exit code.
+
+    Raises
+    ------
+    ValueError
+        If no port is free, or the package starlette is missing.
+    """
+    import uvicorn
+
+    host = "0.0.0.0" if options.lan else "127.0.0.1"
+    listener, port = listen(host, options.port)
+    if options.port and port != options.port:
+        print(f"note: port {options.port} is in use; this is {port}", file=sys.stderr)
+    address = own_address() if options.lan else "127.0.0.1"
+    guard = Guard([address, socket.gethostname()], port, token=options.lan)
+    desk, viewers = Desk(Session(), Pictures(), READER), Viewers()
+    url = f"http://{address}:{port}/" + (f"?token={guard.token}" if guard.token else "")
+    print(url, flush=True)
+    if options.browser:
+        webbrowser.open(url)
+    with listener, desk.session:
+        show_source(options, desk, viewers)
+        config = uvicorn.Config(make_application(desk, viewers, guard), log_level="warning", access_log=False)
+        uvicorn.Server(config).run([listener])
+    return 0
+
+
+def show_source(options: LiveOptions, desk: Desk, viewers: Viewers) -> None:
+    """Show what the command line names."""
+    session, source = desk.session, options.source
+
+    def news(number: int) -> None:
+        streams = session.streams
+        if number < len(streams):
+            viewers.tell(number, streams[number].seen)
+
+    if source is not None:
+        session.show(CameraFeed(source, lambda: PacedVideo(source), news, session.note))
+    desk.pictures.forget()
+    viewers.restart(session)
+
+
+def listen(host: str, port: int) -> tuple[socket.socket, int]:
+    """Open a port, or the next one that is free.
+
+    Raises
+    ------
+    ValueError
+        If none of twenty is.
+    """
+    for number in range(port, port + PORTS):
+        listener = socket.socket()
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind((host, number))
+        except OSError:
+            listener.close()
+            continue
+        listener.listen()
+        return listener, listener.getsockname()[1]
+    raise ValueError(f"ports {port} to {port + PORTS - 1} are all in use")
+
+
+def own_address() -> str:
+    """Return the address of this computer in its network."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # format: an address for documentation; nothing is sent
+        except OSError:
+            return "127.0.0.1"
+        name: str = probe.getsockname()[0]
+        return name

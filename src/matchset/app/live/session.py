@@ -1,0 +1,106 @@
+"""What all pages of a server look at: the feed, its panels, and what a person should know (`Session`)."""
+
+import threading
+from collections import deque
+from pathlib import Path
+
+import msgspec
+
+from matchset.app.closing import Closing
+from matchset.app.live.feed import Feed, Panel, Stream
+from matchset.app.live.wire.messages import Up
+from matchset.app.live.wire.state import SessionState
+
+
+class SessionParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How much is told.
+
+    Parameters
+    ----------
+    notes : int
+        Notes that are kept for the page. Chosen by hand: what a phone shows without scrolling.
+    """
+
+    notes: int = 5
+
+
+class Session(Closing):
+    """Holds what is shown.
+
+    Parameters
+    ----------
+    panels : sequence of Panel, optional
+        Those that are there whatever is shown.
+    parameters : SessionParameters, optional
+    """
+
+    def __init__(
+        self,
+        panels: tuple[Panel, ...] = (),
+        parameters: SessionParameters | None = None,
+    ) -> None:
+        self._own = panels
+        self._notes: deque[str] = deque(maxlen=(parameters or SessionParameters()).notes)
+        self._feed: Feed | None = None
+        self._lock = threading.Lock()
+
+    def show(self, feed: Feed | None) -> None:
+        """Show another feed; the one before is closed. It belongs to the session from here on."""
+        with self._lock:
+            before, self._feed = self._feed, feed
+        if before is not None:
+            before.close()
+
+    @property
+    def streams(self) -> tuple[Stream, ...]:
+        """The streams of pictures, by their numbers."""
+        feed = self._feed
+        return () if feed is None else tuple(feed.streams)
+
+    @property
+    def panels(self) -> tuple[Panel, ...]:
+        """All panels that there are now."""
+        feed = self._feed
+        return self._own if feed is None else (*self._own, *feed.panels)
+
+    def note(self, words: str) -> None:
+        """Tell something to everybody who looks."""
+        self._notes.append(words)
+
+    def take(self, message: Up, page: str) -> None:
+        """Do what a page asks for.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be done; says why.
+        """
+        for panel in self.panels:
+            if isinstance(message, panel.messages):
+                panel.take(message, page)
+                return
+        raise ValueError(f"{type(message).__name__.lower()}: there is nothing here that could do this")
+
+    def left(self, page: str) -> None:
+        """Note that a page is gone."""
+        for panel in self.panels:
+            panel.left(page)
+
+    def state(self) -> SessionState:
+        """Return what pages are told."""
+        feed = self._feed
+        return SessionState(
+            kind="" if feed is None else feed.kind,
+            title="" if feed is None else feed.title,
+            streams=len(self.streams),
+            panels={panel.name: panel.state() for panel in self.panels},
+            notes=list(self._notes),
+        )
+
+    def downloads(self) -> dict[str, Path]:
+        """Return the files that pages may load, by name."""
+        return {name: path for panel in self.panels for name, path in panel.downloads().items()}
+
+    def close(self) -> None:
+        """Close the feed."""
+        self.show(None)

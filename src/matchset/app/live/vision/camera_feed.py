@@ -1,0 +1,34 @@
+"""A camera or a stream as a feed: `CameraFeed`."""
+
+from collections.abc import Callable
+
+from matchset.app.live.feed import Feed, News
+from matchset.app.live.targets.panel import TargetsPanel
+from matchset.app.live.vision.vision import Vision
+from matchset.image.video import Video
+
+
+class CameraFeed(Feed):
+    """Shows a live source, opened again where it is gone.
+
+    Parameters
+    ----------
+    title : str
+    open_source : callable
+    news : callable
+        Told of each picture.
+    note : callable
+        Told what a person should know.
+    """
+
+    kind = "camera"
+
+    def __init__(self, title: str, open_source: Callable[[], Video], news: News, note: Callable[[str], None]) -> None:
+        self.title = title
+        self.vision = Vision(open_source, news=news, note=note)
+        self.streams = (self.vision,)
+        self.panels = (TargetsPanel(self.vision.ask),)
+
+    def close(self) -> None:
+        """End the loop and let go of the device."""
+        self.vision.close()

@@ -1,0 +1,53 @@
+"""The last pictures that went out, so that a click means the picture that was seen: `KeptFrames`."""
+
+from collections import deque
+
+import msgspec
+
+from matchset.image.frame import Frame
+
+
+class KeepingParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How long pictures are kept.
+
+    Parameters
+    ----------
+    frames : int
+        Number of pictures. More: clicks on older pictures of a slower link still count, and more memory. Chosen by
+        hand: 2 s at 30 frames/s, longer than a person needs from seeing to clicking on what moves.
+    """
+
+    frames: int = 60
+
+    def __post_init__(self) -> None:
+        if self.frames < 1:
+            raise ValueError(f"frames must be 1 or more, got {self.frames}")
+
+
+class KeptFrames:
+    """The last pictures by their sequence numbers.
+
+    Parameters
+    ----------
+    parameters : KeepingParameters, optional
+    """
+
+    def __init__(self, parameters: KeepingParameters | None = None) -> None:
+        self._frames: deque[tuple[int, Frame]] = deque(maxlen=(parameters or KeepingParameters()).frames)
+
+    def add(self, sequence: int, frame: Frame) -> None:
+        """Keep a picture; the oldest goes."""
+        self._frames.append((sequence, frame))
+
+    def since(self, sequence: int) -> list[Frame]:
+        """Return the picture of this number and all after it, oldest first.
+
+        Raises
+        ------
+        ValueError
+            If it is not kept any more, or never was.
+        """
+        kept = [frame for number, frame in self._frames if number >= sequence]
+        if not any(number == sequence for number, _ in self._frames):
+            raise ValueError(f"picture {sequence} is not kept any more: click again")
+        return kept

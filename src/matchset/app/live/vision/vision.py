@@ -1,0 +1,171 @@
+"""The loop behind the page: reads a source, follows the targets, leaves the newest answer in a box (`Vision`)."""
+
+import queue
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+
+import msgspec
+
+from matchset.app.closing import Closing
+from matchset.app.live.feed import News, Seen
+from matchset.app.live.targets.messages import Drop, FieldOfView, Outline, Pick, Wish
+from matchset.app.live.targets.target import Target, catch_up
+from matchset.app.live.vision.kept_frames import KeptFrames
+from matchset.app.live.wire.state import State
+from matchset.camera.camera_model import CameraModel
+from matchset.image.errors import LinkError
+from matchset.image.frame import Frame
+from matchset.image.video import Video
+
+
+class VisionParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How the loop runs.
+
+    Parameters
+    ----------
+    retry : float
+        Time between attempts to open a source that is gone, s. Chosen by hand: a person who plugs a camera in again
+        does not wait longer.
+    rate_over : int
+        Frames over which the rate of the loop is taken. Chosen by hand: a second.
+    wishes : int
+        Clicks that wait at most; more are refused.
+    """
+
+    retry: float = 1.0
+    rate_over: int = 30
+    wishes: int = 64
+
+
+class Vision(Closing):
+    """Reads a source in a thread of its own, at its own rate, whoever looks.
+
+    Parameters
+    ----------
+    open_source : callable
+        Opens the source; called again where it is gone.
+    camera : CameraModel, optional
+    news : callable, optional
+        Called in the thread after each new picture; must not wait.
+    note : callable, optional
+        Called with what a person should know.
+    parameters : VisionParameters, optional
+
+    Attributes
+    ----------
+    seen : Seen
+        The newest picture.
+    kept : KeptFrames
+    """
+
+    def __init__(
+        self,
+        open_source: Callable[[], Video],
+        camera: CameraModel | None = None,
+        news: News | None = None,
+        note: Callable[[str], None] | None = None,
+        parameters: VisionParameters | None = None,
+    ) -> None:
+        self._open, self._news, self._note = open_source, news or (lambda _: None), note or (lambda _: None)
+        self.camera, self._parameters = camera, parameters or VisionParameters()
+        self.seen, self.kept = Seen(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened")), KeptFrames()
+        self._sequence, self._numbers = 0, 0
+        self._targets: dict[int, Target] = {}
+        self._done: deque[float] = deque(maxlen=self._parameters.rate_over)
+        self._wishes: queue.Queue[Wish] = queue.Queue(self._parameters.wishes)
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="matchset live", daemon=True)
+        self._thread.start()
+
+    def ask(self, wish: Wish) -> None:
+        """Ask for something; done before the next picture. What cannot be done is a note on the page."""
+        try:
+            self._wishes.put_nowait(wish)
+        except queue.Full:
+            self._note("too many clicks at once: some were left out")
+
+    def close(self) -> None:
+        """End the thread; the source is closed."""
+        self._stop.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            try:
+                with self._open() as source:
+                    for frame in source:
+                        self._take(source, frame)
+                        if self._stop.is_set():
+                            return
+                self._fault("the video has ended")
+                return
+            except (LinkError, ValueError) as error:
+                self._fault(str(error))
+                self._stop.wait(self._parameters.retry)
+
+    def _fault(self, words: str) -> None:
+        """Show the last picture, and in words what is wrong."""
+        self._sequence += 1
+        old = self.seen.state
+        state = msgspec.structs.replace(old, sequence=self._sequence, fault=words, targets=[])
+        self.seen = Seen(self.seen.frame, state)
+        self._news(0)
+
+    def _take(self, source: Video, frame: Frame) -> None:
+        self._grant()
+        targets = [target.update(frame) for target in self._targets.values()]
+        self._sequence += 1
+        self._done.append(time.monotonic())
+        span = self._done[-1] - self._done[0]
+        state = State(
+            sequence=self._sequence,
+            index=frame.index,
+            time=frame.time,
+            width=source.width,
+            height=source.height,
+            targets=targets,
+            camera_fps=source.fps,
+            fps=(len(self._done) - 1) / span if span > 0.0 else None,
+            dropped=source.dropped,
+            age=time.monotonic() - frame.time if source.live else 0.0,
+            live=source.live,
+        )
+        self.kept.add(self._sequence, frame)
+        self.seen = Seen(frame, state)
+        self._news(0)
+
+    def _grant(self) -> None:
+        """Do what was asked for."""
+        while True:
+            try:
+                wish = self._wishes.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                self._do(wish)
+            except ValueError as error:
+                self._note(str(error))
+
+    def _do(self, wish: Wish) -> None:
+        if isinstance(wish, Pick | Outline):
+            frames = self.kept.since(wish.sequence)
+            target = Target(self._numbers + 1, wish, frames[0])
+            self._numbers += 1
+            catch_up(target, frames)
+            self._targets[target.number] = target
+            if target.note:
+                self._note(target.note)
+        elif isinstance(wish, FieldOfView):
+            if self.seen.frame is None:
+                raise ValueError("there is no picture yet whose field of view could be told")
+            self.camera = CameraModel.from_fov(self.seen.state.width, self.seen.state.height, wish.angle)
+            for each in self._targets.values():
+                each.locate(self.camera, each.diameter)
+        elif (target_or_none := self._targets.get(wish.target)) is None:
+            raise ValueError(f"there is no target {wish.target} any more")
+        elif isinstance(wish, Drop):
+            del self._targets[wish.target]
+        else:
+            target_or_none.locate(self.camera, wish.meters)

@@ -1,0 +1,149 @@
+"""The routes of the page's server: `make_application`. docs/live.md has them in a table."""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import msgspec
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from matchset.app.live.feed import Seen
+from matchset.app.live.web.guarded import Guarded
+from matchset.app.live.web.security import Guard
+from matchset.app.live.web.viewer import Desk, Viewer, Viewers
+from matchset.app.live.wire.flow import SIZES
+from matchset.app.live.wire.messages import LONGEST
+from matchset.app.live.wire.state import written
+
+PAGE = Path(__file__).resolve().parents[1] / "page"
+PERIOD = 0.01  # format: s between two looks for a new picture, for programs
+
+
+def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
+    """Make the server.
+
+    Parameters
+    ----------
+    desk : Desk
+    viewers : Viewers
+        Those that are told of new pictures.
+    guard : Guard
+    """
+    routes = _Routes(desk, viewers)
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        viewers.begin()
+        yield
+        desk.pictures.close()
+
+    return Starlette(
+        routes=[
+            WebSocketRoute("/ws", routes.page),
+            WebSocketRoute("/states", routes.states),
+            Route("/events", routes.events),
+            Route("/state.json", routes.state),
+            Route("/frame.jpg", routes.frame),
+            Route("/do/{type}", routes.do, methods=["POST"]),
+            Route("/download/{name:path}", routes.download),
+            Mount("/", StaticFiles(directory=PAGE, html=True)),
+        ],
+        middleware=[Middleware(Guarded, guard=guard)],
+        lifespan=lifespan,
+    )
+
+
+class _Routes:
+    """What each address answers."""
+
+    def __init__(self, desk: Desk, viewers: Viewers) -> None:
+        self._desk, self._viewers = desk, viewers
+
+    async def page(self, websocket: WebSocket) -> None:
+        """Serve a page's socket."""
+        await websocket.accept()
+        viewer = Viewer(websocket, self._desk)
+        self._viewers.add(viewer)
+        for number, stream in enumerate(self._desk.session.streams):
+            viewer.offer(number, stream.seen)
+        try:
+            await viewer.serve()
+        finally:
+            self._viewers.remove(viewer)
+            self._desk.session.left(viewer.name)
+
+    async def states(self, websocket: WebSocket) -> None:
+        """Send the state of each picture of a stream as a line of JSON."""
+        await websocket.accept()
+        with contextlib.suppress(WebSocketDisconnect):
+            async for seen in self._each(int(websocket.query_params.get("stream", "0"))):
+                await websocket.send_text(written(seen.state).decode())
+
+    async def events(self, request: Request) -> Response:
+        """Send the same as server-sent events."""
+
+        async def lines() -> AsyncIterator[bytes]:
+            async for seen in self._each(int(request.query_params.get("stream", "0"))):
+                yield b"data: " + written(seen.state) + b"\n\n"
+
+        return StreamingResponse(lines(), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+
+    async def state(self, _: Request) -> Response:
+        """Answer what is shown now."""
+        session = self._desk.session
+        both = {"session": session.state(), "streams": [stream.seen.state for stream in session.streams]}
+        return Response(msgspec.json.encode(both), media_type="application/json")
+
+    async def frame(self, request: Request) -> Response:
+        """Answer the newest picture as JPEG."""
+        number, streams = request.query_params.get("stream", "0"), self._desk.session.streams
+        if not number.isdecimal() or int(number) >= len(streams):
+            return PlainTextResponse(f"there is no stream {number!r} now", 404)
+        seen = streams[int(number)].seen
+        if seen.frame is None:
+            return PlainTextResponse(seen.state.fault or "no picture yet", 503)
+        key = int(number), seen.state.sequence
+        data = await self._desk.pictures.picture(key, seen.frame.image, SIZES[0])
+        age = f"{time.monotonic() - seen.state.time:.4f}"
+        return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store", "X-Age": age})
+
+    async def do(self, request: Request) -> Response:
+        """Do what a button does; the fields of the message are the body, JSON."""
+        body = b""
+        async for part in request.stream():
+            body += part
+            if len(body) > LONGEST:
+                return JSONResponse({"error": f"a message has {LONGEST} bytes at most"}, 413)
+        try:
+            fields = msgspec.json.decode(body or b"{}", type=dict[str, object])
+            message = self._desk.reader.read(msgspec.json.encode({**fields, "type": request.path_params["type"]}))
+            self._desk.session.take(message, "")
+        except (ValueError, msgspec.DecodeError, RecursionError) as error:
+            return JSONResponse({"error": str(error)}, 400)
+        return Response(status_code=204)
+
+    async def download(self, request: Request) -> Response:
+        """Answer a file that is offered; nothing else is read."""
+        path = self._desk.session.downloads().get(request.path_params["name"])
+        if path is None or not path.is_file():
+            return PlainTextResponse("there is no such file", 404)
+        return FileResponse(path, filename=path.name)
+
+    async def _each(self, number: int) -> AsyncIterator[Seen]:
+        """Each new picture of a stream, while there is such a stream; the newest if some come at once."""
+        last: Seen | None = None
+        while True:
+            streams = self._desk.session.streams
+            seen = streams[number].seen if 0 <= number < len(streams) else last
+            if seen is not None and seen is not last:
+                last = seen
+                yield seen
+            await asyncio.sleep(PERIOD)

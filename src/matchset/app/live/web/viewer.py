@@ -1,0 +1,189 @@
+"""One page that looks: sends it the newest pictures, takes what it says (`Viewer`); all of them: `Viewers`."""
+
+import asyncio
+import itertools
+import time
+from typing import NamedTuple
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from matchset.app.live.feed import Seen
+from matchset.app.live.session import Session
+from matchset.app.live.wire.flow import Flow
+from matchset.app.live.wire.messages import Ack, Reader
+from matchset.app.live.wire.packet import Packet, pack
+from matchset.app.live.wire.pictures import Pictures
+from matchset.app.live.wire.state import written
+
+NONSENSE = 4400  # format: the code with which a session is closed that says nonsense
+SESSION_PERIOD = 0.1  # format: s between two looks whether the state of the session has changed
+
+
+class Desk(NamedTuple):
+    """What all viewers share.
+
+    Attributes
+    ----------
+    session : Session
+    pictures : Pictures
+    reader : Reader
+    """
+
+    session: Session
+    pictures: Pictures
+    reader: Reader
+
+
+class _Sending:
+    """What one viewer was sent of one stream."""
+
+    def __init__(self) -> None:
+        self.flow, self.age = Flow(), -1.0
+        self.offered: Seen | None = None
+        self.captured: dict[int, float] = {}
+
+    def acknowledge(self, sequence: int) -> bool:
+        now = time.monotonic()
+        if self.flow.acknowledge(sequence, now) is None:
+            return False
+        self.age = now - self.captured[sequence]
+        self.captured = {number: when for number, when in self.captured.items() if number > sequence}
+        return True
+
+
+class Viewer:
+    """A session of a page.
+
+    Parameters
+    ----------
+    socket : WebSocket
+        Accepted.
+    desk : Desk
+
+    Attributes
+    ----------
+    name : str
+        Unlike that of every other viewer.
+    """
+
+    _names = itertools.count(1)
+
+    def __init__(self, socket: WebSocket, desk: Desk) -> None:
+        self.name = f"page {next(self._names)}"
+        self._socket, self._desk, self._news = socket, desk, asyncio.Event()
+        self._streams: dict[int, _Sending] = {}
+        self._lock = asyncio.Lock()
+
+    def offer(self, stream: int, seen: Seen) -> None:
+        """Tell that there is a new picture."""
+        sending = self._streams.setdefault(stream, _Sending())
+        if sending.flow.offer(seen.state.sequence):
+            sending.offered = seen
+            self._news.set()
+
+    def restart(self) -> None:
+        """Forget what was sent: other streams are shown from here on."""
+        self._streams.clear()
+
+    async def serve(self) -> None:
+        """Send and receive until the page goes."""
+        tasks = [asyncio.create_task(self._send()), asyncio.create_task(self._tell())]
+        try:
+            await self._receive()
+        except WebSocketDisconnect:
+            pass
+        finally:
+            for task in tasks:
+                task.cancel()
+
+    async def _send(self) -> None:
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            for stream, sending in list(self._streams.items()):
+                await self._send_picture(stream, sending)
+
+    async def _send_picture(self, stream: int, sending: _Sending) -> None:
+        sequence, seen = sending.flow.take(time.monotonic()), sending.offered
+        if sequence is None or seen is None:
+            return
+        sending.captured[sequence] = seen.state.time
+        image = b""
+        if seen.frame is not None:
+            image = await self._desk.pictures.picture((stream, sequence), seen.frame.image, sending.flow.size)
+        await self._write(Packet(sequence, seen.state.time, sending.age, written(seen.state), image, stream))
+
+    async def _tell(self) -> None:
+        """Send the state of the session whenever it has changed."""
+        told = b""
+        while True:
+            state = written(self._desk.session.state())
+            if state != told:
+                told = state
+                await self._write(Packet(0, time.monotonic(), -1.0, state, session=True))
+            await asyncio.sleep(SESSION_PERIOD)
+
+    async def _write(self, packet: Packet) -> None:
+        async with self._lock:
+            await self._socket.send_bytes(pack(packet))
+
+    async def _receive(self) -> None:
+        while True:
+            data = await self._socket.receive_text()
+            try:
+                message = self._desk.reader.read(data)
+            except ValueError as error:
+                await self._socket.close(NONSENSE, str(error)[:100])
+                return
+            if isinstance(message, Ack):
+                sending = self._streams.get(message.stream)
+                if sending is not None and sending.acknowledge(message.sequence):
+                    self._news.set()
+                continue
+            try:
+                self._desk.session.take(message, self.name)
+            except ValueError as error:
+                self._desk.session.note(str(error))
+
+
+class Viewers:
+    """All pages that look."""
+
+    def __init__(self) -> None:
+        self._viewers: set[Viewer] = set()
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def begin(self) -> None:
+        """Take the running event loop as that of the pages."""
+        self._loop = asyncio.get_running_loop()
+
+    def tell(self, stream: int, seen: Seen) -> None:
+        """Tell all that there is a new picture; from any thread, and never waits."""
+        if self._loop is not None and self._viewers:
+            self._loop.call_soon_threadsafe(self._offer, stream, seen)
+
+    def restart(self, session: Session) -> None:
+        """Tell all that other streams are shown; from any thread."""
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._restart, session)
+
+    def _offer(self, stream: int, seen: Seen) -> None:
+        for viewer in self._viewers:
+            viewer.offer(stream, seen)
+
+    def _restart(self, session: Session) -> None:
+        for viewer in self._viewers:
+            viewer.restart()
+            for number, stream in enumerate(session.streams):
+                viewer.offer(number, stream.seen)
+
+    def add(self, viewer: Viewer) -> None:
+        """Add a page."""
+        self._viewers.add(viewer)
+
+    def remove(self, viewer: Viewer) -> None:
+        """Forget a page."""
+        self._viewers.discard(viewer)
+
+    def __len__(self) -> int:
+        return len(self._viewers)

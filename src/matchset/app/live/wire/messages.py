@@ -1,0 +1,52 @@
+"""What a page says: the common part of all messages, and how they are read. Each panel has its own in `MESSAGES`."""
+
+from collections.abc import Iterable
+from typing import Annotated, Any, Union
+
+import msgspec
+
+Px = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
+Positive = Annotated[float, msgspec.Meta(gt=0.0, le=1e5)]
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=60)]
+Number = Annotated[int, msgspec.Meta(ge=0, le=2**31)]
+LONGEST = 4096  # format: bytes of a message from a page; all real ones have less than 300
+
+
+class Up(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
+    """A message of a page."""
+
+
+class Ack(Up, frozen=True, tag="ack"):
+    """A picture of a stream was painted."""
+
+    sequence: Number
+    stream: Number = 0
+
+
+class Reader:
+    """Reads the messages of a page.
+
+    Parameters
+    ----------
+    types : iterable of types
+        Those that there are.
+    """
+
+    def __init__(self, types: Iterable[type[Up]]) -> None:
+        self._decoder: msgspec.json.Decoder[Any] = msgspec.json.Decoder(Union[tuple(types)])  # noqa: UP007
+
+    def read(self, data: str | bytes) -> Up:
+        """Read a message.
+
+        Raises
+        ------
+        ValueError
+            If it is none; says what is wrong with it.
+        """
+        if len(data) > LONGEST:
+            raise ValueError(f"a message has {LONGEST} bytes at most, got {len(data)}")
+        try:
+            message: Up = self._decoder.decode(data)
+        except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
+            raise ValueError(f"no message of the page: {error}") from None
+        return message

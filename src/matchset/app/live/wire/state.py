@@ -1,0 +1,110 @@
+"""What a page is told, as msgspec structs: `State` with each picture, `SessionState` whenever it changes."""
+
+from typing import Any
+
+import msgspec
+
+
+class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What is known of a target in one picture.
+
+    Parameters
+    ----------
+    id : int
+    name : str
+    found : bool
+    values : dict of str to (float, float or None)
+        The shape's parameters with their standard deviations, px and rad.
+    outline : list of float
+        x and y of points along the outline, px, one after the other.
+    match_set : list of float
+        x and y of the edge points, px.
+    support : float or None
+    position : dict of str to (float, float or None)
+        x, y, z and distance in the camera's frame, m, with standard deviations, if diameter and camera are known.
+    reason : str
+        Why it is lost.
+    lost_for : float
+        For how long, s.
+    diameter : float or None
+        m
+    """
+
+    id: int
+    name: str
+    found: bool
+    values: dict[str, tuple[float, float | None]] = {}
+    outline: list[float] = []
+    match_set: list[float] = []
+    support: float | None = None
+    position: dict[str, tuple[float, float | None]] = {}
+    reason: str = ""
+    lost_for: float = 0.0
+    diameter: float | None = None
+
+
+class State(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What is known of one picture.
+
+    Parameters
+    ----------
+    sequence : int
+        Its number here.
+    index : int
+        Its number in the source.
+    time : float
+        Of its capture, s.
+    width, height : int
+        px; the JPEG may be smaller.
+    targets : list of TargetState
+    camera_fps, fps : float or None
+        Frames per second of the camera, and of the loop.
+    dropped : int
+        Frames of the source that nobody asked for in time.
+    age : float
+        From the capture to the end of the computing, s.
+    live : bool
+    fault : str
+        What is wrong with the source, in words.
+    """
+
+    sequence: int
+    index: int
+    time: float
+    width: int
+    height: int
+    targets: list[TargetState] = []
+    camera_fps: float | None = None
+    fps: float | None = None
+    dropped: int = 0
+    age: float = 0.0
+    live: bool = True
+    fault: str = ""
+
+
+class SessionState(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What is shown, and the state of each panel.
+
+    Parameters
+    ----------
+    kind : str
+        "camera", "file", "flight"; empty: nothing is shown yet.
+    title : str
+    streams : int
+        Number of streams of pictures.
+    panels : dict of str to object
+        What each panel shows, by its name.
+    notes : list of str
+        What a person should know, newest last.
+    """
+
+    kind: str = ""
+    title: str = ""
+    streams: int = 0
+    panels: dict[str, Any] = {}
+    notes: list[str] = []
+
+
+def written(state: State | SessionState) -> bytes:
+    """Write a state as JSON."""
+    return msgspec.json.encode(state)

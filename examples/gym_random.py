@@ -1,11 +1,16 @@
 """Fly the Gymnasium environment with random sticks, two worlds at a time, and write the last picture of each."""
 
+import sys
+from pathlib import Path
+
 import cv2
 import gymnasium
 import numpy as np
 
 import matchset as ms
 
+if any(Path(f"world{k}.png").exists() for k in (0, 1)):
+    sys.exit("error: world0.png or world1.png exists and is not overwritten: go to another folder, or delete it")
 gymnasium.register_envs(ms.gym)
 envs = gymnasium.make_vec(
     "matchset/Follow-v0", num_envs=2, vectorization_mode="sync", width_px=320, height_px=240, render_mode="rgb_array"

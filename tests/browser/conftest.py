@@ -21,6 +21,18 @@ BALL = 0.28  # m, its diameter
 FRAMES = 150
 
 
+@pytest.fixture(scope="session", autouse=True)
+def ordinary() -> Iterator[None]:
+    """Tests may be run with real-time priority, which a browser's many processes must not have: they inherit it."""
+    if not hasattr(os, "sched_setscheduler"):
+        yield
+        return
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    yield
+    os.sched_setscheduler(0, policy, parameters)
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator[object]:
     """Chromium; in CI it must be there, elsewhere the tests are skipped without it."""

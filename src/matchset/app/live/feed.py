@@ -1,7 +1,8 @@
-"""What the page shows, and what its parts are made of: `Feed`, `Stream`, `Panel`."""
+"""What the page shows, and what its parts are made of: `Feed`, `Stream`, `Panel`; who is told of it: `Listener`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 import msgspec
@@ -9,7 +10,10 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.live.wire.messages import Up
 from matchset.app.live.wire.state import State
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.localization.pose import Pose
+from matchset.tracking.track import Lost
 
 News = Callable[[int], None]
 """Told the number of a stream that has a new picture, from any thread; never waits."""
@@ -23,10 +27,15 @@ class Seen(NamedTuple):
     frame : Frame or None
         None as long as the source has none.
     state : State
+    poses : mapping of int to Pose or Lost
+        Of the targets whose diameter is known, by `TargetState.id`, if the camera is known.
+    camera : CameraModel or None
     """
 
     frame: Frame | None
     state: State
+    poses: Mapping[int, "Pose | Lost[Pose]"] = MappingProxyType({})
+    camera: CameraModel | None = None
 
 
 class Stream(Protocol):
@@ -79,6 +88,25 @@ class Panel:
 
     def left(self, page: str) -> None:
         """Note that a page is gone."""
+
+
+class Listener(Protocol):
+    """Is told of each picture that a session shows, such as a recording. No method waits."""
+
+    def hear(self, stream: int, seen: Seen) -> None:
+        """Take a new picture of a stream, in the thread of its loop: each one, in their order.
+
+        Parameters
+        ----------
+        stream : int
+        seen : Seen
+            The frame is not changed any more. A `Seen` with the frame of the one before is no new picture.
+        """
+        ...
+
+    def changed(self) -> None:
+        """Note that other streams are shown from here on; called in any thread."""
+        ...
 
 
 class Feed(Closing):

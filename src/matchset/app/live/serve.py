@@ -66,9 +66,9 @@ def show_source(options: LiveOptions, desk: Desk, viewers: Viewers) -> None:
     session, source = desk.session, options.source
 
     def news(number: int) -> None:
-        streams = session.streams
-        if number < len(streams):
-            viewers.tell(number, streams[number].seen)
+        seen = session.hear(number)
+        if seen is not None:
+            viewers.tell(number, seen)
 
     if source is not None:
         session.show(CameraFeed(source, lambda: PacedVideo(source), news, session.note))

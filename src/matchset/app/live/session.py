@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.feed import Feed, Panel, Stream
+from matchset.app.live.feed import Feed, Listener, Panel, Seen, Stream
 from matchset.app.live.wire.messages import Up
 from matchset.app.live.wire.state import SessionState
 
@@ -31,25 +31,46 @@ class Session(Closing):
     ----------
     panels : sequence of Panel, optional
         Those that are there whatever is shown.
+    listeners : sequence of Listener, optional
+        Told of each picture that is shown.
     parameters : SessionParameters, optional
     """
 
     def __init__(
         self,
         panels: tuple[Panel, ...] = (),
+        listeners: tuple[Listener, ...] = (),
         parameters: SessionParameters | None = None,
     ) -> None:
-        self._own = panels
+        self._own, self._listeners = panels, listeners
         self._notes: deque[str] = deque(maxlen=(parameters or SessionParameters()).notes)
         self._feed: Feed | None = None
         self._lock = threading.Lock()
 
     def show(self, feed: Feed | None) -> None:
         """Show another feed; the one before is closed. It belongs to the session from here on."""
+        for listener in self._listeners:
+            listener.changed()
         with self._lock:
             before, self._feed = self._feed, feed
         if before is not None:
             before.close()
+
+    def hear(self, number: int) -> Seen | None:
+        """Tell the listeners of the newest picture of a stream; called in the thread of its loop, by its `News`.
+
+        Returns
+        -------
+        Seen or None
+            That picture; None if there is no such stream any more.
+        """
+        streams = self.streams
+        if number >= len(streams):
+            return None
+        seen = streams[number].seen
+        for listener in self._listeners:
+            listener.hear(number, seen)
+        return seen
 
     @property
     def streams(self) -> tuple[Stream, ...]:

@@ -14,9 +14,10 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
+from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import outline
-from matchset.tracking.track import Lost, Track
+from matchset.tracking.track import Lost
 from matchset.tracking.tracker import Tracker
 
 OUTLINE_POINTS = 72  # geometry: of an outline that a browser draws
@@ -39,6 +40,8 @@ class Target:
     ----------
     diameter : float or None
         m
+    pose : Pose, Lost or None
+        In the last frame; None if diameter or camera are not known.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class Target:
         if isinstance(begin, Outline) and family is Circle:
             self.tracker.start(Circle(begin.x, begin.y, begin.radius))
         self._localizer: Localizer | None = None
+        self.pose: Pose | Lost[Pose] | None = None
         self._seen: float | None = None
 
     def locate(self, camera: CameraModel | None, diameter: float | None) -> None:
@@ -77,6 +81,8 @@ class Target:
     def update(self, frame: Frame) -> TargetState:
         """Follow it into a frame."""
         answer = self.tracker.update(frame)
+        placed = self._localizer is not None and (isinstance(answer, Lost) or isinstance(answer.shape, Circle))
+        self.pose = self._localizer.update(answer) if placed else None  # type: ignore[union-attr]
         if isinstance(answer, Lost):
             since = 0.0 if self._seen is None else max(answer.time - self._seen, 0.0)
             return TargetState(
@@ -91,15 +97,13 @@ class Target:
             outline=_flat(outline(answer.shape, OUTLINE_POINTS)),
             match_set=_flat(answer.match_set),
             support=float(answer.support),
-            position=self._position(answer),
+            position=self._position(),
             diameter=self.diameter,
         )
 
-    def _position(self, track: Track[Any]) -> dict[str, tuple[float, float | None]]:
-        if self._localizer is None or not isinstance(track.shape, Circle):
-            return {}
-        pose = self._localizer.update(track)
-        if isinstance(pose, Lost):
+    def _position(self) -> dict[str, tuple[float, float | None]]:
+        pose = self.pose
+        if pose is None or isinstance(pose, Lost):
             return {}
         sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
         along = pose.position / pose.distance

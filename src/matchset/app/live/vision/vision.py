@@ -133,7 +133,8 @@ class Vision(Closing):
             live=source.live,
         )
         self.kept.add(self._sequence, frame)
-        self.seen = Seen(frame, state)
+        poses = {target.number: target.pose for target in self._targets.values() if target.pose is not None}
+        self.seen = Seen(frame, state, poses, self.camera)
         self._news(0)
 
     def _grant(self) -> None:

@@ -9,8 +9,9 @@ import numpy as np
 
 import matchset as ms
 
-if any(Path(f"world{k}.png").exists() for k in (0, 1)):
-    sys.exit("error: world0.png or world1.png exists and is not overwritten: go to another folder, or delete it")
+for name in ("world0.png", "world1.png"):
+    if Path(name).exists():
+        sys.exit(f"error: {name} exists and is not overwritten: go to another folder, or delete it")
 gymnasium.register_envs(ms.gym)
 envs = gymnasium.make_vec(
     "matchset/Follow-v0", num_envs=2, vectorization_mode="sync", width_px=320, height_px=240, render_mode="rgb_array"

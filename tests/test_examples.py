@@ -51,7 +51,12 @@ def test_a_clip_is_rendered(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "taken"),
-    [("render_clip.py", "ball.mp4"), ("render_clip.py", "ball.csv"), ("render_flight.py", "camera.toml")],
+    [
+        ("render_clip.py", "ball.mp4"),
+        ("render_clip.py", "ball.csv"),
+        ("render_flight.py", "camera.toml"),
+        ("gym_random.py", "world1.png"),
+    ],
 )
 def test_nothing_is_overwritten(tmp_path: Path, name: str, taken: str) -> None:
     (tmp_path / taken).write_text("mine")

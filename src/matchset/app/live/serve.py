@@ -6,6 +6,7 @@ import time
 import webbrowser
 
 from matchset.app.live.command import LiveOptions
+from matchset.app.live.compiling import CompilingPanel
 from matchset.app.live.known_messages import READER
 from matchset.app.live.session import Session
 from matchset.app.live.vision.camera_feed import CameraFeed
@@ -49,7 +50,8 @@ def serve(options: LiveOptions) -> int:
         print(f"note: port {options.port} is in use; this is {port}", file=sys.stderr)
     address = own_address() if options.lan else "127.0.0.1"
     guard = Guard([address, socket.gethostname()], port, token=options.lan)
-    desk, viewers = Desk(Session(), Pictures(), READER), Viewers()
+    compiling = CompilingPanel()
+    desk, viewers = Desk(Session((compiling,), refusal=compiling.refusal), Pictures(), READER), Viewers()
     url = f"http://{address}:{port}/" + (f"?token={guard.token}" if guard.token else "")
     print(url, flush=True)
     if options.browser:

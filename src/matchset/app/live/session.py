@@ -2,6 +2,7 @@
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -33,6 +34,8 @@ class Session(Closing):
         Those that are there whatever is shown.
     listeners : sequence of Listener, optional
         Told of each picture that is shown.
+    refusal : callable, optional
+        Returns why no tracker can be begun yet; empty if one can.
     parameters : SessionParameters, optional
     """
 
@@ -40,9 +43,10 @@ class Session(Closing):
         self,
         panels: tuple[Panel, ...] = (),
         listeners: tuple[Listener, ...] = (),
+        refusal: Callable[[], str] | None = None,
         parameters: SessionParameters | None = None,
     ) -> None:
-        self._own, self._listeners = panels, listeners
+        self._own, self._listeners, self._refusal = panels, listeners, refusal or (lambda: "")
         self._notes: deque[str] = deque(maxlen=(parameters or SessionParameters()).notes)
         self._feed: Feed | None = None
         self._lock = threading.Lock()
@@ -96,6 +100,8 @@ class Session(Closing):
         ValueError
             If it cannot be done; says why.
         """
+        if message.tracks and (words := self._refusal()):
+            raise ValueError(words)
         for panel in self.panels:
             if isinstance(message, panel.messages):
                 panel.take(message, page)

@@ -1,5 +1,6 @@
 // The page: joins connection, picture, reading, targets and curves.
 
+import { CompilingPanel } from "./compiling.js";
 import { Curve, ViewFromAbove } from "./curves.js";
 import { PictureView } from "./picture.js";
 import { element, showReading } from "./reading.js";
@@ -25,7 +26,7 @@ let newest = null;
 let drawn = null;
 
 // Panels of the page by their names: each has `update(state)`, and is hidden while the server has none of its name.
-const panels = {};
+const panels = { compiling: new CompilingPanel(find("compiling")) };
 
 function receiveSession(session) {
   find("source").textContent = session.title || "";

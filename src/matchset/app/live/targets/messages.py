@@ -1,6 +1,6 @@
 """What a page says of targets."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import msgspec
 
@@ -9,6 +9,8 @@ from matchset.app.live.wire.messages import Name, Number, Positive, Px, Up
 
 class Pick(Up, frozen=True, tag="pick"):
     """Follow what is at a point of a picture, px; `shape` is a family of shapes."""
+
+    tracks: ClassVar[bool] = True
 
     sequence: Number
     x: Px
@@ -19,6 +21,8 @@ class Pick(Up, frozen=True, tag="pick"):
 
 class Outline(Up, frozen=True, tag="outline"):
     """Follow the circle that was drawn along a rim in a picture, px."""
+
+    tracks: ClassVar[bool] = True
 
     sequence: Number
     x: Px

@@ -1,7 +1,7 @@
 """What a page says: the common part of all messages, and how they are read. Each panel has its own in `MESSAGES`."""
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, ClassVar, Union
 
 import msgspec
 
@@ -13,7 +13,15 @@ LONGEST = 4096  # format: bytes of a message from a page; all real ones have les
 
 
 class Up(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
-    """A message of a page."""
+    """A message of a page.
+
+    Attributes
+    ----------
+    tracks : bool
+        Whether a tracker is begun, which needs compiled code.
+    """
+
+    tracks: ClassVar[bool] = False
 
 
 class Ack(Up, frozen=True, tag="ack"):

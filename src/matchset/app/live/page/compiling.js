@@ -1,0 +1,12 @@
+// Says that the first click waits for the compiler, only once on a machine.
+
+export class CompilingPanel {
+  constructor(root) {
+    this.root = root;
+  }
+
+  update({ kernels, seconds, done }) {
+    this.root.hidden = done || !kernels;
+    this.root.textContent = `Compiling, only once on this machine: ${kernels} pieces in ${seconds} s. Click when this is done.`;
+  }
+}

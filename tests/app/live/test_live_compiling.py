@@ -1,0 +1,34 @@
+"""The page says when it waits for the compiler, and a click then is told to wait."""
+
+import sys
+import time
+
+import pytest
+
+from matchset.app.live.compiling import CompilingPanel
+from matchset.app.live.session import Session
+from matchset.app.live.targets.messages import Drop, Pick
+from matchset.app.live.targets.panel import TargetsPanel
+
+
+def test_kernels_are_counted_until_the_first_click_can_be_answered() -> None:
+    command = (sys.executable, "-c", "print(1); print(2); print(3, flush=True); import time; time.sleep(0.5)")
+    asked = list[object]()
+    panel = CompilingPanel(command)
+    session = Session((panel, TargetsPanel(asked.append)), refusal=panel.refusal)
+    while panel.state().kernels < 3:
+        time.sleep(0.01)
+    assert not panel.state().done
+    with pytest.raises(ValueError, match="the first click waits for the compiler"):
+        session.take(Pick(1, 2.0, 3.0), "page")
+    session.take(Drop(1), "page")
+    panel._thread.join(60.0)
+    assert (panel.state().kernels, panel.state().done, panel.refusal()) == (3, True, "")
+    session.take(Pick(1, 2.0, 3.0), "page")
+    assert asked == [Drop(1), Pick(1, 2.0, 3.0)]
+
+
+def test_without_a_process_the_first_click_compiles() -> None:
+    panel = CompilingPanel(("/no/such/program",))
+    panel._thread.join(10.0)
+    assert panel.state().done

@@ -1,5 +1,6 @@
 """Where things are on the live page."""
 
+import time
 from typing import Any
 
 
@@ -8,3 +9,11 @@ def on_screen(page: Any, x: float, y: float) -> tuple[float, float]:
     box = page.locator("#view").bounding_box()
     width, height = page.evaluate("[picture.width, picture.height]")
     return box["x"] + (x + 0.5) / width * box["width"], box["y"] + (y + 0.5) / height * box["height"]
+
+
+def wait_until(page: Any, condition: str, seconds: float = 20.0) -> None:
+    """Wait for a condition in JavaScript; asked from outside, since the page evaluates no text by itself."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(condition):
+        assert time.monotonic() < end, f"not within {seconds} s: {condition}"
+        page.wait_for_timeout(50)

@@ -1,6 +1,7 @@
 """All messages of a page, panel by panel: `READER`."""
 
+from matchset.app.live.sources.messages import MESSAGES as OF_SOURCES
 from matchset.app.live.targets.messages import MESSAGES as OF_TARGETS
 from matchset.app.live.wire.messages import Ack, Reader
 
-READER = Reader((Ack, *OF_TARGETS))
+READER = Reader((Ack, *OF_SOURCES, *OF_TARGETS))

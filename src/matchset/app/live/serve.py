@@ -2,36 +2,24 @@
 
 import socket
 import sys
-import time
 import webbrowser
+from pathlib import Path
 
 from matchset.app.live.command import LiveOptions
 from matchset.app.live.compiling import CompilingPanel
+from matchset.app.live.feed import Feed
 from matchset.app.live.known_messages import READER
 from matchset.app.live.session import Session
-from matchset.app.live.vision.camera_feed import CameraFeed
+from matchset.app.live.sources.found_sources import Source
+from matchset.app.live.sources.opening import Opening, open_feed
+from matchset.app.live.sources.panel import SourcesPanel
+from matchset.app.live.sources.stage import Stage
 from matchset.app.live.web.application import make_application
 from matchset.app.live.web.security import Guard
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
-from matchset.image.frame import Frame
-from matchset.image.video import Video
 
 PORTS = 20  # format: ports that are tried, one after the other
-
-
-class PacedVideo(Video):
-    """A video that plays at its own rate; a live source as it comes."""
-
-    _begin: float | None = None
-
-    def __next__(self) -> Frame:
-        frame = super().__next__()
-        if not self.live:
-            if self._begin is None:
-                self._begin = time.monotonic() - frame.time
-            time.sleep(max(0.0, self._begin + frame.time - time.monotonic()))
-        return frame
 
 
 def serve(options: LiveOptions) -> int:
@@ -56,26 +44,32 @@ def serve(options: LiveOptions) -> int:
     print(url, flush=True)
     if options.browser:
         webbrowser.open(url)
-    with listener, desk.session:
-        show_source(options, desk, viewers)
+    with listener, desk.session, make_stage(options, desk, viewers):
         config = uvicorn.Config(make_application(desk, viewers, guard), log_level="warning", access_log=False)
         uvicorn.Server(config).run([listener])
     return 0
 
 
-def show_source(options: LiveOptions, desk: Desk, viewers: Viewers) -> None:
-    """Show what the command line names."""
-    session, source = desk.session, options.source
+def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
+    """Offer what can be shown, and show what the command line names."""
+    session = desk.session
 
     def news(number: int) -> None:
         seen = session.hear(number)
         if seen is not None:
             viewers.tell(number, seen)
 
-    if source is not None:
-        session.show(CameraFeed(source, lambda: PacedVideo(source), news, session.note))
-    desk.pictures.forget()
-    viewers.restart(session)
+    def show(feed: Feed | None) -> None:
+        session.show(feed)
+        viewers.restart(session, desk.pictures)
+
+    stage = Stage(Path(), lambda source: open_feed(source, Opening(news, session.note)), show)
+    given = None if options.source is None else Source("given", options.source, options.source)
+    session.add(SourcesPanel(stage, given))
+    stage.look()
+    if given is not None:
+        stage.show(given)
+    return stage
 
 
 def listen(host: str, port: int) -> tuple[socket.socket, int]:

@@ -51,6 +51,10 @@ class Session(Closing):
         self._feed: Feed | None = None
         self._lock = threading.Lock()
 
+    def add(self, panel: Panel) -> None:
+        """Add a panel that is there whatever is shown; before the server begins."""
+        self._own = (*self._own, panel)
+
     def show(self, feed: Feed | None) -> None:
         """Show another feed; the one before is closed. It belongs to the session from here on."""
         for listener in self._listeners:

@@ -146,6 +146,8 @@ export class ViewFromAbove {
     this.points = [];
   }
 
+  clear() { this.points = []; }
+
   add(time, x, z) {
     this.points.push([time, x, z]);
     while (this.points.length && this.points[0][0] < time - SECONDS) this.points.shift();

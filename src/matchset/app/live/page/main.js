@@ -2,6 +2,7 @@
 
 import { CompilingPanel } from "./compiling.js";
 import { Curve, ViewFromAbove } from "./curves.js";
+import { Menu } from "./menu.js";
 import { PictureView } from "./picture.js";
 import { element, showReading } from "./reading.js";
 import { Connection } from "./socket.js";
@@ -23,10 +24,11 @@ const curves = [0, 1, 2].map((number) => new Curve(find(`curve-${number}`)));
 const above = new ViewFromAbove(find("above"));
 let painted = 0;
 let newest = null;
+let feed = null;
 let drawn = null;
 
 // Panels of the page by their names: each has `update(state)`, and is hidden while the server has none of its name.
-const panels = { compiling: new CompilingPanel(find("compiling")) };
+const panels = { compiling: new CompilingPanel(find("compiling")), sources: new Menu(send) };
 
 function receiveSession(session) {
   find("source").textContent = session.title || "";
@@ -39,6 +41,7 @@ function receiveSession(session) {
 }
 
 async function receive(packet) {
+  if (packet.feed !== feed) startAgain(packet.feed);
   if (!await picture.paint(packet)) { send({ type: "ack", sequence: packet.sequence }); return; }
   painted = performance.now();
   newest = packet;
@@ -47,6 +50,13 @@ async function receive(packet) {
   const chosen = targets.update(state.targets || []);
   note(chosen, state.time);
   if (!drawn) drawn = requestAnimationFrame(refresh);
+}
+
+// Something else is shown from here on.
+function startAgain(next) {
+  feed = next;
+  for (const curve of curves) curve.name = "";
+  above.clear();
 }
 
 function note(chosen, time) {

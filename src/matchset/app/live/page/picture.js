@@ -29,9 +29,10 @@ export class PictureView {
 
   async paint(packet) {
     const { state } = packet;
+    if (packet.feed !== this.feed) this.forget(packet.feed);
     if (packet.jpeg) {
       const bitmap = await createImageBitmap(packet.jpeg);
-      if (packet.sequence < this.sequence) { bitmap.close(); return false; }
+      if (packet.feed !== this.feed || packet.sequence < this.sequence) { bitmap.close(); return false; }
       if (this.canvas.width !== bitmap.width || this.canvas.height !== bitmap.height) {
         this.canvas.width = bitmap.width;
         this.canvas.height = bitmap.height;
@@ -42,10 +43,21 @@ export class PictureView {
       this.root.style.setProperty("--aspect", state.width / state.height);
       this.drawing.setAttribute("viewBox", `-0.5 -0.5 ${state.width} ${state.height}`);
     }
-    this.size = [state.width, state.height];
+    if (state.width) this.size = [state.width, state.height];
     this.sequence = packet.sequence;
     this.draw(state.targets || []);
     return true;
+  }
+
+  // Something else is shown from here on: its pictures begin at their own numbers.
+  forget(feed) {
+    this.feed = feed;
+    this.sequence = 0;
+    this.size = null;
+    this.trails.clear();
+    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.drawing.replaceChildren();
+    this.whole();
   }
 
   draw(targets) {

@@ -13,6 +13,7 @@ export function parsePacket(buffer) {
   return {
     sequence: view.getUint32(0, true),
     stream: (flags >> 8) & 255,
+    feed: flags >>> 16,
     ofSession: Boolean(flags & OF_SESSION),
     shownAge: view.getFloat64(16, true),
     state,
@@ -33,12 +34,15 @@ export class Connection {
 
   connect() {
     this.onChange(this.tries ? "connecting again …" : "connecting …");
+    this.connections = (this.connections || 0) + 1;
+    const number = this.connections;
     const socket = new WebSocket(`ws://${location.host}/ws`);
     socket.binaryType = "arraybuffer";
     socket.onmessage = (event) => {
       this.heard = performance.now();
       this.tries = 0;
       const packet = parsePacket(event.data);
+      packet.feed = `${number}.${packet.feed}`; // a server that was started again counts from the beginning
       if (packet.ofSession) this.onSession(packet.state); else this.onPicture(packet);
     };
     socket.onopen = () => { this.heard = performance.now(); this.onChange(""); };

@@ -11,7 +11,7 @@ from matchset.app.live.feed import Seen
 from matchset.app.live.session import Session
 from matchset.app.live.wire.flow import Flow
 from matchset.app.live.wire.messages import Ack, Reader
-from matchset.app.live.wire.packet import Packet, pack
+from matchset.app.live.wire.packet import FEEDS, Packet, pack
 from matchset.app.live.wire.pictures import Pictures
 from matchset.app.live.wire.state import written
 
@@ -72,6 +72,7 @@ class Viewer:
         self.name = f"page {next(self._names)}"
         self._socket, self._desk, self._news = socket, desk, asyncio.Event()
         self._streams: dict[int, _Sending] = {}
+        self._feed = 1
         self._lock = asyncio.Lock()
 
     def offer(self, stream: int, seen: Seen) -> None:
@@ -84,6 +85,7 @@ class Viewer:
     def restart(self) -> None:
         """Forget what was sent: other streams are shown from here on."""
         self._streams.clear()
+        self._feed = self._feed % (FEEDS - 1) + 1
 
     async def serve(self) -> None:
         """Send and receive until the page goes."""
@@ -105,13 +107,16 @@ class Viewer:
 
     async def _send_picture(self, stream: int, sending: _Sending) -> None:
         sequence, seen = sending.flow.take(time.monotonic()), sending.offered
-        if sequence is None or seen is None:
+        if sequence is None or seen is None or self._streams.get(stream) is not sending:
             return
+        feed = self._feed
         sending.captured[sequence] = seen.state.time
         image = b""
         if seen.frame is not None:
             image = await self._desk.pictures.picture((stream, sequence), seen.frame.image, sending.flow.size)
-        await self._write(Packet(sequence, seen.state.time, sending.age, written(seen.state), image, stream))
+        if feed == self._feed:  # nothing else was chosen while the picture was made
+            state = written(seen.state)
+            await self._write(Packet(sequence, seen.state.time, sending.age, state, image, stream, feed=feed))
 
     async def _tell(self) -> None:
         """Send the state of the session whenever it has changed."""
@@ -162,16 +167,17 @@ class Viewers:
         if self._loop is not None and self._viewers:
             self._loop.call_soon_threadsafe(self._offer, stream, seen)
 
-    def restart(self, session: Session) -> None:
-        """Tell all that other streams are shown; from any thread."""
+    def restart(self, session: Session, pictures: Pictures) -> None:
+        """Tell all that other streams are shown, whose pictures have the same numbers; from any thread."""
         if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._restart, session)
+            self._loop.call_soon_threadsafe(self._restart, session, pictures)
 
     def _offer(self, stream: int, seen: Seen) -> None:
         for viewer in self._viewers:
             viewer.offer(stream, seen)
 
-    def _restart(self, session: Session) -> None:
+    def _restart(self, session: Session, pictures: Pictures) -> None:
+        pictures.forget()
         for viewer in self._viewers:
             viewer.restart()
             for number, stream in enumerate(session.streams):

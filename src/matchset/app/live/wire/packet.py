@@ -2,7 +2,8 @@
 
 Little-endian: u32 sequence, u32 flags, f64 time of capture in s, f64 age of the picture that this viewer
 saw last in s (negative: none yet), u32 length of the JSON, the JSON, the JPEG. The flags: bit 0, there is a picture;
-bit 1, the JSON is that of the session (`SessionState`) and nothing is acknowledged; bits 8 to 15, number of the stream.
+bit 1, the JSON is that of the session (`SessionState`) and nothing is acknowledged; bits 8 to 15, number of the stream;
+bits 16 to 31, another number whenever something else is shown: the pictures of each begin at their own numbers.
 """
 
 import struct
@@ -13,6 +14,7 @@ HAS_PICTURE = 1  # format: bit of the flags; without it the picture on the scree
 OF_SESSION = 2  # format: bit of the flags
 STREAM = 8  # format: first bit of the stream's number
 STREAMS = 256  # format: numbers that fit
+FEED, FEEDS = 16, 65536  # format: first bit of the number of what is shown, numbers that fit
 
 
 class Packet(NamedTuple):
@@ -35,6 +37,8 @@ class Packet(NamedTuple):
         Of which camera, 0 ... 255.
     session : bool
         Whether the JSON is that of the session.
+    feed : int
+        Of what is shown, 0 ... 65535.
     """
 
     sequence: int
@@ -44,11 +48,13 @@ class Packet(NamedTuple):
     picture: bytes = b""
     stream: int = 0
     session: bool = False
+    feed: int = 0
 
 
 def pack(packet: Packet) -> bytes:
     """Write a packet as bytes."""
-    flags = (HAS_PICTURE if packet.picture else 0) | (OF_SESSION if packet.session else 0) | packet.stream << STREAM
+    flags = (HAS_PICTURE if packet.picture else 0) | (OF_SESSION if packet.session else 0)
+    flags |= packet.stream << STREAM | packet.feed << FEED
     header = HEADER.pack(packet.sequence, flags, packet.time, packet.shown_age, len(packet.state))
     return header + packet.state + packet.picture
 
@@ -67,4 +73,5 @@ def unpack(data: bytes) -> Packet:
     state, picture = data[HEADER.size : HEADER.size + length], data[HEADER.size + length :]
     if len(state) != length or bool(flags & HAS_PICTURE) != bool(picture):
         raise ValueError(f"a packet of {len(data)} bytes does not hold what its header says")
-    return Packet(sequence, time, shown_age, state, picture, flags >> STREAM & STREAMS - 1, bool(flags & OF_SESSION))
+    stream, feed = flags >> STREAM & STREAMS - 1, flags >> FEED & FEEDS - 1
+    return Packet(sequence, time, shown_age, state, picture, stream, bool(flags & OF_SESSION), feed)

@@ -1,0 +1,98 @@
+// The menu of sources: the start page while nothing is shown, and behind a button of the header afterwards.
+
+import { element } from "./reading.js";
+
+const KINDS = [["given", "From the command line"], ["camera", "Cameras"], ["file", "Videos of this folder"], ["demo", "To try it"], ["flight", "To try it"]];
+
+export class Menu {
+  constructor(send) {
+    this.send = send;
+    this.root = element("section", "menu");
+    this.root.id = "sources";
+    this.root.setAttribute("aria-label", "what is shown");
+    this.button = element("button", "", "other source");
+    this.button.id = "other-source";
+    this.button.type = "button";
+    this.button.setAttribute("aria-controls", "sources");
+    this.button.addEventListener("click", () => this.toggle());
+    this.list = element("div", "groups");
+    this.words = element("p", "soft");
+    const again = element("button", "", "look again");
+    again.type = "button";
+    again.addEventListener("click", () => send({ type: "look_again" }));
+    this.heading = element("h2", "", "What do you want to see?");
+    const last = element("p", "last");
+    last.append(again, this.words);
+    this.fault = element("p", "fault");
+    this.fault.setAttribute("role", "alert");
+    this.root.append(this.heading, this.fault, this.list, last);
+    this.root.addEventListener("keydown", (event) => { if (event.key === "Escape") this.close(); });
+    document.getElementById("source").after(this.button);
+    document.querySelector("main").before(this.root);
+    this.isOpen = false;
+    this.shown = null;
+  }
+
+  update(state) {
+    const starts = !state.shown;
+    if (this.shown !== null && state.shown !== this.shown) this.isOpen = false;
+    this.shown = state.shown || "";
+    this.words.textContent = state.opening ? `opening ${state.opening} …` : state.words || "";
+    if (this.fault.textContent !== (state.fault || "")) this.fault.textContent = state.fault || "";
+    this.root.classList.toggle("starts", starts);
+    document.body.classList.toggle("nothing-shown", starts);
+    this.button.hidden = starts;
+    if (state.fault && state.fault !== this.toldFault) this.isOpen = true;
+    this.toldFault = state.fault;
+    this.show(starts || this.isOpen);
+    const written = JSON.stringify([state.entries, state.shown]);
+    if (written !== this.written) this.fill(state.entries, this.shown);
+    this.written = written;
+  }
+
+  // The list is made again only where it changed, so that the focus stays.
+  fill(entries, shown) {
+    const groups = new Map();
+    for (const [kind, title] of KINDS) {
+      for (const entry of entries.filter((each) => each.kind === kind)) {
+        if (!groups.has(title)) groups.set(title, []);
+        groups.get(title).push(this.makeEntry(entry, entry.key === shown));
+      }
+    }
+    this.list.replaceChildren(...[...groups].map(([title, buttons]) => {
+      const group = element("div", "group");
+      group.append(element("h3", "", title), ...buttons);
+      return group;
+    }));
+  }
+
+  makeEntry(entry, isShown) {
+    const button = element("button", "entry");
+    button.type = "button";
+    button.dataset.kind = entry.kind;
+    if (isShown) button.setAttribute("aria-current", "true");
+    button.append(element("span", "name", entry.name), element("span", "soft", entry.words));
+    button.addEventListener("click", () => this.send({ type: "show", key: entry.key }));
+    return button;
+  }
+
+  toggle() {
+    this.isOpen = !this.isOpen;
+    if (this.isOpen) this.send({ type: "look_again" });
+    this.show(this.isOpen);
+    if (this.isOpen) this.list.querySelector("button")?.focus();
+  }
+
+  close() {
+    if (!this.shown) return;
+    this.isOpen = false;
+    this.show(false);
+    this.button.focus();
+  }
+
+  // The section is hidden by the page, too, while the server offers nothing.
+  show(visible) {
+    this.root.classList.toggle("closed", !visible);
+    this.button.setAttribute("aria-expanded", String(visible));
+  }
+}

@@ -1,0 +1,103 @@
+"""The clip of the menu that is always there: `demo_clip` renders it once, with its camera beside it."""
+
+import contextlib
+import math
+import os
+import tempfile
+from pathlib import Path
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.camera.camera_model import CameraModel
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
+
+
+class DemoParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What the demo clip shows. All chosen by hand: a ball that is in view all the time, and easy to click.
+
+    Parameters
+    ----------
+    width, height : int
+        px
+    fov : float
+        Horizontal field of view, rad.
+    frames : int
+    fps : float
+        Frames per second.
+    seed : int
+        Decides the room.
+    """
+
+    width: int = 640
+    height: int = 480
+    fov: float = math.radians(60.0)
+    frames: int = 300
+    fps: float = 30.0
+    seed: int = 3
+
+
+def demo_clip(parameters: DemoParameters | None = None, folder: Path | None = None) -> Path:
+    """Return the demo clip; the first time it is rendered, which takes some ten seconds.
+
+    Parameters
+    ----------
+    parameters : DemoParameters, optional
+    folder : Path, optional
+        Where it is kept; without it where the system keeps what can be made again.
+
+    Returns
+    -------
+    Path
+        A video; beside it stands its camera, of the same name with the ending .toml.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be written.
+    """
+    wanted = parameters or DemoParameters()
+    camera = CameraModel.from_fov(wanted.width, wanted.height, wanted.fov)
+    path = (folder or cache_folder()) / f"demo-{wanted.width}x{wanted.height}-{wanted.frames}.avi"
+    if not (path.is_file() and path.with_suffix(".toml").is_file()):
+        camera.save(path.with_suffix(".toml"))
+        _render(wanted, camera, path)
+    return path
+
+
+def place(time: float) -> npt.NDArray[np.float64]:
+    """Where the ball is in the camera's frame at a time, m: it goes around, near and far."""
+    angle = 0.8 * time
+    return np.array((0.55 * math.sin(angle), 0.25 * math.cos(1.3 * angle), 1.8 + 0.4 * math.sin(0.5 * angle)))
+
+
+def cache_folder() -> Path:
+    """Return a folder for what can be made again; it exists and can be written."""
+    home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    for parent in (home, tempfile.gettempdir()):
+        folder = Path(parent) / "matchset"
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
+    raise ValueError(f"the demo clip cannot be written: neither {home} nor {tempfile.gettempdir()} can")
+
+
+def _render(wanted: DemoParameters, camera: CameraModel, path: Path) -> None:
+    """Write the video whole or not at all: its name appears when it is finished."""
+    unfinished = path.with_name(f"{path.stem}-{os.getpid()}.avi")
+    codec, size = cv2.VideoWriter.fourcc(*"MJPG"), (wanted.width, wanted.height)
+    writer = cv2.VideoWriter(str(unfinished), codec, wanted.fps, size)
+    try:
+        clip = BallFlightClip(camera=camera, place=place, frames=wanted.frames, fps=wanted.fps, seed=wanted.seed)
+        for frame in clip:
+            writer.write(frame.image)
+        writer.release()
+        unfinished.replace(path)
+    except OSError as error:
+        raise ValueError(f"the demo clip cannot be written: {error}") from error
+    finally:
+        writer.release()
+        unfinished.unlink(missing_ok=True)

@@ -1,0 +1,113 @@
+"""What can be chosen in the menu: `Source`, `find_sources`."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from matchset.app.live.sources.cameras import find_cameras
+
+Kind = Literal["camera", "file", "demo", "flight", "given"]
+DEMO, CHAIN = "sim://demo", "sim://chain"  # format: names of sources that are neither file nor device
+ENDINGS = frozenset((".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".ts", ".wmv", ".mjpg", ".bag"))
+
+
+class MenuParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How long the menu is.
+
+    Parameters
+    ----------
+    files : int
+        Videos of the folder at most, the newest ones. Chosen by hand: what one scrolls through on a phone.
+    entries : int
+        Entries of the folder that are looked at. More finds videos in larger folders, and takes longer: 20,000 took 40
+        ms.
+    """
+
+    files: int = 40
+    entries: int = 20_000
+
+
+class Source(msgspec.Struct, frozen=True):
+    """Something that can be shown.
+
+    Parameters
+    ----------
+    kind : str
+        "camera", "file", "demo", "flight", or "given": named on the command line.
+    origin : str
+        What opens it; never told to a page.
+    name : str
+        For people.
+    words : str
+        What else there is to say.
+    """
+
+    kind: Kind
+    origin: str
+    name: str
+    words: str = ""
+
+
+class Sources(msgspec.Struct, frozen=True):
+    """What there is.
+
+    Parameters
+    ----------
+    entries : list of Source
+    words : str
+        What was not found, or left out.
+    """
+
+    entries: list[Source]
+    words: str = ""
+
+
+def find_sources(folder: Path, parameters: MenuParameters | None = None, devices: Path = Path("/dev")) -> Sources:
+    """Look for cameras, and for videos in a folder; takes some milliseconds.
+
+    Parameters
+    ----------
+    folder : Path
+    parameters : MenuParameters, optional
+    devices : Path
+        Where Linux shows its cameras.
+    """
+    entries = [Source("camera", camera.device, camera.name, camera.words) for camera in find_cameras(devices)]
+    missing = [] if entries else ["no camera was found (no /dev/video*)"]
+    if not entries and not sys.platform.startswith("linux"):  # these systems name no devices: try the first one
+        entries, missing = [Source("camera", "0", "camera 0", "the first camera, if there is one")], []
+    files, left_out = _videos(folder, parameters or MenuParameters())
+    if not files:
+        missing.append(f"no video in {folder.resolve()}")
+    elif left_out:
+        missing.append(f"{left_out} older videos of this folder are left out")
+    entries += files
+    entries += [
+        Source("demo", DEMO, "demo clip", "a rendered balloon of 28 cm; the camera is known"),
+        Source("flight", CHAIN, "simulated chain", "followers that fly behind each other, in a simulated room"),
+    ]
+    return Sources(entries, "; ".join(missing))
+
+
+def _videos(folder: Path, parameters: MenuParameters) -> tuple[list[Source], int]:
+    """Return the newest videos of a folder, and how many were left out."""
+    found: list[tuple[float, str, int]] = []
+    try:
+        with os.scandir(folder) as entries:
+            for entry, _ in zip(entries, range(parameters.entries), strict=False):
+                if Path(entry.name).suffix.lower() in ENDINGS and entry.is_file():
+                    about = entry.stat()
+                    found.append((about.st_mtime, entry.name, about.st_size))
+    except OSError:
+        return [], 0
+    newest = sorted(found, reverse=True)[: parameters.files]
+    videos = [Source("file", str(folder / name), _shown(name), f"{size / 1e6:.1f} MB") for _, name, size in newest]
+    return videos, len(found) - len(newest)
+
+
+def _shown(name: str) -> str:
+    """Write a name so that it is valid text, whatever bytes it is made of."""
+    return name.encode(errors="replace").decode()

@@ -1,0 +1,75 @@
+"""Changes what is shown, in a thread of its own: closing a camera and opening another may take seconds (`Stage`)."""
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+
+from matchset.app.closing import Closing
+from matchset.app.live.feed import Feed
+from matchset.app.live.sources.found_sources import Source, Sources, find_sources
+
+
+class Stage(Closing):
+    """What there is, and which of it is shown.
+
+    Parameters
+    ----------
+    folder : Path
+        Whose videos are offered.
+    make : callable
+        Makes the feed of a source; raises ValueError where that cannot be.
+    show : callable
+        Shows a feed; it belongs to whom it was given.
+
+    Attributes
+    ----------
+    shown : Source or None
+    opening : Source or None
+        What is being opened.
+    sources : Sources
+        What was found last.
+    fault : str
+        Why what was asked for last cannot be shown.
+    """
+
+    def __init__(self, folder: Path, make: Callable[[Source], Feed], show: Callable[[Feed | None], None]) -> None:
+        self._folder, self._make, self._show = folder, make, show
+        self._thread = ThreadPoolExecutor(1, "matchset sources")
+        self._looking: Future[None] | None = None
+        self._lock = threading.Lock()
+        self.shown: Source | None = None
+        self.opening: Source | None = None
+        self.sources, self.fault = Sources([]), ""
+
+    def look(self) -> None:
+        """Look again what there is; does not wait."""
+        if self._looking is None or self._looking.done():
+            self._looking = self._thread.submit(self._look)
+
+    def show(self, source: Source) -> "Future[None]":
+        """Show a source in place of that which is shown; does not wait. A later one wins."""
+        with self._lock:
+            self.opening, self.fault = source, ""
+        return self._thread.submit(self._change, source)
+
+    def _look(self) -> None:
+        self.sources = find_sources(self._folder)
+
+    def _change(self, source: Source) -> None:
+        if self.opening is not source:  # another one was asked for meanwhile
+            return
+        try:
+            feed = self._make(source)
+        except ValueError as error:
+            self.fault = f"{source.name}: {error}"
+        else:
+            self._show(feed)
+            self.shown = source
+        with self._lock:
+            if self.opening is source:
+                self.opening = None
+
+    def close(self) -> None:
+        """End the thread; what is shown belongs to others."""
+        self._thread.shutdown(cancel_futures=True)

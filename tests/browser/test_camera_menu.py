@@ -1,0 +1,68 @@
+"""From `matchset live` without a source to meters: the menu, the demo clip, a click, a diameter."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live_pages import on_screen, wait_until
+from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
+from matchset.camera.camera_model import CameraModel
+
+WAIT = 20_000  # ms
+SHORT = DemoParameters(frames=300)
+
+
+@pytest.fixture(scope="session")
+def kept_demo(tmp_path_factory: Any) -> Path:
+    """A cache folder in which the demo clip is already."""
+    folder = tmp_path_factory.mktemp("cache")
+    (folder / "matchset").mkdir()
+    demo_clip(SHORT, folder / "matchset")
+    return folder
+
+
+def test_demo_clip_click_and_diameter_give_meters(serve: Any, page: Any, kept_demo: Path, monkeypatch: Any) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(kept_demo))
+    page.goto(serve())
+    page.get_by_role("button", name="demo clip").click(timeout=WAIT)
+    wait_until(page, "picture.width === 640")
+    camera = CameraModel.from_fov(640, 480, SHORT.fov)
+    shown = page.evaluate("fetch('state.json').then((answer) => answer.json())")["streams"][0]["time"]
+    (pixel,) = camera.project(place(shown)[None])
+    page.mouse.click(*on_screen(page, *pixel))
+    page.fill(".diameter", "abc", timeout=WAIT)
+    page.keyboard.press("Enter")
+    page.get_by_text("is no length").wait_for(timeout=WAIT)
+    page.fill(".diameter", "0 cm")
+    page.keyboard.press("Enter")
+    page.get_by_text("more than 0").wait_for(timeout=WAIT)
+    page.fill(".diameter", "28 cm")
+    page.keyboard.press("Enter")
+    reading = page.locator("#reading [data-name=distance]")
+    reading.wait_for(timeout=WAIT)
+    (stream,) = page.evaluate("fetch('state.json').then((answer) => answer.json())")["streams"]
+    (target,) = stream["targets"]
+    truth = place(stream["time"])
+    assert target["position"]["z"][0] == pytest.approx(truth[2], rel=0.01)
+    assert re.search(r"\d", reading.inner_text())
+
+
+def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_path: Path) -> None:
+    (tmp_path / "ball.avi").symlink_to(clip[0])
+    (tmp_path / "broken.mp4").write_bytes(b"this is no video")
+    page.goto(serve())
+    page.get_by_role("button", name="ball.avi").click(timeout=WAIT)
+    wait_until(page, "picture.width === 320")
+    page.get_by_role("button", name="other source").click()
+    page.get_by_role("button", name="broken.mp4").click()
+    page.get_by_text("broken.mp4").first.wait_for()
+    page.locator("#veil, #sources .fault").get_by_text(re.compile("cannot|no video|not a video|no frame")).wait_for(
+        timeout=WAIT
+    )
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="other source").click()
+    page.get_by_role("button", name="ball.avi").click()
+    wait_until(page, "veil.hidden && picture.width === 320")
+    assert page.locator("#sources").is_hidden()

@@ -43,7 +43,11 @@ def test_cameras_have_the_names_of_their_drivers_and_nodes_without_pictures_are_
         return "a card", path.name != "video1"
 
     found = find_cameras(devices, names, ask)
-    assert [(camera.device, camera.name) for camera in found] == [("0", "HD Webcam"), ("2", "camera 2"), ("10", "a card")]
+    assert [(camera.device, camera.name) for camera in found] == [
+        ("0", "HD Webcam"),
+        ("2", "camera 2"),
+        ("10", "a card"),
+    ]
     assert "group video" in found[1].words
 
 

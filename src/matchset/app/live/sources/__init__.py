@@ -1,5 +1,5 @@
 """What can be shown: cameras that are there, videos of this folder, the demo clip, the simulated chain.
 
-`found_sources` looks for them, `cameras` asks devices their names, `demo_clip` renders the clip, `opening` makes the feed
-of a source, `stage` changes what is shown, `panel` is the menu.
+`found_sources` looks for them, `cameras` asks devices their names, `demo_clip` renders the clip, `opening` makes the
+feed of a source, `stage` changes what is shown, `panel` is the menu.
 """

@@ -17,7 +17,7 @@ SHORT = DemoParameters(frames=300)
 @pytest.fixture(scope="session")
 def kept_demo(tmp_path_factory: Any) -> Path:
     """A cache folder in which the demo clip is already."""
-    folder = tmp_path_factory.mktemp("cache")
+    folder: Path = tmp_path_factory.mktemp("cache")
     (folder / "matchset").mkdir()
     demo_clip(SHORT, folder / "matchset")
     return folder

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import matchset as ms
-from matchset.app.flight.pilot import find_neighbor_ball
+from matchset.localization.neighbor_ball import find_neighbor_ball
 
 CAMERA = ms.CameraModel.from_fov(640, 480, math.radians(90.0))
 BLUE, ROOM = (200, 70, 30), (120, 140, 150)

@@ -47,6 +47,7 @@ class Situation(NamedTuple):
     fault: str = ""
     armed: bool = False
     killed: str = ""
+    landing: str = ""
 
 
 class Happening(NamedTuple):
@@ -130,7 +131,8 @@ class Walked(Pilot):
         watch.holds = happening.answers
         self.camera, self._follower = cast("Any", watch), cast(Follower, watch)
         self._safety, self._frame_time, self._seen_time = at.safety, at.frame_time, at.seen_time
-        self._pictures, self._fault, self.armed, self.killed = at.pictures, at.fault, at.armed, at.killed
+        self._pictures, self._fault, self.armed = at.pictures, at.fault, at.armed
+        self.killed, self.landing = at.killed, at.landing
 
     def _locate(self, frame: object, now: float, stamps: list[float]) -> Any:  # noqa: ARG002
         picture = self._happening.picture
@@ -147,7 +149,7 @@ class Walked(Pilot):
 HAPPENINGS = [
     Happening(*cast("Any", each))
     for each in itertools.product(
-        ("", "arm", "cut"), ("ball", "nothing", "none", "again", "old"), (True, False), ("armed", "failsafe")
+        ("", "arm", "cut", "land"), ("ball", "nothing", "none", "again", "old"), (True, False), ("armed", "failsafe")
     )
     if not each[0] or (each[1] in ("ball", "none") and each[2])
 ]
@@ -165,6 +167,8 @@ def step(before: Situation, happening: Happening) -> Taken:
         pilot.arm()
     if happening.hand == "cut":
         pilot.cut("by hand")
+    if happening.hand == "land":
+        pilot.land("by hand")
     done = pilot.step()
     safety = done.safety
     names = ("time", "descent_start", "seen_time", "seen_since")
@@ -180,6 +184,7 @@ def step(before: Situation, happening: Happening) -> Taken:
         pilot._fault,
         pilot.armed,
         pilot.killed,
+        pilot.landing,
     )
     return Taken(before, happening, done.command, after)
 
@@ -202,7 +207,7 @@ def test_throttle_needs_arming_a_link_that_flies_and_pictures_of_now() -> None:
             assert not each.after.killed
             assert each.happening.link == "armed"
             assert each.after.safety.phase in ("flying", "holding", "descending")
-            assert not each.after.fault or each.after.safety.phase == "descending"
+            assert not (each.after.fault or each.after.landing) or each.after.safety.phase == "descending"
 
 
 def test_after_a_cut_only_arming_helps() -> None:
@@ -210,6 +215,26 @@ def test_after_a_cut_only_arming_helps() -> None:
         if each.happening.hand == "cut" or (each.before.killed and each.happening.hand != "arm"):
             assert each.command == NOTHING
             assert each.after.killed
+
+
+def test_a_landing_only_descends_and_only_arming_ends_it() -> None:
+    for each in walk():
+        if each.happening.hand == "land" or (each.before.landing and each.happening.hand != "arm"):
+            assert each.after.landing
+            assert each.after.safety.phase in ("locked", "descending", "cut")
+            assert each.command.throttle <= each.before.safety.command.throttle
+    assert any(each.before.landing and each.after.safety.phase == "descending" for each in walk())
+
+
+def test_from_everywhere_a_landing_ends_in_motors_off_in_time() -> None:
+    most = round(SAFETY.descent_duration / STEP + 2.0)
+    for situation in {each.before for each in walk()}:
+        at = situation
+        for number in range(most):
+            taken = step(at, Happening("" if number else "land", "ball", True, "armed"))
+            at = taken.after
+        assert taken.command == NOTHING
+        assert at.safety.phase in ("cut", "locked")
 
 
 def test_a_refusal_is_noticed_at_once_and_lasts_until_it_is_armed() -> None:

@@ -154,6 +154,7 @@ class Flight(Closing):
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
         self.colors: tuple[Colors, ...] = tuple(learn_colors(sample) for sample in self.samples)
         pilot = self.parameters.pilot
+        self._index = 0
         self.pilots = tuple(
             Pilot(camera, link, colors, pilot) for camera, link, colors in zip(cameras, links, self.colors, strict=True)
         )
@@ -161,8 +162,12 @@ class Flight(Closing):
     def __iter__(self) -> Iterator[ChainStep]:
         """Arm one after the other and fly for the duration."""
         with steady_memory():
-            for index in range(1, self.length + 1):
-                yield self._chain_step(index)
+            for index in range(self.length):
+                for follower, pilot in enumerate(self.pilots):
+                    waits = not pilot.armed and not pilot.killed
+                    if waits and index / FPS >= self.parameters.arming_time(follower):
+                        pilot.arm()
+                yield self.step()
 
     @property
     def length(self) -> int:
@@ -180,11 +185,10 @@ class Flight(Closing):
             link.close()
         self.chain.close()
 
-    def _chain_step(self, index: int) -> ChainStep:
-        for follower, pilot in enumerate(self.pilots):
-            waits = not pilot.armed and not pilot.killed
-            if waits and (index - 1) / FPS >= self.parameters.arming_time(follower):
-                pilot.arm()
+    def step(self) -> ChainStep:
+        """Take one step of every follower's loop; arms nobody."""
+        self._index += 1
+        index = self._index
         steps = tuple(pilot.step() for pilot in self.pilots)
         truth, truth_at_exposure = self.chain.truth(), self.chain.truth(index)
         return ChainStep(

@@ -25,9 +25,9 @@ from matchset.links.link import Link
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
+from matchset.localization.neighbor_ball import find_neighbor_ball
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.tracking.detector import detect
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
@@ -180,6 +180,8 @@ class Pilot:
         Whether it was told to fly.
     killed : str
         Why its motors were stopped by `cut`; empty if they were not.
+    landing : str
+        Why it descends by `land`; empty if it does not.
     """
 
     def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
@@ -192,7 +194,7 @@ class Pilot:
     def _begin(self) -> None:
         """Know nothing, and be disarmed."""
         target = self.parameters.target
-        self.armed, self.killed, self._rejected_poses = False, "", 0
+        self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._tracker = Tracker(Circle, self._colors.ball)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
@@ -218,7 +220,7 @@ class Pilot:
 
     def arm(self) -> None:
         """Fly from the next step on, as soon as the ball is seen; also after the motors were stopped."""
-        self._safety, self.killed, self._fault = SafetyState(), "", ""
+        self._safety, self.killed, self.landing, self._fault = SafetyState(), "", "", ""
         self._pictures = self._pictures._replace(went_back=False)
         self.link.arm()
         self.armed = True
@@ -233,6 +235,18 @@ class Pilot:
         """
         self.killed = reason
         self.link.cut()
+
+    def land(self, reason: str) -> None:
+        """Descend from the next step on, until `arm`: level, with less and less throttle, then the motors stop.
+
+        One that does not fly yet never will. May be called by another thread or a signal handler.
+
+        Parameters
+        ----------
+        reason : str
+            Why, in words.
+        """
+        self.landing = reason
 
     def step(self) -> PilotStep:
         """Wait for the newest picture and answer it with a command.
@@ -251,7 +265,8 @@ class Pilot:
         ball, markers, pose = self._locate(frame, now, stamps)
         control = self._follower.update(pose, now)
         self._check_association(pose)
-        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self._picture_fault())
+        fault = self._picture_fault()
+        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self.landing or fault)
         wanted, self._safety = safety_filter(control and control.desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()
         if stopped:
@@ -358,43 +373,3 @@ def learn_colors(sample: Frame) -> Colors:
     marker = ColorModel.pick(sample.image, x, y)
     ball = ColorModel.pick(sample.image, x - BALL_BESIDE_MARKER * width, y)
     return Colors(ball | marker, marker)
-
-
-def find_neighbor_ball(
-    frame: Frame,
-    color: ColorModel,
-    localizer: Localizer,
-    expected: npt.NDArray[np.float64],
-    max_distance: float,
-    candidates: int,
-) -> Circle | None:
-    """Find the nearest ball to the camera of those that may be the neighbor's: the next but one looks the same.
-
-    Parameters
-    ----------
-    frame : Frame
-    color : ColorModel
-        Of the ball with its marker.
-    localizer : Localizer
-        Locates the balls; a ball without markers leaves no state in it.
-    expected : ndarray of shape (3,)
-        Expected position of the neighbor's ball in the camera frame, m.
-    max_distance : float
-        From there, m.
-    candidates : int
-        Largest number of balls that are located.
-
-    Returns
-    -------
-    Circle or None
-        None if no ball may be the neighbor's.
-    """
-    best: Circle | None = None
-    nearest = math.inf
-    for track in detect(frame, Circle, color, limit=candidates):
-        pose = localizer.update(track)
-        if not isinstance(pose, Pose) or not np.linalg.norm(pose.position - expected) < max_distance:
-            continue
-        if pose.distance < nearest:
-            best, nearest = track.shape, pose.distance
-    return best

@@ -1,0 +1,53 @@
+"""Which of the balls in a picture is the neighbor's: `find_neighbor_ball`."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.localization.localizer import Localizer
+from matchset.localization.pose import Pose
+from matchset.shapes.circle import Circle
+from matchset.tracking.detector import detect
+
+
+def find_neighbor_ball(
+    frame: Frame,
+    color: ColorModel,
+    localizer: Localizer,
+    expected: npt.NDArray[np.float64],
+    max_distance: float,
+    candidates: int,
+) -> Circle | None:
+    """Find the nearest ball to the camera of those that may be the neighbor's: the next but one looks the same.
+
+    Parameters
+    ----------
+    frame : Frame
+    color : ColorModel
+        Of the ball with its marker.
+    localizer : Localizer
+        Locates the balls; a ball without markers leaves no state in it.
+    expected : ndarray of shape (3,)
+        Expected position of the neighbor's ball in the camera frame, m.
+    max_distance : float
+        From there, m.
+    candidates : int
+        Largest number of balls that are located.
+
+    Returns
+    -------
+    Circle or None
+        None if no ball may be the neighbor's.
+    """
+    best: Circle | None = None
+    nearest = math.inf
+    for track in detect(frame, Circle, color, limit=candidates):
+        pose = localizer.update(track)
+        if not isinstance(pose, Pose) or not np.linalg.norm(pose.position - expected) < max_distance:
+            continue
+        if pose.distance < nearest:
+            best, nearest = track.shape, pose.distance
+    return best

@@ -4,6 +4,7 @@
     soak wheel-check release-check first-picture clean
 
 BIN := .venv/bin
+PACKAGE := .venv/package
 READY := .venv/ready
 PEERS := .bench/ready
 VISP := .bench/visp
@@ -22,7 +23,7 @@ export NUMBA_CACHE_DIR := $(CURDIR)/$(CACHE)
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*  ## ' Makefile | sed -E 's/^([a-z-]+):[^#]*## /make \1\t/' | expand -t 20
 
-demo: $(READY)  ## render a clip, track the ball in it, compare with the truth; no camera needed
+demo: $(PACKAGE)  ## render a clip, track the ball in it, compare with the truth; no camera needed
 	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
 test: $(READY) $(TOOLCHAIN) $(BROWSER)  ## run the tests (ARGS="-k video" for some of them)
@@ -88,15 +89,18 @@ wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels 
 release-check: $(READY)  ## build sdist and wheel, install each in a new virtual environment, try it there
 	$(BIN)/python .ci/smoke.py
 
-first-picture: $(READY)  ## the README's commands from `git clone` on, in an empty folder: at most 60 s of computing
+first-picture: $(PACKAGE)  ## the README's commands from `git clone` on, in an empty folder: at most 60 s of computing
 	$(BIN)/python .ci/first_picture.py
 
 clean:  ## remove everything that was made, the virtual environment included
 	rm -rf .venv .bench $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(READY): pyproject.toml .ci/setup .ci/requirements.lock
+$(PACKAGE): pyproject.toml .ci/setup .ci/package.lock
 	.ci/setup
+
+$(READY): $(PACKAGE) .ci/tools .ci/requirements.lock
+	.ci/tools
 
 $(SITE_TOOLS): pyproject.toml | $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group docs

@@ -1,4 +1,4 @@
-"""The lock file of CI: hashes for everything, no index, within the open ranges of the package; and Numba's bound."""
+"""The lock files of CI: hashes for everything, no index, within the open ranges of the package; and Numba's bound."""
 
 import importlib.metadata
 import re
@@ -54,7 +54,16 @@ def test_numba_is_bound_below_its_next_minor_version() -> None:
     assert bound.specifier.contains(importlib.metadata.version("numba"))
 
 
-def test_the_set_up_takes_the_lock_file() -> None:
-    words = (ROOT / ".ci" / "setup").read_text(encoding="utf-8")
-    assert "--require-hashes --requirement .ci/requirements.lock" in words
-    assert "--no-deps --no-build-isolation --editable ." in words
+@pytest.mark.parametrize(("script", "lock"), [("setup", "package"), ("tools", "requirements")])
+def test_the_set_up_takes_the_lock_files(script: str, lock: str) -> None:
+    words = (ROOT / ".ci" / script).read_text(encoding="utf-8")
+    assert f"--require-hashes --requirement .ci/{lock}.lock" in words
+    assert script != "setup" or "--no-deps --no-build-isolation --editable ." in words
+
+
+def test_the_first_picture_needs_a_part_of_the_lock_file_and_all_that_the_package_depends_on() -> None:
+    part = (ROOT / ".ci" / "package.lock").read_text(encoding="utf-8").replace("\\\n", " ").splitlines()
+    assert {" ".join(line.split()) for line in part} < {" ".join(line.split()) for line in ENTRIES}
+    names = {canonicalize_name(Requirement(line.partition("--hash")[0]).name) for line in part}
+    needed = [*PROJECT["project"]["dependencies"], *PROJECT["build-system"]["requires"]]
+    assert {canonicalize_name(Requirement(each).name) for each in needed} <= names

@@ -116,6 +116,6 @@ def test_three_commands_lead_to_the_first_picture() -> None:
     assert module.commands() == [f"git clone {ROOT} matchset", "cd matchset", "make demo"]
     assert module.MOST_SECONDS <= 60.0
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    assert "\ndemo: $(READY) " in makefile
+    assert "\ndemo: $(PACKAGE) " in makefile
     assert ".ci/first_picture.py" in makefile
     assert "PIP_NO_COMPILE=1" in (ROOT / ".ci" / "setup").read_text(encoding="utf-8")

@@ -101,6 +101,11 @@ class Target:
             diameter=self.diameter,
         )
 
+    def without_picture(self, reason: str) -> TargetState:
+        """Say that it is lost because there is no picture."""
+        self.pose = None
+        return TargetState(self.number, self.name, False, reason=reason, diameter=self.diameter)
+
     def _position(self) -> dict[str, tuple[float, float | None]]:
         pose = self.pose
         if pose is None or isinstance(pose, Lost):

@@ -1,5 +1,6 @@
 """The loop behind the page: reads a source, follows the targets, leaves the newest answer in a box (`Vision`)."""
 
+import functools
 import queue
 import threading
 import time
@@ -32,11 +33,15 @@ class VisionParameters(msgspec.Struct, frozen=True, kw_only=True):
         Frames over which the rate of the loop is taken. Chosen by hand: a second.
     wishes : int
         Clicks that wait at most; more are refused.
+    closing : float
+        The longest that closing waits for a source that is stuck in its driver or in the network, s; it is closed when
+        it answers. Chosen by hand: what a person waits for Ctrl-C.
     """
 
     retry: float = 1.0
     rate_over: int = 30
     wishes: int = 64
+    closing: float = 2.0
 
 
 class Vision(Closing):
@@ -72,48 +77,93 @@ class Vision(Closing):
         self.camera, self._parameters = camera, parameters or VisionParameters()
         self.seen, self.kept = Seen(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened")), KeptFrames()
         self._sequence, self._numbers = 0, 0
+        self._size: tuple[int, int, int] | None = None
         self._targets: dict[int, Target] = {}
         self._done: deque[float] = deque(maxlen=self._parameters.rate_over)
-        self._wishes: queue.Queue[Wish] = queue.Queue(self._parameters.wishes)
+        self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(self._parameters.wishes)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset live", daemon=True)
         self._thread.start()
 
     def ask(self, wish: Wish) -> None:
         """Ask for something; done before the next picture. What cannot be done is a note on the page."""
+        self.call(functools.partial(self._do, wish))
+
+    def use(self, camera: CameraModel | None) -> None:
+        """Use another camera model from the next picture on; None: it is not known."""
+        self.call(functools.partial(self._use, camera))
+
+    def call(self, action: Callable[[], None]) -> None:
+        """Have something done in the loop's thread, before the next picture; a ValueError is a note on the page."""
         try:
-            self._wishes.put_nowait(wish)
+            self._wishes.put_nowait(action)
         except queue.Full:
             self._note("too many clicks at once: some were left out")
 
     def close(self) -> None:
-        """End the thread; the source is closed."""
+        """End the thread; the source is closed, if need be later: see `VisionParameters.closing`."""
         self._stop.set()
-        self._thread.join()
+        self._thread.join(self._parameters.closing)
 
     def _run(self) -> None:
         while not self._stop.is_set():
             try:
                 with self._open() as source:
                     for frame in source:
-                        self._take(source, frame)
                         if self._stop.is_set():
                             return
+                        self._take(source, frame)
                 self._fault("the video has ended")
                 return
             except (LinkError, ValueError) as error:
-                self._fault(str(error))
+                self._fault(f"{error}. It is tried again every {self._parameters.retry:g} s")
+                self._grant()
                 self._stop.wait(self._parameters.retry)
 
     def _fault(self, words: str) -> None:
-        """Show the last picture, and in words what is wrong."""
+        """Show the last picture, and in words what is wrong; the targets stay, to be found again."""
+        if self._stop.is_set():
+            return
         self._sequence += 1
-        old = self.seen.state
-        state = msgspec.structs.replace(old, sequence=self._sequence, fault=words, targets=[])
-        self.seen = Seen(self.seen.frame, state)
+        gone = [target.without_picture(words) for target in self._targets.values()]
+        state = msgspec.structs.replace(self.seen.state, sequence=self._sequence, fault=words, targets=gone, fps=None)
+        self._done.clear()
+        self.seen = Seen(self.seen.frame, state, camera=self.camera)
         self._news(0)
 
+    def _check_size(self, source: Video) -> None:
+        """Forget what belongs to pictures of another size: another camera, or another setting."""
+        if self._size == (source.width, source.height, source.channels):
+            return
+        if self._size is not None:
+            self._note(f"the pictures are {source.width} x {source.height} px now")
+            if self._targets:
+                self._note("what was followed is forgotten: click again")
+            self._targets.clear()
+            self.kept = KeptFrames()
+        self._size = source.width, source.height, source.channels
+        try:
+            self._use(self.camera)
+        except ValueError as error:
+            self._note(str(error))
+            self._use(None)
+
+    def _use(self, camera: CameraModel | None) -> None:
+        """Locate with another camera model.
+
+        Raises
+        ------
+        ValueError
+            If it is that of pictures of another size.
+        """
+        if camera is not None and self._size is not None:
+            camera.check(self._size[:2])
+        self.camera = camera
+        for target in self._targets.values():
+            target.locate(camera, target.diameter)
+
     def _take(self, source: Video, frame: Frame) -> None:
+        self._check_size(source)
         self._grant()
         targets = [target.update(frame) for target in self._targets.values()]
         self._sequence += 1
@@ -141,11 +191,11 @@ class Vision(Closing):
         """Do what was asked for."""
         while True:
             try:
-                wish = self._wishes.get_nowait()
+                action = self._wishes.get_nowait()
             except queue.Empty:
                 return
             try:
-                self._do(wish)
+                action()
             except ValueError as error:
                 self._note(str(error))
 
@@ -161,9 +211,7 @@ class Vision(Closing):
         elif isinstance(wish, FieldOfView):
             if self.seen.frame is None:
                 raise ValueError("there is no picture yet whose field of view could be told")
-            self.camera = CameraModel.from_fov(self.seen.state.width, self.seen.state.height, wish.angle)
-            for each in self._targets.values():
-                each.locate(self.camera, each.diameter)
+            self._use(CameraModel.from_fov(self.seen.state.width, self.seen.state.height, wish.angle))
         elif (target_or_none := self._targets.get(wish.target)) is None:
             raise ValueError(f"there is no target {wish.target} any more")
         elif isinstance(wish, Drop):

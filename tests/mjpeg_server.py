@@ -1,0 +1,74 @@
+"""A camera in the network: pictures as MJPEG over HTTP on loopback, which can be stopped and started again."""
+
+import threading
+import time
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Image = npt.NDArray[np.uint8]
+
+
+class MjpegServer:
+    """Serves `picture(number)` at a rate; `stop` cuts all connections, `start` listens on the same port again."""
+
+    def __init__(self, picture: Callable[[int], Image], rate: float = 30.0) -> None:
+        self._picture, self._rate, self.port = picture, rate, 0
+        self.shown = 0
+        self._stop = threading.Event()
+        self._server: Any = None
+        self.start()
+
+    @property
+    def url(self) -> str:
+        """Its address."""
+        return f"http://127.0.0.1:{self.port}/stream.mjpg"
+
+    def start(self) -> None:
+        """Listen."""
+        outer, self._stop = self, threading.Event()
+        stop = self._stop
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                self.send_response(200)
+                self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
+                self.end_headers()
+                begin, number = time.monotonic(), 0
+                try:
+                    while not stop.is_set():
+                        outer.shown = max(outer.shown, number)
+                        _, data = cv2.imencode(".jpg", outer._picture(number), [cv2.IMWRITE_JPEG_QUALITY, 92])
+                        head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(data)}\r\n\r\n"
+                        self.wfile.write(head.encode() + data.tobytes() + b"\r\n")
+                        number += 1
+                        stop.wait(max(0.0, begin + number / outer._rate - time.monotonic()))
+                except OSError:
+                    pass
+
+            def log_message(self, *_: Any) -> None:
+                pass
+
+        class Server(ThreadingHTTPServer):
+            daemon_threads = True
+            allow_reuse_address = True
+
+        self._server = Server(("127.0.0.1", self.port), Handler)
+        self.port = self._server.server_address[1]
+        threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
+
+    def stop(self) -> None:
+        """Cut all connections; nothing listens any more."""
+        self._stop.set()
+        self._server.shutdown()
+        self._server.server_close()
+
+    def __enter__(self) -> "MjpegServer":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()

@@ -70,10 +70,14 @@ class FreeSpace:
         return shutil.disk_usage(self._folder).free - self._kept
 
     @property
+    def free(self) -> float:
+        """What is free on the disk, MB."""
+        return shutil.disk_usage(self._folder).free / MB
+
+    @property
     def error(self) -> OSError:
         """What to raise when nothing is left."""
-        free = shutil.disk_usage(self._folder).free / MB
-        return OSError(errno.ENOSPC, f"stopped, since only {free:.3g} MB are free on its disk")
+        return OSError(errno.ENOSPC, f"stopped, since only {self.free:.3g} MB are free on its disk")
 
 
 def name_beside(path: Path) -> Path:

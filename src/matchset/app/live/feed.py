@@ -30,12 +30,15 @@ class Seen(NamedTuple):
     poses : mapping of int to Pose or Lost
         Of the targets whose diameter is known, by `TargetState.id`, if the camera is known.
     camera : CameraModel or None
+    parameters : mapping of int to tuple of str
+        Names of the parameters of each target's shape, by `TargetState.id`; those of a circle where there are none.
     """
 
     frame: Frame | None
     state: State
     poses: Mapping[int, "Pose | Lost[Pose]"] = MappingProxyType({})
     camera: CameraModel | None = None
+    parameters: Mapping[int, tuple[str, ...]] = MappingProxyType({})
 
 
 class Stream(Protocol):
@@ -104,8 +107,8 @@ class Listener(Protocol):
         """
         ...
 
-    def changed(self) -> None:
-        """Note that other streams are shown from here on; called in any thread."""
+    def changed(self, feed: "Feed | None") -> None:
+        """Note that another feed will be shown now; called in any thread, before its first picture."""
         ...
 
 

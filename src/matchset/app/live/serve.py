@@ -5,10 +5,15 @@ import sys
 import webbrowser
 from pathlib import Path
 
+import uvicorn
+
+from matchset.app.exit_codes import FOUND, StopRequest
 from matchset.app.live.command import LiveOptions
 from matchset.app.live.compiling import CompilingPanel
 from matchset.app.live.feed import Feed
 from matchset.app.live.known_messages import READER
+from matchset.app.live.record.panel import RecordPanel
+from matchset.app.live.record.recorder import Recorder
 from matchset.app.live.session import Session
 from matchset.app.live.sources.found_sources import Source
 from matchset.app.live.sources.opening import Opening, open_feed
@@ -16,6 +21,7 @@ from matchset.app.live.sources.panel import SourcesPanel
 from matchset.app.live.sources.stage import Stage
 from matchset.app.live.web.application import make_application
 from matchset.app.live.web.security import Guard
+from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
 
@@ -23,15 +29,13 @@ PORTS = 20  # format: ports that are tried, one after the other
 
 
 def serve(options: LiveOptions) -> int:
-    """Serve the page until Ctrl-C; returns the exit code.
+    """Serve the page until Ctrl-C or SIGTERM, which are how it ends; returns the exit code.
 
     Raises
     ------
     ValueError
-        If no port is free, or the package starlette is missing.
+        If no port is free.
     """
-    import uvicorn
-
     host = "0.0.0.0" if options.lan else "127.0.0.1"
     listener, port = listen(host, options.port)
     if options.port and port != options.port:
@@ -39,15 +43,17 @@ def serve(options: LiveOptions) -> int:
     address = own_address() if options.lan else "127.0.0.1"
     guard = Guard([address, socket.gethostname()], port, token=options.lan)
     compiling = CompilingPanel()
-    desk, viewers = Desk(Session((compiling,), refusal=compiling.refusal), Pictures(), READER), Viewers()
+    recorder = Recorder()
+    session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
+    desk, viewers = Desk(session, Pictures(), READER), Viewers()
     url = f"http://{address}:{port}/" + (f"?token={guard.token}" if guard.token else "")
     print(url, flush=True)
     if options.browser:
         webbrowser.open(url)
-    with listener, desk.session, make_stage(options, desk, viewers):
+    with StopRequest() as stop, listener, recorder, session, make_stage(options, desk, viewers):
         config = uvicorn.Config(make_application(desk, viewers, guard), log_level="warning", access_log=False)
-        uvicorn.Server(config).run([listener])
-    return 0
+        StoppableServer(config, stop, viewers.end).run([listener])
+    return FOUND
 
 
 def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:

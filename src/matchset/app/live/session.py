@@ -58,7 +58,7 @@ class Session(Closing):
     def show(self, feed: Feed | None) -> None:
         """Show another feed; the one before is closed. It belongs to the session from here on."""
         for listener in self._listeners:
-            listener.changed()
+            listener.changed(feed)
         with self._lock:
             before, self._feed = self._feed, feed
         if before is not None:

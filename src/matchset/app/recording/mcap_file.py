@@ -94,13 +94,20 @@ class McapWriter(Closing):
         self._writer.start(profile="ros2", library="matchset")
         self._closed = False
         self._channels: dict[str, int] = {}
-        self._packed = {topic.topic for topic in topics if isinstance(topic, Topic)}
-        schemas: dict[str, int] = {}
+        self._packed: set[str] = set()
+        self._schemas: dict[str, int] = {}
         for topic in topics:
-            if topic.name not in schemas:
-                schema = PACKED_SCHEMA % topic.schema if isinstance(topic, Topic) else topic.schema
-                schemas[topic.name] = self._writer.register_schema(topic.name, "ros2msg", schema)
-            self._channels[topic.topic] = self._writer.register_channel(topic.topic, "cdr", schemas[topic.name])
+            self.add_topic(topic)
+
+    def add_topic(self, topic: Topic | RosTopic) -> None:
+        """Add a topic; also after messages of others."""
+        packs = isinstance(topic, Topic)
+        if packs:
+            self._packed.add(topic.topic)
+        if topic.name not in self._schemas:
+            schema = PACKED_SCHEMA % topic.schema if packs else topic.schema
+            self._schemas[topic.name] = self._writer.register_schema(topic.name, "ros2msg", schema)
+        self._channels[topic.topic] = self._writer.register_channel(topic.topic, "cdr", self._schemas[topic.name])
 
     def write(self, message: Message, time: float, number: int) -> None:
         """Append a message, of a time in s, with its number in its topic."""

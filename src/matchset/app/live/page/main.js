@@ -5,6 +5,7 @@ import { Curve, ViewFromAbove } from "./curves.js";
 import { Menu } from "./menu.js";
 import { PictureView } from "./picture.js";
 import { element, showReading } from "./reading.js";
+import { RecordPanel } from "./record.js";
 import { Connection } from "./socket.js";
 import { TargetList } from "./targets.js";
 
@@ -28,7 +29,11 @@ let feed = null;
 let drawn = null;
 
 // Panels of the page by their names: each has `update(state)`, and is hidden while the server has none of its name.
-const panels = { compiling: new CompilingPanel(find("compiling")), sources: new Menu(send) };
+const panels = {
+  compiling: new CompilingPanel(find("compiling")),
+  sources: new Menu(send),
+  record: new RecordPanel(find("record"), send),
+};
 
 function receiveSession(session) {
   find("source").textContent = session.title || "";

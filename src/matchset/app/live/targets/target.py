@@ -40,6 +40,8 @@ class Target:
     ----------
     diameter : float or None
         m
+    parameters : tuple of str
+        Names of the shape's parameters.
     pose : Pose, Lost or None
         In the last frame; None if diameter or camera are not known.
 
@@ -56,7 +58,7 @@ class Target:
         family = parse_shape(begin.shape)
         color = ColorModel.pick(frame.image, begin.x, begin.y)
         self.number, self.name = number, f"{begin.shape} {number}"
-        self.note = color.note
+        self.note, self.parameters = color.note, tuple(family.parameters)
         self.diameter: float | None = None
         self.tracker: Tracker[Any] = Tracker(family, color, start=(begin.x, begin.y))
         if isinstance(begin, Outline) and family is Circle:

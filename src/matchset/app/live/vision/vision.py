@@ -183,8 +183,10 @@ class Vision(Closing):
             live=source.live,
         )
         self.kept.add(self._sequence, frame)
-        poses = {target.number: target.pose for target in self._targets.values() if target.pose is not None}
-        self.seen = Seen(frame, state, poses, self.camera)
+        followed = self._targets.values()
+        poses = {target.number: target.pose for target in followed if target.pose is not None}
+        names = {target.number: target.parameters for target in followed}
+        self.seen = Seen(frame, state, poses, self.camera, names)
         self._news(0)
 
     def _grant(self) -> None:

@@ -87,6 +87,9 @@ class Viewer:
         self._streams.clear()
         self._feed = self._feed % (FEEDS - 1) + 1
 
+    def end(self) -> None:
+        """Do nothing: the server closes the socket of a page."""
+
     async def serve(self) -> None:
         """Send and receive until the page goes."""
         tasks = [asyncio.create_task(self._send()), asyncio.create_task(self._tell())]
@@ -182,6 +185,11 @@ class Viewers:
             viewer.restart()
             for number, stream in enumerate(session.streams):
                 viewer.offer(number, stream.seen)
+
+    def end(self) -> None:
+        """Tell all that the server ends; in the event loop."""
+        for viewer in self._viewers:
+            viewer.end()
 
     def add(self, viewer: Viewer) -> None:
         """Add a page."""

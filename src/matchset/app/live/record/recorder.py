@@ -1,0 +1,116 @@
+"""Begins and ends recordings of what is shown: `Recorder`."""
+
+import threading
+from collections import deque
+from pathlib import Path
+
+import msgspec
+
+from matchset.app.closing import Closing
+from matchset.app.live.feed import Feed, Seen
+from matchset.app.live.record.recording import Recording, RecordingParameters
+from matchset.app.live.record.state import RecordState
+from matchset.app.run_folder import output_folder
+
+
+class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What is recorded, and offered.
+
+    Parameters
+    ----------
+    kept : int
+        Finished recordings whose files are offered. More: a longer list on the page. Chosen by hand: what a phone shows
+        without much scrolling; all stay on the disk.
+    recording : RecordingParameters
+    """
+
+    kept: int = 5
+    recording: RecordingParameters = RecordingParameters()
+
+
+class Recorder(Closing):
+    """Listens to what is shown, and writes it while it is told to; implements `matchset.app.live.feed.Listener`.
+
+    Parameters
+    ----------
+    parameters : RecorderParameters, optional
+    """
+
+    def __init__(self, parameters: RecorderParameters | None = None) -> None:
+        self._parameters = parameters or RecorderParameters()
+        self._lock = threading.Lock()
+        self._feed: Feed | None = None
+        self._running: Recording | None = None
+        self._ended: deque[Recording] = deque(maxlen=self._parameters.kept)
+
+    def hear(self, stream: int, seen: Seen) -> None:
+        """Write a picture, if a recording runs."""
+        running = self._running
+        if running is not None:
+            running.add(stream, seen)
+
+    def changed(self, feed: Feed | None) -> None:
+        """End the recording: something else is shown."""
+        self.end()
+        self._feed = feed
+
+    def begin(self) -> None:
+        """Begin a recording in a new folder; if one runs, it goes on.
+
+        Raises
+        ------
+        ValueError
+            If nothing is shown, the disk is full, or the folder cannot be made.
+        """
+        with self._lock:
+            if self._is_running() is not None:
+                return
+            if self._feed is None:
+                raise ValueError("nothing is shown that could be recorded")
+            folder = output_folder(None, "live")
+            self._running = Recording(folder, self._feed.title, len(self._feed.streams), self._parameters.recording)
+
+    def end(self) -> None:
+        """End the recording that runs; its files are finished in a thread."""
+        with self._lock:
+            running, self._running = self._running, None
+            if running is not None:
+                running.end()
+                self._ended.appendleft(running)
+
+    def state(self) -> RecordState:
+        """Return what the page shows."""
+        with self._lock:
+            running = self._is_running()
+            ended = list(self._ended)
+        if running is not None:
+            shown = running.state()
+        else:
+            finishing = next((each for each in ended if each.result is None), None)
+            shown = RecordState() if finishing is None else finishing.state()
+        finished = [each.result for each in ended if each.result is not None]
+        return msgspec.structs.replace(shown, finished=finished)
+
+    def downloads(self) -> dict[str, Path]:
+        """Return the files of finished recordings, by folder and name."""
+        with self._lock:
+            ended = list(self._ended)
+        return {
+            f"{each.folder.name}/{file.name}": each.folder / file.name
+            for each in ended
+            if each.result is not None
+            for file in each.result.files
+        }
+
+    def close(self) -> None:
+        """End the recording that runs, and wait for its files."""
+        self.end()
+        for each in list(self._ended):
+            each.close()
+
+    def _is_running(self) -> Recording | None:
+        """Return the recording that runs; one that has ended by itself is put to the others."""
+        if self._running is not None and self._running.has_ended:
+            self._ended.appendleft(self._running)
+            self._running = None
+        return self._running

@@ -28,7 +28,7 @@ def seen_of(number: int, found: bool = True, fps: float = 30.0, targets: int = 1
             poses[each] = Lost("too few edge points", time)
             continue
         x, y, radius = 50.0 + number % 40, 60.0, 12.5
-        values = {"x": (x, 0.1), "y": (y, 0.2), "radius": (radius, 0.05)}
+        values: dict[str, tuple[float, float | None]] = {"x": (x, 0.1), "y": (y, 0.2), "radius": (radius, 0.05)}
         outline = [x - radius, y, x, y - radius, x + radius, y, x, y + radius]
         states.append(TargetState(each, f"circle {each}", True, values, outline, support=0.9, diameter=0.28))
         covariance = np.diag([1e-4, 1e-4, 4e-4, 3.3, 3.3, 3.3])
@@ -56,12 +56,13 @@ class MadeUpFeed(Feed):
     kind, title = "camera", "made up"
 
     def __init__(self, streams: int = 1, panels: Sequence[Panel] = ()) -> None:
-        self.streams, self.panels = [MadeUpStream() for _ in range(streams)], panels
+        self.made = [MadeUpStream() for _ in range(streams)]
+        self.streams, self.panels = self.made, panels
         self.tell: Callable[[int], object] = lambda _: None
 
     def show(self, seen: Seen, stream: int = 0) -> None:
         """Show a picture, as the thread of a loop does."""
-        self.streams[stream].seen = seen
+        self.made[stream].seen = seen
         self.tell(stream)
 
     def close(self) -> None:
@@ -73,6 +74,11 @@ def shown(feed: MadeUpFeed, session: Session) -> MadeUpFeed:
     feed.tell = session.hear
     session.show(feed)
     return feed
+
+
+def with_image(seen: Seen, image: np.ndarray) -> Seen:
+    """The same with another picture."""
+    return seen._replace(frame=ms.Frame(image, seen.state.time, seen.state.index))
 
 
 def numbered(seen: Seen, sequence: int) -> Seen:

@@ -129,3 +129,8 @@ class Feed(Closing):
     title: str
     streams: Sequence[Stream]
     panels: Sequence[Panel]
+
+    @property
+    def busy(self) -> str:
+        """Why something else cannot be shown now; empty if it can."""
+        return ""

@@ -106,6 +106,8 @@ class Session(Closing):
         """
         if message.tracks and (words := self._refusal()):
             raise ValueError(words)
+        if message.replaces and self._feed is not None and (words := self._feed.busy):
+            raise ValueError(words)
         for panel in self.panels:
             if isinstance(message, panel.messages):
                 panel.take(message, page)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from matchset.app.live.feed import Feed, News
+from matchset.app.live.piloting.flight_feed import simulated_flight
 from matchset.app.live.sources.demo_clip import demo_clip
 from matchset.app.live.sources.found_sources import CHAIN, DEMO, Source
 from matchset.app.live.vision.camera_feed import CameraFeed
@@ -41,8 +42,8 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     ValueError
         If it cannot be shown; says why.
     """
-    if source.origin == CHAIN:
-        raise ValueError("the simulated chain cannot be shown here yet: matchset fly sim://chain flies it")
+    if source.origin.partition("?")[0] == CHAIN:
+        return simulated_flight(source.origin, opening.news)
     if source.origin == DEMO:
         opening.note("the demo clip is made once, which takes some seconds")
         return _video(source.name, str(demo_clip()), opening)

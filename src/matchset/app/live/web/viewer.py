@@ -5,6 +5,7 @@ import itertools
 import time
 from typing import NamedTuple
 
+import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from matchset.app.live.feed import Seen
@@ -125,7 +126,7 @@ class Viewer:
         """Send the state of the session whenever it has changed."""
         told = b""
         while True:
-            state = written(self._desk.session.state())
+            state = written(msgspec.structs.replace(self._desk.session.state(), page=self.name))
             if state != told:
                 told = state
                 await self._write(Packet(0, time.monotonic(), -1.0, state, session=True))

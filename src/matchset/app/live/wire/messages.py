@@ -19,9 +19,12 @@ class Up(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="typ
     ----------
     tracks : bool
         Whether a tracker is begun, which needs compiled code.
+    replaces : bool
+        Whether something else is shown after it: not while somebody flies.
     """
 
     tracks: ClassVar[bool] = False
+    replaces: ClassVar[bool] = False
 
 
 class Ack(Up, frozen=True, tag="ack"):

@@ -96,6 +96,8 @@ class SessionState(msgspec.Struct, frozen=True, omit_defaults=True):
         What each panel shows, by its name.
     notes : list of str
         What a person should know, newest last.
+    page : str
+        Name of the page that is told; empty: no page.
     """
 
     kind: str = ""
@@ -103,6 +105,7 @@ class SessionState(msgspec.Struct, frozen=True, omit_defaults=True):
     streams: int = 0
     panels: dict[str, Any] = {}
     notes: list[str] = []
+    page: str = ""
 
 
 def written(state: State | SessionState) -> bytes:

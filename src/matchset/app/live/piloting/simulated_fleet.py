@@ -1,0 +1,40 @@
+"""The simulated chain as a fleet, at the rate of a clock: `SimulatedFleet`."""
+
+from matchset.app.flight.flight import Flight, FlightParameters
+from matchset.app.flight.pacer import Pacer
+from matchset.app.live.piloting.fleet import Fleet, FleetStep
+from matchset.links.simulated import FPS
+
+
+class SimulatedFleet(Fleet):
+    """A simulated chain; until its pilots are armed a hand holds each vehicle at its start.
+
+    Parameters
+    ----------
+    parameters : FlightParameters
+        Its duration does not count.
+    real_time : bool
+        Whether a step waits for the time of its picture.
+    """
+
+    def __init__(self, parameters: FlightParameters, real_time: bool = True) -> None:
+        self._flight = Flight(parameters)
+        self.pilots = self._flight.pilots
+        self._pacer: Pacer | None = None
+        self._real_time = real_time
+
+    def step(self) -> FleetStep:
+        """Take a step with everybody, in lock step."""
+        if self._real_time:
+            self._pacer = self._pacer or Pacer(1.0 / FPS)
+            self._pacer.wait()
+        step = self._flight.step()
+        return FleetStep(step.time, step.steps, step.truth, tuple(each.description for each in step.crashes))
+
+    def arming_time(self, follower: int) -> float:
+        """Those next to the rope first, see `FlightParameters.stagger`."""
+        return self._flight.parameters.arming_time(follower)
+
+    def close(self) -> None:
+        """Land everybody and let go of the world."""
+        self._flight.close()

@@ -1,0 +1,175 @@
+"""A flight under pages: who arms, whose silence lands it, what stops the motors; the simulated chain in real time."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from matchset.app.flight.flight import FlightParameters
+from matchset.app.live.known_messages import READER
+from matchset.app.live.piloting.fleet import Fleet, FleetStep
+from matchset.app.live.piloting.flight_feed import FlightFeed, simulated_flight
+from matchset.app.live.piloting.messages import Again, Alive, Arm, Kill, Land
+from matchset.app.live.piloting.simulated_fleet import SimulatedFleet
+from matchset.app.live.session import Session
+from matchset.app.live.sources.messages import Show
+from matchset.image.errors import LinkError
+from matchset.links.simulated import SimulationParameters
+
+WAIT = 60.0  # s, a first flight is compiled
+PARAMETERS = FlightParameters(world=SimulationParameters(vehicles=2, seed=5))
+
+
+class Broken(SimulatedFleet):
+    """A fleet whose link breaks when it is told."""
+
+    breaks = False
+
+    def step(self) -> FleetStep:
+        """Fail, or not."""
+        if self.breaks:
+            raise LinkError("the cable was pulled")
+        return super().step()
+
+
+class Flown:
+    """A flight of one follower, and a page that sees all pictures."""
+
+    def __init__(self, fleet: type[SimulatedFleet] = SimulatedFleet) -> None:
+        self.fleets: list[Fleet] = []
+
+        def open_fleet() -> Fleet:
+            self.fleets.append(fleet(PARAMETERS))
+            return self.fleets[-1]
+
+        self.session = Session()
+        self.feed = FlightFeed("sim://chain", 1, open_fleet, lambda _: None)
+        self.session.show(self.feed)
+
+    @property
+    def duty(self) -> str:
+        return self.feed.loop.state().duty
+
+    @property
+    def phase(self) -> str:
+        rows = self.feed.loop.state().followers
+        return rows[0].phase if rows else ""
+
+    def wait(self, what: Callable[[], object], beats: str = "", seconds: float = WAIT) -> None:
+        """Wait until something holds, while a page says that it is alive."""
+        end = time.monotonic() + seconds
+        while not what():
+            assert time.monotonic() < end, (self.duty, self.phase, self.feed.loop.state().reason)
+            if beats:
+                self.session.take(Alive(self.feed.streams[0].seen.state.sequence), beats)
+            time.sleep(0.02)
+
+    def fly(self, page: str = "page 1") -> None:
+        """Take off."""
+        self.wait(lambda: self.feed.loop.state().ready)
+        self.session.take(Arm(), page)
+        self.wait(lambda: self.phase == "flying" and self.feed.loop.state().time > 0.5, page)
+
+
+@pytest.fixture
+def flown() -> Iterator[Flown]:
+    flight = Flown()
+    yield flight
+    flight.session.close()
+
+
+def test_silence_holds_then_descends_and_nobody_flies_again_by_itself(flown: Flown) -> None:
+    flown.fly()
+    silent = time.monotonic()
+    flown.wait(lambda: flown.duty == "holding")
+    assert 0.2 < time.monotonic() - silent < 0.8
+    assert flown.phase == "flying"
+    flown.wait(lambda: flown.duty == "descending")
+    assert time.monotonic() - silent < 1.6
+    flown.wait(lambda: flown.phase == "descending", "page 1")
+    flown.wait(lambda: flown.duty == "stopped", "page 1")
+    assert flown.feed.loop.state().reason == "page 1 was silent for 1 s"
+    with pytest.raises(ValueError, match="put everybody back first"):
+        flown.session.take(Arm(), "page 1")
+    flown.session.take(Again(), "page 2")
+    flown.wait(lambda: flown.duty == "idle" and flown.feed.loop.state().ready)
+    assert flown.phase == "locked"
+    assert len(flown.fleets) == 2
+
+
+def test_any_page_stops_the_motors_with_the_next_packet(flown: Flown) -> None:
+    flown.fly()
+    flown.session.take(Kill(), "page 7")
+    flown.wait(lambda: flown.feed.loop.state().stop_delay is not None)
+    state = flown.feed.loop.state()
+    assert state.stop_delay is not None
+    assert state.stop_delay + PARAMETERS.world.vehicle.radio_delay < 0.1
+    assert (state.duty, state.page, state.reason) == ("stopped", "", "page 7 stopped the motors")
+    assert (state.followers[0].phase, state.followers[0].throttle) == ("cut", 0.0)
+    with pytest.raises(ValueError, match="page 7 stopped the motors"):
+        flown.session.take(Arm(), "page 1")
+
+
+def test_one_page_commands_and_others_may_only_stop(flown: Flown) -> None:
+    flown.fly()
+    state = flown.feed.loop.state()
+    assert (state.page, flown.feed.busy) == ("page 1", "page 1 commands a flight: land first")
+    for message in (Arm(), Land(), Again(), Show("source-1")):
+        with pytest.raises(ValueError, match="page 1 commands"):
+            flown.session.take(message, "page 2")
+    flown.wait(lambda: flown.duty == "holding", "page 2")
+    flown.wait(lambda: flown.duty == "flying", "page 1")
+    flown.session.take(Land(), "page 1")
+    assert flown.duty == "descending"
+    flown.wait(lambda: flown.duty == "stopped", "page 1")
+    assert flown.feed.loop.state().reason == "page 1 ended the flight"
+    assert flown.feed.loop.state().stop_delay is None
+
+
+def test_who_cannot_be_heard_cannot_arm(flown: Flown) -> None:
+    flown.wait(lambda: flown.feed.loop.state().ready)
+    with pytest.raises(ValueError, match="who arms must stay"):
+        flown.session.take(Arm(), "")
+    with pytest.raises(ValueError, match="nobody flies"):
+        flown.session.take(Land(), "page 1")
+    with pytest.raises(ValueError, match="everybody is at the start"):
+        flown.session.take(Again(), "page 1")
+    flown.session.take(READER.read('{"type": "kill"}'), "")
+    assert flown.feed.loop.state().reason == "a program stopped the motors"
+
+
+def test_a_page_that_shows_old_pictures_is_silent(flown: Flown) -> None:
+    flown.fly()
+    shown = flown.feed.streams[0].seen.state.sequence
+    end = time.monotonic() + 5.0
+    while flown.duty != "descending":
+        assert time.monotonic() < end
+        flown.session.take(Alive(shown), "page 1")
+        time.sleep(0.02)
+
+
+def test_a_link_that_breaks_ends_the_flight_and_says_why() -> None:
+    flown = Flown(Broken)
+    flown.fly()
+    flown.fleets[0].breaks = True  # type: ignore[attr-defined]
+    flown.wait(lambda: flown.feed.loop.state().fault)
+    state = flown.feed.loop.state()
+    assert (state.duty, state.fault, state.ready) == ("stopped", "the cable was pulled", False)
+    assert flown.feed.streams[0].seen.state.fault == "the cable was pulled"
+    flown.session.take(Again(), "page 1")
+    flown.wait(lambda: flown.duty == "idle" and flown.feed.loop.state().ready)
+    flown.session.close()
+
+
+def test_closing_lands_and_ends_the_thread(flown: Flown) -> None:
+    flown.fly()
+    flown.session.close()
+    assert not any(thread.name == "matchset flight" for thread in threading.enumerate())
+    with pytest.raises(LinkError, match="is closed"):
+        flown.fleets[0].pilots[0].link.arm()
+
+
+def test_a_flight_is_named_by_a_uri() -> None:
+    with pytest.raises(ValueError, match="vehicles must be within"):
+        simulated_flight("sim://chain?vehicles=99", lambda _: None)

@@ -25,11 +25,11 @@ def test_a_camera_goes_and_comes_back(serve: Any, page: Any) -> None:
         page.goto(serve(camera.url))
         wait_until(page, "picture.width === 320")
         page.mouse.click(*on_screen(page, 165, 120))
-        page.locator("#reading [data-name=r]").wait_for(timeout=WAIT)
+        page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)
         camera.stop()
         page.locator("#veil").get_by_text(re.compile("tried again every 1 s")).wait_for(timeout=WAIT)
         page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
         assert page.locator("#targets li").count() == 1
         camera.start()
         page.locator("#veil").wait_for(state="hidden", timeout=WAIT)
-        page.locator("#reading [data-name=r]").wait_for(timeout=WAIT)
+        page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)

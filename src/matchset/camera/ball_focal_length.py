@@ -220,15 +220,30 @@ class _Fit:
             cy=float(lens[1]),
             distortion=(float(lens[2]), 0.0, 0.0, 0.0, 0.0),
         )
-        seen = np.array([_half_angle(camera, ball.outlines, shift, self.known) for ball in self.held])
+        seen = np.array([half_angle(camera, ball.outlines, shift, self.known) for ball in self.held])
         ratio = self.radius / np.maximum(self._distances + pupil, 1.001 * self.radius)
         return (seen[:, 0], seen[:, 1]), np.arcsin(ratio)
 
 
-def _half_angle(
+def half_angle(
     camera: CameraModel, outlines: list[Floats], shift: float, known: BallFocalParameters
 ) -> tuple[float, float]:
-    """Mean half-angle of the cones through some outlines, and its standard error."""
+    """Find the half-angle of the cones through some outlines.
+
+    Parameters
+    ----------
+    camera : CameraModel
+    outlines : list of ndarray of shape (m, 2), float64
+        Match-sets of a ball held still, px.
+    shift : float
+        By which the edges are moved inward first, px.
+    known : BallFocalParameters
+
+    Returns
+    -------
+    tuple of 2 float
+        Their median, rad, and its standard error; 0 and 1 if there are too few points.
+    """
     angles = []
     for outline in outlines[:: -(-len(outlines) // known.max_outlines)]:
         if len(outline) < known.min_points:

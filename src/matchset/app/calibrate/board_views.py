@@ -1,6 +1,7 @@
 """Views of the board in a video, a folder of pictures or from a camera, until there are enough: `look_for_board`."""
 
 import math
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -94,7 +95,27 @@ def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = 
     return seen
 
 
-def instruction(views: list[View], width: int, height: int) -> tuple[str, bool]:
+class Advice(NamedTuple):
+    """What is still missing.
+
+    Attributes
+    ----------
+    different : list of View
+        The views that a calibration would use.
+    share : float
+        Of the picture that they cover, 0 ... 1.
+    words : str
+        What to do next.
+    enough : bool
+    """
+
+    different: list[View]
+    share: float
+    words: str
+    enough: bool
+
+
+def advise(views: list[View], width: int, height: int) -> Advice:
     """Say which views are still missing.
 
     Parameters
@@ -106,16 +127,23 @@ def instruction(views: list[View], width: int, height: int) -> tuple[str, bool]:
 
     Returns
     -------
-    tuple of str and bool
-        One line for the display, and whether it is enough.
+    Advice
     """
     different = select_views(views, width)
     share = float(covered_cells(different, width, height).mean())
     unseen = unseen_corners(different, width, height)
     if unseen and views:
-        words = f"hold the board at the {unseen[0]}"
-    elif len(different) < PARAMETERS.min_views or share < PARAMETERS.min_coverage:
+        return Advice(different, share, f"hold the board at the {unseen[0]}", False)
+    if len(different) < PARAMETERS.min_views or share < PARAMETERS.min_coverage:
         words = "tilt it differently, hold it still; near and far" if views else "hold the board before the camera"
-    else:
-        return "enough", True
-    return f"{len(different)} views   {100.0 * share:.0f} % covered   {words}   (Ctrl-C: that is all)", False
+        return Advice(different, share, words, False)
+    return Advice(different, share, "enough", True)
+
+
+def instruction(views: list[View], width: int, height: int) -> tuple[str, bool]:
+    """Return one line for the display, and whether it is enough; see `advise`."""
+    advice = advise(views, width, height)
+    if advice.enough:
+        return advice.words, True
+    seen = f"{len(advice.different)} views   {100.0 * advice.share:.0f} % covered"
+    return f"{seen}   {advice.words}   (Ctrl-C: that is all)", False

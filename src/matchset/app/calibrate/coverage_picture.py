@@ -41,6 +41,26 @@ def coverage_picture(
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
+    bordered, margin = coverage_map(picture, views), _MARGIN_PX
+    framed = cv2.copyMakeBorder(bordered, 8, 8, margin, margin, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
+    return np.vstack((_title(framed.shape[1], len(views)), framed, _report_lines(framed.shape[1], report, refused)))
+
+
+def coverage_map(picture: Picture, views: list[View]) -> Picture:
+    """Draw the same without words.
+
+    Parameters
+    ----------
+    picture : ndarray of shape (h, w, 3) or (h, w), uint8
+        One of the pictures.
+    views : list of View
+        Those that were used.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 3), uint8
+        BGR.
+    """
     height, width = picture.shape[:2]
     scale = min(_MAX_SIDE_PX / max(width, height), max(_MIN_WIDTH_PX / width, 1.0))
     size = round(width * scale), round(height * scale)
@@ -54,9 +74,7 @@ def coverage_picture(
         for x, y in (view.pixels + 0.5) * scale - 0.5:
             cv2.circle(image, (round(x * 16), round(y * 16)), 40, _DOT, cv2.FILLED, cv2.LINE_AA, 4)
     bordered = cv2.copyMakeBorder(image, 2, 2, 2, 2, cv2.BORDER_CONSTANT, value=_BORDER)
-    margin = _MARGIN_PX
-    framed = cv2.copyMakeBorder(bordered, 8, 8, margin, margin, cv2.BORDER_CONSTANT, value=_PAPER).astype(np.uint8)
-    return np.vstack((_title(framed.shape[1], len(views)), framed, _report_lines(framed.shape[1], report, refused)))
+    return np.asarray(bordered, np.uint8)
 
 
 def _title(width: int, views: int) -> Picture:

@@ -1,12 +1,11 @@
 """The intervals in which a tracked ball is held still: `still_intervals`."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
-
-from matchset.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
 
@@ -57,12 +56,26 @@ class StillInterval(msgspec.Struct, frozen=True):
     outlines: list[Floats]
 
 
-def still_intervals(found: list[tuple[int, Track[Any]]]) -> list[StillInterval]:
+class FoundBall(Protocol):
+    """A ball in a frame, such as a `Track` of a `Circle`."""
+
+    @property
+    def shape(self) -> Any:
+        """Circle."""
+        ...
+
+    @property
+    def match_set(self) -> Floats:
+        """Edge points, px, (m, 2)."""
+        ...
+
+
+def still_intervals(found: Sequence[tuple[int, FoundBall]]) -> list[StillInterval]:
     """Find the intervals in which a ball hardly moves; consecutive ones of one radius are joined.
 
     Parameters
     ----------
-    found : list of (int, Track)
+    found : sequence of (int, FoundBall)
         Frames in which the ball was found, with their numbers, in order.
 
     Returns
@@ -92,6 +105,6 @@ def still_intervals(found: list[tuple[int, Track[Any]]]) -> list[StillInterval]:
     return intervals
 
 
-def _interval(found: list[tuple[int, Track[Any]]]) -> StillInterval:
+def _interval(found: Sequence[tuple[int, FoundBall]]) -> StillInterval:
     radius = float(np.median([track.shape.radius for _, track in found]))
     return StillInterval(found[0][0], found[-1][0], radius, [track.match_set for _, track in found])

@@ -59,10 +59,13 @@ class Panel:
         Under which the page finds its state: the panel of the page with this name is shown while there is one.
     messages : tuple of types
         Messages of the page that it takes.
+    uploads : tuple of str
+        Kinds of files that it takes.
     """
 
     name: str
     messages: tuple[type[Up], ...] = ()
+    uploads: tuple[str, ...] = ()
 
     def take(self, message: Any, page: str) -> None:
         """Do what a page asks for.
@@ -78,6 +81,25 @@ class Panel:
         ------
         ValueError
             If it cannot be done: the page shows why.
+        """
+        raise NotImplementedError
+
+    def put(self, upload: str, name: str, data: bytes) -> None:
+        """Take a file that a page sends.
+
+        Parameters
+        ----------
+        upload : str
+            One of `uploads`.
+        name : str
+            What its owner calls it; not to be used as a path.
+        data : bytes
+            `UPLOAD` at most.
+
+        Raises
+        ------
+        ValueError
+            If it is not what it should be: the page shows why.
         """
         raise NotImplementedError
 

@@ -114,6 +114,20 @@ class Session(Closing):
                 return
         raise ValueError(f"{type(message).__name__.lower()}: there is nothing here that could do this")
 
+    def put(self, upload: str, name: str, data: bytes) -> None:
+        """Take a file that a page sends.
+
+        Raises
+        ------
+        ValueError
+            If nothing takes such a file, or it is not what it should be.
+        """
+        for panel in self.panels:
+            if upload in panel.uploads:
+                panel.put(upload, name, data)
+                return
+        raise ValueError(f"nothing here takes a file for {upload[:60]!r}")
+
     def left(self, page: str) -> None:
         """Note that a page is gone."""
         for panel in self.panels:

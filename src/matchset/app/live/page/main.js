@@ -1,5 +1,6 @@
 // The page: joins connection, picture, reading, targets and curves.
 
+import { CameraPanel } from "./camera.js";
 import { CompilingPanel } from "./compiling.js";
 import { Curve, ViewFromAbove } from "./curves.js";
 import { Menu } from "./menu.js";
@@ -32,6 +33,7 @@ let drawn = null;
 const panels = {
   compiling: new CompilingPanel(find("compiling")),
   sources: new Menu(send),
+  camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   record: new RecordPanel(find("record"), send),
 };
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+from matchset.app.closing import close_all
+from matchset.app.live.camera.camera_panel import CameraPanel
 from matchset.app.live.feed import Feed, News
 from matchset.app.live.targets.panel import TargetsPanel
 from matchset.app.live.vision.vision import Vision
@@ -27,8 +29,9 @@ class CameraFeed(Feed):
         self.title = title
         self.vision = Vision(open_source, news=news, note=note)
         self.streams = (self.vision,)
-        self.panels = (TargetsPanel(self.vision.ask),)
+        self._camera = CameraPanel(self.vision, note)
+        self.panels = (TargetsPanel(self.vision.ask), self._camera)
 
     def close(self) -> None:
         """End the loop and let go of the device."""
-        self.vision.close()
+        close_all(self._camera.close, self.vision.close)

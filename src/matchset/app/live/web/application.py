@@ -24,6 +24,7 @@ from matchset.app.live.wire.messages import LONGEST
 from matchset.app.live.wire.state import written
 
 PAGE = Path(__file__).resolve().parents[1] / "page"
+UPLOAD = 65536  # format: bytes of a file that a page sends; a camera file has some 3000
 PERIOD = 0.01  # format: s between two looks for a new picture, for programs
 
 
@@ -53,6 +54,7 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
             Route("/state.json", routes.state),
             Route("/frame.jpg", routes.frame),
             Route("/do/{type}", routes.do, methods=["POST"]),
+            Route("/upload/{kind}", routes.upload, methods=["POST"]),
             Route("/download/{name:path}", routes.download),
             Mount("/", StaticFiles(directory=PAGE, html=True)),
         ],
@@ -127,6 +129,19 @@ class _Routes:
             message = self._desk.reader.read(msgspec.json.encode({**fields, "type": request.path_params["type"]}))
             self._desk.session.take(message, "")
         except (ValueError, msgspec.DecodeError, RecursionError) as error:
+            return JSONResponse({"error": str(error)}, 400)
+        return Response(status_code=204)
+
+    async def upload(self, request: Request) -> Response:
+        """Take a small file; its name is the query's `name`."""
+        body = b""
+        async for part in request.stream():
+            body += part
+            if len(body) > UPLOAD:
+                return JSONResponse({"error": f"a file has {UPLOAD} bytes at most"}, 413)
+        try:
+            self._desk.session.put(request.path_params["kind"], request.query_params.get("name", ""), body)
+        except ValueError as error:
             return JSONResponse({"error": str(error)}, 400)
         return Response(status_code=204)
 

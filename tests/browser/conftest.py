@@ -15,6 +15,7 @@ import pytest
 
 import matchset as ms
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
+from matchset.sim.clips.balloon import Balloon
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 CAMERA = ms.CameraModel.from_fov(320, 240, math.radians(60.0))
@@ -126,7 +127,8 @@ def leaving(time: float) -> np.ndarray:
 
 def filmed(folder: Path, place: Callable[[float], np.ndarray]) -> tuple[Path, BallFlightClip]:
     """Write a video that goes along a path ten times; only one time is rendered."""
-    rendered = BallFlightClip(camera=CAMERA, place=place, frames=FRAMES, fps=FRAMES / PERIOD)
+    balloon = Balloon(marker_radius=0.0)  # a click on its middle means the ball
+    rendered = BallFlightClip(camera=CAMERA, place=place, balloon=balloon, frames=FRAMES, fps=FRAMES / PERIOD)
     writer = cv2.VideoWriter(str(folder / "ball.avi"), cv2.VideoWriter.fourcc(*"MJPG"), rendered.fps, (320, 240))
     images = [frame.image for frame in rendered]
     for image in images * TIMES:

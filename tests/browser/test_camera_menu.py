@@ -64,5 +64,5 @@ def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_pat
     page.keyboard.press("Escape")
     page.get_by_role("button", name="other source").click()
     page.get_by_role("button", name="ball.avi").click()
+    page.locator("#sources").wait_for(state="hidden", timeout=WAIT)
     wait_until(page, "veil.hidden && picture.width === 320")
-    assert page.locator("#sources").is_hidden()

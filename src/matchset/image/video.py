@@ -6,6 +6,7 @@ import re
 import weakref
 from pathlib import Path
 from types import TracebackType
+from typing import Self
 
 from matchset.image.bags.bag import Bag, is_bag
 from matchset.image.camera_stream import Live, Settings, differences
@@ -137,7 +138,7 @@ class Video(NotCopied):
             words.append(f"{self.broken} broken frame{'s' * (self.broken > 1)} skipped")
         return words
 
-    def __iter__(self) -> "Video":
+    def __iter__(self) -> Self:
         if self._closed:
             raise ValueError(f"{self._name} is closed")
         return self
@@ -177,7 +178,7 @@ class Video(NotCopied):
         self._closed = True
         self._finalizer()
 
-    def __enter__(self) -> "Video":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(

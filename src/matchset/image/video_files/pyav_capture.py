@@ -94,9 +94,17 @@ class PyavCapture:
             return float("nan") if frame.time is None else 1000.0 * (frame.time - start)
         return 0.0
 
-    def set(self, propId: int, value: float, /) -> bool:  # noqa: ARG002, N803 - OpenCV's name
-        """Nothing can be set."""
-        return False
+    def set(self, propId: int, value: float, /) -> bool:  # noqa: N803 - OpenCV's name
+        """Go to a key picture at or before a time, ms; nothing else can be set."""
+        if propId != cv2.CAP_PROP_POS_MSEC:
+            return False
+        ticks = int(value / 1000.0 / self._stream.time_base) + (self._stream.start_time or 0)
+        try:
+            self._container.seek(ticks, stream=self._stream)
+        except (OSError, ValueError):
+            return False
+        self._frame, self._frames = None, self._decoded()
+        return True
 
     def release(self) -> None:
         """Close the file."""

@@ -63,6 +63,13 @@ class Recording:
     fps : float or None
         Given, times are index / fps; otherwise they are the file's time stamps, see `FileClock`.
 
+    Attributes
+    ----------
+    opener : callable
+        What decodes it.
+    stamp : float
+        Time stamp of the frame that was decoded last, s, as the decoder says it.
+
     Raises
     ------
     ValueError
@@ -97,7 +104,7 @@ class Recording:
         capture = opener(str(self.path))
         if capture is None or not capture.isOpened():
             return None
-        self._capture = capture
+        self._capture, self.opener, self.stamp = capture, opener, math.nan
         count, stated = capture.get(cv2.CAP_PROP_FRAME_COUNT), capture.get(cv2.CAP_PROP_FPS)
         self._clock = FileClock(_first_stamps(opener(str(self.path))), stated, fps)
         self.fps = self._clock.rate
@@ -134,7 +141,7 @@ class Recording:
                 index = self._next + misses
                 self._next = index + 1
                 self.broken += misses
-                stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+                self.stamp = stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
                 self._latest = max(self._latest, stamp)
                 return Frame(image, self._clock.time(index, stamp), index)
         self._note_early_end(unread)

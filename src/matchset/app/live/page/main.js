@@ -3,6 +3,7 @@
 import { CameraPanel } from "./camera.js";
 import { CompilingPanel } from "./compiling.js";
 import { Curve, ViewFromAbove } from "./curves.js";
+import { FilePanel } from "./files.js";
 import { Menu } from "./menu.js";
 import { PictureView } from "./picture.js";
 import { element, showReading } from "./reading.js";
@@ -35,6 +36,7 @@ const panels = {
   sources: new Menu(send),
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   record: new RecordPanel(find("record"), send),
+  file: new FilePanel(find("file"), send, () => targets.chosen, () => {}),
 };
 
 function receiveSession(session) {
@@ -56,6 +58,7 @@ async function receive(packet) {
   const { state } = packet;
   const chosen = targets.update(state.targets || []);
   note(chosen, state.time);
+  panels.file.painted(state);
   if (!drawn) drawn = requestAnimationFrame(refresh);
 }
 
@@ -97,7 +100,7 @@ setInterval(() => {
   const veil = find("veil");
   const fault = newest && newest.state.fault;
   const age = performance.now() - painted;
-  const words = fault || (painted && age > OLD ? `no new picture for ${(age / 1000).toFixed(1)} s` : "");
+  const words = fault || (painted && newest.state.live !== false && age > OLD ? `no new picture for ${(age / 1000).toFixed(1)} s` : "");
   veil.hidden = !words;
   veil.textContent = words;
 }, 100);

@@ -35,7 +35,8 @@ export class Menu {
 
   update(state) {
     const starts = !state.shown;
-    if (this.shown !== null && state.shown !== this.shown) this.isOpen = false;
+    const opened = this.asked && !state.opening && !state.fault; // also where it is what was shown before
+    if (opened || (this.shown !== null && state.shown !== this.shown)) this.isOpen = this.asked = false;
     this.shown = state.shown || "";
     this.words.textContent = state.opening ? `opening ${state.opening} …` : state.words || "";
     if (this.fault.textContent !== (state.fault || "")) this.fault.textContent = state.fault || "";
@@ -72,7 +73,7 @@ export class Menu {
     button.dataset.kind = entry.kind;
     if (isShown) button.setAttribute("aria-current", "true");
     button.append(element("span", "name", entry.name), element("span", "soft", entry.words));
-    button.addEventListener("click", () => this.send({ type: "show", key: entry.key }));
+    button.addEventListener("click", () => { this.asked = true; this.send({ type: "show", key: entry.key }); });
     return button;
   }
 

@@ -10,9 +10,12 @@ import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
 from matchset.camera.camera_model import CameraModel
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
+
+MARKER = math.radians(140.0)  # geometry: between the camera's axis and the direction to the marker
 
 
 class DemoParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -60,7 +63,7 @@ def demo_clip(parameters: DemoParameters | None = None, folder: Path | None = No
     """
     wanted = parameters or DemoParameters()
     camera = CameraModel.from_fov(wanted.width, wanted.height, wanted.fov)
-    path = (folder or cache_folder()) / f"demo-{wanted.width}x{wanted.height}-{wanted.frames}.avi"
+    path = (folder or cache_folder()) / f"ball-{wanted.width}x{wanted.height}-{wanted.frames}.avi"
     if not (path.is_file() and path.with_suffix(".toml").is_file()):
         camera.save(path.with_suffix(".toml"))
         _render(wanted, camera, path)
@@ -71,6 +74,11 @@ def place(time: float) -> npt.NDArray[np.float64]:
     """Where the ball is in the camera's frame at a time, m: it goes around, near and far."""
     angle = 0.8 * time
     return np.array((0.55 * math.sin(angle), 0.25 * math.cos(1.3 * angle), 1.8 + 0.4 * math.sin(0.5 * angle)))
+
+
+def turn(_: float) -> Rotation:
+    """Return how the ball is turned: its marker is beside the middle, where a person clicks."""
+    return Rotation.from_euler("y", MARKER)
 
 
 def cache_folder() -> Path:
@@ -91,7 +99,9 @@ def _render(wanted: DemoParameters, camera: CameraModel, path: Path) -> None:
     codec, size = cv2.VideoWriter.fourcc(*"MJPG"), (wanted.width, wanted.height)
     writer = cv2.VideoWriter(str(unfinished), codec, wanted.fps, size)
     try:
-        clip = BallFlightClip(camera=camera, place=place, frames=wanted.frames, fps=wanted.fps, seed=wanted.seed)
+        clip = BallFlightClip(
+            camera=camera, place=place, turn=turn, frames=wanted.frames, fps=wanted.fps, seed=wanted.seed
+        )
         for frame in clip:
             writer.write(frame.image)
         writer.release()

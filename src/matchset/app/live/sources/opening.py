@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from matchset.app.live.feed import Feed, News
+from matchset.app.live.files.file_feed import FileFeed
+from matchset.app.live.files.frame_list import StampedVideo
 from matchset.app.live.piloting.flight_feed import simulated_flight
 from matchset.app.live.sources.demo_clip import demo_clip
 from matchset.app.live.sources.found_sources import CHAIN, DEMO, Source
 from matchset.app.live.vision.camera_feed import CameraFeed
-from matchset.app.live.vision.paced_video import PacedVideo
 from matchset.camera.camera_model import CameraModel
+from matchset.image.video import Video
 
 
 class Opening(NamedTuple):
@@ -51,9 +53,12 @@ def open_feed(source: Source, opening: Opening) -> Feed:
 
 
 def _video(title: str, origin: str, opening: Opening) -> Feed:
-    feed = CameraFeed(title, lambda: PacedVideo(origin), opening.news, opening.note)
-    beside = Path(origin).with_suffix(".toml")
-    if not re.fullmatch(r"\d+|[A-Za-z][\w+.-]*://.*", origin) and beside.is_file():
-        feed.vision.camera = CameraModel.load(beside)
+    path = Path(origin)
+    if re.fullmatch(r"\d+|(?!file:)[A-Za-z][\w+.-]*://.*", origin) or path.is_char_device():
+        return CameraFeed(title, lambda: Video(origin), opening.news, opening.note)
+    feed = FileFeed(title, lambda: StampedVideo(origin), opening.news, opening.note)
+    beside = path.with_suffix(".toml")
+    if beside.is_file():
+        feed.use(CameraModel.load(beside))
         opening.note(f"the camera is that of {beside.name}, beside the video")
     return feed

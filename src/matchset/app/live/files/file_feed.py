@@ -1,0 +1,150 @@
+"""A recorded video as a feed: `FileFeed`."""
+
+import threading
+from collections.abc import Callable
+
+from matchset.app.closing import close_all
+from matchset.app.live.feed import Feed, News, Seen
+from matchset.app.live.files.exact_reader import DEFAULT, ExactReader, KeptPictures, ReaderParameters
+from matchset.app.live.files.exports import Exports
+from matchset.app.live.files.frame_list import FrameList, StampedVideo
+from matchset.app.live.files.panel import FilePanel
+from matchset.app.live.files.player import Player
+from matchset.app.live.files.tracking import FileTracking
+from matchset.app.live.targets.messages import Outline, Pick, Wish
+from matchset.app.live.targets.panel import TargetsPanel
+from matchset.app.live.wire.state import State
+from matchset.camera.camera_model import CameraModel
+from matchset.image.frame import Frame
+
+
+class FileFeed(Feed):
+    """Shows a file, and tracks in it what is clicked.
+
+    It is read once from begin to end in the background, to know every frame. The player, the tracker and what writes
+    films each read it anew, with bounded memory (`ReaderParameters`), however long it is.
+
+    Parameters
+    ----------
+    title : str
+    open_source : callable
+        Opens the file; called several times, in several threads.
+    news : callable
+        Told of each picture.
+    note : callable
+        Told what a person should know.
+    parameters : ReaderParameters, optional
+
+    Attributes
+    ----------
+    seen : Seen
+    length : int or None
+        Frames that the file announces.
+    frames : FrameList
+    player : Player
+    tracking : FileTracking
+    exports : Exports
+
+    Raises
+    ------
+    ValueError
+        If it is no video, or cannot be read.
+    """
+
+    kind = "file"
+
+    def __init__(
+        self,
+        title: str,
+        open_source: Callable[[], StampedVideo],
+        news: News,
+        note: Callable[[str], None],
+        parameters: ReaderParameters = DEFAULT,
+    ) -> None:
+        self.title, self._open, self._news, self._note = title, open_source, news, note
+        with open_source() as video:
+            self.length, self._fps, self._size = video.length, video.fps, (video.width, video.height)
+        self.seen = Seen(None, State(0, 0, 0.0, 0, 0, live=False))
+        self.frames = FrameList()
+
+        def reader() -> ExactReader:
+            return ExactReader(open_source, self.frames, parameters)
+
+        self._reader = reader()
+        self.player = Player(KeptPictures(self._reader, parameters), self.frames, self)
+        self.tracking = FileTracking(reader(), self.frames, self.player.place_of, note)
+        self.tracking.size = self._size
+        self.exports = Exports(reader, self.frames, note)
+        self.exports.fps = self._fps
+        self._described, self._stop = -1, threading.Event()
+        self.streams = (self,)
+        self.panels = (TargetsPanel(self.ask), FilePanel(self))
+        self._thread = threading.Thread(target=self._read_all, name="matchset frames", daemon=True)
+        self._thread.start()
+        self.player.start()
+
+    def ask(self, wish: Wish) -> None:
+        """Ask for something; the first click on a video that nobody has moved yet begins to play it."""
+        self.tracking.ask(wish)
+        if isinstance(wish, Pick | Outline) and not self.player.touched:
+            self.player.play()
+
+    @property
+    def camera(self) -> CameraModel | None:
+        """What is known of the camera that filmed it."""
+        return self.tracking.camera
+
+    def use(self, camera: CameraModel | None) -> None:
+        """Use another camera model, for what was found and what will be; None: it is not known."""
+        self.tracking.locate(camera)
+
+    def show(self, frame: Frame, place: int, sequence: int) -> None:
+        """Show a frame, with what is known of it; called by the player."""
+        self._described = self.tracking.version
+        height, width = frame.image.shape[:2]
+        targets = [target.state(place) for target in self.tracking.targets.values()]
+        state = State(
+            sequence,
+            frame.index,
+            frame.time,
+            width,
+            height,
+            targets=targets,
+            camera_fps=self._fps,
+            fps=self.tracking.rate,
+            live=False,
+        )
+        self.seen = Seen(frame, state)
+        self._news(0)
+
+    def is_old(self, place: int) -> bool:
+        """Whether something else is known of the frame that is shown; called by the player."""
+        version = self.tracking.version
+        if version == self._described:
+            return False
+        self._described = version
+        return [target.state(place) for target in self.tracking.targets.values()] != self.seen.state.targets
+
+    def fail(self, words: str) -> None:
+        """Say what is wrong; called by the player."""
+        self._note(words)
+
+    def close(self) -> None:
+        """End all threads, and close the file."""
+        self._stop.set()
+        close_all(self._thread.join, self.player.close, self.tracking.close, self.exports.close, self._reader.close)
+
+    def _read_all(self) -> None:
+        """Read the file once, to know every frame."""
+        try:
+            with self._open() as video:
+                for frame in video:
+                    self.frames.append(frame, video.stamp)
+                    if self._stop.is_set():
+                        return
+                for words in video.warnings:
+                    self._note(words)
+        except (ValueError, OSError) as error:
+            self._note(f"{error}: the video ends there")
+        finally:
+            self.frames.complete = True

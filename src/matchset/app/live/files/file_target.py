@@ -1,0 +1,162 @@
+"""A target of a recorded video with what was found of it in each frame: `FileTarget`."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from matchset.app.live.files.messages import Correct
+from matchset.app.live.targets.messages import Outline, Pick
+from matchset.app.live.targets.target import OUTLINE_POINTS, _flat
+from matchset.app.live.wire.state import TargetState
+from matchset.camera.camera_model import CameraModel
+from matchset.localization.ball_target import BallTarget
+from matchset.localization.localizer import Localizer
+from matchset.localization.pose import Pose
+from matchset.shapes.circle import Circle
+from matchset.shapes.shape import outline
+from matchset.tracking.track import Lost, Track
+
+Answer = Track[Any] | Lost[Any]
+UNKNOWN, FOUND, LOST = range(3)  # format: what is known of a frame; the larger one wins where a column holds several
+
+
+class FileTarget:
+    """What was found of a target, by the places of the frames.
+
+    A person says where the target is in some frames, by clicks. From each click it is followed forward up to the next
+    one, and from the first one backward as well.
+
+    Parameters
+    ----------
+    number : int
+    begin : Pick or Outline
+        The first click.
+    place : int
+        Of the frame in which it was.
+
+    Attributes
+    ----------
+    clicks : dict of int to Pick or Outline
+        By the place of their frames.
+    version : int
+        Changes whenever something else is known.
+    diameter : float or None
+        m
+    localizer : Localizer or None
+    """
+
+    def __init__(self, number: int, begin: Pick | Outline, place: int) -> None:
+        self.number, self.shape, self.name = number, begin.shape, f"{begin.shape} {number}"
+        self.clicks: dict[int, Pick | Outline] = {place: begin}
+        self._answers: dict[int, Answer] = {}
+        self._codes = bytearray()
+        self.version = 0
+        self.camera: CameraModel | None = None
+        self.diameter: float | None = None
+        self.localizer: Localizer | None = None
+
+    def correct(self, correction: Correct, place: int) -> None:
+        """Take another click; what was found in the frames that it decides is forgotten."""
+        click = Pick(correction.sequence, correction.x, correction.y, self.shape)
+        first = place < min(self.clicks)
+        self.clicks = {**self.clicks, place: click}
+        after = [other for other in self.clicks if other > place]
+        self._forget(0 if first else place, min(after, default=len(self._codes)))
+
+    def decides(self, click: int, place: int) -> bool:
+        """Whether the click in one frame decides what is found in another one."""
+        before = [other for other in self.clicks if other <= place]
+        return click == max(before, default=min(self.clicks))
+
+    def put(self, place: int, answer: Answer) -> None:
+        """Keep what was found in a frame."""
+        if place >= len(self._codes):
+            self._codes.extend(bytes(place + 1 - len(self._codes)))
+        self._answers[place] = answer
+        self._codes[place] = LOST if isinstance(answer, Lost) else FOUND
+        self.version += 1
+
+    def _forget(self, begin: int, end: int) -> None:
+        for place in range(begin, min(end, len(self._codes))):
+            self._answers.pop(place, None)
+            self._codes[place] = UNKNOWN
+        self.version += 1
+
+    def answer(self, place: int) -> Answer | None:
+        """Return what was found in a frame; None if that is not known yet."""
+        return self._answers.get(place)
+
+    @property
+    def codes(self) -> bytes:
+        """UNKNOWN, FOUND or LOST by place; may end early."""
+        return bytes(self._codes)
+
+    @property
+    def known(self) -> int:
+        """In how many frames it is known."""
+        return len(self._answers)
+
+    def locate(self, camera: CameraModel | None, diameter: float | None) -> None:
+        """Set what is known of camera and target, m; None: not known. What was found before is located as well."""
+        self.camera, self.diameter = camera, diameter
+        self.localizer = self.new_localizer()
+        self.version += 1
+
+    def new_localizer(self) -> Localizer | None:
+        """Make a localizer for another thread; None if diameter or camera are not known."""
+        if self.camera is None or self.diameter is None or self.shape != "circle":
+            return None
+        return Localizer(self.camera, BallTarget(diameter=self.diameter))
+
+    def last_found(self, place: int) -> int | None:
+        """Return the place of the last frame up to this one in which it was found."""
+        found = self._codes.rfind(FOUND, 0, place + 1)
+        return None if found < 0 else found
+
+    def state(self, place: int) -> TargetState:
+        """Return what the page shows of it in a frame, for the thread of the player."""
+        answer = self.answer(place)
+        if isinstance(answer, Track):
+            return TargetState(
+                self.number,
+                self.name,
+                True,
+                values=answer.measured(),
+                outline=_flat(outline(answer.shape, OUTLINE_POINTS)),
+                match_set=_flat(answer.match_set),
+                support=float(answer.support),
+                position=self._position(answer),
+                diameter=self.diameter,
+            )
+        return TargetState(
+            self.number, self.name, False, reason=self._reason(answer), lost_for=self._lost_for(place, answer),
+            diameter=self.diameter,
+        )  # fmt: skip
+
+    def _reason(self, answer: Lost[Any] | None) -> str:
+        return "not tracked here yet" if answer is None else answer.reason
+
+    def _lost_for(self, place: int, answer: Lost[Any] | None) -> float:
+        last = self.last_found(place)
+        seen = None if last is None else self.answer(last)
+        return 0.0 if answer is None or seen is None else max(answer.time - seen.time, 0.0)
+
+    def _position(self, track: Track[Any]) -> dict[str, tuple[float, float | None]]:
+        localizer = self.localizer
+        pose = None if localizer is None or not isinstance(track.shape, Circle) else localizer.update(track)
+        if not isinstance(pose, Pose):
+            return {}
+        sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
+        along = pose.position / pose.distance
+        spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))
+        placed = dict(zip("xyz", zip(pose.position.tolist(), sigmas, strict=True), strict=True))
+        return {**placed, "distance": (pose.distance, spread)}
+
+    def found(self, count: int) -> Iterator[tuple[int, Answer]]:
+        """Yield the places before `count` at which it is known whether it was found, with the answers."""
+        for place in range(count):
+            answer = self.answer(place)
+            if answer is not None:
+                yield place, answer

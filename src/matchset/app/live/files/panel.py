@@ -1,0 +1,205 @@
+"""The panel of a recorded video: its buttons, its time line, its downloads (`FilePanel`)."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from matchset.app.live.feed import Panel
+from matchset.app.live.files.exports import Working, Written
+from matchset.app.live.files.file_target import FileTarget
+from matchset.app.live.files.frame_list import FrameList
+from matchset.app.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
+from matchset.app.live.wire.messages import Up
+
+if TYPE_CHECKING:
+    from matchset.app.live.files.file_feed import FileFeed
+
+
+class TimeLineParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How exact the time line is.
+
+    Parameters
+    ----------
+    columns : int
+        At most; a column of several frames shows a loss if there is one. More: finer, and more to send. Chosen by hand:
+        a wide screen.
+    """
+
+    columns: int = 1500
+
+
+class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Where a target was found.
+
+    Parameters
+    ----------
+    id : int
+    name : str
+    line : list of int
+        A code and for how many columns it holds, and so on: 0 not known yet, 1 found, 2 lost.
+    percent : float
+        Of the frames, how many are done.
+    found, lost : int
+        Frames.
+    """
+
+    id: int
+    name: str
+    line: list[int] = []
+    percent: float = 0.0
+    found: int = 0
+    lost: int = 0
+
+
+class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What the page shows of a recorded video.
+
+    Parameters
+    ----------
+    index : int
+        Of the frame that is shown.
+    last : int
+        Index of the last frame that was read; those after it are not known yet.
+    end : int
+        Index of the last frame there will be, as far as known.
+    time, duration : float
+        Of the frame that is shown, and of the last one, s.
+    complete : bool
+        Whether the file was read to its end.
+    playing : bool
+    speed : float
+    targets : list of TargetLine
+    rate : float or None
+        Frames per second that are tracked now.
+    left : float or None
+        Time until all is tracked, s.
+    working : Working or None
+        What is being written.
+    written : list of Written
+        What can be downloaded.
+    """
+
+    index: int
+    last: int
+    end: int
+    time: float
+    duration: float
+    complete: bool = False
+    playing: bool = False
+    speed: float = 1.0
+    targets: list[TargetLine] = []
+    rate: float | None = None
+    left: float | None = None
+    working: Working | None = None
+    written: list[Written] = []
+
+
+class FilePanel(Panel):
+    """Takes what the buttons say.
+
+    Parameters
+    ----------
+    feed : FileFeed
+    parameters : TimeLineParameters, optional
+    """
+
+    name = "file"
+    messages = MESSAGES
+
+    def __init__(self, feed: "FileFeed", parameters: TimeLineParameters | None = None) -> None:
+        self._feed, self._columns = feed, (parameters or TimeLineParameters()).columns
+        self._lines: dict[int, tuple[tuple[int, int, bool], TargetLine]] = {}
+
+    def take(self, message: Up, page: str) -> None:  # noqa: ARG002
+        """Do what a button says."""
+        player = self._feed.player
+        match message:
+            case Play():
+                player.play()
+            case Pause():
+                player.pause()
+            case Step():
+                player.step(message.frames)
+            case Seek():
+                player.seek(message.index)
+            case Speed():
+                player.set_speed(message.factor)
+            case Correct():
+                self._feed.tracking.ask(message)
+            case Export():
+                self._feed.exports.start(message, self._feed.tracking.targets)
+            case StopExport():
+                self._feed.exports.stop()
+
+    def state(self) -> FileState | None:
+        """Return where the player is, and what was found so far."""
+        feed, frames = self._feed, self._feed.frames
+        if not len(frames):
+            return None
+        shown, last = frames[feed.player.place], frames[len(frames) - 1]
+        end = last.index if frames.complete else max(last.index, (feed.length or 0) - 1)
+        targets, rate = list(feed.tracking.targets.values()), feed.tracking.rate
+        open_frames = sum(max(end + 1 - target.known, 0) for target in targets) if feed.tracking.busy else 0
+        return FileState(
+            index=shown.index,
+            last=last.index,
+            end=end,
+            time=round(shown.time, 6),
+            duration=round(last.time, 6),
+            complete=frames.complete,
+            playing=feed.player.playing,
+            speed=feed.player.speed,
+            targets=[self._line(target, end) for target in targets],
+            rate=rate,
+            left=open_frames / rate if rate and open_frames else None,
+            working=feed.exports.working,
+            written=feed.exports.written,
+        )
+
+    def downloads(self) -> dict[str, Path]:
+        """Return what was written."""
+        return self._feed.exports.paths
+
+    def _line(self, target: FileTarget, end: int) -> TargetLine:
+        key = target.version, end, self._feed.frames.complete
+        kept = self._lines.get(target.number)
+        if kept is None or kept[0] != key:
+            codes = by_index(target.codes, self._feed.frames, end)
+            line = run_lengths(columns(codes, self._columns))
+            counts = np.bincount(codes, minlength=3).tolist()
+            percent = 100.0 * target.known / max(len(self._feed.frames), 1) if end else 100.0
+            if not self._feed.frames.complete:
+                percent = 100.0 * target.known / (end + 1)
+            kept = key, TargetLine(target.number, target.name, line, round(percent, 1), counts[1], counts[2])
+            self._lines = {
+                number: each for number, each in self._lines.items() if number in self._feed.tracking.targets
+            }
+            self._lines[target.number] = kept
+        return kept[1]
+
+
+def by_index(codes: bytes, frames: FrameList, end: int) -> np.ndarray[tuple[int], np.dtype[np.uint8]]:
+    """Return the codes of a target by `Frame.index`, 0 ... end, from those by place."""
+    found = np.zeros(end + 1, np.uint8)
+    found[frames.indices(len(codes))] = np.frombuffer(codes, np.uint8)
+    return found
+
+
+def columns(
+    codes: np.ndarray[tuple[int], np.dtype[np.uint8]], most: int
+) -> np.ndarray[tuple[int], np.dtype[np.uint8]]:  # fmt: skip
+    """Reduce codes to a number of columns; the largest code of each counts."""
+    if len(codes) <= most:
+        return codes
+    begins = np.arange(most) * len(codes) // most
+    return np.maximum.reduceat(codes, begins)
+
+
+def run_lengths(codes: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> list[int]:
+    """Write codes as a code, how often it comes, the next code ..."""
+    changes = np.flatnonzero(np.diff(codes)) + 1
+    begins = np.concatenate(([0], changes, [len(codes)]))
+    pairs = np.stack((codes[begins[:-1]].astype(int), np.diff(begins)), axis=1)
+    return pairs.ravel().tolist()

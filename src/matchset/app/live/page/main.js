@@ -4,6 +4,7 @@ import { CameraPanel } from "./camera.js";
 import { CompilingPanel } from "./compiling.js";
 import { Curve, ViewFromAbove } from "./curves.js";
 import { FilePanel } from "./files.js";
+import { FlightPanel } from "./flight.js";
 import { Menu } from "./menu.js";
 import { PictureView } from "./picture.js";
 import { element, showReading } from "./reading.js";
@@ -30,8 +31,11 @@ let newest = null;
 let feed = null;
 let drawn = null;
 
+const flight = new FlightPanel(find("flight"), send);
+
 // Panels of the page by their names: each has `update(state)`, and is hidden while the server has none of its name.
 const panels = {
+  flight,
   compiling: new CompilingPanel(find("compiling")),
   sources: new Menu(send),
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
@@ -45,16 +49,18 @@ function receiveSession(session) {
   for (const [name, panel] of Object.entries(panels)) {
     const there = name in (session.panels || {});
     panel.root.hidden = !there;
-    if (there) panel.update(session.panels[name] || {});
+    if (there) panel.update(session.panels[name] || {}, session);
   }
+  document.body.classList.toggle("of-flight", flight.shown);
 }
 
 async function receive(packet) {
   if (packet.feed !== feed) startAgain(packet.feed);
-  if (!await picture.paint(packet)) { send({ type: "ack", sequence: packet.sequence }); return; }
+  if (flight.shown) return flight.receive(packet);
+  if (!await picture.paint(packet)) { send({ type: "ack", sequence: packet.sequence, stream: packet.stream }); return; }
   painted = performance.now();
   newest = packet;
-  requestAnimationFrame(() => send({ type: "ack", sequence: packet.sequence }));
+  requestAnimationFrame(() => send({ type: "ack", sequence: packet.sequence, stream: packet.stream }));
   const { state } = packet;
   const chosen = targets.update(state.targets || []);
   note(chosen, state.time);
@@ -65,6 +71,7 @@ async function receive(packet) {
 // Something else is shown from here on.
 function startAgain(next) {
   feed = next;
+  flight.restart();
   for (const curve of curves) curve.name = "";
   above.clear();
 }

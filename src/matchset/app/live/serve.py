@@ -5,8 +5,6 @@ import sys
 import webbrowser
 from pathlib import Path
 
-import uvicorn
-
 from matchset.app.exit_codes import FOUND, StopRequest
 from matchset.app.live.command import LiveOptions
 from matchset.app.live.compiling import CompilingPanel
@@ -25,6 +23,7 @@ from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
 
+SEND_BUFFER = 65536  # format: bytes that the system keeps of what a slow program has not read
 PORTS = 20  # format: ports that are tried, one after the other
 
 
@@ -51,8 +50,7 @@ def serve(options: LiveOptions) -> int:
     if options.browser:
         webbrowser.open(url)
     with StopRequest() as stop, listener, recorder, session, make_stage(options, desk, viewers):
-        config = uvicorn.Config(make_application(desk, viewers, guard), log_level="warning", access_log=False)
-        StoppableServer(config, stop, viewers.end).run([listener])
+        StoppableServer(make_application(desk, viewers, guard), stop, viewers.end).run([listener])
     return FOUND
 
 
@@ -89,6 +87,7 @@ def listen(host: str, port: int) -> tuple[socket.socket, int]:
     for number in range(port, port + PORTS):
         listener = socket.socket()
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         try:
             listener.bind((host, number))
         except OSError:

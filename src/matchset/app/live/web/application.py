@@ -1,6 +1,5 @@
 """The routes of the page's server: `make_application`. docs/live.md has them in a table."""
 
-import asyncio
 import contextlib
 import time
 from collections.abc import AsyncIterator
@@ -10,22 +9,20 @@ import msgspec
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
-from matchset.app.live.feed import Seen
 from matchset.app.live.web.guarded import Guarded
+from matchset.app.live.web.programs import ProgramRoutes, stream_number
 from matchset.app.live.web.security import Guard
-from matchset.app.live.web.viewer import Desk, Viewer, Viewers
+from matchset.app.live.web.viewer import FULL, TOO_MANY, Desk, Viewer, Viewers
 from matchset.app.live.wire.flow import SIZES
 from matchset.app.live.wire.messages import LONGEST
-from matchset.app.live.wire.state import written
 
 PAGE = Path(__file__).resolve().parents[1] / "page"
 UPLOAD = 65536  # format: bytes of a file that a page sends; a camera file has some 3000
-PERIOD = 0.01  # format: s between two looks for a new picture, for programs
 
 
 def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
@@ -38,7 +35,7 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
         Those that are told of new pictures.
     guard : Guard
     """
-    routes = _Routes(desk, viewers)
+    routes, programs = _Routes(desk, viewers), ProgramRoutes(desk.session, viewers)
 
     @contextlib.asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -49,11 +46,11 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
     return Starlette(
         routes=[
             WebSocketRoute("/ws", routes.page),
-            WebSocketRoute("/states", routes.states),
-            Route("/events", routes.events),
+            WebSocketRoute("/states", programs.states),
+            Route("/events", programs.events),
             Route("/state.json", routes.state),
             Route("/frame.jpg", routes.frame),
-            Route("/do/{type}", routes.do, methods=["POST"]),
+            Route("/do/{type}", routes.do, methods=["POST", "GET"]),
             Route("/upload/{kind}", routes.upload, methods=["POST"]),
             Route("/download/{name:path}", routes.download),
             Mount("/", StaticFiles(directory=PAGE, html=True)),
@@ -73,7 +70,9 @@ class _Routes:
         """Serve a page's socket."""
         await websocket.accept()
         viewer = Viewer(websocket, self._desk)
-        self._viewers.add(viewer)
+        if not self._viewers.add(viewer):
+            await websocket.close(TOO_MANY, FULL)
+            return
         for number, stream in enumerate(self._desk.session.streams):
             viewer.offer(number, stream.seen)
         try:
@@ -81,22 +80,6 @@ class _Routes:
         finally:
             self._viewers.remove(viewer)
             self._desk.session.left(viewer.name)
-
-    async def states(self, websocket: WebSocket) -> None:
-        """Send the state of each picture of a stream as a line of JSON."""
-        await websocket.accept()
-        with contextlib.suppress(WebSocketDisconnect):
-            async for seen in self._each(int(websocket.query_params.get("stream", "0"))):
-                await websocket.send_text(written(seen.state).decode())
-
-    async def events(self, request: Request) -> Response:
-        """Send the same as server-sent events."""
-
-        async def lines() -> AsyncIterator[bytes]:
-            async for seen in self._each(int(request.query_params.get("stream", "0"))):
-                yield b"data: " + written(seen.state) + b"\n\n"
-
-        return StreamingResponse(lines(), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
 
     async def state(self, _: Request) -> Response:
         """Answer what is shown now."""
@@ -106,19 +89,26 @@ class _Routes:
 
     async def frame(self, request: Request) -> Response:
         """Answer the newest picture as JPEG."""
-        number, streams = request.query_params.get("stream", "0"), self._desk.session.streams
-        if not number.isdecimal() or int(number) >= len(streams):
-            return PlainTextResponse(f"there is no stream {number!r} now", 404)
-        seen = streams[int(number)].seen
+        streams = self._desk.session.streams
+        number = stream_number(request.query_params, len(streams))
+        if isinstance(number, Response):
+            return number
+        if not streams:
+            return PlainTextResponse("nothing is shown now", 503)
+        seen = streams[number].seen
         if seen.frame is None:
             return PlainTextResponse(seen.state.fault or "no picture yet", 503)
-        key = int(number), seen.state.sequence
+        key = number, seen.state.sequence
         data = await self._desk.pictures.picture(key, seen.frame.image, SIZES[0])
-        age = f"{time.monotonic() - seen.state.time:.4f}"
-        return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store", "X-Age": age})
+        headers = {"Cache-Control": "no-store"}
+        if seen.state.live:
+            headers["X-Age"] = f"{time.monotonic() - seen.state.time:.4f}"
+        return Response(data, media_type="image/jpeg", headers=headers)
 
     async def do(self, request: Request) -> Response:
         """Do what a button does; the fields of the message are the body, JSON."""
+        if request.method != "POST":
+            return JSONResponse({"error": "what changes something must be POST"}, 405, {"Allow": "POST"})
         body = b""
         async for part in request.stream():
             body += part
@@ -151,14 +141,3 @@ class _Routes:
         if path is None or not path.is_file():
             return PlainTextResponse("there is no such file", 404)
         return FileResponse(path, filename=path.name)
-
-    async def _each(self, number: int) -> AsyncIterator[Seen]:
-        """Each new picture of a stream, while there is such a stream; the newest if some come at once."""
-        last: Seen | None = None
-        while True:
-            streams = self._desk.session.streams
-            seen = streams[number].seen if 0 <= number < len(streams) else last
-            if seen is not None and seen is not last:
-                last = seen
-                yield seen
-            await asyncio.sleep(PERIOD)

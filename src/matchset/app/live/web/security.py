@@ -71,7 +71,10 @@ class Guard:
         """Whether a request comes from this server's own page, or from a program, which tells no origin."""
         if origin is None:
             return True
-        parts = urlsplit(origin)
+        try:
+            parts = urlsplit(origin)
+        except ValueError:
+            return False
         return parts.scheme == "http" and host is not None and parts.netloc.lower() == host.lower()
 
     def session_for(self, token: str) -> str | None:

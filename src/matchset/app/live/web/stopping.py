@@ -5,8 +5,10 @@ import socket
 from collections.abc import Callable, Iterator
 
 import uvicorn
+from starlette.applications import Starlette
 
 from matchset.app.exit_codes import StopRequest
+from matchset.app.live.wire.messages import LONGEST
 
 PATIENCE = 1  # format: s until sessions and downloads that do not end are cut
 
@@ -16,15 +18,23 @@ class StoppableServer(uvicorn.Server):
 
     Parameters
     ----------
-    config : uvicorn.Config
+    application : Starlette
     stop : StopRequest
         Entered: it catches the signals, which uvicorn would raise again at the end, before files are closed.
     end : callable
         Ends what would go on for ever; called in the event loop.
     """
 
-    def __init__(self, config: uvicorn.Config, stop: StopRequest, end: Callable[[], None]) -> None:
-        config.timeout_graceful_shutdown = PATIENCE
+    def __init__(self, application: Starlette, stop: StopRequest, end: Callable[[], None]) -> None:
+        config = uvicorn.Config(
+            application,
+            log_level="warning",
+            access_log=False,  # addresses hold the token
+            proxy_headers=False,
+            server_header=False,
+            ws_max_size=LONGEST,
+            timeout_graceful_shutdown=PATIENCE,
+        )
         super().__init__(config)
         self._stop, self._end = stop, end
 

@@ -1,9 +1,10 @@
 """One page that looks: sends it the newest pictures, takes what it says (`Viewer`); all of them: `Viewers`."""
 
 import asyncio
+import contextlib
 import itertools
 import time
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -16,6 +17,8 @@ from matchset.app.live.wire.packet import FEEDS, Packet, pack
 from matchset.app.live.wire.pictures import Pictures
 from matchset.app.live.wire.state import written
 
+TOO_MANY = 4429  # format: the code with which a session is closed that is one too many
+FULL = "as many pages as may look already do"
 NONSENSE = 4400  # format: the code with which a session is closed that says nonsense
 SESSION_PERIOD = 0.1  # format: s between two looks whether the state of the session has changed
 
@@ -68,6 +71,7 @@ class Viewer:
     """
 
     _names = itertools.count(1)
+    is_page = True
 
     def __init__(self, socket: WebSocket, desk: Desk) -> None:
         self.name = f"page {next(self._names)}"
@@ -101,6 +105,7 @@ class Viewer:
         finally:
             for task in tasks:
                 task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _send(self) -> None:
         while True:
@@ -138,9 +143,11 @@ class Viewer:
 
     async def _receive(self) -> None:
         while True:
-            data = await self._socket.receive_text()
+            data = await self._socket.receive()
+            if data["type"] == "websocket.disconnect":
+                return
             try:
-                message = self._desk.reader.read(data)
+                message = self._desk.reader.read(data.get("text") or data.get("bytes") or "")
             except ValueError as error:
                 await self._socket.close(NONSENSE, str(error)[:100])
                 return
@@ -155,11 +162,50 @@ class Viewer:
                 self._desk.session.note(str(error))
 
 
-class Viewers:
-    """All pages that look."""
+class Told(Protocol):
+    """Who is told of new pictures: a page or a program. All is called in the event loop, and nothing waits."""
 
-    def __init__(self) -> None:
-        self._viewers: set[Viewer] = set()
+    is_page: bool
+
+    def offer(self, stream: int, seen: Seen) -> None:
+        """Tell that there is a new picture of a stream."""
+        ...
+
+    def restart(self) -> None:
+        """Tell that other streams are shown from here on."""
+        ...
+
+    def end(self) -> None:
+        """Tell that the server ends."""
+        ...
+
+
+class ViewersParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How many may look at a time; more cost the loop of the camera processor time.
+
+    Parameters
+    ----------
+    pages : int
+        Chosen by hand: a class of pupils with a page each would be slow on the smallest computers.
+    programs : int
+        Chosen by hand: more than one project has.
+    """
+
+    pages: int = 16
+    programs: int = 16
+
+
+class Viewers:
+    """All pages and programs that look.
+
+    Parameters
+    ----------
+    parameters : ViewersParameters, optional
+    """
+
+    def __init__(self, parameters: ViewersParameters | None = None) -> None:
+        self._parameters = parameters or ViewersParameters()
+        self._viewers: set[Told] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def begin(self) -> None:
@@ -168,13 +214,17 @@ class Viewers:
 
     def tell(self, stream: int, seen: Seen) -> None:
         """Tell all that there is a new picture; from any thread, and never waits."""
-        if self._loop is not None and self._viewers:
-            self._loop.call_soon_threadsafe(self._offer, stream, seen)
+        loop = self._loop
+        if loop is not None and self._viewers:
+            with contextlib.suppress(RuntimeError):  # the loop has been closed since
+                loop.call_soon_threadsafe(self._offer, stream, seen)
 
     def restart(self, session: Session, pictures: Pictures) -> None:
         """Tell all that other streams are shown, whose pictures have the same numbers; from any thread."""
-        if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._restart, session, pictures)
+        loop = self._loop
+        if loop is not None:
+            with contextlib.suppress(RuntimeError):
+                loop.call_soon_threadsafe(self._restart, session, pictures)
 
     def _offer(self, stream: int, seen: Seen) -> None:
         for viewer in self._viewers:
@@ -188,16 +238,21 @@ class Viewers:
                 viewer.offer(number, stream.seen)
 
     def end(self) -> None:
-        """Tell all that the server ends; in the event loop."""
+        """Tell all that the server ends; in the event loop. Nobody is told anything afterwards."""
+        self._loop = None
         for viewer in self._viewers:
             viewer.end()
 
-    def add(self, viewer: Viewer) -> None:
-        """Add a page."""
+    def add(self, viewer: Told) -> bool:
+        """Add a page or a program; False if as many look as may."""
+        most = self._parameters.pages if viewer.is_page else self._parameters.programs
+        if sum(each.is_page == viewer.is_page for each in self._viewers) >= most:
+            return False
         self._viewers.add(viewer)
+        return True
 
-    def remove(self, viewer: Viewer) -> None:
-        """Forget a page."""
+    def remove(self, viewer: Told) -> None:
+        """Forget a page or a program."""
         self._viewers.discard(viewer)
 
     def __len__(self) -> int:

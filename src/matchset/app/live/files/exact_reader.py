@@ -288,6 +288,9 @@ class KeptPictures:
         self._kept.move_to_end(place)
         return self._kept[place]
 
+    def __len__(self) -> int:
+        return len(self._kept)
+
     def _keep(self, place: int, frame: Frame) -> None:
         self._kept[place] = frame
         self._kept.move_to_end(place)

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable
 
 from matchset.app.closing import close_all
+from matchset.app.live.camera.camera_panel import CameraPanel
 from matchset.app.live.feed import Feed, News, Seen
 from matchset.app.live.files.exact_reader import DEFAULT, ExactReader, KeptPictures, ReaderParameters
 from matchset.app.live.files.exports import Exports
@@ -78,7 +79,8 @@ class FileFeed(Feed):
         self.exports.fps = self._fps
         self._described, self._stop = -1, threading.Event()
         self.streams = (self,)
-        self.panels = (TargetsPanel(self.ask), FilePanel(self))
+        self._camera = CameraPanel(self, note)
+        self.panels = (TargetsPanel(self.ask), self._camera, FilePanel(self))
         self._thread = threading.Thread(target=self._read_all, name="matchset frames", daemon=True)
         self._thread.start()
         self.player.start()
@@ -96,7 +98,7 @@ class FileFeed(Feed):
 
     def use(self, camera: CameraModel | None) -> None:
         """Use another camera model, for what was found and what will be; None: it is not known."""
-        self.tracking.locate(camera)
+        self.tracking.use(camera)
 
     def show(self, frame: Frame, place: int, sequence: int) -> None:
         """Show a frame, with what is known of it; called by the player."""
@@ -114,7 +116,9 @@ class FileFeed(Feed):
             fps=self.tracking.rate,
             live=False,
         )
-        self.seen = Seen(frame, state)
+        poses = {target.number: target.pose(place) for target in self.tracking.targets.values()}
+        known = {number: pose for number, pose in poses.items() if pose is not None}
+        self.seen = Seen(frame, state, known, self.tracking.camera)
         self._news(0)
 
     def is_old(self, place: int) -> bool:
@@ -123,6 +127,8 @@ class FileFeed(Feed):
         if version == self._described:
             return False
         self._described = version
+        if self.seen.camera is not self.tracking.camera:
+            return True
         return [target.state(place) for target in self.tracking.targets.values()] != self.seen.state.targets
 
     def fail(self, words: str) -> None:
@@ -132,7 +138,14 @@ class FileFeed(Feed):
     def close(self) -> None:
         """End all threads, and close the file."""
         self._stop.set()
-        close_all(self._thread.join, self.player.close, self.tracking.close, self.exports.close, self._reader.close)
+        close_all(
+            self._camera.close,
+            self._thread.join,
+            self.player.close,
+            self.tracking.close,
+            self.exports.close,
+            self._reader.close,
+        )
 
     def _read_all(self) -> None:
         """Read the file once, to know every frame."""

@@ -14,7 +14,6 @@ from matchset.camera.camera_model import CameraModel
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
-from matchset.shapes.circle import Circle
 from matchset.shapes.shape import outline
 from matchset.tracking.track import Lost, Track
 
@@ -127,7 +126,7 @@ class FileTarget:
                 outline=_flat(outline(answer.shape, OUTLINE_POINTS)),
                 match_set=_flat(answer.match_set),
                 support=float(answer.support),
-                position=self._position(answer),
+                position=_position(self.pose(place)),
                 diameter=self.diameter,
             )
         return TargetState(
@@ -143,16 +142,10 @@ class FileTarget:
         seen = None if last is None else self.answer(last)
         return 0.0 if answer is None or seen is None else max(answer.time - seen.time, 0.0)
 
-    def _position(self, track: Track[Any]) -> dict[str, tuple[float, float | None]]:
-        localizer = self.localizer
-        pose = None if localizer is None or not isinstance(track.shape, Circle) else localizer.update(track)
-        if not isinstance(pose, Pose):
-            return {}
-        sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
-        along = pose.position / pose.distance
-        spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))
-        placed = dict(zip("xyz", zip(pose.position.tolist(), sigmas, strict=True), strict=True))
-        return {**placed, "distance": (pose.distance, spread)}
+    def pose(self, place: int) -> "Pose | Lost[Pose] | None":
+        """Return where it is in a frame, for the thread of the player; None: not known, or nothing to know it from."""
+        localizer, answer = self.localizer, self.answer(place)
+        return None if localizer is None or answer is None else localizer.update(answer)
 
     def found(self, count: int) -> Iterator[tuple[int, Answer]]:
         """Yield the places before `count` at which it is known whether it was found, with the answers."""
@@ -160,3 +153,13 @@ class FileTarget:
             answer = self.answer(place)
             if answer is not None:
                 yield place, answer
+
+
+def _position(pose: "Pose | Lost[Pose] | None") -> dict[str, tuple[float, float | None]]:
+    if not isinstance(pose, Pose):
+        return {}
+    sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
+    along = pose.position / pose.distance
+    spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))
+    placed = dict(zip("xyz", zip(pose.position.tolist(), sigmas, strict=True), strict=True))
+    return {**placed, "distance": (pose.distance, spread)}

@@ -228,7 +228,7 @@ class FileTracking(Closing):
         if isinstance(wish, Pick | Outline):
             self._begin(wish)
         elif isinstance(wish, FieldOfView):
-            self.locate(CameraModel.from_fov(*self.size, wish.angle))
+            self.use(CameraModel.from_fov(*self.size, wish.angle))
         else:
             target = self._target(wish.target)
             if isinstance(wish, Correct):
@@ -238,9 +238,10 @@ class FileTracking(Closing):
             else:
                 target.locate(self.camera, wish.meters)
 
-    def locate(self, camera: CameraModel | None) -> None:
-        """Take another camera model."""
+    def use(self, camera: CameraModel | None) -> None:
+        """Take another camera model; from any thread."""
         self.camera = camera
+        self._changes += 1
         for target in self.targets.values():
             target.locate(camera, target.diameter)
 

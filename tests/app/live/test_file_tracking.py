@@ -1,0 +1,247 @@
+"""A click in the middle of a video is followed to both ends, as trackers by hand would."""
+
+import csv
+import math
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+import matchset as ms
+from matchset.app.live.files.file_feed import FileFeed
+from matchset.app.live.files.file_target import FOUND, LOST, UNKNOWN
+from matchset.app.live.files.frame_list import StampedVideo
+from matchset.app.live.files.messages import Correct, Export, Seek
+from matchset.app.live.files.panel import columns, run_lengths
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Pick
+from matchset.app.locate.rows import read_poses
+from matchset.app.track.rows import read_tracks
+
+FRAMES, WIDTH, HEIGHT = 60, 320, 240
+GONE = range(40, 46)  # frames in which the ball is hidden
+CLICK = 25
+
+
+def center(index: int) -> tuple[float, float]:
+    return 160.0 + 90.0 * math.sin(0.09 * (index - 30)), 120.0 + 0.5 * index
+
+
+def other(index: int) -> tuple[float, float]:
+    return 40.0, 60.0 + index
+
+
+def picture(index: int) -> Any:
+    image = np.random.default_rng(index).integers(85, 95, (HEIGHT, WIDTH, 3)).astype(np.uint8)
+    balls = [(other(index), 14.0, (40, 160, 60))]
+    if index not in GONE:
+        balls.append((center(index), 22.0, (200, 60, 30)))
+    for (x, y), radius, color in balls:
+        cv2.circle(image, (round(16 * x), round(16 * y)), round(16 * radius), color, cv2.FILLED, cv2.LINE_AA, 4)
+    return image
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    video = tmp_path_factory.mktemp("video") / "ball.avi"
+    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (WIDTH, HEIGHT))
+    for index in range(FRAMES):
+        writer.write(picture(index))
+    writer.release()
+    return video
+
+
+@pytest.fixture
+def notes() -> list[str]:
+    return []
+
+
+@pytest.fixture
+def feed(path: Path, notes: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[FileFeed]:
+    monkeypatch.chdir(tmp_path)
+    with FileFeed("ball.avi", lambda: StampedVideo(path), lambda _: None, notes.append) as made:
+        wait(lambda: made.frames.complete and made.seen.frame is not None)
+        yield made
+
+
+def wait(condition: Callable[[], object], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "not in time"
+        time.sleep(0.005)
+
+
+def go(feed: FileFeed, index: int) -> int:
+    """Show a frame; returns the number of its picture."""
+    feed.panels[-1].take(Seek(index), "")
+    wait(lambda: feed.seen.state.index == index)
+    return feed.seen.state.sequence
+
+
+def tracked(feed: FileFeed, count: int = 1) -> None:
+    wait(lambda: len(feed.tracking.targets) == count and not feed.tracking.busy)
+
+
+def by_hand(path: Path, click: int, backward: bool) -> dict[int, Any]:
+    """What a tracker finds from the click on, by index."""
+    with ms.Video(path) as video:
+        frames = list(video)
+    start = frames[click]
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(start.image, *center(click)), start=center(click))
+    ways = frames[click::-1] if backward else frames[click:]
+    mirrored = [ms.Frame(each.image, 2 * start.time - each.time, each.index) if backward else each for each in ways]
+    return {frame.index: tracker.update(frame) for frame in mirrored}
+
+
+def test_forward_and_backward_are_what_trackers_by_hand_find(feed: FileFeed, path: Path) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    target = feed.tracking.targets[1]
+    forward, backward = by_hand(path, CLICK, False), by_hand(path, CLICK, True)
+    for place in range(FRAMES):
+        answer, right = target.answer(place), (backward if place < CLICK else forward)[place]
+        assert type(answer) is type(right)
+        assert answer is not None
+        assert answer.time == feed.frames[place].time
+        if isinstance(right, ms.Track):
+            assert answer.shape == right.shape
+            assert math.dist((right.shape.x, right.shape.y), center(place)) < 0.5
+    found = [place for place in range(FRAMES) if isinstance(target.answer(place), ms.Track)]
+    assert found == [place for place in range(FRAMES) if place not in GONE]
+
+
+def test_the_page_is_told_at_once_of_any_frame(feed: FileFeed) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    for index in (0, 59, 12):
+        go(feed, index)
+        wait(lambda: feed.seen.state.targets)
+        (state,) = feed.seen.state.targets
+        assert state.found
+        assert math.dist((state.values["x"][0], state.values["y"][0]), center(index)) < 0.5
+    go(feed, GONE[2])
+    (state,) = feed.seen.state.targets
+    assert not state.found
+    assert state.reason
+    assert state.lost_for == pytest.approx(3 / 30.0, abs=1e-3)
+    panel = feed.panels[-1].state()
+    assert panel.targets[0].line == [FOUND, 40, LOST, 6, FOUND, 14]
+    assert (panel.targets[0].percent, panel.targets[0].found, panel.targets[0].lost) == (100.0, 54, 6)
+
+
+def test_a_correction_counts_from_its_frame_on(feed: FileFeed) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    target = feed.tracking.targets[1]
+    before = [target.answer(place) for place in range(FRAMES)]
+    feed.ask(Correct(1, go(feed, 50), *other(50)))
+    wait(lambda: len(target.clicks) == 2 and not feed.tracking.busy)
+    assert [target.answer(place) for place in range(50)] == before[:50]
+    for place in range(50, FRAMES):
+        answer = target.answer(place)
+        assert isinstance(answer, ms.Track)
+        assert math.dist((answer.shape.x, answer.shape.y), other(place)) < 0.5
+    feed.ask(Correct(1, go(feed, 10), *other(10)))  # before the first click: up to there, and back to the beginning
+    wait(lambda: len(target.clicks) == 3 and not feed.tracking.busy)
+    for place in range(CLICK):
+        answer = target.answer(place)
+        assert isinstance(answer, ms.Track)
+        assert math.dist((answer.shape.x, answer.shape.y), other(place)) < 0.5
+    assert [target.answer(place) for place in range(CLICK, 50)] == before[CLICK:50]
+
+
+def test_several_targets_one_is_dropped(feed: FileFeed) -> None:
+    sequence = go(feed, CLICK)
+    feed.ask(Pick(sequence, *center(CLICK)))
+    feed.ask(Pick(sequence, *other(CLICK)))
+    tracked(feed, 2)
+    assert [line.percent for line in feed.panels[-1].state().targets] == [100.0, 100.0]
+    feed.ask(Drop(1))
+    wait(lambda: list(feed.tracking.targets) == [2])
+    wait(lambda: [state.id for state in feed.seen.state.targets] == [2])
+
+
+def test_diameter_and_view_locate_what_was_found_before(feed: FileFeed, path: Path) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    feed.ask(FieldOfView(1.0))
+    feed.ask(Diameter(1, 0.28))
+    wait(lambda: feed.seen.state.targets[0].position)
+    camera = ms.CameraModel.from_fov(WIDTH, HEIGHT, 1.0)
+    pose = ms.Localizer(camera, ms.BallTarget(diameter=0.28)).update(by_hand(path, CLICK, False)[CLICK])
+    assert feed.seen.state.targets[0].position["z"][0] == pytest.approx(pose.position[2])
+    assert feed.seen.poses[1].position == pytest.approx(pose.position)
+    assert feed.seen.camera is not None
+    feed.ask(Diameter(1, 0.14))
+    wait(lambda: feed.seen.state.targets[0].position["z"][0] < 0.6 * pose.position[2])
+
+
+def test_a_click_on_nothing_is_given_up_and_said(feed: FileFeed, notes: list[str]) -> None:
+    feed.ask(Pick(go(feed, 0), 300.0, 10.0))
+    wait(lambda: notes and not feed.tracking.targets)
+    feed.ask(Pick(go(feed, 0), 1000.0, 10.0))
+    wait(lambda: len(notes) > 1)
+    assert "outside" in notes[1]
+    feed.ask(Pick(10**6, 10.0, 10.0))
+    wait(lambda: len(notes) > 2)
+    assert "click again" in notes[2]
+
+
+def test_a_thousand_clicks_do_no_harm(feed: FileFeed, notes: list[str]) -> None:
+    sequence = go(feed, CLICK)
+    for _ in range(1000):
+        feed.ask(Pick(sequence, *center(CLICK)))
+    wait(lambda: not feed.tracking.busy)
+    assert len(feed.tracking.targets) == 8
+    assert any("drop one first" in words or "too many clicks" in words for words in notes)
+
+
+def test_tables_are_those_of_the_command_line(feed: FileFeed) -> None:
+    feed.ask(FieldOfView(1.0))
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    feed.ask(Diameter(1, 0.28))
+    tracked(feed)
+    feed.panels[-1].take(Export(1, "tables"), "")
+    wait(lambda: len(feed.exports.written) == 2 and feed.exports.working is None)
+    files = feed.panels[-1].downloads()
+    tracks, poses = read_tracks(files["tracks-1.csv"]), read_poses(files["poses-1.csv"])
+    assert [row.frame for row in tracks] == [row.frame for row in poses] == list(range(FRAMES))
+    assert [row.frame for row in tracks if not row.found] == list(GONE)
+    for row in tracks:
+        assert row.shape is None or math.dist((row.shape["x"], row.shape["y"]), center(row.frame)) < 0.5
+    with files["tracks-1.csv"].open() as file:
+        header = next(csv.reader(file))
+    assert header == ["frame", "time", "found", "x", "y", "radius", "x_std", "y_std", "radius_std", "support", "reason"]
+
+
+def test_the_annotated_video_has_every_frame(feed: FileFeed) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    feed.ask(Pick(go(feed, CLICK), *other(CLICK)))
+    tracked(feed, 2)
+    feed.panels[-1].take(Export(1, "film"), "")
+    with pytest.raises(ValueError, match="is being written"):
+        feed.panels[-1].take(Export(1, "tables"), "")
+    wait(lambda: feed.exports.working is None)
+    ((_, film),) = feed.panels[-1].downloads().items()
+    with ms.Video(film) as video:
+        assert len(list(video)) == FRAMES
+        assert video.height > HEIGHT
+
+
+def test_nothing_to_write_is_said(feed: FileFeed) -> None:
+    with pytest.raises(ValueError, match="nothing to write of target 7"):
+        feed.panels[-1].take(Export(7, "tables"), "")
+
+
+def test_a_column_of_many_frames_shows_a_loss() -> None:
+    codes = np.zeros(30_000, np.uint8)
+    codes[:20_000] = FOUND
+    codes[777] = LOST
+    reduced = columns(codes, 1500)
+    assert len(reduced) == 1500
+    assert reduced[777 * 1500 // 30_000] == LOST
+    assert run_lengths(reduced) == [FOUND, 38, LOST, 1, FOUND, 961, UNKNOWN, 500]
+    assert run_lengths(np.array([2], np.uint8)) == [2, 1]

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.frame_list import StampedVideo
 from matchset.app.live.files.messages import Pause, Play, Seek, Speed, Step
+from matchset.app.live.files.panel import FileState
 from strange_clips import number_of, write
 
 FRAMES = 50
@@ -38,8 +39,14 @@ def opened(path: Path, notes: list[str] | None = None) -> FileFeed:
     return FileFeed("clip", lambda: StampedVideo(path), lambda _: None, said.append)
 
 
+def told(feed: FileFeed) -> FileState:
+    state = feed.panel.state()
+    assert state is not None
+    return state
+
+
 def take(feed: FileFeed, message: Any) -> None:
-    feed.panels[-1].take(message, "")
+    feed.panel.take(message, "")
 
 
 def shown(feed: FileFeed) -> int:
@@ -109,7 +116,7 @@ def test_what_a_page_is_told(feed: FileFeed) -> None:
     take(feed, Step(0))
     take(feed, Seek(7))
     wait(lambda: feed.seen.state.index == 7)
-    state = feed.panels[-1].state()
+    state = told(feed)
     assert (state.index, state.last, state.end, state.complete, state.playing) == (7, 49, 49, True, False)
     assert (state.time, state.duration) == pytest.approx((0.14, 0.98), abs=1e-3)
 
@@ -132,7 +139,7 @@ def test_a_file_that_ends_early_is_shown_up_to_there_and_said(tmp_path: Path) ->
         assert 10 < len(feed.frames) < FRAMES
         take(feed, Seek(FRAMES))
         wait(lambda: feed.seen.state.index == feed.frames[len(feed.frames) - 1].index)
-        assert feed.panels[-1].state().end == len(feed.frames) - 1
+        assert told(feed).end == len(feed.frames) - 1
     assert any("it ends at" in words for words in notes)
 
 

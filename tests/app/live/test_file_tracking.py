@@ -16,10 +16,11 @@ from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.file_target import FOUND, LOST, UNKNOWN
 from matchset.app.live.files.frame_list import StampedVideo
 from matchset.app.live.files.messages import Correct, Export, Seek
-from matchset.app.live.files.panel import columns, run_lengths
+from matchset.app.live.files.panel import FileState, columns, run_lengths
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Pick
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
+from matchset.localization.pose import Pose
 
 FRAMES, WIDTH, HEIGHT = 60, 320, 240
 GONE = range(40, 46)  # frames in which the ball is hidden
@@ -74,9 +75,15 @@ def wait(condition: Callable[[], object], seconds: float = 60.0) -> None:
         time.sleep(0.005)
 
 
+def told(feed: FileFeed) -> FileState:
+    state = feed.panel.state()
+    assert state is not None
+    return state
+
+
 def go(feed: FileFeed, index: int) -> int:
     """Show a frame; returns the number of its picture."""
-    feed.panels[-1].take(Seek(index), "")
+    feed.panel.take(Seek(index), "")
     wait(lambda: feed.seen.state.index == index)
     return feed.seen.state.sequence
 
@@ -103,10 +110,10 @@ def test_forward_and_backward_are_what_trackers_by_hand_find(feed: FileFeed, pat
     forward, backward = by_hand(path, CLICK, False), by_hand(path, CLICK, True)
     for place in range(FRAMES):
         answer, right = target.answer(place), (backward if place < CLICK else forward)[place]
-        assert type(answer) is type(right)
         assert answer is not None
+        assert isinstance(answer, ms.Track) == isinstance(right, ms.Track)
         assert answer.time == feed.frames[place].time
-        if isinstance(right, ms.Track):
+        if isinstance(right, ms.Track) and isinstance(answer, ms.Track):
             assert answer.shape == right.shape
             assert math.dist((right.shape.x, right.shape.y), center(place)) < 0.5
     found = [place for place in range(FRAMES) if isinstance(target.answer(place), ms.Track)]
@@ -127,7 +134,7 @@ def test_the_page_is_told_at_once_of_any_frame(feed: FileFeed) -> None:
     assert not state.found
     assert state.reason
     assert state.lost_for == pytest.approx(3 / 30.0, abs=1e-3)
-    panel = feed.panels[-1].state()
+    panel = told(feed)
     assert panel.targets[0].line == [FOUND, 40, LOST, 6, FOUND, 14]
     assert (panel.targets[0].percent, panel.targets[0].found, panel.targets[0].lost) == (100.0, 54, 6)
 
@@ -137,14 +144,16 @@ def test_a_correction_counts_from_its_frame_on(feed: FileFeed) -> None:
     tracked(feed)
     target = feed.tracking.targets[1]
     before = [target.answer(place) for place in range(FRAMES)]
-    feed.ask(Correct(1, go(feed, 50), *other(50)))
+    feed.panel.take(Correct(1, go(feed, 50), *other(50)), "")
     wait(lambda: len(target.clicks) == 2 and not feed.tracking.busy)
     assert [target.answer(place) for place in range(50)] == before[:50]
     for place in range(50, FRAMES):
         answer = target.answer(place)
         assert isinstance(answer, ms.Track)
         assert math.dist((answer.shape.x, answer.shape.y), other(place)) < 0.5
-    feed.ask(Correct(1, go(feed, 10), *other(10)))  # before the first click: up to there, and back to the beginning
+    feed.panel.take(
+        Correct(1, go(feed, 10), *other(10)), ""
+    )  # before the first click: up to there, and back to the beginning
     wait(lambda: len(target.clicks) == 3 and not feed.tracking.busy)
     for place in range(CLICK):
         answer = target.answer(place)
@@ -158,7 +167,7 @@ def test_several_targets_one_is_dropped(feed: FileFeed) -> None:
     feed.ask(Pick(sequence, *center(CLICK)))
     feed.ask(Pick(sequence, *other(CLICK)))
     tracked(feed, 2)
-    assert [line.percent for line in feed.panels[-1].state().targets] == [100.0, 100.0]
+    assert [line.percent for line in told(feed).targets] == [100.0, 100.0]
     feed.ask(Drop(1))
     wait(lambda: list(feed.tracking.targets) == [2])
     wait(lambda: [state.id for state in feed.seen.state.targets] == [2])
@@ -172,11 +181,15 @@ def test_diameter_and_view_locate_what_was_found_before(feed: FileFeed, path: Pa
     wait(lambda: feed.seen.state.targets[0].position)
     camera = ms.CameraModel.from_fov(WIDTH, HEIGHT, 1.0)
     pose = ms.Localizer(camera, ms.BallTarget(diameter=0.28)).update(by_hand(path, CLICK, False)[CLICK])
+    assert isinstance(pose, Pose)
     assert feed.seen.state.targets[0].position["z"][0] == pytest.approx(pose.position[2])
-    assert feed.seen.poses[1].position == pytest.approx(pose.position)
+    shown = feed.seen.poses[1]
+    assert isinstance(shown, Pose)
+    assert shown.position == pytest.approx(pose.position)
     assert feed.seen.camera is not None
     feed.ask(Diameter(1, 0.14))
-    wait(lambda: feed.seen.state.targets[0].position["z"][0] < 0.6 * pose.position[2])
+    near = 0.6 * pose.position[2]
+    wait(lambda: feed.seen.state.targets[0].position["z"][0] < near)
 
 
 def test_a_click_on_nothing_is_given_up_and_said(feed: FileFeed, notes: list[str]) -> None:
@@ -204,9 +217,9 @@ def test_tables_are_those_of_the_command_line(feed: FileFeed) -> None:
     feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
     feed.ask(Diameter(1, 0.28))
     tracked(feed)
-    feed.panels[-1].take(Export(1, "tables"), "")
+    feed.panel.take(Export(1, "tables"), "")
     wait(lambda: len(feed.exports.written) == 2 and feed.exports.working is None)
-    files = feed.panels[-1].downloads()
+    files = feed.panel.downloads()
     tracks, poses = read_tracks(files["tracks-1.csv"]), read_poses(files["poses-1.csv"])
     assert [row.frame for row in tracks] == [row.frame for row in poses] == list(range(FRAMES))
     assert [row.frame for row in tracks if not row.found] == list(GONE)
@@ -221,11 +234,11 @@ def test_the_annotated_video_has_every_frame(feed: FileFeed) -> None:
     feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
     feed.ask(Pick(go(feed, CLICK), *other(CLICK)))
     tracked(feed, 2)
-    feed.panels[-1].take(Export(1, "film"), "")
+    feed.panel.take(Export(1, "film"), "")
     with pytest.raises(ValueError, match="is being written"):
-        feed.panels[-1].take(Export(1, "tables"), "")
+        feed.panel.take(Export(1, "tables"), "")
     wait(lambda: feed.exports.working is None)
-    ((_, film),) = feed.panels[-1].downloads().items()
+    ((_, film),) = feed.panel.downloads().items()
     with ms.Video(film) as video:
         assert len(list(video)) == FRAMES
         assert video.height > HEIGHT
@@ -233,7 +246,7 @@ def test_the_annotated_video_has_every_frame(feed: FileFeed) -> None:
 
 def test_nothing_to_write_is_said(feed: FileFeed) -> None:
     with pytest.raises(ValueError, match="nothing to write of target 7"):
-        feed.panels[-1].take(Export(7, "tables"), "")
+        feed.panel.take(Export(7, "tables"), "")
 
 
 def test_a_column_of_many_frames_shows_a_loss() -> None:

@@ -45,6 +45,7 @@ class FileFeed(Feed):
     player : Player
     tracking : FileTracking
     exports : Exports
+    panel : FilePanel
 
     Raises
     ------
@@ -79,8 +80,8 @@ class FileFeed(Feed):
         self.exports.fps = self._fps
         self._described, self._stop = -1, threading.Event()
         self.streams = (self,)
-        self._camera = CameraPanel(self, note)
-        self.panels = (TargetsPanel(self.ask), self._camera, FilePanel(self))
+        self._camera, self.panel = CameraPanel(self, note), FilePanel(self)
+        self.panels = (TargetsPanel(self.ask), self._camera, self.panel)
         self._thread = threading.Thread(target=self._read_all, name="matchset frames", daemon=True)
         self._thread.start()
         self.player.start()

@@ -3,9 +3,11 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
 from matchset.app.closing import Closing
 from matchset.app.live.wire.messages import Up
@@ -47,6 +49,23 @@ class Stream(Protocol):
     @property
     def seen(self) -> Seen:
         """The newest picture."""
+        ...
+
+
+@runtime_checkable
+class Masked(Protocol):
+    """A stream that can show what it takes for a target."""
+
+    def mask(self, target: int, sequence: int) -> npt.NDArray[np.uint8]:
+        """Return a picture of that, (h, w): 255 where target; called in any thread, ValueError if it cannot be made.
+
+        Parameters
+        ----------
+        target : int
+            Number of the target.
+        sequence : int
+            Of the picture.
+        """
         ...
 
 

@@ -47,7 +47,7 @@ class Session(Closing):
         parameters: SessionParameters | None = None,
     ) -> None:
         self._own, self._listeners, self._refusal = panels, listeners, refusal or (lambda: "")
-        self._notes: deque[str] = deque(maxlen=(parameters or SessionParameters()).notes)
+        self._notes: deque[tuple[str, int]] = deque(maxlen=(parameters or SessionParameters()).notes)
         self._feed: Feed | None = None
         self._lock = threading.Lock()
 
@@ -93,8 +93,11 @@ class Session(Closing):
         return self._own if feed is None else (*self._own, *feed.panels)
 
     def note(self, words: str) -> None:
-        """Tell something to everybody who looks."""
-        self._notes.append(words)
+        """Tell something to everybody who looks; what is said again is counted."""
+        count = 1
+        if self._notes and self._notes[-1][0] == words:
+            count += self._notes.pop()[1]
+        self._notes.append((words, count))
 
     def take(self, message: Up, page: str) -> None:
         """Do what a page asks for.
@@ -141,7 +144,7 @@ class Session(Closing):
             title="" if feed is None else feed.title,
             streams=len(self.streams),
             panels={panel.name: panel.state() for panel in self.panels},
-            notes=list(self._notes),
+            notes=[words if count == 1 else f"{words} ({count} times)" for words, count in self._notes],
         )
 
     def downloads(self) -> dict[str, Path]:

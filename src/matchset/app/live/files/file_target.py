@@ -8,7 +8,7 @@ import numpy as np
 
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.messages import Outline, Pick
-from matchset.app.live.targets.target import OUTLINE_POINTS, _flat
+from matchset.app.live.targets.target import OUTLINE_POINTS, flat
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.ball_target import BallTarget
@@ -123,8 +123,8 @@ class FileTarget:
                 self.name,
                 True,
                 values=answer.measured(),
-                outline=_flat(outline(answer.shape, OUTLINE_POINTS)),
-                match_set=_flat(answer.match_set),
+                outline=flat(outline(answer.shape, OUTLINE_POINTS)),
+                match_set=flat(answer.match_set),
                 support=float(answer.support),
                 position=_position(self.pose(place)),
                 diameter=self.diameter,

@@ -14,14 +14,14 @@ from matchset.app.live.files.exact_reader import ExactReader
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
-from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Outline, Pick
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost
 from matchset.tracking.tracker import Tracker
 
-Asked = Pick | Outline | Correct | Drop | Diameter | FieldOfView
+Asked = Pick | Outline | Correct | Drop | Diameter | Marker | FieldOfView
 
 
 class TrackingParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -235,8 +235,10 @@ class FileTracking(Closing):
                 self._correct(target, wish)
             elif isinstance(wish, Drop):
                 self._forget(target)
-            else:
+            elif isinstance(wish, Diameter):
                 target.locate(self.camera, wish.meters)
+            else:
+                raise ValueError("markers are looked for in a camera's pictures, not in a video: matchset locate does")
 
     def use(self, camera: CameraModel | None) -> None:
         """Take another camera model; from any thread."""

@@ -2,12 +2,13 @@
 
 import { CameraPanel } from "./camera.js";
 import { CompilingPanel } from "./compiling.js";
-import { Curve, ViewFromAbove } from "./curves.js";
+import { Curves } from "./curves.js";
 import { FilePanel } from "./files.js";
 import { FlightPanel } from "./flight.js";
+import { wireLayers } from "./layers.js";
 import { Menu } from "./menu.js";
 import { PictureView } from "./picture.js";
-import { element, showReading } from "./reading.js";
+import { element, Reading } from "./reading.js";
 import { RecordPanel } from "./record.js";
 import { Connection } from "./socket.js";
 import { TargetList } from "./targets.js";
@@ -22,10 +23,10 @@ const connection = new Connection(receive, receiveSession, (words) => {
 });
 const send = (message) => connection.send(message);
 const picture = new PictureView(find("view"), (pick) => send({ type: "pick", ...pick, shape: shape() }),
-  (outline) => send({ type: "outline", ...outline, shape: shape() }));
-const targets = new TargetList(find("targets"), send);
-const curves = [0, 1, 2].map((number) => new Curve(find(`curve-${number}`)));
-const above = new ViewFromAbove(find("above"));
+  (outline) => send({ type: "outline", ...outline, shape: shape() }), (id) => targets.choose(id));
+const targets = new TargetList(find("targets"), send, askPoint);
+const reading = new Reading(find("reading"));
+const curves = new Curves(find("curves"));
 let painted = 0;
 let newest = null;
 let feed = null;
@@ -40,7 +41,7 @@ const panels = {
   sources: new Menu(send),
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   record: new RecordPanel(find("record"), send),
-  file: new FilePanel(find("file"), send, () => targets.chosen, () => {}),
+  file: new FilePanel(find("file"), send, () => targets.chosen, askPoint),
 };
 
 function receiveSession(session) {
@@ -51,6 +52,7 @@ function receiveSession(session) {
     panel.root.hidden = !there;
     if (there) panel.update(session.panels[name] || {}, session);
   }
+  document.body.dataset.kind = session.kind || "";
   document.body.classList.toggle("of-flight", flight.shown);
 }
 
@@ -62,8 +64,10 @@ async function receive(packet) {
   newest = packet;
   requestAnimationFrame(() => send({ type: "ack", sequence: packet.sequence, stream: packet.stream }));
   const { state } = packet;
-  const chosen = targets.update(state.targets || []);
-  note(chosen, state.time);
+  targets.update(state.targets || []);
+  picture.chosen = targets.chosen;
+  picture.mask = picture.wantsMask ? targets.chosen : null;
+  if (packet.jpeg) curves.note(state.targets || [], state.time);
   panels.file.painted(state);
   if (!drawn) drawn = requestAnimationFrame(refresh);
 }
@@ -72,35 +76,20 @@ async function receive(packet) {
 function startAgain(next) {
   feed = next;
   flight.restart();
-  for (const curve of curves) curve.name = "";
-  above.clear();
-}
-
-function note(chosen, time) {
-  if (!chosen) return;
-  const placed = chosen.position && chosen.position.distance;
-  const values = placed ? chosen.position : chosen.values || {};
-  const names = placed ? ["x", "y", "z"] : chosen.found ? Object.keys(values).slice(0, 3) : curves.map((curve) => curve.name);
-  curves.forEach((curve, index) => {
-    const name = names[index];
-    if (!name) return;
-    const [value, sigma] = values[name] || [NaN, 0];
-    curve.add(name, placed || (!chosen.found && curve.unit === "m") ? "m" : "px", time, value, sigma);
-  });
-  if (placed) above.add(time, chosen.position.x[0], chosen.position.z[0]);
+  curves.clear();
 }
 
 function refresh() {
   drawn = null;
   const { state, shownAge } = newest;
-  showReading(find("reading"), (state.targets || []).find((target) => target.id === targets.chosen));
-  find("hint").hidden = Boolean((state.targets || []).length);
+  const list = state.targets || [];
+  reading.show(list.find((target) => target.id === targets.chosen), list.length > 1);
+  find("hint").hidden = !picture.take && list.length > 0;
   find("age").textContent = !state.live || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
   find("camera-fps").textContent = state.camera_fps ? `${state.camera_fps.toFixed(0)}/s` : "–";
   find("fps").textContent = state.fps ? `${state.fps.toFixed(0)}/s` : "–";
   find("dropped").textContent = `${state.dropped || 0}`;
-  for (const curve of curves) curve.draw();
-  above.draw();
+  curves.draw(targets.chosen);
 }
 
 setInterval(() => {
@@ -112,10 +101,26 @@ setInterval(() => {
   veil.textContent = words;
 }, 100);
 
-for (const [id, name] of [["show-outline", "outline"], ["show-match-set", "matchSet"], ["show-trail", "trail"]]) {
-  find(id).addEventListener("change", (event) => { picture.show[name] = event.target.checked; });
+// The next click in the picture is a point for somebody, and no ball.
+function askPoint(words, take) {
+  const done = () => { picture.take = null; find("hint").textContent = "Click the ball."; };
+  picture.take = (point) => { done(); take(point); };
+  find("hint").textContent = words;
+  find("hint").hidden = false;
+  find("view").focus();
 }
-find("whole").addEventListener("click", () => picture.whole());
+
+wireLayers(find("switches"), picture);
+picture.onZoom = (scale) => {
+  find("whole").hidden = find("drag").hidden = scale === 1;
+  picture.gestures.moves = scale > 1 && find("drag-moves").checked;
+};
+find("drag-moves").addEventListener("change", () => picture.onZoom(picture.zoom.scale));
+find("whole").addEventListener("click", () => picture.zoom.whole());
+find("fullscreen").hidden = !document.fullscreenEnabled;
+find("fullscreen").addEventListener("click", () => {
+  if (document.fullscreenElement) document.exitFullscreen(); else find("stage").requestFullscreen();
+});
 find("view-form").addEventListener("submit", (event) => {
   event.preventDefault();
   const degrees = parseFloat(find("fov").value.replace(",", "."));

@@ -1,51 +1,56 @@
-// The picture with vector drawings on top; clicks, drags, zoom.
+// A picture with vector drawings on top. Clicks mean the picture that was on the screen when the finger came down.
 
 import { colorOf } from "./colors.js";
+import { drawCross, drawTarget, drawTrace, drawTrail } from "./drawing.js";
+import { Gestures } from "./gestures.js";
+import { Zoom } from "./zoom.js";
 
-const SVG = "http://www.w3.org/2000/svg";
-const TRAIL = 90; // points
-const DRAG = 6; // CSS px, below which a press is a click
-const CLOSEST = 16; // largest zoom
+const TRAIL = 3; // s
+const POINTS = 120; // of a drawn line that is sent
+const CROSS = 18; // CSS px, half the size of the cross of the keys
+const MASK_WAIT = 1000; // ms; a mask that takes longer is left out
 
 export class PictureView {
-  constructor(root, onPick, onOutline) {
+  // onPick and onOutline get what was done in the picture `sequence`; onSelect the number of a target that was clicked.
+  constructor(root, onPick, onOutline, onSelect = () => {}) {
     this.root = root;
-    this.canvas = root.querySelector("canvas");
+    [this.canvas, this.maskCanvas] = root.querySelectorAll("canvas");
     this.drawing = root.querySelector("svg");
     this.context = this.canvas.getContext("2d");
-    this.show = { outline: true, matchSet: false, trail: true };
+    this.show = { outline: true, matchSet: false, trail: true, marker: true, axes: true };
     this.trails = new Map();
-    this.zoom = { scale: 1, x: 0, y: 0 };
+    this.targets = [];
+    this.chosen = null;
+    this.mask = null; // number of the target whose mask is shown
     this.sequence = 0;
-    this.pointers = new Map();
+    this.arrived = this.shown = 0;
+    this.stream = 0;
+    this.cross = this.line = null;
     this.onPick = onPick;
     this.onOutline = onOutline;
-    root.addEventListener("pointerdown", (event) => this.press(event));
-    root.addEventListener("pointermove", (event) => this.move(event));
-    root.addEventListener("pointerup", (event) => this.release(event));
-    root.addEventListener("pointercancel", (event) => this.pointers.delete(event.pointerId));
-    root.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    this.onSelect = onSelect;
+    const layers = [this.canvas, this.maskCanvas, this.drawing].filter(Boolean);
+    this.zoom = new Zoom(root, layers, (scale) => { this.redraw(); if (this.onZoom) this.onZoom(scale); });
+    this.gestures = new Gestures(root, this);
   }
 
+  // Answers whether it was painted: a newer picture may be there already.
   async paint(packet) {
     const { state } = packet;
     if (packet.feed !== this.feed) this.forget(packet.feed);
+    const turn = ++this.arrived; // decoding takes longer for some than for others
     if (packet.jpeg) {
-      const bitmap = await createImageBitmap(packet.jpeg);
-      if (packet.feed !== this.feed || packet.sequence < this.sequence) { bitmap.close(); return false; }
-      if (this.canvas.width !== bitmap.width || this.canvas.height !== bitmap.height) {
-        this.canvas.width = bitmap.width;
-        this.canvas.height = bitmap.height;
-      }
-      this.context.drawImage(bitmap, 0, 0);
-      bitmap.close();
-      this.root.style.aspectRatio = `${state.width} / ${state.height}`;
-      this.root.style.setProperty("--aspect", state.width / state.height);
-      this.drawing.setAttribute("viewBox", `-0.5 -0.5 ${state.width} ${state.height}`);
+      const [bitmap, mask] = await Promise.all([createImageBitmap(packet.jpeg), this.fetchMask(packet)]);
+      if (packet.feed !== this.feed || turn < this.shown) { bitmap.close(); return false; }
+      paintOn(this.canvas, this.context, bitmap);
+      this.paintMask(mask);
+      this.fit(state.width, state.height);
     }
-    if (state.width) this.size = [state.width, state.height];
+    this.shown = turn;
     this.sequence = packet.sequence;
-    this.draw(state.targets || []);
+    this.targets = state.targets || [];
+    this.note(state.time);
+    this.redraw();
     return true;
   }
 
@@ -53,130 +58,105 @@ export class PictureView {
   forget(feed) {
     this.feed = feed;
     this.sequence = 0;
-    this.size = null;
+    this.size = this.take = this.cross = this.line = null;
+    this.targets = [];
     this.trails.clear();
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.paintMask(null);
     this.drawing.replaceChildren();
-    this.whole();
+    this.zoom.whole();
   }
 
-  draw(targets) {
-    const parts = [];
-    const ids = new Set(targets.map((target) => target.id));
+  fit(width, height) {
+    if (this.size && this.size[0] === width && this.size[1] === height) return;
+    this.size = [width, height];
+    this.root.style.aspectRatio = `${width} / ${height}`;
+    this.root.style.setProperty("--aspect", width / height);
+    this.drawing.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
+  }
+
+  // The mask of just this picture; pictures wait for it, so that both are of the same moment.
+  async fetchMask({ sequence }) {
+    if (this.mask === null || !this.maskCanvas) return null;
+    try {
+      const query = `stream=${this.stream}&target=${this.mask}&sequence=${sequence}`;
+      const answer = await fetch(`mask.png?${query}`, { signal: AbortSignal.timeout(MASK_WAIT) });
+      return answer.ok ? await createImageBitmap(await answer.blob()) : null;
+    } catch { return null; } // a slow link, or none: the picture is shown without
+  }
+
+  paintMask(bitmap) {
+    if (!this.maskCanvas) return;
+    this.maskCanvas.hidden = !bitmap;
+    if (!bitmap) return;
+    const context = this.maskCanvas.getContext("2d");
+    paintOn(this.maskCanvas, context, bitmap);
+    context.globalCompositeOperation = "multiply"; // white becomes the target's color, the rest stays black
+    context.fillStyle = colorOf(this.mask || 1);
+    context.fillRect(0, 0, this.maskCanvas.width, this.maskCanvas.height);
+    context.globalCompositeOperation = "source-over";
+  }
+
+  note(time) {
+    const ids = new Set(this.targets.map((target) => target.id));
     for (const id of this.trails.keys()) if (!ids.has(id)) this.trails.delete(id);
-    for (const target of targets) {
+    for (const target of this.targets) {
       const trail = this.trails.get(target.id) || [];
+      const last = trail.length ? trail[trail.length - 1][0] : time;
+      if (time < last || time > last + TRAIL) trail.length = 0; // the video went back, or jumped
+      if (target.found) trail.push([time, target.values.x[0], target.values.y[0]]); else trail.push([time, null, null]);
+      while (trail.length && trail[0][0] < time - TRAIL) trail.shift();
       this.trails.set(target.id, trail);
-      if (target.found && target.values.x) {
-        trail.push([target.values.x[0], target.values.y[0]]);
-        if (trail.length > TRAIL) trail.shift();
-      }
-      const color = colorOf(target.id);
-      if (this.show.trail && trail.length > 1) parts.push(line("polyline", trail.flat(), color, 1.5, 0.7));
-      if (target.found && this.show.outline) {
-        parts.push(line("polygon", target.outline, "#000", 4, 0.45), line("polygon", target.outline, color, 2, 1));
-      }
-      if (target.found && this.show.matchSet && target.match_set) parts.push(dots(target.match_set));
     }
-    if (this.rim) parts.push(circle(this.rim));
+  }
+
+  redraw() {
+    if (!this.size) return;
+    const parts = [];
+    for (const target of this.targets) {
+      const color = colorOf(target.id);
+      if (this.show.trail) parts.push(drawTrail(this.trails.get(target.id) || [], color));
+      parts.push(...drawTarget(target, color, this.show, target.id === this.chosen));
+    }
+    if (this.line) parts.push(...drawTrace(this.line));
+    const pixel = this.size[0] / Math.max(this.root.clientWidth, 1) / this.zoom.scale; // picture px in a CSS px
+    this.drawing.style.setProperty("--pixel", `${pixel}px`);
+    if (this.cross) parts.push(...drawCross(this.cross, CROSS * pixel));
     this.drawing.replaceChildren(...parts);
   }
 
-  toPicture(event) {
-    const box = this.root.getBoundingClientRect();
-    const x = (event.clientX - box.left - this.zoom.x) / this.zoom.scale;
-    const y = (event.clientY - box.top - this.zoom.y) / this.zoom.scale;
-    return [x / box.width * this.size[0] - 0.5, y / box.height * this.size[1] - 0.5];
+  // A click on what is followed selects it; any other begins something.
+  click([x, y], sequence) {
+    const target = this.targets.find((each) => each.found && inside(each.outline, x, y));
+    if (this.take) this.take({ sequence, x, y }); // somebody waits for a point: a marker
+    else if (target) this.onSelect(target.id);
+    else this.onPick({ sequence, x: round(x), y: round(y) });
   }
 
-  press(event) {
-    if (!this.size || event.button) return;
-    this.root.setPointerCapture(event.pointerId);
-    this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    this.begun = { at: [event.clientX, event.clientY], point: this.toPicture(event), sequence: this.sequence };
-    if (this.pointers.size === 2) { this.begun = null; this.rim = null; }
-  }
-
-  move(event) {
-    const before = this.pointers.get(event.pointerId);
-    if (!before) return;
-    const now = [event.clientX, event.clientY];
-    if (this.pointers.size === 2) this.pinch(event.pointerId, before, now);
-    this.pointers.set(event.pointerId, now);
-    if (this.begun && distance(this.begun.at, now) > DRAG) {
-      this.rim = [...this.begun.point, distance(this.begun.point, this.toPicture(event))];
-    }
-  }
-
-  release(event) {
-    if (!this.pointers.delete(event.pointerId) || !this.begun) return;
-    const { point: [x, y], sequence } = this.begun;
-    if (this.rim) this.onOutline({ sequence, x: this.rim[0], y: this.rim[1], radius: this.rim[2] });
-    else this.onPick({ sequence, x, y });
-    this.begun = this.rim = null;
-  }
-
-  pinch(id, before, now) {
-    const other = [...this.pointers].find(([number]) => number !== id)[1];
-    this.zoomAt(other, distance(now, other) / Math.max(distance(before, other), 1));
-  }
-
-  wheel(event) {
-    event.preventDefault();
-    this.zoomAt([event.clientX, event.clientY], Math.exp(-event.deltaY / 400));
-  }
-
-  zoomAt([clientX, clientY], factor) {
-    const box = this.root.getBoundingClientRect();
-    const scale = Math.min(Math.max(this.zoom.scale * factor, 1), CLOSEST);
-    const [x, y] = [clientX - box.left, clientY - box.top];
-    const place = (offset, at, length) => Math.min(0, Math.max(length * (1 - scale), at - (at - offset) * scale / this.zoom.scale));
-    this.zoom = { scale, x: place(this.zoom.x, x, box.width), y: place(this.zoom.y, y, box.height) };
-    this.applyZoom();
-  }
-
-  whole() {
-    this.zoom = { scale: 1, x: 0, y: 0 };
-    this.applyZoom();
-  }
-
-  applyZoom() {
-    const { scale, x, y } = this.zoom;
-    for (const each of [this.canvas, this.drawing]) each.style.transform = `translate(${x}px, ${y}px) scale(${scale})`;
-    this.canvas.style.imageRendering = scale > 3 ? "pixelated" : "";
+  trace(points, sequence) {
+    const every = Math.max(1, Math.ceil(points.length / POINTS));
+    const kept = points.filter((_, index) => index % every === 0);
+    if (kept.length > 2) this.onOutline({ sequence, points: kept.flat().map(round) });
   }
 }
 
-const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+const round = (value) => Math.round(value * 10) / 10;
 
-function line(kind, points, color, width, opacity) {
-  const element = document.createElementNS(SVG, kind);
-  element.setAttribute("points", points.join(" "));
-  element.setAttribute("fill", "none");
-  element.setAttribute("stroke", color);
-  element.setAttribute("stroke-width", width);
-  element.setAttribute("stroke-opacity", opacity);
-  element.setAttribute("vector-effect", "non-scaling-stroke");
-  return element;
-}
-
-function dots(points) {
-  const path = document.createElementNS(SVG, "path");
-  let data = "";
-  for (let i = 0; i < points.length; i += 2) data += `M${points[i]} ${points[i + 1]}h0`;
-  path.setAttribute("d", data);
-  path.setAttribute("stroke", "#fff");
-  path.setAttribute("stroke-width", 3);
-  path.setAttribute("stroke-linecap", "round");
-  path.setAttribute("vector-effect", "non-scaling-stroke");
-  return path;
-}
-
-function circle([x, y, radius]) {
-  const element = document.createElementNS(SVG, "circle");
-  for (const [name, value] of Object.entries({ cx: x, cy: y, r: radius, fill: "none", stroke: "#fff", "stroke-width": 2, "stroke-dasharray": "6 4" })) {
-    element.setAttribute(name, value);
+function paintOn(canvas, context, bitmap) {
+  if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+    canvas.width = bitmap.width;
+    canvas.height = bitmap.height;
   }
-  element.setAttribute("vector-effect", "non-scaling-stroke");
-  return element;
+  context.drawImage(bitmap, 0, 0);
+  bitmap.close();
+}
+
+// Whether a point lies inside of a polygon (x0, y0, x1, y1, ...): rays to the right cross it an odd number of times.
+export function inside(polygon, x, y) {
+  let odd = false;
+  for (let i = 0, j = polygon.length - 2; i < polygon.length; j = i, i += 2) {
+    const [ax, ay, bx, by] = [polygon[i], polygon[i + 1], polygon[j], polygon[j + 1]];
+    if ((ay > y) !== (by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax) odd = !odd;
+  }
+  return odd;
 }

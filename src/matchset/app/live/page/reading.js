@@ -1,32 +1,82 @@
-// The reading of the chosen target, large enough for two meters away.
+// The reading of the chosen target, large enough for two meters away. The rows stay while their names do, so that
+// nothing jumps and the page has little to lay out.
 
+import { colorOf } from "./colors.js";
 import { measured } from "./units.js";
 
-const UNITS = { distance: "m", x: "m", y: "m", z: "m" };
-const PIXELS = { angle: "rad", scale: "" };
+const PIXELS = { angle: "rad", scale: "" }; // units of shapes' parameters that are no lengths
 
-export function showReading(root, target) {
-  if (!target) { root.replaceChildren(); return; }
-  if (!target.found) {
-    const lost = element("p", "lost", `Lost: ${target.reason}`);
-    const since = target.lost_for ? element("p", "", `for ${target.lost_for.toFixed(1)} s`) : "";
-    root.replaceChildren(lost, since);
-    return;
+export class Reading {
+  constructor(root) {
+    this.root = root;
+    this.kind = null;
   }
-  const placed = target.position && target.position.distance;
-  const values = placed ? target.position : target.values;
-  const names = placed ? ["distance", "x", "y", "z"] : Object.keys(values);
-  root.replaceChildren(...names.map((name, index) => number(name, values[name], placed ? UNITS[name] : PIXELS[name] ?? "px", !index && placed)));
+
+  show(target, several) {
+    const kind = target ? kindOf(target) : "";
+    if (kind !== this.kind) this.build(target, kind);
+    if (!target) return;
+    this.dot.style.background = colorOf(target.id);
+    this.head.hidden = !several;
+    set(this.name, target.name);
+    if (target.found) for (const [name, parts] of this.rows) showNumber(parts, ...valuesOf(target)[name]);
+    else {
+      set(this.words, target.reason);
+      set(this.since, target.lost_for ? `for ${target.lost_for.toFixed(1)} s` : "not found yet");
+    }
+  }
+
+  build(target, kind) {
+    this.kind = kind;
+    this.rows = new Map();
+    if (!target) { this.root.replaceChildren(); return; }
+    this.head = element("p", "head");
+    this.dot = element("span", "dot");
+    this.name = element("span", "");
+    this.head.append(this.dot, this.name);
+    this.root.replaceChildren(this.head);
+    if (!target.found) {
+      const lost = element("p", "lost", "Lost ");
+      this.since = element("span", "since");
+      this.words = element("p", "why");
+      lost.append(this.since);
+      this.root.append(lost, this.words);
+      return;
+    }
+    const placed = isPlaced(target);
+    for (const name of Object.keys(valuesOf(target))) {
+      const row = element("div", name === "distance" ? "number first" : "number");
+      row.dataset.name = name;
+      const figure = element("span", "figure");
+      const parts = { value: element("span", "value"), sigma: element("span", "sigma") };
+      figure.append(parts.value, " ", parts.sigma, " ", element("span", "unit", placed ? "m" : PIXELS[name] ?? "px"));
+      row.append(element("span", "name", NAMES[name] ?? name), figure);
+      this.rows.set(name, parts);
+      this.root.append(row);
+    }
+  }
 }
 
-function number(name, [value, sigma], unit, first) {
-  const row = element("div", first ? "number first" : "number");
-  row.dataset.name = name;
-  const [words, spread] = measured(value, sigma);
-  const figure = element("span", "", words);
-  figure.append(" ", element("span", "sigma", `${spread} ${unit}`.trim()));
-  row.append(element("span", "", first ? "" : name), figure);
-  return row;
+const NAMES = { radius: "r" };
+
+const isPlaced = (target) => Boolean(target.position && target.position.distance);
+
+function valuesOf(target) {
+  if (!isPlaced(target)) return target.values;
+  const { distance, x, y, z } = target.position;
+  return { distance, x, y, z };
+}
+
+const kindOf = (target) => (target.found ? Object.keys(valuesOf(target)).join() + isPlaced(target) : "lost");
+
+function showNumber({ value, sigma }, number, spread) {
+  const [words, deviation] = measured(number, spread);
+  set(value, words);
+  set(sigma, deviation);
+}
+
+function set(node, words) {
+  if (node.textContent !== words) node.textContent = words;
 }
 
 export function element(kind, classes, text = "") {

@@ -3,7 +3,7 @@
 const HEADER = 28; // u32 sequence, u32 flags, f64 time, f64 shown age, u32 length
 const OF_SESSION = 2; // bit of the flags: the JSON is that of the session
 const WAITS = [500, 1000, 2000]; // ms before each new try; the last one again and again
-const SILENT = 2000; // ms without a picture, after which a connection counts as broken
+const SILENT = 2000; // ms without a word, after which a connection counts as broken; the server says something each second
 
 export function parsePacket(buffer) {
   const view = new DataView(buffer);
@@ -33,12 +33,19 @@ export class Connection {
   }
 
   connect() {
+    if (!("WebSocket" in window)) {
+      this.onChange("this browser has no WebSocket, through which the pictures come: open the page in another one");
+      return;
+    }
     this.onChange(this.tries ? "connecting again …" : "connecting …");
     this.connections = (this.connections || 0) + 1;
     const number = this.connections;
-    const socket = new WebSocket(`ws://${location.host}/ws`);
+    this.heard = performance.now();
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/ws`);
     socket.binaryType = "arraybuffer";
     socket.onmessage = (event) => {
+      if (this.socket !== socket) return;
       this.heard = performance.now();
       this.tries = 0;
       const packet = parsePacket(event.data);
@@ -47,19 +54,23 @@ export class Connection {
     };
     socket.onopen = () => { this.heard = performance.now(); this.onChange(""); };
     socket.onclose = (event) => {
-      if (this.socket !== socket) return;
-      this.socket = null;
-      this.onChange(event.code === 4403 ? "open the address that matchset printed" : "no connection: trying again");
-      setTimeout(() => this.connect(), WAITS[Math.min(this.tries++, WAITS.length - 1)]);
+      if (this.socket === socket) this.again(event.code === 4403 ? "open the address that matchset printed" : "no connection: trying again");
     };
     this.socket = socket;
   }
 
+  again(words) {
+    this.socket = null;
+    this.onChange(words);
+    setTimeout(() => this.connect(), WAITS[Math.min(this.tries++, WAITS.length - 1)]);
+  }
+
+  // A connection that says nothing is dead, though nobody closed it: a radio out of reach, a server that was stopped.
   watch() {
-    // A server that has nothing new (a paused video) is no broken one: it still answers pings of the protocol.
-    if (this.socket && this.socket.readyState === WebSocket.CONNECTING && performance.now() - this.heard > 5 * SILENT) {
-      this.socket.close();
-    }
+    const { socket } = this;
+    if (!socket || document.hidden || performance.now() - this.heard < (socket.readyState === WebSocket.OPEN ? 1 : 3) * SILENT) return;
+    this.again("no connection: trying again");
+    socket.close();
   }
 
   send(message) {

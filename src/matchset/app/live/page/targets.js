@@ -1,32 +1,44 @@
-// The list of targets: name, color, diameter, and a cross to drop one. A row stays while its target does.
+// The list of targets: name, color, diameter, marker, and a cross to drop one. A row stays while its target does.
 
 import { colorOf } from "./colors.js";
 import { element } from "./reading.js";
 import { parseLength } from "./units.js";
 
 export class TargetList {
-  constructor(root, send) {
+  // `askPoint(words, take)` waits for a click in the picture and hands it to take({sequence, x, y}).
+  constructor(root, send, askPoint) {
     this.root = root;
     this.send = send;
+    this.askPoint = askPoint;
     this.rows = new Map();
     this.chosen = null;
+  }
+
+  choose(id) {
+    this.chosen = id;
+    for (const [number, row] of this.rows) {
+      row.classList.toggle("chosen", number === id);
+      row.querySelector(".name").setAttribute("aria-pressed", number === id);
+    }
   }
 
   update(targets) {
     const ids = new Set(targets.map((target) => target.id));
     for (const [id, row] of this.rows) if (!ids.has(id)) { row.remove(); this.rows.delete(id); }
+    let chosen = ids.has(this.chosen) ? this.chosen : null;
     for (const target of targets) {
       if (this.rows.has(target.id)) continue;
       const row = this.makeRow(target);
       this.rows.set(target.id, row);
       this.root.append(row);
-      this.chosen = target.id;
+      chosen = target.id;
     }
-    if (!ids.has(this.chosen)) this.chosen = targets.length ? targets[targets.length - 1].id : null;
+    if (chosen === null && targets.length) chosen = targets[targets.length - 1].id;
+    if (chosen !== this.chosen || !this.rows.get(chosen)?.classList.contains("chosen")) this.choose(chosen);
     for (const target of targets) {
-      const row = this.rows.get(target.id);
-      row.classList.toggle("chosen", target.id === this.chosen);
-      row.querySelector(".state").textContent = target.found ? "" : "lost";
+      const state = this.rows.get(target.id).querySelector(".state");
+      const words = target.found ? "" : "lost";
+      if (state.textContent !== words) state.textContent = words;
     }
     return targets.find((target) => target.id === this.chosen) || null;
   }
@@ -38,36 +50,55 @@ export class TargetList {
     const name = element("button", "name", target.name);
     name.type = "button";
     name.append(" ", element("span", "state"));
-    name.addEventListener("click", () => { this.chosen = target.id; });
+    name.addEventListener("click", () => this.choose(target.id));
     const drop = element("button", "drop", "×");
     drop.type = "button";
     drop.setAttribute("aria-label", `drop ${target.name}`);
     drop.addEventListener("click", () => this.send({ type: "drop", target: target.id }));
-    row.append(dot, name, drop, this.makeForm(target));
+    row.append(dot, name, drop);
+    if ((target.shape || "circle") === "circle") row.append(this.makeDiameter(target), this.makeMarker(target));
     return row;
   }
 
-  makeForm(target) {
-    const form = element("form", "");
-    const label = element("label", "", "diameter ");
-    const input = element("input", "diameter");
-    input.size = 8;
-    input.placeholder = "28 cm";
-    input.autocomplete = "off";
-    if (target.diameter) input.value = `${target.diameter} m`;
-    label.append(input);
-    const error = element("output", "");
-    form.append(label, element("button", "", "set"), error);
-    form.addEventListener("submit", (event) => {
-      event.preventDefault();
-      error.textContent = "";
-      try {
-        const meters = input.value.trim() ? parseLength(input.value) : null;
-        this.send({ type: "diameter", target: target.id, meters });
-      } catch (wrong) {
-        error.textContent = wrong.message;
-      }
+  makeDiameter(target) {
+    const value = target.diameter ? `${target.diameter} m` : "";
+    return lengthForm(`diameter of ${target.name}`, "diameter", value, "28 cm", (meters) => {
+      this.send({ type: "diameter", target: target.id, meters });
     });
-    return form;
   }
+
+  makeMarker(target) {
+    const details = element("details", "");
+    details.append(element("summary", "", "marker on the ball"));
+    details.append(lengthForm(`width of the marker of ${target.name}`, "marker-width", "6 cm", "6 cm", (meters) => {
+      this.askPoint("Click the marker on the ball.", (point) => {
+        this.send({ type: "marker", target: target.id, ...point, meters: meters ?? 0.06 });
+      });
+    }, "click it …"));
+    return details;
+  }
+}
+
+// A field for a length, in words where it is none. An empty field stands for "not known".
+function lengthForm(label, name, value, example, take, action = "set") {
+  const form = element("form", "length");
+  const field = element("label", "", name === "diameter" ? "diameter " : "width ");
+  const input = element("input", name);
+  const error = element("output", "");
+  Object.assign(input, { size: 8, placeholder: example, autocomplete: "off", value });
+  input.setAttribute("aria-label", label);
+  field.append(input);
+  form.append(field, element("button", "", action), error);
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    error.textContent = "";
+    input.removeAttribute("aria-invalid");
+    try {
+      take(input.value.trim() ? parseLength(input.value) : null);
+    } catch (wrong) {
+      error.textContent = wrong.message;
+      input.setAttribute("aria-invalid", "true");
+    }
+  });
+  return form;
 }

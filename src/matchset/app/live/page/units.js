@@ -12,9 +12,9 @@ export function parseLength(text) {
   return meters;
 }
 
-// As many digits as the standard deviation makes sense of: its two leading ones.
+// As many digits as the standard deviation makes sense of: up to its leading one, and four at most.
 export function measured(value, sigma) {
-  if (sigma === null || sigma === undefined || !(sigma > 0)) return [value.toFixed(2), ""];
-  const digits = Math.min(Math.max(1 - Math.floor(Math.log10(sigma)), 0), 5);
-  return [value.toFixed(digits), `±${sigma.toFixed(digits)}`];
+  if (!(sigma > 0)) return [value.toFixed(2), ""];
+  const digits = Math.min(Math.max(-Math.floor(Math.log10(sigma * 1.05)), 0), 4);
+  return [value.toFixed(digits), `±${Math.max(sigma, 10 ** -digits).toFixed(digits)}`];
 }

@@ -6,6 +6,8 @@ import msgspec
 
 from matchset.app.live.wire.messages import Name, Number, Positive, Px, Up
 
+Length = Annotated[float, msgspec.Meta(gt=0.0, le=20.0)]
+
 
 class Pick(Up, frozen=True, tag="pick"):
     """Follow what is at a point of a picture, px; `shape` is a family of shapes."""
@@ -20,14 +22,12 @@ class Pick(Up, frozen=True, tag="pick"):
 
 
 class Outline(Up, frozen=True, tag="outline"):
-    """Follow the circle that was drawn along a rim in a picture, px."""
+    """Follow the shape whose rim was drawn in a picture: x and y of points along it, px, one after the other."""
 
     tracks: ClassVar[bool] = True
 
     sequence: Number
-    x: Px
-    y: Px
-    radius: Positive
+    points: Annotated[list[Px], msgspec.Meta(min_length=6, max_length=400)]
     shape: Name = "circle"
     stream: Number = 0
 
@@ -42,7 +42,17 @@ class Diameter(Up, frozen=True, tag="diameter"):
     """A target's diameter, m; None: not known."""
 
     target: Number
-    meters: Annotated[float, msgspec.Meta(gt=0.0, le=20.0)] | None
+    meters: Length | None
+
+
+class Marker(Up, frozen=True, tag="marker"):
+    """A ball has a marker at a point of a picture, px, that is `meters` wide."""
+
+    target: Number
+    sequence: Number
+    x: Px
+    y: Px
+    meters: Positive = 0.06
 
 
 class FieldOfView(Up, frozen=True, tag="field_of_view"):
@@ -51,5 +61,6 @@ class FieldOfView(Up, frozen=True, tag="field_of_view"):
     angle: Annotated[float, msgspec.Meta(gt=0.0, lt=3.1)]
 
 
-Wish = Pick | Outline | Drop | Diameter | FieldOfView
-MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Drop, Diameter, FieldOfView)
+Begin = Pick | Outline
+Wish = Pick | Outline | Drop | Diameter | Marker | FieldOfView
+MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Drop, Diameter, Marker, FieldOfView)

@@ -1,27 +1,31 @@
 """Something that was clicked and is followed since: `Target`."""
 
 import itertools
-import math
 from typing import Any
 
+import cv2
 import numpy as np
+import numpy.typing as npt
 
-from matchset.app.live.targets.messages import Outline, Pick
+from matchset.app.live.targets.drawn_outline import shape_along
+from matchset.app.live.targets.messages import Begin, Outline
+from matchset.app.live.targets.placing import Place, Placing
 from matchset.app.live.wire.state import TargetState
-from matchset.app.track.shape_option import parse_shape
+from matchset.app.track.shape_option import NAMES, parse_shape
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.ball_target import BallTarget
-from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.shapes.shape import outline
-from matchset.tracking.track import Lost
+from matchset.shapes.shape import Shape, center_of, outline
+from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
 OUTLINE_POINTS = 72  # geometry: of an outline that a browser draws
+MARKER_POINTS = 24  # geometry: of a marker's
 TENTH = 10.0  # format: coordinates on the screen have one decimal
+INNER = 0.5  # geometry: half-side of the square inside an outline from which its color is learned, half-widths
+Floats = npt.NDArray[np.float64]
 
 
 class Target:
@@ -42,6 +46,12 @@ class Target:
         m
     parameters : tuple of str
         Names of the shape's parameters.
+    begun : (float, float)
+        Where it was clicked, or the middle of what was drawn, px.
+    answer : Track or Lost or None
+        The last one of its tracker.
+    seen : float or None
+        When it was found last, s.
     pose : Pose, Lost or None
         In the last frame; None if diameter or camera are not known.
 
@@ -51,21 +61,32 @@ class Target:
         If the click is outside of the picture, no color can be learned there, or there is no such shape.
     """
 
-    def __init__(self, number: int, begin: Pick | Outline, frame: Frame) -> None:
-        height, width = frame.image.shape[:2]
-        if not (0.0 <= begin.x < width and 0.0 <= begin.y < height):
-            raise ValueError(f"({begin.x:g}, {begin.y:g}) is outside of the picture of {width} x {height} px")
-        family = parse_shape(begin.shape)
-        color = ColorModel.pick(frame.image, begin.x, begin.y)
-        self.number, self.name = number, f"{begin.shape} {number}"
-        self.note, self.parameters = color.note, tuple(family.parameters)
+    def __init__(self, number: int, begin: Begin, frame: Frame) -> None:
+        if begin.shape not in NAMES.split(", "):  # a name alone: a page must not name files of this computer
+            raise ValueError(f"a shape is {NAMES}; got {begin.shape!r}")
+        family: Any = parse_shape(begin.shape)
+        given, self.begun = None, (0.0, 0.0)
+        if isinstance(begin, Outline):
+            given = shape_along(family, np.reshape(begin.points[: len(begin.points) // 2 * 2], (-1, 2)))
+            self.begun = center_of(outline(given))[:2]
+        else:
+            self.begun = begin.x, begin.y
+        _check_inside(*self.begun, frame)
+        color = ColorModel.pick(frame.image, *self.begun) if given is None else color_within(given, frame)
+        self.number, self.name, self.note = number, f"{begin.shape} {number}", color.note
+        self.shape, self.parameters = begin.shape, tuple(family.parameters)
         self.diameter: float | None = None
-        self.tracker: Tracker[Any] = Tracker(family, color, start=(begin.x, begin.y))
-        if isinstance(begin, Outline) and family is Circle:
-            self.tracker.start(Circle(begin.x, begin.y, begin.radius))
-        self._localizer: Localizer | None = None
+        self.answer: Track[Any] | Lost[Any] | None = None
+        self.tracker: Tracker[Any] = Tracker(family, color, start=self.begun)
+        if given is not None:
+            self.tracker.start(given)
+        self._family, self._camera, self._placing = family, None, None
+        self._marker: tuple[ColorModel, float] | None = None
+        self.seen: float | None = None
         self.pose: Pose | Lost[Pose] | None = None
-        self._seen: float | None = None
+
+    _camera: CameraModel | None
+    _placing: Placing | None
 
     def locate(self, camera: CameraModel | None, diameter: float | None) -> None:
         """Set what is known of camera and target; None: not known.
@@ -75,48 +96,93 @@ class Target:
         camera : CameraModel or None
         diameter : float or None
             m
+
+        Raises
+        ------
+        ValueError
+            If its marker is not smaller than it.
         """
-        self.diameter = diameter
-        known = camera is not None and diameter is not None
-        self._localizer = Localizer(camera, BallTarget(diameter=diameter)) if known else None  # type: ignore[arg-type]
+        placing = None
+        if camera is not None and diameter is not None:
+            placing = Placing(camera, diameter, self._marker)
+        self._camera, self.diameter, self._placing = camera, diameter, placing
+
+    def mark(self, frame: Frame, x: float, y: float, width: float) -> None:
+        """Learn the color of its marker, at a point of a picture.
+
+        Parameters
+        ----------
+        frame : Frame
+        x, y : float
+            px
+        width : float
+            m
+
+        Raises
+        ------
+        ValueError
+            If it is no ball, or no color can be learned there.
+        """
+        if self._family is not Circle:
+            raise ValueError(f"{self.name} is no ball: only balls have markers")
+        color, before = ColorModel.pick(frame.image, x, y), self._marker
+        joint = self.tracker.color | color
+        self._marker = color, width
+        try:
+            self.locate(self._camera, self.diameter)
+        except ValueError:
+            self._marker = before
+            raise
+        tracker: Tracker[Any] = Tracker(self._family, joint, start=self.begun)
+        if isinstance(self.answer, Track):
+            tracker.start(self.answer.shape)
+        self.tracker = tracker
 
     def update(self, frame: Frame) -> TargetState:
         """Follow it into a frame."""
-        answer = self.tracker.update(frame)
-        placed = self._localizer is not None and (isinstance(answer, Lost) or isinstance(answer.shape, Circle))
-        self.pose = self._localizer.update(answer) if placed else None  # type: ignore[union-attr]
+        try:
+            answer = self.tracker.update(frame)
+        except ValueError:  # another size of the pictures, or a time that runs anew: begin anew
+            self.tracker.restart()
+            answer = self.tracker.update(frame)
+        place = Place() if self._placing is None else self._placing.place(frame, answer)
+        self.answer, self.pose = answer, place.pose
         if isinstance(answer, Lost):
-            since = 0.0 if self._seen is None else max(answer.time - self._seen, 0.0)
-            return TargetState(
-                self.number, self.name, False, reason=answer.reason, lost_for=since, diameter=self.diameter
-            )
-        self._seen = answer.time
+            return self._lost(answer)
+        self.seen = answer.time
         return TargetState(
             self.number,
             self.name,
             True,
+            shape=self.shape,
             values=answer.measured(),
-            outline=_flat(outline(answer.shape, OUTLINE_POINTS)),
-            match_set=_flat(answer.match_set),
+            outline=flat(outline(answer.shape, OUTLINE_POINTS)),
+            match_set=flat(answer.match_set),
             support=float(answer.support),
-            position=self._position(),
+            position=dict(place.position),
+            markers=[flat(outline(marker, MARKER_POINTS)) for marker in place.markers],
+            axes=[] if place.axes is None else flat(place.axes),
             diameter=self.diameter,
         )
 
     def without_picture(self, reason: str) -> TargetState:
         """Say that it is lost because there is no picture."""
         self.pose = None
-        return TargetState(self.number, self.name, False, reason=reason, diameter=self.diameter)
+        return TargetState(self.number, self.name, False, shape=self.shape, reason=reason, diameter=self.diameter)
 
-    def _position(self) -> dict[str, tuple[float, float | None]]:
-        pose = self.pose
-        if pose is None or isinstance(pose, Lost):
-            return {}
-        sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
-        along = pose.position / pose.distance
-        spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))
-        placed = dict(zip("xyz", zip(pose.position.tolist(), sigmas, strict=True), strict=True))
-        return {**placed, "distance": (pose.distance, spread)}
+    def _lost(self, answer: Lost[Any]) -> TargetState:
+        since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)
+        predicted = [] if answer.predicted is None else flat(outline(answer.predicted, OUTLINE_POINTS))
+        return TargetState(
+            self.number,
+            self.name,
+            False,
+            shape=self.shape,
+            reason=answer.reason,
+            lost_for=since,
+            predicted=predicted,
+            diameter=self.diameter,
+        )
 
 
 def catch_up(target: Target, frames: list[Frame]) -> None:
@@ -125,6 +191,40 @@ def catch_up(target: Target, frames: list[Frame]) -> None:
         target.update(frame)
 
 
-def _flat(points: Any) -> list[float]:
+def color_within(given: Shape, frame: Frame) -> ColorModel:
+    """Learn the color inside a drawn outline; where nothing tells it from the rest, only edges count."""
+    x, y, _ = center_of(outline(given))
+    half = max(INNER * float(type(given).half_width(given.state)), 1.0)
+    try:
+        return ColorModel.learn(frame.image, (round(x - half), round(y - half), round(2 * half), round(2 * half)))
+    except ValueError:
+        color = ColorModel.edges()
+        color.note = "no color tells what was drawn from the rest: only its edges are followed, which is less sure"
+        return color
+
+
+def same_place(one: TargetState, other: TargetState) -> bool:
+    """Whether two targets are found at one place: each has its middle inside of the other."""
+    if not (one.found and other.found):
+        return False
+    pairs = ((one, other), (other, one))
+    return all(
+        cv2.pointPolygonTest(np.reshape(a.outline, (-1, 1, 2)).astype(np.float32), _middle(b), False) >= 0
+        for a, b in pairs
+    )
+
+
+def _middle(state: TargetState) -> tuple[float, float]:
+    x, y = np.reshape(state.outline, (-1, 2)).mean(axis=0).tolist()
+    return x, y
+
+
+def _check_inside(x: float, y: float, frame: Frame) -> None:
+    height, width = frame.image.shape[:2]
+    if not (-0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5):
+        raise ValueError(f"({x:g}, {y:g}) is outside of the picture of {width} x {height} px")
+
+
+def flat(points: Any) -> list[float]:
     """Write points as numbers one after the other, px."""
     return list(itertools.chain.from_iterable((np.rint(points * TENTH) / TENTH).tolist()))

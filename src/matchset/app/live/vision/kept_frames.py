@@ -39,6 +39,10 @@ class KeptFrames:
         """Keep a picture; the oldest goes."""
         self._frames.append((sequence, frame))
 
+    def clear(self) -> None:
+        """Forget all pictures."""
+        self._frames.clear()
+
     def since(self, sequence: int) -> list[Frame]:
         """Return the picture of this number and all after it, oldest first.
 
@@ -51,3 +55,12 @@ class KeptFrames:
         if not any(number == sequence for number, _ in self._frames):
             raise ValueError(f"picture {sequence} is not kept any more: click again")
         return kept
+
+    def after(self, sequence: int) -> list[Frame]:
+        """Return the pictures after this number that are kept, oldest first."""
+        return [frame for number, frame in self._frames if number > sequence]
+
+    @property
+    def newest(self) -> Frame | None:
+        """The newest picture; None if there is none yet."""
+        return self._frames[-1][1] if self._frames else None

@@ -8,11 +8,13 @@ from collections import deque
 from collections.abc import Callable
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
 from matchset.app.closing import Closing
 from matchset.app.live.feed import News, Seen
-from matchset.app.live.targets.messages import Drop, FieldOfView, Outline, Pick, Wish
-from matchset.app.live.targets.target import Target, catch_up
+from matchset.app.live.targets.followed import Followed
+from matchset.app.live.targets.messages import Wish
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import State
 from matchset.camera.camera_model import CameraModel
@@ -63,6 +65,8 @@ class Vision(Closing):
     seen : Seen
         The newest picture.
     kept : KeptFrames
+    followed : Followed
+        What was clicked; for the thread of the pictures alone.
     """
 
     def __init__(
@@ -74,20 +78,37 @@ class Vision(Closing):
         parameters: VisionParameters | None = None,
     ) -> None:
         self._open, self._news, self._note = open_source, news or (lambda _: None), note or (lambda _: None)
-        self.camera, self._parameters = camera, parameters or VisionParameters()
+        self._parameters = parameters or VisionParameters()
         self.seen, self.kept = Seen(None, State(0, 0, 0.0, 0, 0, fault="the source is being opened")), KeptFrames()
-        self._sequence, self._numbers = 0, 0
+        self._sequence = 0
         self._size: tuple[int, int, int] | None = None
-        self._targets: dict[int, Target] = {}
+        self.followed = Followed(self.kept, self._note)
+        self.followed.locate(camera)
         self._done: deque[float] = deque(maxlen=self._parameters.rate_over)
         self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(self._parameters.wishes)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset live", daemon=True)
         self._thread.start()
 
+    @property
+    def camera(self) -> CameraModel | None:
+        """What is known of the camera."""
+        return self.followed.camera
+
+    def mask(self, target: int, sequence: int) -> npt.NDArray[np.uint8]:
+        """Return what the color model of a target takes for it in a kept picture: (h, w), 255 there, 0 elsewhere.
+
+        Raises
+        ------
+        ValueError
+            If there is no such target or picture.
+        """
+        image = self.kept.since(sequence)[0].image
+        return self.followed.target(target).tracker.color.for_image(image).mask(image)
+
     def ask(self, wish: Wish) -> None:
         """Ask for something; done before the next picture. What cannot be done is a note on the page."""
-        self.call(functools.partial(self._do, wish))
+        self.call(functools.partial(self.followed.do, wish))
 
     def use(self, camera: CameraModel | None) -> None:
         """Use another camera model from the next picture on; None: it is not known."""
@@ -104,11 +125,13 @@ class Vision(Closing):
         """End the thread; the source is closed, if need be later: see `VisionParameters.closing`."""
         self._stop.set()
         self._thread.join(self._parameters.closing)
+        self.followed.close()
 
     def _run(self) -> None:
         while not self._stop.is_set():
             try:
                 with self._open() as source:
+                    self.followed.restart()
                     for frame in source:
                         if self._stop.is_set():
                             return
@@ -125,7 +148,7 @@ class Vision(Closing):
         if self._stop.is_set():
             return
         self._sequence += 1
-        gone = [target.without_picture(words) for target in self._targets.values()]
+        gone = [target.without_picture(words) for target in self.followed.targets]
         state = msgspec.structs.replace(self.seen.state, sequence=self._sequence, fault=words, targets=gone, fps=None)
         self._done.clear()
         self.seen = Seen(self.seen.frame, state, camera=self.camera)
@@ -137,10 +160,10 @@ class Vision(Closing):
             return
         if self._size is not None:
             self._note(f"the pictures are {source.width} x {source.height} px now")
-            if self._targets:
+            if self.followed.targets:
                 self._note("what was followed is forgotten: click again")
-            self._targets.clear()
-            self.kept = KeptFrames()
+            self.followed.clear()
+            self.kept.clear()
         self._size = source.width, source.height, source.channels
         try:
             self._use(self.camera)
@@ -158,14 +181,12 @@ class Vision(Closing):
         """
         if camera is not None and self._size is not None:
             camera.check(self._size[:2])
-        self.camera = camera
-        for target in self._targets.values():
-            target.locate(camera, target.diameter)
+        self.followed.locate(camera)
 
     def _take(self, source: Video, frame: Frame) -> None:
         self._check_size(source)
         self._grant()
-        targets = [target.update(frame) for target in self._targets.values()]
+        targets = self.followed.update(frame)
         self._sequence += 1
         self._done.append(time.monotonic())
         span = self._done[-1] - self._done[0]
@@ -183,7 +204,7 @@ class Vision(Closing):
             live=source.live,
         )
         self.kept.add(self._sequence, frame)
-        followed = self._targets.values()
+        followed = self.followed.targets
         poses = {target.number: target.pose for target in followed if target.pose is not None}
         names = {target.number: target.parameters for target in followed}
         self.seen = Seen(frame, state, poses, self.camera, names)
@@ -200,23 +221,3 @@ class Vision(Closing):
                 action()
             except ValueError as error:
                 self._note(str(error))
-
-    def _do(self, wish: Wish) -> None:
-        if isinstance(wish, Pick | Outline):
-            frames = self.kept.since(wish.sequence)
-            target = Target(self._numbers + 1, wish, frames[0])
-            self._numbers += 1
-            catch_up(target, frames)
-            self._targets[target.number] = target
-            if target.note:
-                self._note(target.note)
-        elif isinstance(wish, FieldOfView):
-            if self.seen.frame is None:
-                raise ValueError("there is no picture yet whose field of view could be told")
-            self._use(CameraModel.from_fov(self.seen.state.width, self.seen.state.height, wish.angle))
-        elif (target_or_none := self._targets.get(wish.target)) is None:
-            raise ValueError(f"there is no target {wish.target} any more")
-        elif isinstance(wish, Drop):
-            del self._targets[wish.target]
-        else:
-            target_or_none.locate(self.camera, wish.meters)

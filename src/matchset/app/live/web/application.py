@@ -1,6 +1,7 @@
 """The routes of the page's server: `make_application`. docs/live.md has them in a table."""
 
 import contextlib
+import functools
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -14,6 +15,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
+from matchset.app.live.feed import Masked
 from matchset.app.live.web.guarded import Guarded
 from matchset.app.live.web.programs import ProgramRoutes, stream_number
 from matchset.app.live.web.security import Guard
@@ -50,6 +52,7 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
             Route("/events", programs.events),
             Route("/state.json", routes.state),
             Route("/frame.jpg", routes.frame),
+            Route("/mask.png", routes.mask),
             Route("/do/{type}", routes.do, methods=["POST", "GET"]),
             Route("/upload/{kind}", routes.upload, methods=["POST"]),
             Route("/download/{name:path}", routes.download),
@@ -104,6 +107,23 @@ class _Routes:
         if seen.state.live:
             headers["X-Age"] = f"{time.monotonic() - seen.state.time:.4f}"
         return Response(data, media_type="image/jpeg", headers=headers)
+
+    async def mask(self, request: Request) -> Response:
+        """Answer what the color model of a target takes for it, in a picture that was seen, or in the newest."""
+        numbers = [request.query_params.get(name, "0") for name in ("stream", "target", "sequence")]
+        if not all(number.isdecimal() and len(number) < 12 for number in numbers):
+            return PlainTextResponse("stream, target and sequence are whole numbers", 400)
+        number, target, sequence = map(int, numbers)
+        streams = self._desk.session.streams
+        stream = streams[number] if number < len(streams) else None
+        if not isinstance(stream, Masked):
+            return PlainTextResponse(f"stream {number} has no masks", 404)
+        wanted = sequence or stream.seen.state.sequence
+        try:
+            data = await self._desk.pictures.mask(functools.partial(stream.mask, target, wanted))
+        except ValueError as error:
+            return PlainTextResponse(str(error), 404)
+        return Response(data, media_type="image/png", headers={"Cache-Control": "no-store"})
 
     async def do(self, request: Request) -> Response:
         """Do what a button does; the fields of the message are the body, JSON."""

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import itertools
+import math
 import time
 from typing import NamedTuple, Protocol
 
@@ -20,6 +21,7 @@ from matchset.app.live.wire.state import written
 TOO_MANY = 4429  # format: the code with which a session is closed that is one too many
 FULL = "as many pages as may look already do"
 NONSENSE = 4400  # format: the code with which a session is closed that says nonsense
+LIFE_PERIOD = 1.0  # format: s; a page that hears nothing for two of them connects anew
 SESSION_PERIOD = 0.1  # format: s between two looks whether the state of the session has changed
 
 
@@ -128,12 +130,13 @@ class Viewer:
             await self._write(Packet(sequence, seen.state.time, sending.age, state, image, stream, feed=feed))
 
     async def _tell(self) -> None:
-        """Send the state of the session whenever it has changed."""
-        told = b""
+        """Send the state of the session whenever it has changed, and as a sign of life."""
+        told, when = b"", -math.inf
         while True:
             state = written(msgspec.structs.replace(self._desk.session.state(), page=self.name))
-            if state != told:
-                told = state
+            now = time.monotonic()
+            if state != told or now - when >= LIFE_PERIOD:
+                told, when = state, now
                 await self._write(Packet(0, time.monotonic(), -1.0, state, session=True))
             await asyncio.sleep(SESSION_PERIOD)
 

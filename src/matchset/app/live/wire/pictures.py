@@ -2,6 +2,7 @@
 
 import asyncio
 from collections import OrderedDict
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -25,6 +26,11 @@ def encoded(image: Image, size: Size) -> bytes:
     return data.tobytes()
 
 
+def _png(make: Callable[[], Image]) -> bytes:
+    data: Image = cv2.imencode(".png", make(), [cv2.IMWRITE_PNG_BILEVEL, 1])[1]
+    return data.tobytes()
+
+
 class Pictures:
     """Encodes in a thread; OpenCV lets others run meanwhile."""
 
@@ -42,6 +48,11 @@ class Pictures:
             while len(self._made) > KEPT:
                 self._made.popitem(last=False)
         data: bytes = await asyncio.shield(future)
+        return data
+
+    async def mask(self, make: Callable[[], Image]) -> bytes:
+        """Return a mask as PNG, made in the same thread; what `make` raises is raised here."""
+        data: bytes = await asyncio.get_running_loop().run_in_executor(self._thread, _png, make)
         return data
 
     def forget(self) -> None:

@@ -22,12 +22,20 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     support : float or None
     position : dict of str to (float, float or None)
         x, y, z and distance in the camera's frame, m, with standard deviations, if diameter and camera are known.
+    markers : list of list of float
+        x and y of points along the rim of each marker in sight, px.
+    axes : list of float
+        x and y of the ball's center and of the tips of its axes x, y, z, px; empty where no rotation is observed.
+    predicted : list of float
+        Where it is expected while it is lost: x and y of points along the outline, px; empty if nowhere.
     reason : str
         Why it is lost.
     lost_for : float
         For how long, s.
     diameter : float or None
         m
+    shape : str
+        Of which family it is.
     """
 
     id: int
@@ -38,9 +46,13 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     match_set: list[float] = []
     support: float | None = None
     position: dict[str, tuple[float, float | None]] = {}
+    markers: list[list[float]] = []
+    axes: list[float] = []
+    predicted: list[float] = []
     reason: str = ""
     lost_for: float = 0.0
     diameter: float | None = None
+    shape: str = "circle"
 
 
 class State(msgspec.Struct, frozen=True, omit_defaults=True):

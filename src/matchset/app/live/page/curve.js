@@ -1,0 +1,129 @@
+// One curve of the last 30 s with its band of two standard deviations; lost stretches are marked.
+
+import { palette, Surface, ticks } from "./canvas.js";
+import { PER_SECOND, SECONDS } from "./samples.js";
+
+const BAND = 2; // standard deviations
+const GAP = 0.3; // s without a sample, after which the line begins anew
+
+export class Curve {
+  constructor(canvas) {
+    this.surface = new Surface(canvas);
+    this.surface.redraw = () => this.again && this.again();
+  }
+
+  draw(samples, name, unit) {
+    this.again = () => this.draw(samples, name, unit);
+    const { surface } = this;
+    const context = surface.begin();
+    const { width, height, ratio, text } = surface;
+    const frame = { left: 4.2 * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
+    if (frame.right - frame.left < 10 || frame.bottom - frame.top < 10) return;
+    context.fillStyle = palette.ink;
+    context.fillText(`${name}, ${unit || "1"}`, 0, text);
+    const points = collect(samples, frame);
+    const [least, most] = range(points);
+    const y = (value) => frame.top + (most - value) / (most - least) * (frame.bottom - frame.top);
+    drawGrid(context, frame, surface, least, most, y);
+    drawLost(context, frame, points, surface);
+    context.save();
+    context.beginPath();
+    context.rect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
+    context.clip();
+    for (const run of runs(points)) drawRun(context, run, y, ratio);
+    context.restore();
+  }
+}
+
+function collect(samples, frame) {
+  const points = [];
+  samples.each((ago, low, high, sigma, lost) => {
+    const x = frame.right - ago / SECONDS * (frame.right - frame.left);
+    if (x >= frame.left) points.push({ ago, x, low, high, sigma, lost });
+  });
+  return points;
+}
+
+function range(points) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const { low, high, sigma } of points) {
+    if (Number.isNaN(low)) continue;
+    least = Math.min(least, low - BAND * sigma);
+    most = Math.max(most, high + BAND * sigma);
+  }
+  if (!(most >= least)) return [0, 1];
+  const margin = Math.max((most - least) * 0.08, Math.abs(most) * 1e-4, 1e-4);
+  return [least - margin, most + margin];
+}
+
+// Stretches without a gap: where it was lost, or nothing came.
+function runs(points) {
+  const found = [];
+  let run = null;
+  let last = Infinity;
+  for (const point of points) {
+    if (Number.isNaN(point.low)) { run = null; continue; }
+    if (!run || last - point.ago > GAP) found.push(run = []);
+    run.push(point);
+    last = point.ago;
+  }
+  return found;
+}
+
+function drawRun(context, run, y, ratio) {
+  context.fillStyle = context.strokeStyle = palette.accent;
+  context.globalAlpha = 0.28;
+  context.beginPath();
+  for (const point of run) context.lineTo(point.x, y(point.high + BAND * point.sigma));
+  for (let i = run.length - 1; i >= 0; i--) context.lineTo(run[i].x, y(run[i].low - BAND * run[i].sigma));
+  context.closePath();
+  context.fill();
+  context.globalAlpha = 1;
+  context.lineWidth = 1.75 * ratio;
+  context.beginPath();
+  for (const { x, low, high } of run) {
+    context.lineTo(x, y(high));
+    if (low < high) context.lineTo(x, y(low));
+  }
+  if (run.length === 1) context.lineTo(run[0].x + ratio, y(run[0].low));
+  context.stroke();
+}
+
+function drawGrid(context, frame, { ratio, text, width, height }, least, most, y) {
+  context.lineWidth = ratio;
+  context.strokeStyle = palette.line;
+  context.fillStyle = palette.soft;
+  context.textAlign = "right";
+  for (const { value, words } of ticks(least, most, (frame.bottom - frame.top) / (1.9 * text))) {
+    const at = Math.round(y(value)) + 0.5;
+    context.beginPath();
+    context.moveTo(frame.left, at);
+    context.lineTo(frame.right, at);
+    context.stroke();
+    context.fillText(words, frame.left - 0.5 * text, at + 0.35 * text);
+  }
+  context.fillText("now", width, height - 0.25 * text);
+  context.textAlign = "left";
+  context.fillText(`${SECONDS} s ago`, frame.left, height - 0.25 * text);
+}
+
+// A tint over the whole height, a bar at the foot, and the word where there is room.
+function drawLost(context, frame, points, { ratio, text }) {
+  const step = (frame.right - frame.left) / SECONDS / PER_SECOND;
+  context.fillStyle = palette.warn;
+  let from = null;
+  const end = (to) => {
+    context.globalAlpha = 0.14;
+    context.fillRect(from, frame.top, to - from, frame.bottom - frame.top);
+    context.globalAlpha = 1;
+    context.fillRect(from, frame.bottom - 3 * ratio, to - from, 3 * ratio);
+    if (to - from > 2.6 * text) context.fillText("lost", from + 0.4 * text, frame.bottom - 0.5 * text);
+    from = null;
+  };
+  for (let i = 0; i < points.length; i++) {
+    const { x, low, lost } = points[i];
+    const missing = lost && Number.isNaN(low);
+    if (missing && from === null) from = Math.max(frame.left, x - step / 2);
+    if (from !== null && (!missing || i === points.length - 1)) end(Math.max(missing ? frame.right : x, from + 2 * ratio));
+  }
+}

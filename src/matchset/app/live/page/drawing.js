@@ -1,0 +1,87 @@
+// What is drawn over the picture, as SVG in pixels of the picture: sharp at any zoom.
+
+const SVG = "http://www.w3.org/2000/svg";
+const AXES = ["#ff6b6b", "#69db7c", "#74a9ff"]; // x, y, z, as everywhere in matchset
+const NAMES = ["x", "y", "z"];
+
+export function drawTarget(target, color, show, chosen) {
+  const parts = [];
+  if (target.found && show.outline) {
+    parts.push(shape("polygon", target.outline, { stroke: "#000", "stroke-width": chosen ? 5 : 4, "stroke-opacity": 0.55 }));
+    parts.push(shape("polygon", target.outline, { stroke: color, "stroke-width": chosen ? 2.5 : 1.5, class: "outline" }));
+  }
+  if (!target.found && show.outline && target.predicted) {
+    parts.push(shape("polygon", target.predicted, { stroke: "#000", "stroke-width": 3.5, "stroke-opacity": 0.45 }));
+    parts.push(shape("polygon", target.predicted, { stroke: color, "stroke-width": 1.5, "stroke-dasharray": "5 5", class: "predicted" }));
+  }
+  if (target.found && show.matchSet && target.match_set) parts.push(...dots(target.match_set, color));
+  if (target.found && show.marker) {
+    for (const marker of target.markers || []) {
+      parts.push(shape("polygon", marker, { stroke: "#000", "stroke-width": 3.5, "stroke-opacity": 0.5 }));
+      parts.push(shape("polygon", marker, { stroke: "#fff", "stroke-width": 1.5, class: "marker" }));
+    }
+  }
+  if (target.found && show.axes && target.axes) parts.push(...axes(target.axes));
+  return parts;
+}
+
+// A trail is a list of [time, x, y]; where it was lost there is a gap.
+export function drawTrail(trail, color) {
+  let data = "";
+  let pen = false;
+  for (const point of trail) {
+    if (!point[1]) { pen = false; continue; }
+    data += `${pen ? "L" : "M"}${point[1]} ${point[2]}`;
+    pen = true;
+  }
+  return made("path", { d: data, fill: "none", stroke: color, "stroke-width": 2, "stroke-opacity": 0.75, "stroke-linejoin": "round", class: "trail" });
+}
+
+export const drawTrace = (points) => [
+  shape("polyline", points.flat(), { stroke: "#000", "stroke-width": 4, "stroke-opacity": 0.6 }),
+  shape("polyline", points.flat(), { stroke: "#fff", "stroke-width": 2, "stroke-dasharray": "6 4", class: "trace" }),
+];
+
+// The cross that the arrow keys move; `reach` is half its size in pixels of the picture.
+export function drawCross([x, y], reach) {
+  const gap = reach / 4;
+  const data = `M${x - reach} ${y}H${x - gap}M${x + gap} ${y}H${x + reach}M${x} ${y - reach}V${y - gap}M${x} ${y + gap}V${y + reach}`;
+  return [
+    made("path", { d: data, stroke: "#000", "stroke-width": 5, "stroke-opacity": 0.7 }),
+    made("path", { d: data, stroke: "#fff", "stroke-width": 2, class: "cross" }),
+  ];
+}
+
+function shape(kind, points, attributes) {
+  return made(kind, { points: points.join(" "), fill: "none", "stroke-linejoin": "round", ...attributes });
+}
+
+function dots(points, color) {
+  let data = "";
+  for (let i = 0; i < points.length; i += 2) data += `M${points[i]} ${points[i + 1]}h0`;
+  return [["#000", 5], ["#fff", 3.5], [color, 1.5]].map(([stroke, width]) => made("path", {
+    d: data, stroke, "stroke-width": width, "stroke-linecap": "round", class: "match-set",
+  }));
+}
+
+function axes(points) {
+  const parts = [];
+  const [x, y] = points;
+  for (let axis = 0; axis < 3; axis++) {
+    const [toX, toY] = points.slice(2 + 2 * axis, 4 + 2 * axis);
+    const data = `M${x} ${y}L${toX} ${toY}`;
+    parts.push(made("path", { d: data, stroke: "#000", "stroke-width": 5, "stroke-opacity": 0.5 }));
+    parts.push(made("path", { d: data, stroke: AXES[axis], "stroke-width": 2.5, class: "axis" }));
+    const name = made("text", { x: toX, y: toY, fill: AXES[axis], stroke: "#000", class: "axis-name" });
+    name.textContent = NAMES[axis];
+    parts.push(name);
+  }
+  return parts;
+}
+
+function made(kind, attributes) {
+  const element = document.createElementNS(SVG, kind);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.setAttribute("vector-effect", "non-scaling-stroke");
+  return element;
+}

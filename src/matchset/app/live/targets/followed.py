@@ -1,0 +1,205 @@
+"""All targets of a camera: they begin without holding up the pictures, and those that are nothing end (`Followed`)."""
+
+import functools
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from typing import NamedTuple
+
+import msgspec
+
+from matchset.app.closing import Closing
+from matchset.app.live.targets.maker import Maker
+from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Marker, Outline, Pick, Wish
+from matchset.app.live.targets.target import Target, catch_up, same_place
+from matchset.app.live.vision.kept_frames import KeptFrames
+from matchset.app.live.wire.state import TargetState
+from matchset.camera.camera_model import CameraModel
+from matchset.image.frame import Frame
+
+
+class FollowedParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How many targets there are, and how long one may take to be found.
+
+    Parameters
+    ----------
+    targets : int
+        At most. More: a slower loop, most of all where they are lost. Chosen by hand: a list that fits on a screen.
+    trial : float
+        For how long something clicked may not be found before it is given up, s. Longer: a ball clicked while it is
+        hidden or blurred is still found; and clicks on nothing cost more. Chosen by hand.
+    on_trial : int
+        How many may be on trial; with one more the oldest is given up. More: a thousand clicks cost more. Chosen by
+        hand: a person clicks on one thing, then the next.
+    """
+
+    targets: int = 8
+    trial: float = 1.0
+    on_trial: int = 2
+
+
+class _Making(NamedTuple):
+    """A target that is being made, and what is to be done with it then."""
+
+    number: int
+    sequence: int
+    frame: Frame
+    result: Future[Target]
+    later: list[Wish]
+
+
+class Followed(Closing):
+    """Follows what was clicked. All methods are for one thread, that of the pictures.
+
+    Parameters
+    ----------
+    kept : KeptFrames
+        The last pictures: a click names one.
+    note : callable
+        Told what a person should know.
+    parameters : FollowedParameters, optional
+
+    Attributes
+    ----------
+    camera : CameraModel or None
+    """
+
+    def __init__(
+        self, kept: KeptFrames, note: Callable[[str], None], parameters: FollowedParameters | None = None
+    ) -> None:
+        self._kept, self._note, self._parameters = kept, note, parameters or FollowedParameters()
+        self._targets: dict[int, Target] = {}
+        self._trials: dict[int, float] = {}
+        self._making: deque[_Making] = deque()
+        self._numbers = 0
+        self._maker: Maker[Target] = Maker()
+        self.camera: CameraModel | None = None
+
+    def close(self) -> None:
+        """Make no targets any more."""
+        self._maker.close()
+
+    @property
+    def targets(self) -> Sequence[Target]:
+        """What is followed."""
+        return list(self._targets.values())
+
+    def target(self, number: int) -> Target:
+        """Return a target by its number.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        found = self._targets.get(number)
+        if found is None:
+            raise ValueError(f"there is no target {number} any more")
+        return found
+
+    def do(self, wish: Wish) -> None:
+        """Do what was asked for.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be done.
+        """
+        making = next((made for made in self._making if made.number == getattr(wish, "target", None)), None)
+        if isinstance(wish, Pick | Outline):
+            self._begin(wish)
+        elif making is not None:
+            making.later.append(wish)
+        elif isinstance(wish, Drop):
+            self.target(wish.target)
+            self._forget(wish.target)
+        elif isinstance(wish, Diameter):
+            self.target(wish.target).locate(self.camera, wish.meters)
+        elif isinstance(wish, Marker):
+            frame = self._kept.since(wish.sequence)[0]
+            self.target(wish.target).mark(frame, wish.x, wish.y, wish.meters)
+        elif isinstance(wish, FieldOfView):
+            self._view(wish.angle)
+
+    def locate(self, camera: CameraModel | None) -> None:
+        """Take another camera model."""
+        self.camera = camera
+        for each in self._targets.values():
+            each.locate(camera, each.diameter)
+
+    def clear(self) -> None:
+        """Forget all targets."""
+        self._targets.clear()
+        self._trials.clear()
+        self._making.clear()
+
+    def restart(self) -> None:
+        """Take note that the source begins anew: where targets were says nothing any more."""
+        for each in self._targets.values():
+            each.tracker.restart()
+
+    def update(self, frame: Frame) -> list[TargetState]:
+        """Follow all into a frame."""
+        self._take_made()
+        states = {number: target.update(frame) for number, target in self._targets.items()}
+        for number in list(self._trials):
+            self._judge(number, frame, states)
+        return [states[number] for number in self._targets]
+
+    def _view(self, angle: float) -> None:
+        newest = self._kept.newest
+        if newest is None:
+            raise ValueError("there is no picture yet whose field of view could be told")
+        height, width = newest.image.shape[:2]
+        self.locate(CameraModel.from_fov(width, height, angle))
+
+    def _begin(self, begin: Begin) -> None:
+        """Make a target in the background: its color is learned, and perhaps something is compiled."""
+        frame = self._kept.since(begin.sequence)[0]
+        while len(self._trials) >= self._parameters.on_trial:
+            self._forget(next(iter(self._trials)))
+        if len(self._targets) + len(self._making) >= self._parameters.targets:
+            raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
+        self._numbers += 1
+        order = functools.partial(Target, self._numbers, begin, frame)
+        self._making.append(_Making(self._numbers, begin.sequence, frame, self._maker.order(order), []))
+
+    def _take_made(self) -> None:
+        while self._making and self._making[0].result.done():
+            number, sequence, frame, made, later = self._making.popleft()
+            try:
+                target = made.result()
+                target.locate(self.camera, None)
+                frames = [frame, *self._kept.after(sequence)]
+                catch_up(target, frames)
+                self._targets[number], self._trials[number] = target, frames[-1].time
+                if target.note:
+                    self._note(target.note)
+                for wish in later:
+                    self.do(wish)
+            except ValueError as error:
+                self._note(str(error))
+
+    def _judge(self, number: int, frame: Frame, states: dict[int, TargetState]) -> None:
+        """End the trial of a target: it is found, it is one that is followed already, or it is nothing."""
+        state, target = states[number], self._targets[number]
+        if state.found:
+            twin = next((each for each in states.values() if each.id != number and same_place(each, state)), None)
+            if twin is None:
+                del self._trials[number]
+            else:
+                self._note(f"that is {twin.name}, which is followed already")
+                self._forget(number)
+                del states[number]
+        elif not 0.0 <= frame.time - self._trials[number] <= self._parameters.trial:
+            if target.seen is not None:
+                del self._trials[number]
+                return
+            at = "({:.0f}, {:.0f})".format(*target.begun)
+            self._note(f"no {target.shape} at {at}: {state.reason}. Click on its middle, or draw along its rim")
+            self._forget(number)
+            del states[number]
+
+    def _forget(self, number: int) -> None:
+        self._targets.pop(number, None)
+        self._trials.pop(number, None)

@@ -1,11 +1,13 @@
 """A camera or a stream: a thread keeps its newest picture; what a camera is asked for, and what it says it does."""
 
 import math
+import queue
 import re
 import threading
 from collections.abc import Mapping
 from pathlib import Path
 from time import monotonic
+from typing import NamedTuple
 
 import cv2
 import msgspec
@@ -18,12 +20,16 @@ from matchset.image.frame import Frame
 # every other frame is lost. A second one adds no age: the thread empties the queue faster than it fills.
 BUFFERS = 2
 Settings = dict[str, tuple[float, float | None]]
-PROPERTIES = {
-    "exposure": cv2.CAP_PROP_EXPOSURE,
-    "white_balance": cv2.CAP_PROP_WB_TEMPERATURE,
+PROPERTIES = {  # in the order in which they are set: a driver needs the size first, and both of it
+    "width": cv2.CAP_PROP_FRAME_WIDTH,
+    "height": cv2.CAP_PROP_FRAME_HEIGHT,
     "fps": cv2.CAP_PROP_FPS,
+    "exposure": cv2.CAP_PROP_EXPOSURE,
+    "gain": cv2.CAP_PROP_GAIN,
+    "white_balance": cv2.CAP_PROP_WB_TEMPERATURE,
 }
-V4L2_MANUAL_EXPOSURE = 1.0  # format: V4L2_EXPOSURE_MANUAL; the other systems say 0 for "not automatic"
+AUTOMATIC = {"exposure": cv2.CAP_PROP_AUTO_EXPOSURE, "white_balance": cv2.CAP_PROP_AUTO_WB}
+V4L2_EXPOSURE = 1.0, 3.0  # format: V4L2_EXPOSURE_MANUAL and _APERTURE_PRIORITY; the other systems say 0 and 1
 
 
 class StreamParameters(msgspec.Struct, frozen=True):
@@ -47,6 +53,21 @@ class StreamParameters(msgspec.Struct, frozen=True):
 
 
 DEFAULT = StreamParameters()
+
+
+class Control(NamedTuple):
+    """A setting of a camera.
+
+    Attributes
+    ----------
+    value : float
+        In the driver's unit.
+    automatic : bool or None
+        Whether the camera chooses it itself; None if it cannot, or does not say.
+    """
+
+    value: float
+    automatic: bool | None
 
 
 def _hint(device: int | str) -> str:
@@ -77,6 +98,13 @@ class Live:
     wishes : mapping of str to float
         Settings to ask for.
 
+    Attributes
+    ----------
+    settings : dict of str to (float, float or None)
+        Each setting that was asked for, with what the driver says it is.
+    controls : dict of str to Control
+        The settings that the camera has, as they were when it was opened, or one was changed last.
+
     Raises
     ------
     LinkError
@@ -97,12 +125,14 @@ class Live:
         with hushed:
             self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
             self.settings = apply(self._capture, wishes)
+            self.controls = {} if is_stream else read_controls(self._capture)
             rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.fps = rate if 0 < rate <= 1000 else None
         self._stamped = self._capture.getBackendName() == "V4L2"
         self._captured, self._last = 0, 0.0
         self._newest: Frame | None = None
         self._failure = ""
+        self._orders: queue.SimpleQueue[tuple[str, float | None]] = queue.SimpleQueue()
         self._stop, self._news = threading.Event(), threading.Condition()
         self._thread = threading.Thread(target=self._run, name=f"matchset {name}", daemon=True)
         self._thread.start()
@@ -118,6 +148,37 @@ class Live:
             frame = self._await(self.timeout)
             self._newest = None
             return frame
+
+    def adjust(self, name: str, value: float | None) -> None:
+        """Change a setting before the next picture, by the thread that reads; `settings` and `controls` follow.
+
+        Parameters
+        ----------
+        name : str
+            "exposure", "gain" or "white_balance".
+        value : float or None
+            None: what the camera chooses itself, where it can.
+
+        Raises
+        ------
+        ValueError
+            If there is no such setting that can be changed while pictures come.
+        """
+        if name not in ("exposure", "gain", "white_balance"):
+            raise ValueError(f"{name!r} cannot be changed while pictures come: open the camera with it")
+        self._orders.put((name, value))
+
+    def _obey(self) -> None:
+        """Do what `adjust` was asked for."""
+        while not self._orders.empty():
+            name, value = self._orders.get()
+            others = {key: pair for key, pair in self.settings.items() if key != name}
+            with hushed:
+                if value is None:
+                    _set_automatic(self._capture, name, True)
+                else:
+                    others |= apply(self._capture, {name: value})
+                self.settings, self.controls = others, read_controls(self._capture)
 
     def _await(self, limit: float) -> Frame:
         with self._news:
@@ -135,6 +196,7 @@ class Live:
         # From here on the thread alone touches the capture: OpenCV crashes when another one releases it.
         try:
             while not self._stop.is_set():
+                self._obey()
                 if self._capture.grab():
                     self._keep(self._moment())
                 else:
@@ -184,25 +246,64 @@ def apply(capture: Capture, wishes: Mapping[str, float]) -> Settings:
     capture : Capture
         An open camera.
     wishes : mapping of str to float
-        "exposure", "white_balance" or "fps" and the value asked for.
+        Names of `PROPERTIES`, and the values asked for.
 
     Returns
     -------
     dict
         Name -> (asked, got); got is None where the camera has no such setting.
     """
+    accepted = {}
+    ordered = [(name, wishes[name]) for name in PROPERTIES if name in wishes]
+    for name, asked in ordered:
+        _set_automatic(capture, name, False)
+        accepted[name] = capture.set(PROPERTIES[name], asked)
     settings: Settings = {}
-    for name, asked in wishes.items():
-        if name == "exposure":
-            manual = V4L2_MANUAL_EXPOSURE if capture.getBackendName() == "V4L2" else 0.0
-            capture.set(cv2.CAP_PROP_AUTO_EXPOSURE, manual)
-        elif name == "white_balance":
-            capture.set(cv2.CAP_PROP_AUTO_WB, 0.0)
-        accepted = capture.set(PROPERTIES[name], asked)
+    for name, asked in ordered:  # when all are set: one may move another
         got = capture.get(PROPERTIES[name])
-        absent = math.isnan(got) or (not accepted and got in (-1.0, 0.0))
+        absent = math.isnan(got) or (not accepted[name] and got in (-1.0, 0.0))
         settings[name] = asked, None if absent else got
     return settings
+
+
+def read_controls(capture: Capture) -> dict[str, Control]:
+    """Read the settings that a camera has.
+
+    Parameters
+    ----------
+    capture : Capture
+        An open camera.
+
+    Returns
+    -------
+    dict of str to Control
+        By the names of `PROPERTIES`; one that the camera does not have is left out.
+    """
+    controls = {}
+    for name, number in PROPERTIES.items():
+        value = capture.get(number)
+        if math.isnan(value) or value == -1.0:  # -1: how OpenCV says that there is none
+            continue
+        controls[name] = Control(value, _is_automatic(capture, name))
+    return controls
+
+
+def _set_automatic(capture: Capture, name: str, on: bool) -> None:
+    """Let the camera choose a setting itself, or not; nothing where it cannot."""
+    if name in AUTOMATIC:
+        v4l2_exposure = name == "exposure" and capture.getBackendName() == "V4L2"
+        capture.set(AUTOMATIC[name], V4L2_EXPOSURE[on] if v4l2_exposure else float(on))
+
+
+def _is_automatic(capture: Capture, name: str) -> bool | None:
+    """Whether the camera chooses a setting itself; None if it does not say."""
+    if name not in AUTOMATIC:
+        return None
+    mode = capture.get(AUTOMATIC[name])
+    if math.isnan(mode) or mode == -1.0:
+        return None
+    v4l2_exposure = name == "exposure" and capture.getBackendName() == "V4L2"
+    return mode != V4L2_EXPOSURE[0] if v4l2_exposure else mode != 0.0
 
 
 def differences(settings: Settings) -> list[str]:

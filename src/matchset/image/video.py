@@ -106,6 +106,10 @@ class Video(NotCopied):
                 check_number(name, value)
             if value is not None and not 0.0 < value < math.inf:
                 raise ValueError(f"{name} must be positive, got {value}")
+        self._start(source, asked, timeout, topic)
+
+    def _start(self, source: int | str | Path, asked: dict[str, float], timeout: float, topic: str | None) -> None:
+        """Open the source with settings of `camera_stream.PROPERTIES`."""
         self._name, self._closed, self._ended = _name(source), False, False
         self._source = _open(source, self._name, timeout, asked, topic)
         self.topic = self._source.topic if isinstance(self._source, Bag) else None

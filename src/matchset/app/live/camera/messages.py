@@ -1,6 +1,6 @@
 """What a page says of the camera."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -8,6 +8,9 @@ from matchset.app.live.wire.messages import Name, Number, Up
 
 Corners = Annotated[int, msgspec.Meta(ge=3, le=100)]
 Side = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
+Pixels = Annotated[int, msgspec.Meta(ge=16, le=16384)]
+Value = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+Setting = Literal["exposure", "gain", "white_balance", "fps"]
 Meters = Annotated[float, msgspec.Meta(gt=0.0, le=1000.0)]
 
 
@@ -46,3 +49,21 @@ class BallAt(Up, frozen=True, tag="ball_at"):
 
 CameraWish = UseCamera | LookForCameraFiles | CalibrateBoard | EndBoard | BallAt
 MESSAGES: tuple[type[Up], ...] = (UseCamera, LookForCameraFiles, CalibrateBoard, EndBoard, BallAt)
+
+
+class SetCameraSetting(Up, frozen=True, tag="set_camera"):
+    """Ask the camera for a setting, in its driver's unit; None: what the camera chooses."""
+
+    name: Setting
+    value: Value | None
+
+
+class SetCameraSize(Up, frozen=True, tag="set_camera_size"):
+    """Ask the camera for pictures of a size, px."""
+
+    width: Pixels
+    height: Pixels
+
+
+SettingWish = SetCameraSetting | SetCameraSize
+SETTINGS: tuple[type[Up], ...] = (SetCameraSetting, SetCameraSize)

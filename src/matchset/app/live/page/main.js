@@ -10,6 +10,7 @@ import { Menu } from "./menu.js";
 import { PictureView } from "./picture.js";
 import { element, Reading } from "./reading.js";
 import { RecordPanel } from "./record.js";
+import { SettingsPanel } from "./settings.js";
 import { Connection } from "./socket.js";
 import { TargetList } from "./targets.js";
 
@@ -40,6 +41,7 @@ const panels = {
   compiling: new CompilingPanel(find("compiling")),
   sources: new Menu(send),
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
+  settings: new SettingsPanel(find("settings"), send),
   record: new RecordPanel(find("record"), send),
   file: new FilePanel(find("file"), send, () => targets.chosen, askPoint),
 };

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from matchset.app.live.camera.device import CameraDevice
 from matchset.app.live.feed import Feed, News
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.frame_list import StampedVideo
@@ -49,6 +50,8 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     if source.origin == DEMO:
         opening.note("the demo clip is made once, which takes some seconds")
         return _video(source.name, str(demo_clip()), opening)
+    if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():
+        return CameraFeed(source.name, CameraDevice(source.origin), opening.news, opening.note)
     return _video(source.name, source.origin, opening)
 
 

@@ -4,7 +4,9 @@ from collections.abc import Callable
 
 from matchset.app.closing import close_all
 from matchset.app.live.camera.camera_panel import CameraPanel
-from matchset.app.live.feed import Feed, News
+from matchset.app.live.camera.device import CameraDevice
+from matchset.app.live.camera.settings_panel import SettingsPanel
+from matchset.app.live.feed import Feed, News, Panel
 from matchset.app.live.targets.panel import TargetsPanel
 from matchset.app.live.vision.vision import Vision
 from matchset.image.video import Video
@@ -17,6 +19,7 @@ class CameraFeed(Feed):
     ----------
     title : str
     open_source : callable
+        A `CameraDevice` has settings.
     news : callable
         Told of each picture.
     note : callable
@@ -30,7 +33,9 @@ class CameraFeed(Feed):
         self.vision = Vision(open_source, news=news, note=note)
         self.streams = (self.vision,)
         self._camera = CameraPanel(self.vision, note)
-        self.panels = (TargetsPanel(self.vision.ask), self._camera)
+        self.panels: tuple[Panel, ...] = (TargetsPanel(self.vision.ask), self._camera)
+        if isinstance(open_source, CameraDevice):
+            self.panels += (SettingsPanel(open_source, self.vision.reopen),)
 
     def close(self) -> None:
         """End the loop and let go of the device."""

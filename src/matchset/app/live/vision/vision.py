@@ -86,7 +86,7 @@ class Vision(Closing):
         self.followed.locate(camera)
         self._done: deque[float] = deque(maxlen=self._parameters.rate_over)
         self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(self._parameters.wishes)
-        self._stop = threading.Event()
+        self._stop, self._again = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset live", daemon=True)
         self._thread.start()
 
@@ -121,6 +121,10 @@ class Vision(Closing):
         except queue.Full:
             self._note("too many clicks at once: some were left out")
 
+    def reopen(self) -> None:
+        """Have the source opened again, such as with other settings; does not wait."""
+        self._again.set()
+
     def close(self) -> None:
         """End the thread; the source is closed, if need be later: see `VisionParameters.closing`."""
         self._stop.set()
@@ -130,18 +134,27 @@ class Vision(Closing):
     def _run(self) -> None:
         while not self._stop.is_set():
             try:
+                self._again.clear()
                 with self._open() as source:
                     self.followed.restart()
-                    for frame in source:
-                        if self._stop.is_set():
-                            return
-                        self._take(source, frame)
-                self._fault("the video has ended")
-                return
+                    ended = self._read(source)
+                if ended:
+                    self._fault("the video has ended")
+                    return
             except (LinkError, ValueError) as error:
-                self._fault(f"{error}. It is tried again every {self._parameters.retry:g} s")
+                words = str(error).rstrip(".")
+                ending = "" if words.endswith("?") else "."
+                self._fault(f"{words}{ending} It is tried again every {self._parameters.retry:g} s")
                 self._grant()
                 self._stop.wait(self._parameters.retry)
+
+    def _read(self, source: Video) -> bool:
+        """Take the pictures of a source; returns whether it has ended by itself."""
+        for frame in source:
+            if self._stop.is_set() or self._again.is_set():
+                return False
+            self._take(source, frame)
+        return True
 
     def _fault(self, words: str) -> None:
         """Show the last picture, and in words what is wrong; the targets stay, to be found again."""

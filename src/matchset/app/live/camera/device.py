@@ -1,0 +1,108 @@
+"""A camera whose settings are kept, and asked for again whenever it is opened: `CameraDevice`."""
+
+import math
+from collections.abc import Callable, Mapping
+
+from matchset.image.camera_stream import Control, Live, Settings
+from matchset.image.video import Video
+
+AT_ONCE = ("exposure", "gain", "white_balance")  # the others need the camera to be opened again
+
+
+class SetCamera(Video):
+    """A camera, opened with any of its settings.
+
+    Parameters
+    ----------
+    device : str
+        Number or path.
+    wishes : mapping of str to float
+        Names of `matchset.image.camera_stream.PROPERTIES`, and the values asked for.
+    timeout : float
+        Longest silence, s.
+
+    Raises
+    ------
+    LinkError
+        If it cannot be opened.
+    """
+
+    def __init__(self, device: str, wishes: Mapping[str, float], timeout: float = 2.0) -> None:
+        self._start(device, dict(wishes), timeout, None)
+
+    @property
+    def current(self) -> Settings:
+        """What was asked for, with what the camera says."""
+        return self._source.settings if isinstance(self._source, Live) else {}
+
+    @property
+    def controls(self) -> dict[str, Control]:
+        """The settings that the camera has."""
+        return self._source.controls if isinstance(self._source, Live) else {}
+
+    def adjust(self, name: str, value: float | None) -> None:
+        """Change a setting before the next picture; see `Live.adjust`."""
+        if isinstance(self._source, Live):
+            self._source.adjust(name, value)
+
+
+class CameraDevice:
+    """Opens a camera with what a person wants, as often as it is asked to.
+
+    Parameters
+    ----------
+    device : str
+        Number or path.
+    open_camera : callable, optional
+        Opens it, given device and wishes.
+
+    Attributes
+    ----------
+    wishes : dict of str to float
+        What was asked for.
+    """
+
+    def __init__(self, device: str, open_camera: Callable[[str, Mapping[str, float]], SetCamera] = SetCamera) -> None:
+        self._device, self._open = device, open_camera
+        self.wishes: dict[str, float] = {}
+        self._video: SetCamera | None = None
+
+    def __call__(self) -> SetCamera:
+        """Open it."""
+        self._video = self._open(self._device, self.wishes)
+        return self._video
+
+    @property
+    def controls(self) -> dict[str, Control]:
+        """The settings that the camera has; none as long as it was not opened."""
+        return {} if self._video is None else self._video.controls
+
+    @property
+    def settings(self) -> Settings:
+        """What was asked for, with what the camera says."""
+        return {} if self._video is None else self._video.current
+
+    def ask(self, wishes: Mapping[str, float | None]) -> bool:
+        """Ask for settings; None: what the camera chooses.
+
+        Returns
+        -------
+        bool
+            Whether it must be opened again for that.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite, or the camera has no such setting.
+        """
+        for name, value in wishes.items():
+            if name not in self.controls:
+                raise ValueError(f"{name.replace('_', ' ')}: this camera has no such setting")
+            if value is not None and not math.isfinite(value):
+                raise ValueError(f"{name} must be finite, got {value}")
+        kept = {name: value for name, value in self.wishes.items() if name not in wishes}
+        self.wishes = kept | {name: value for name, value in wishes.items() if value is not None}
+        for name, value in wishes.items():
+            if name in AT_ONCE and self._video is not None:
+                self._video.adjust(name, value)
+        return any(name not in AT_ONCE for name in wishes)

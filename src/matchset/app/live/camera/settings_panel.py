@@ -10,8 +10,8 @@ from matchset.app.live.feed import Panel
 from matchset.image.camera_stream import AUTOMATIC, Control, differences
 
 UNITS = {"exposure": "× 0.1 ms on Linux", "white_balance": "K", "fps": "frames/s", "size": "px"}
+# format: sizes that cameras have, px. One that has no such size takes the nearest, and says so.
 SIZES = ((320, 240), (640, 480), (800, 600), (1024, 768), (1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
-"""Sizes that the page offers, px. A camera that has no such size takes the nearest one, and says so."""
 
 
 class SettingState(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from live_feeds import MadeUpFeed
 from matchset.app.exit_codes import StopRequest
 from matchset.app.live.known_messages import READER
-from matchset.app.live.serve import listen
 from matchset.app.live.session import Session
 from matchset.app.live.web.application import make_application
+from matchset.app.live.web.listening import listen
 from matchset.app.live.web.security import Guard
 from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers

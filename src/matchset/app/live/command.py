@@ -3,6 +3,7 @@
 Imports that take long stand inside the function, so that `matchset --help` answers at once.
 """
 
+from importlib.util import find_spec
 from typing import Annotated
 
 import msgspec
@@ -17,7 +18,7 @@ LIVE_EPILOG = """
 
   matchset live 0 --lan
 
-Exit codes: 0 ended by Ctrl-C, 2 bad input or options.
+Exit codes: 0 ended by Ctrl-C or SIGTERM (files are whole), 2 bad input or options.
 """
 
 Source = Annotated[
@@ -41,6 +42,9 @@ class LiveOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def live(options: LiveOptions) -> int:
     """See a camera or a video in the browser, click a ball, read where it is."""
+    missing = [name for name in ("starlette", "uvicorn", "websockets") if find_spec(name) is None]
+    if missing:
+        raise ValueError(f"the live page needs {', '.join(missing)}: pip install 'matchset[web]'")
     from matchset.app.live.serve import serve
 
     return serve(options)

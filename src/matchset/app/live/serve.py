@@ -1,5 +1,6 @@
 """Runs the page's server until Ctrl-C: `serve`."""
 
+import contextlib
 import socket
 import sys
 import webbrowser
@@ -9,6 +10,7 @@ from matchset.app.exit_codes import FOUND, StopRequest
 from matchset.app.live.command import LiveOptions
 from matchset.app.live.compiling import CompilingPanel
 from matchset.app.live.feed import Feed
+from matchset.app.live.first_pick import FirstPick
 from matchset.app.live.known_messages import READER
 from matchset.app.live.record.panel import RecordPanel
 from matchset.app.live.record.recorder import Recorder
@@ -18,13 +20,12 @@ from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.live.sources.panel import SourcesPanel
 from matchset.app.live.sources.stage import Stage
 from matchset.app.live.web.application import make_application
+from matchset.app.live.web.listening import listen, own_address, qr_code
 from matchset.app.live.web.security import Guard
 from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
-
-SEND_BUFFER = 65536  # format: bytes that the system keeps of what a slow program has not read
-PORTS = 20  # format: ports that are tried, one after the other
+from matchset.app.track.target_options import parse_pick
 
 
 def serve(options: LiveOptions) -> int:
@@ -33,25 +34,46 @@ def serve(options: LiveOptions) -> int:
     Raises
     ------
     ValueError
-        If no port is free.
+        If no port is free, or `--pick` is no point.
     """
-    host = "0.0.0.0" if options.lan else "127.0.0.1"
-    listener, port = listen(host, options.port)
+    point = None if options.pick is None else point_of(options.pick)
+    listener, port = listen("0.0.0.0" if options.lan else "127.0.0.1", options.port)
     if options.port and port != options.port:
         print(f"note: port {options.port} is in use; this is {port}", file=sys.stderr)
-    address = own_address() if options.lan else "127.0.0.1"
-    guard = Guard([address, socket.gethostname()], port, token=options.lan)
-    compiling = CompilingPanel()
-    recorder = Recorder()
+    address, name = own_address() if options.lan else "127.0.0.1", socket.gethostname()
+    guard = Guard([address, name, f"{name}.local"], port, token=options.lan)
+    compiling, recorder = CompilingPanel(), Recorder()
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
     desk, viewers = Desk(session, Pictures(), READER), Viewers()
-    url = f"http://{address}:{port}/" + (f"?token={guard.token}" if guard.token else "")
-    print(url, flush=True)
-    if options.browser:
-        webbrowser.open(url)
-    with StopRequest() as stop, listener, recorder, session, make_stage(options, desk, viewers):
+    with contextlib.ExitStack() as opened:
+        stop = opened.enter_context(StopRequest())
+        for each in (listener, recorder, session, make_stage(options, desk, viewers)):
+            opened.enter_context(each)
+        if point is not None:
+            opened.enter_context(FirstPick(session, point, compiling.refusal))
+        announce(f"http://{address}:{port}/", guard.token, options.browser)
         StoppableServer(make_application(desk, viewers, guard), stop, viewers.end).run([listener])
     return FOUND
+
+
+def announce(url: str, token: str, browser: bool) -> None:
+    """Print the address, in a terminal with its QR code if it holds a token; open it, if wanted."""
+    url += f"?token={token}" if token else ""
+    print(url, flush=True)
+    if token and sys.stderr.isatty():
+        print(qr_code(url), end="", file=sys.stderr)
+    if token:
+        print("note: whoever can listen in this network can read pictures and token (plain HTTP)", file=sys.stderr)
+    if browser:
+        webbrowser.open(url)
+
+
+def point_of(text: str) -> tuple[float, float]:
+    """Read ``X,Y``."""
+    x, y, frame = parse_pick(text)
+    if frame is not None:
+        raise ValueError(f"--pick is X,Y in the first picture, got {text!r}")
+    return x, y
 
 
 def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
@@ -74,36 +96,3 @@ def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
     if given is not None:
         stage.show(given)
     return stage
-
-
-def listen(host: str, port: int) -> tuple[socket.socket, int]:
-    """Open a port, or the next one that is free.
-
-    Raises
-    ------
-    ValueError
-        If none of twenty is.
-    """
-    for number in range(port, port + PORTS):
-        listener = socket.socket()
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-        try:
-            listener.bind((host, number))
-        except OSError:
-            listener.close()
-            continue
-        listener.listen()
-        return listener, listener.getsockname()[1]
-    raise ValueError(f"ports {port} to {port + PORTS - 1} are all in use")
-
-
-def own_address() -> str:
-    """Return the address of this computer in its network."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.1", 9))  # format: an address for documentation; nothing is sent
-        except OSError:
-            return "127.0.0.1"
-        name: str = probe.getsockname()[0]
-        return name

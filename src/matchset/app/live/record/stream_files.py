@@ -99,7 +99,7 @@ class StreamFiles(Closing):
         if self._film is None:
             self._begin(frame, seen.state)
         self._keep_camera(seen.camera)
-        self._tables.write(self.count, seen)
+        self._tables.write(self.count, frame, seen)
         if self._bag is not None:
             self._bag.write(self.count, frame, seen)
         self._write_picture(frame)

@@ -1,15 +1,19 @@
 """`tracks.csv` and `poses.csv` of what is followed, a pair for each target: `TargetTables`."""
 
+import math
 import re
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from matchset.app.closing import Closing, close_all
 from matchset.app.live.feed import Seen
 from matchset.app.live.wire.state import TargetState
-from matchset.app.locate.rows import PoseRow, pose_columns, pose_row
+from matchset.app.locate.rows import POSITION, PoseRow, pose_columns, pose_row
 from matchset.app.tables import RowWriter
 from matchset.app.track.rows import TrackRow, track_table
+from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 
 DECIMALS = 4  # format: as tracks.csv has them, 1e-4 px
@@ -39,13 +43,15 @@ class TargetTables(Closing):
         self._poses: dict[int, RowWriter[PoseRow]] = {}
         self.targets: list[dict[str, Any]] = []
 
-    def write(self, number: int, seen: Seen) -> None:
+    def write(self, number: int, frame: Frame, seen: Seen) -> None:
         """Append the rows of a picture.
 
         Parameters
         ----------
         number : int
             Of the picture, in the recording.
+        frame : Frame
+            The picture.
         seen : Seen
 
         Raises
@@ -56,10 +62,11 @@ class TargetTables(Closing):
         for target in seen.state.targets:
             if target.id not in self._tracks:
                 self._begin(target, seen)
-            self._tracks[target.id].write(_track_row(number, seen.state.time, target))
-            pose = seen.poses.get(target.id)
-            if pose is not None:
-                self._poses_of(target).write(pose_row(number, pose))
+            self._tracks[target.id].write(_track_row(number, frame.time, target))
+            row = _pose_row(number, frame.time, target, seen)
+            if row is not None or target.id in self._poses:
+                lost = PoseRow(number, frame.time, reason=target.reason or "diameter or camera are not known")
+                self._poses_of(target).write(row or lost)
 
     def close(self) -> None:
         """Close the tables."""
@@ -83,6 +90,18 @@ class TargetTables(Closing):
             entry = next(each for each in self.targets if each["name"] == target.name)
             entry |= {"poses": path.name, "diameter": target.diameter}
         return self._poses[target.id]
+
+
+def _pose_row(number: int, time: float, target: TargetState, seen: Seen) -> PoseRow | None:
+    """Return the row of a pose, of a position where the pose is not told; None where it is not located."""
+    pose = seen.poses.get(target.id)
+    if pose is not None:
+        return pose_row(number, msgspec.structs.replace(pose, time=time))
+    if not target.position:
+        return None
+    values = {name: value for name, (value, _) in target.position.items() if name in POSITION}
+    std = {name: sigma or 0.0 for name, (_, sigma) in target.position.items() if name in POSITION}
+    return PoseRow(number, time, values | {"yaw": math.atan2(values["x"], values["z"])}, std, "position")
 
 
 def _track_row(number: int, time: float, target: TargetState) -> TrackRow:

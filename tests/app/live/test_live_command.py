@@ -1,0 +1,237 @@
+"""`matchset live` as a process: what it prints, how it ends, and what is left after kill -9."""
+
+import contextlib
+import json
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import httpx
+import numpy as np
+import pytest
+from benchmarks.lost.content import content_of
+from benchmarks.lost.runs import FPS, write_clip
+from websockets.sync.client import connect
+from websockets.typing import Origin
+
+from live_server import served
+from matchset.app.live import command as live_command
+from matchset.app.live.command import LiveOptions
+from matchset.app.live.web.listening import LAST_PORT, PLAIN, WHITE_ON_BLACK, listen, qr_code
+from matchset.app.recording.mcap_file import McapReader
+
+PICK = "50,60"
+MOST_LOST = 0.5  # s
+PATIENCE = 60.0  # s, for kernels that may be compiled
+
+
+class Running:
+    """A process of `matchset live`."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        words = [sys.executable, "-m", "matchset.app.cli", "live", *arguments, "--no-browser"]
+        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder)
+        assert self.process.stdout is not None
+        self.url = self.process.stdout.readline().strip()
+
+    def state(self) -> Any:
+        """What is shown."""
+        return httpx.get(f"{self.url}state.json", timeout=10.0).json()
+
+    def do(self, kind: str, **fields: object) -> None:
+        """Do what a button does."""
+        answer = httpx.post(f"{self.url}do/{kind}", json=fields, timeout=10.0)
+        assert answer.status_code == 204, answer.text
+
+    def wait_for(self, done: Any) -> Any:
+        """Wait until something is true of the state."""
+        until = time.monotonic() + PATIENCE
+        while not (found := done(self.state())):
+            assert time.monotonic() < until
+            time.sleep(0.02)
+        return found
+
+    def end(self, number: signal.Signals) -> tuple[int, float]:
+        """Send a signal; returns the exit code, and how long it took, s."""
+        begin = time.monotonic()
+        self.process.send_signal(number)
+        code = self.process.wait(20.0)
+        return code, time.monotonic() - begin
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("clip") / "clip.avi"
+    write_clip(path, 1500)
+    return path
+
+
+@pytest.fixture
+def running(clip: Path, tmp_path: Path) -> Iterator[Running]:
+    made = Running(tmp_path, str(clip), "--port", "0", "--pick", PICK)
+    yield made
+    made.process.kill()
+    made.process.communicate()
+
+
+def found(state: Any) -> Any:
+    return any(target["found"] for stream in state["streams"] for target in stream.get("targets", []))
+
+
+def frames(state: Any) -> int:
+    return int(state["session"]["panels"]["record"].get("frames", 0))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_pick_is_followed_and_a_signal_ends_it_at_once_with_all_files(
+    running: Running, tmp_path: Path, number: signal.Signals
+) -> None:
+    running.wait_for(found)
+    running.do("record", on=True)
+    host = running.url.removeprefix("http://").rstrip("/")
+    with contextlib.ExitStack() as stack:
+        for address in ("/ws", "/states"):
+            stack.enter_context(connect(f"ws://{host}{address}", close_timeout=0.1))
+        stack.enter_context(httpx.stream("GET", f"{running.url}events"))
+        running.wait_for(lambda state: frames(state) > 20)
+        code, took = running.end(number)
+    assert code == 0
+    assert took < 4.0
+    folder = tmp_path / "runs" / "0001-live"
+    facts = json.loads((folder / "recording.json").read_text())
+    assert facts["problem"] == ""
+    for path in (folder / "tracks.csv", *folder.glob("raw.*")):
+        assert content_of(path).number == facts["frames"][0] >= 20
+
+
+def test_kill_9_loses_half_a_second_at_most(running: Running, tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    pytest.importorskip("av")
+    running.wait_for(found)
+    running.do("record", on=True)
+    given = running.wait_for(lambda state: frames(state) > 60 and frames(state))
+    running.end(signal.SIGKILL)
+    folder = tmp_path / "runs" / "0001-live"
+    bag = folder / "recording.mcap"
+    kept = {path.name: content_of(path).number for path in (folder / "tracks.csv", *folder.glob("raw.*"))}
+    kept[bag.name] = [message.topic for message in McapReader(bag)].count("/camera_1/image/compressed")
+    assert set(kept) == {"tracks.csv", "raw.mp4", "recording.mcap"}
+    assert all((given - number) / FPS <= MOST_LOST for number in kept.values()), (given, kept)
+    assert json.loads((folder / "recording.json").read_text())["streams"][0]["targets"][0]["tracks"] == "tracks.csv"
+
+
+def test_a_port_that_is_in_use_is_said_and_the_next_one_taken(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        made = Running(tmp_path, "--port", str(port))
+        other = int(made.url.rstrip("/").rpartition(":")[2])
+        assert port < other < port + 20
+        assert made.state()["session"]["panels"]
+        made.end(signal.SIGTERM)
+        errors = made.process.communicate()[1]
+    assert f"note: port {port} is in use; this is {other}" in errors
+
+
+def test_the_last_port_has_no_next_one() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", LAST_PORT))
+        taken.listen()
+        with pytest.raises(ValueError, match="ports 65535 to 65535 are all in use"):
+            listen("127.0.0.1", LAST_PORT)
+
+
+@pytest.mark.parametrize("pick", ["abc", "1", "1,2@3", "1,2,3"])
+def test_a_pick_that_is_no_point_ends_in_two(pick: str, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "matchset.app.cli", "live", "--no-browser", "--pick", pick]
+    ended = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, timeout=60.0)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("error: --pick is X,Y")
+    assert len(ended.stderr.splitlines()) == 1
+
+
+def test_without_the_packages_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = live_command.find_spec
+    monkeypatch.setattr(live_command, "find_spec", lambda name: None if name == "uvicorn" else real(name))
+    with pytest.raises(ValueError, match=r"^the live page needs uvicorn: pip install 'matchset\[web\]'$"):
+        live_command.live(LiveOptions())
+
+
+def test_a_token_is_swapped_for_a_cookie_and_nothing_else_is_let_in() -> None:
+    with served(token=True) as server, httpx.Client(base_url=f"http://{server.host}", timeout=5.0) as client:
+        for address in ("/", "/state.json", "/frame.jpg", "/events", "/download/x", "/main.js"):
+            assert client.get(address).status_code == 401
+        assert client.post("/do/drop", json={"target": 1}).status_code == 401
+        assert client.get("/", params={"token": "wrong"}).status_code == 401
+        with pytest.raises(Exception, match="403"), connect(f"ws://{server.host}/states"):
+            pass
+        swapped = client.get("/", params={"token": server.guard.token})
+        assert swapped.status_code == 303
+        assert swapped.headers["Location"] == "/"
+        cookie = swapped.headers["Set-Cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=strict" in cookie
+        assert server.guard.token not in cookie
+        assert client.get("/").status_code == 200
+        assert client.get("/state.json").status_code == 200
+        header = {"Cookie": cookie.partition(";")[0]}
+        with connect(f"ws://{server.host}/states", additional_headers=header) as program:
+            assert "sequence" in program.recv(5.0)
+
+
+def test_a_foreign_page_can_neither_watch_nor_command() -> None:
+    with served() as server:
+        address = f"http://{server.host}/do/drop"
+        assert httpx.post(address, json={"target": 1}, headers={"Origin": "http://evil.example"}).status_code == 403
+        assert httpx.post(address, json={"target": 1}, headers={"Origin": "http://[::1"}).status_code == 403
+        assert httpx.get(f"http://{server.host}/", headers={"Host": "evil.example:80"}).status_code == 421
+        for path in ("/ws", "/states"):
+            with (
+                pytest.raises(Exception, match="403"),
+                connect(f"ws://{server.host}{path}", origin=Origin("http://a.b")),
+            ):
+                pass
+
+
+def test_the_qr_code_is_the_address() -> None:
+    url = "http://192.168.1.17:8123/?token=abcdefghijklmnopqrstuv"
+    rows = list[list[int]]()
+    for line in qr_code(url).splitlines():
+        blocks = line.removeprefix(WHITE_ON_BLACK).removesuffix(PLAIN)
+        rows += [[255 * (block in "█▀") for block in blocks], [255 * (block in "█▄") for block in blocks]]
+    picture = np.array(rows, np.uint8).repeat(8, 0).repeat(8, 1)
+    assert cv2.QRCodeDetectorAruco().detectAndDecode(picture)[0] == url
+
+
+def test_without_segno_there_is_no_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "segno", None)
+    with pytest.raises(ValueError, match="segno"):
+        qr_code("http://127.0.0.1/")
+
+
+def test_lan_prints_an_address_with_a_token(tmp_path: Path) -> None:
+    made = Running(tmp_path, "--port", "0", "--lan")
+    assert httpx.get(made.url, follow_redirects=True, timeout=10.0).status_code == 200
+    assert httpx.get(made.url.partition("?")[0], timeout=10.0).status_code == 401
+    assert made.end(signal.SIGTERM)[0] == 0
+    out, errors = made.process.communicate()
+    assert "plain HTTP" in errors
+    assert "█" not in out + errors  # no terminal
+
+
+def test_kept_files_are_not_begun_where_nothing_may_be_written(clip: Path, tmp_path: Path) -> None:
+    (tmp_path / "runs").write_text("a file in place of the folder")
+    made = Running(tmp_path, str(clip), "--port", "0")
+    made.wait_for(lambda state: state["streams"] and state["streams"][0].get("width"))
+    answer = httpx.post(f"{made.url}do/record", json={"on": True}, timeout=10.0)
+    assert answer.status_code == 400
+    assert "runs" in answer.json()["error"]
+    assert made.end(signal.SIGINT)[0] == 0
+    made.process.communicate()

@@ -1,6 +1,7 @@
 """`matchset live` as a process: what it prints, how it ends, and what is left after kill -9."""
 
 import contextlib
+import importlib.util
 import json
 import signal
 import socket
@@ -21,8 +22,7 @@ from websockets.sync.client import connect
 from websockets.typing import Origin
 
 from live_server import served
-from matchset.app.live import command as live_command
-from matchset.app.live.command import LiveOptions
+from matchset.app.live.command import LiveOptions, live
 from matchset.app.live.web.listening import LAST_PORT, PLAIN, WHITE_ON_BLACK, listen, qr_code
 from matchset.app.recording.mcap_file import McapReader
 
@@ -158,10 +158,10 @@ def test_a_pick_that_is_no_point_ends_in_two(pick: str, tmp_path: Path) -> None:
 
 
 def test_without_the_packages_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = live_command.find_spec
-    monkeypatch.setattr(live_command, "find_spec", lambda name: None if name == "uvicorn" else real(name))
+    known = lambda name: None if name == "uvicorn" else importlib.util.find_spec(name)  # noqa: E731
+    monkeypatch.setattr("matchset.app.live.command.find_spec", known)
     with pytest.raises(ValueError, match=r"^the live page needs uvicorn: pip install 'matchset\[web\]'$"):
-        live_command.live(LiveOptions())
+        live(LiveOptions())
 
 
 def test_a_token_is_swapped_for_a_cookie_and_nothing_else_is_let_in() -> None:

@@ -1,0 +1,71 @@
+"""A flight on the live page: how a test looks at it, and takes off as a person does."""
+
+import json
+import time
+import urllib.request
+from collections.abc import Callable
+from typing import Any
+
+from matchset.links.simulated import SimulationParameters
+
+CHAIN = "sim://chain?vehicles=2&seed=5"
+RADIO = SimulationParameters().vehicle.radio_delay  # s, from a command to the motors
+WAIT = 30.0  # s
+
+
+class LiveFlight:
+    """A flight that a server shows, seen by a program.
+
+    Parameters
+    ----------
+    url : str
+    page : playwright page
+        Waiting lets it go on, until it is closed: what a test does between it and the server needs that.
+    """
+
+    def __init__(self, url: str, page: Any) -> None:
+        self.url, self._page = url, page
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """What pages are told of it."""
+        with urllib.request.urlopen(f"{self.url}state.json", timeout=10) as answer:
+            panels = json.load(answer)["session"]["panels"]
+        return {"duty": "idle", "page": "", "reason": "", "ready": False, "followers": [], **panels.get("flight", {})}
+
+    @property
+    def phase(self) -> str:
+        """Phase of the first follower."""
+        rows = self.state["followers"]
+        return rows[0]["phase"] if rows else ""
+
+    def wait(self, what: Callable[[dict[str, Any]], object], seconds: float = WAIT) -> dict[str, Any]:
+        """Wait until its state is so; returns it."""
+        end = time.monotonic() + seconds
+        while not what(state := self.state):
+            assert time.monotonic() < end, state
+            if self._page.is_closed():
+                time.sleep(0.02)
+            else:
+                self._page.wait_for_timeout(20)
+        return state
+
+    def wait_for_duty(self, duty: str) -> dict[str, Any]:
+        """Wait for what is to be done."""
+        return self.wait(lambda state: state["duty"] == duty)
+
+
+def hold(page: Any, seconds: float) -> None:
+    """Press the button with the mouse for so long."""
+    box = page.locator("#flight-arm").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.wait_for_timeout(1000.0 * seconds)
+    page.mouse.up()
+
+
+def take_off(page: Any, flight: LiveFlight) -> dict[str, Any]:
+    """Hold the button, and wait until the first follower flies by what it sees."""
+    page.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
+    hold(page, 1.2)
+    return flight.wait(lambda state: state["duty"] == "flying" and state["followers"][0]["phase"] == "flying")

@@ -33,6 +33,16 @@ class Broken(SimulatedFleet):
         return super().step()
 
 
+class Crashing(SimulatedFleet):
+    """A fleet that crashes when it is told."""
+
+    crashed: tuple[str, ...] = ()
+
+    def step(self) -> FleetStep:
+        """Take a step, with a crash or without."""
+        return super().step()._replace(crashes=self.crashed)
+
+
 class Flown:
     """A flight of one follower, and a page that sees all pictures."""
 
@@ -147,6 +157,16 @@ def test_a_page_that_shows_old_pictures_is_silent(flown: Flown) -> None:
         assert time.monotonic() < end
         flown.session.take(Alive(shown), "page 1")
         time.sleep(0.02)
+
+
+def test_a_crash_brings_everybody_down() -> None:
+    flown = Flown(Crashing)
+    flown.fly()
+    flown.fleets[0].crashed = ("vehicle 1 hit the wall",)  # type: ignore[attr-defined]
+    flown.wait(lambda: flown.duty == "descending", "page 1")
+    flown.wait(lambda: flown.duty == "stopped", "page 1")
+    assert flown.feed.loop.state().reason == "vehicle 1 hit the wall"
+    flown.session.close()
 
 
 def test_a_link_that_breaks_ends_the_flight_and_says_why() -> None:

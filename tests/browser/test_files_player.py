@@ -1,0 +1,144 @@
+"""A recorded video in the page: scrubbed, stepped by keys, clicked in the middle, tracked whole, its table loaded."""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live_pages import on_screen, wait_until
+from matchset.app.locate.rows import read_poses
+from matchset.app.track.rows import read_tracks
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
+
+WAIT = 20_000  # ms
+Clip = tuple[Path, BallFlightClip]
+
+
+def state_of(page: Any) -> Any:
+    return page.evaluate("fetch('state.json').then((answer) => answer.json())")
+
+
+def index_of(page: Any) -> int:
+    """Index of the frame that the page says is shown."""
+    return int(re.findall(r"frame (\d+)", page.locator("#file .time").inner_text())[0])
+
+
+def go(page: Any, index: int) -> None:
+    """Scrub to a frame by a click on the time line, then by keys."""
+    line = page.locator("#file .timeline")
+    box, (end,) = line.bounding_box(), re.findall(r"of (\d+)", page.locator("#file .time").inner_text())
+    line.click(position={"x": (index + 0.5) / (int(end) + 1) * box["width"], "y": box["height"] / 2})
+    shown = "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow'))"
+    wait_until(page, f"Math.abs({shown} - {index}) < 12")
+    while (left := index - index_of(page)) != 0:
+        page.keyboard.press("ArrowRight" if left > 0 else "ArrowLeft")
+        before = index - left
+        wait_until(page, f"{shown} !== {before}")
+    wait_until(page, f"fetch('state.json').then((a) => a.json()).then((s) => s.streams[0].index === {index})")
+
+
+def click_ball(page: Any, clip: BallFlightClip) -> None:
+    shown = state_of(page)["streams"][0]["time"]
+    (pixel,) = clip.camera.project(clip.place(shown)[None])
+    page.mouse.click(*on_screen(page, *pixel))
+
+
+@pytest.fixture
+def opened(serve: Any, page: Any, clip: Clip) -> Any:
+    """A page that shows the clip, read to its end."""
+    page.goto(serve(str(clip[0])))
+    page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
+    wait_until(page, "picture.width === 320")
+    page.locator("#file .work").get_by_text("Click the ball in any frame").wait_for(timeout=WAIT)
+    return page
+
+
+def test_scrubbing_and_keys_show_the_frame(opened: Any) -> None:
+    page = opened
+    go(page, 600)
+    for key, index in (("ArrowRight", 601), ("ArrowLeft", 600), (".", 601), (",", 600), ("Shift+ArrowRight", 610)):
+        page.keyboard.press(key)
+        wait_until(page, f"document.querySelector('#file .timeline').getAttribute('aria-valuenow') === '{index}'")
+    page.keyboard.press("End")
+    page.get_by_text("frame 1199 of 1199").wait_for(timeout=WAIT)
+    page.keyboard.press("Home")
+    page.get_by_text("frame 0 of 1199").wait_for(timeout=WAIT)
+    page.locator("#file button.forward").click()
+    page.get_by_text("frame 1 of 1199").wait_for(timeout=WAIT)
+    page.locator("#file button.back").click()
+    page.get_by_text("frame 0 of 1199").wait_for(timeout=WAIT)
+
+
+def test_space_plays_and_stops(opened: Any) -> None:
+    page = opened
+    page.locator("#file .speed").select_option("4")
+    page.locator("#view").focus()
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="pause (space)").wait_for(timeout=WAIT)
+    wait_until(page, "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow')) > 30")
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="play (space)").wait_for(timeout=WAIT)
+    page.wait_for_timeout(200)
+    before = index_of(page)
+    page.wait_for_timeout(300)
+    assert index_of(page) == before
+    assert page.locator("#veil").is_hidden()  # a picture that stands is no fault
+
+
+def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, clip: Clip, tmp_path: Path) -> None:
+    page, (_, truth) = opened, clip
+    go(page, 600)
+    click_ball(page, truth)
+    page.locator("#file .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    page.locator("#file .work").get_by_text("found in 1200, lost in 0").wait_for(timeout=WAIT)
+    page.fill("#fov", "60")
+    page.keyboard.press("Enter")
+    page.fill(".diameter", "28 cm")
+    page.keyboard.press("Enter")
+    page.locator("#reading [data-name=distance]").wait_for(timeout=WAIT)
+    page.get_by_role("button", name="CSV tables").click()
+    files = {}
+    for name in ("tracks-1.csv", "poses-1.csv"):
+        with page.expect_download(timeout=WAIT) as download:
+            page.get_by_role("link", name=name).click(timeout=WAIT)
+        files[name] = tmp_path / name
+        download.value.save_as(files[name])
+    tracks, poses = read_tracks(files["tracks-1.csv"]), read_poses(files["poses-1.csv"])
+    assert [row.frame for row in tracks] == [row.frame for row in poses] == list(range(1200))
+    for row in poses:
+        right = truth.place(row.time)
+        assert row.values is not None
+        distance = math.dist([row.values[name] for name in "xyz"], right.tolist())
+        assert distance < 0.01 * float(math.hypot(*right)), row
+
+
+def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
+    serve: Any, page: Any, leaving_clip: Clip, tmp_path: Path
+) -> None:
+    path, truth = leaving_clip
+    page.goto(serve(str(path)))
+    page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
+    wait_until(page, "picture.width === 320")
+    click_ball(page, truth)
+    page.locator("#file .work").get_by_text("100 % tracked").wait_for(timeout=3 * WAIT)
+    page.keyboard.press("Space")
+    lost = int(re.findall(r"lost in (\d+)", page.locator("#file .work").inner_text())[0])
+    assert 300 < lost < 800
+    go(page, 660)  # 2 s after the path has begun anew: the ball is far outside
+    page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
+    go(page, 600)
+    page.locator("#reading [data-name=radius], #reading [data-name=r]").wait_for(timeout=WAIT)
+
+
+def test_the_annotated_video_is_made_and_loaded(opened: Any, clip: Clip) -> None:
+    page = opened
+    click_ball(page, clip[1])
+    page.locator("#file .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    page.get_by_role("button", name="annotated video").click()
+    link = page.get_by_role("link", name=re.compile(r"annotated-1\.(mp4|webm)"))
+    link.wait_for(timeout=3 * WAIT)
+    with page.expect_download(timeout=WAIT) as download:
+        link.click()
+    assert download.value.path().stat().st_size > 10_000

@@ -55,7 +55,7 @@ def opened(serve: Any, page: Any, clip: Clip) -> Any:
     return page
 
 
-def test_scrubbing_and_keys_show_the_frame(opened: Any) -> None:
+def test_scrubbing_keys_and_space(opened: Any) -> None:
     page = opened
     go(page, 600)
     for key, index in (("ArrowRight", 601), ("ArrowLeft", 600), (".", 601), (",", 600), ("Shift+ArrowRight", 610)):
@@ -69,10 +69,6 @@ def test_scrubbing_and_keys_show_the_frame(opened: Any) -> None:
     page.get_by_text("frame 1 of 1199").wait_for(timeout=WAIT)
     page.locator("#file button.back").click()
     page.get_by_text("frame 0 of 1199").wait_for(timeout=WAIT)
-
-
-def test_space_plays_and_stops(opened: Any) -> None:
-    page = opened
     page.locator("#file .speed").select_option("4")
     page.locator("#view").focus()
     page.keyboard.press("Space")
@@ -112,6 +108,12 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
         assert row.values is not None
         distance = math.dist([row.values[name] for name in "xyz"], right.tolist())
         assert distance < 0.01 * float(math.hypot(*right)), row
+    page.get_by_role("button", name="annotated video").click()
+    link = page.get_by_role("link", name=re.compile(r"annotated-1\.(mp4|webm)"))
+    link.wait_for(timeout=3 * WAIT)
+    with page.expect_download(timeout=WAIT) as download:
+        link.click()
+    assert download.value.path().stat().st_size > 10_000
 
 
 def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
@@ -130,15 +132,3 @@ def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
     page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
     go(page, 600)
     page.locator("#reading [data-name=radius], #reading [data-name=r]").wait_for(timeout=WAIT)
-
-
-def test_the_annotated_video_is_made_and_loaded(opened: Any, clip: Clip) -> None:
-    page = opened
-    click_ball(page, clip[1])
-    page.locator("#file .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
-    page.get_by_role("button", name="annotated video").click()
-    link = page.get_by_role("link", name=re.compile(r"annotated-1\.(mp4|webm)"))
-    link.wait_for(timeout=3 * WAIT)
-    with page.expect_download(timeout=WAIT) as download:
-        link.click()
-    assert download.value.path().stat().st_size > 10_000

@@ -3,6 +3,9 @@
 import threading
 from collections.abc import Callable
 
+import numpy as np
+import numpy.typing as npt
+
 from matchset.app.closing import close_all
 from matchset.app.live.camera.camera_panel import CameraPanel
 from matchset.app.live.feed import Feed, News, Seen
@@ -101,6 +104,21 @@ class FileFeed(Feed):
         """Use another camera model, for what was found and what will be; None: it is not known."""
         self.tracking.use(camera)
 
+    def mask(self, target: int, sequence: int) -> npt.NDArray[np.uint8]:
+        """Return what the color model of a target takes for it in the picture that is shown: (h, w), 255 there.
+
+        Raises
+        ------
+        ValueError
+            If there is no such target, or another picture is shown.
+        """
+        seen, followed = self.seen, self.tracking.targets.get(target)
+        if followed is None or followed.color is None:
+            raise ValueError(f"there is no target {target}")
+        if seen.frame is None or seen.state.sequence != sequence:
+            raise ValueError(f"picture {sequence} is not shown any more")
+        return followed.color.for_image(seen.frame.image).mask(seen.frame.image)
+
     def show(self, frame: Frame, place: int, sequence: int) -> None:
         """Show a frame, with what is known of it; called by the player."""
         self._described = self.tracking.version
@@ -124,11 +142,11 @@ class FileFeed(Feed):
 
     def is_old(self, place: int) -> bool:
         """Whether something else is known of the frame that is shown; called by the player."""
-        version = self.tracking.version
-        if version == self._described:
+        version, ended = self.tracking.version, self.seen.state.fps is not None and not self.tracking.busy
+        if version == self._described and not ended:
             return False
         self._described = version
-        if self.seen.camera is not self.tracking.camera:
+        if ended or self.seen.camera is not self.tracking.camera:
             return True
         return [target.state(place) for target in self.tracking.targets.values()] != self.seen.state.targets
 

@@ -1,16 +1,15 @@
 """A target of a recorded video with what was found of it in each frame: `FileTarget`."""
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.messages import Outline, Pick
+from matchset.app.live.targets.placing import position_of
 from matchset.app.live.targets.target import OUTLINE_POINTS, flat
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
+from matchset.image.color import ColorModel
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
@@ -44,6 +43,8 @@ class FileTarget:
     diameter : float or None
         m
     localizer : Localizer or None
+    color : ColorModel or None
+        Learned by the first click.
     """
 
     def __init__(self, number: int, begin: Pick | Outline, place: int) -> None:
@@ -55,6 +56,7 @@ class FileTarget:
         self.camera: CameraModel | None = None
         self.diameter: float | None = None
         self.localizer: Localizer | None = None
+        self.color: ColorModel | None = None
 
     def correct(self, correction: Correct, place: int) -> None:
         """Take another click; what was found in the frames that it decides is forgotten."""
@@ -116,26 +118,34 @@ class FileTarget:
 
     def state(self, place: int) -> TargetState:
         """Return what the page shows of it in a frame, for the thread of the player."""
-        answer = self.answer(place)
-        if isinstance(answer, Track):
-            return TargetState(
-                self.number,
-                self.name,
-                True,
-                values=answer.measured(),
-                outline=flat(outline(answer.shape, OUTLINE_POINTS)),
-                match_set=flat(answer.match_set),
-                support=float(answer.support),
-                position=_position(self.pose(place)),
-                diameter=self.diameter,
-            )
+        answer, pose = self.answer(place), self.pose(place)
+        if not isinstance(answer, Track):
+            return self._lost_state(place, answer)
         return TargetState(
-            self.number, self.name, False, reason=self._reason(answer), lost_for=self._lost_for(place, answer),
+            self.number,
+            self.name,
+            True,
+            shape=self.shape,
+            values=answer.measured(),
+            outline=flat(outline(answer.shape, OUTLINE_POINTS)),
+            match_set=flat(answer.match_set),
+            support=float(answer.support),
+            position=dict(position_of(pose)) if isinstance(pose, Pose) else {},
             diameter=self.diameter,
-        )  # fmt: skip
+        )
 
-    def _reason(self, answer: Lost[Any] | None) -> str:
-        return "not tracked here yet" if answer is None else answer.reason
+    def _lost_state(self, place: int, answer: Lost[Any] | None) -> TargetState:
+        predicted = None if answer is None else answer.predicted
+        return TargetState(
+            self.number,
+            self.name,
+            False,
+            shape=self.shape,
+            reason="not tracked here yet" if answer is None else answer.reason,
+            predicted=[] if predicted is None else flat(outline(predicted, OUTLINE_POINTS)),
+            lost_for=self._lost_for(place, answer),
+            diameter=self.diameter,
+        )
 
     def _lost_for(self, place: int, answer: Lost[Any] | None) -> float:
         last = self.last_found(place)
@@ -153,13 +163,3 @@ class FileTarget:
             answer = self.answer(place)
             if answer is not None:
                 yield place, answer
-
-
-def _position(pose: "Pose | Lost[Pose] | None") -> dict[str, tuple[float, float | None]]:
-    if not isinstance(pose, Pose):
-        return {}
-    sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
-    along = pose.position / pose.distance
-    spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))
-    placed = dict(zip("xyz", zip(pose.position.tolist(), sigmas, strict=True), strict=True))
-    return {**placed, "distance": (pose.distance, spread)}

@@ -261,6 +261,7 @@ class FileTracking(Closing):
         self._numbers += 1
         target = FileTarget(made.number, wish, place)
         target.locate(self.camera, None)
+        target.color = made.tracker.color
         self.targets = {**self.targets, target.number: target}
         self._runs += [Run(target, place, True, self._reader), Run(target, place, False, self._reader)]
         if made.note:

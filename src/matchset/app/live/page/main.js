@@ -30,6 +30,7 @@ const reading = new Reading(find("reading"));
 const curves = new Curves(find("curves"));
 let painted = 0;
 let newest = null;
+let seconds = 0; // time of the picture on the screen
 let feed = null;
 let drawn = null;
 
@@ -69,6 +70,8 @@ async function receive(packet) {
   targets.update(state.targets || []);
   picture.chosen = targets.chosen;
   picture.mask = picture.wantsMask ? targets.chosen : null;
+  if (state.live === false && state.time < seconds) curves.clear(); // a video that went back
+  seconds = state.time;
   if (packet.jpeg) curves.note(state.targets || [], state.time);
   panels.file.painted(state);
   if (!drawn) drawn = requestAnimationFrame(refresh);
@@ -87,7 +90,7 @@ function refresh() {
   const list = state.targets || [];
   reading.show(list.find((target) => target.id === targets.chosen), list.length > 1);
   find("hint").hidden = !picture.take && list.length > 0;
-  find("age").textContent = !state.live || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
+  find("age").textContent = state.live === false || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
   find("camera-fps").textContent = state.camera_fps ? `${state.camera_fps.toFixed(0)}/s` : "–";
   find("fps").textContent = state.fps ? `${state.fps.toFixed(0)}/s` : "–";
   find("dropped").textContent = `${state.dropped || 0}`;

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -240,13 +241,15 @@ def test_a_ball_at_a_known_distance_corrects_the_focal_length(panel: tuple[Camer
 def test_a_ball_of_unknown_size_or_in_motion_is_refused() -> None:
     source, notes = Source(), list[str]()
     still = ball(1, 1.0, 0.14)
-    with pytest.raises(ValueError, match="diameter first"):
-        BallDistance(source, TargetState(1, "circle 1", True), 1.0, notes.append)
-    with BallDistance(source, still, 1.0, notes.append, BallDistanceParameters(patience=0.3)) as moving:
+    unknown = msgspec.structs.replace(still, diameter=None)
+    with BallDistance(source, 1, 1.0, notes.append, BallDistanceParameters(soon=0.1)) as begun:
+        feed_balls(source, lambda: begun.words, unknown)
+    assert "diameter first" in notes[-1]
+    with BallDistance(source, 1, 1.0, notes.append, BallDistanceParameters(patience=0.3)) as moving:
         feed_balls(source, lambda: moving.words, still, ball(1, 1.0, 0.14, 190.0))
     assert "not held still" in notes[-1]
     other = TargetState(1, "square 1", True, {"x": (1.0, None)}, diameter=0.1)
-    with BallDistance(source, other, 1.0, notes.append) as wrong:
+    with BallDistance(source, 1, 1.0, notes.append) as wrong:
         feed_balls(source, lambda: wrong.words, other)
     assert "no ball" in notes[-1]
     assert not source.used

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 from matchset.app.live.feed import Feed
+from matchset.app.live.serve import PORTS, listen
 from matchset.app.live.sources.cameras import CAPABILITIES, find_cameras
 from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
 from matchset.app.live.sources.found_sources import MenuParameters, Source, find_sources
 from matchset.app.live.sources.messages import LookAgain, Show
+from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.live.sources.panel import SourcesPanel
 from matchset.app.live.sources.stage import Stage
 from matchset.camera.camera_model import CameraModel
@@ -190,3 +192,55 @@ def test_of_many_requests_the_last_counts(tmp_path: Path) -> None:
         go_on.set()
         wait(shown)
     assert made == ["demo", "given"]
+
+
+def test_the_same_source_is_closed_before_it_is_opened_again(tmp_path: Path) -> None:
+    shown = Shown(tmp_path)
+    wait(shown)
+    with shown.stage:
+        (key,) = (each.key for each in shown.panel.state().entries if each.kind == "given")
+        for _ in range(2):
+            shown.panel.take(Show(key), "")
+            wait(shown)
+    assert [feed is None for feed in shown.feeds] == [False, True, False]
+
+
+def test_an_error_that_nobody_expected_is_printed_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def make(_: Source) -> Feed:
+        raise RuntimeError("a mistake")
+
+    shown = Shown(tmp_path, make)
+    wait(shown)
+    with shown.stage:
+        (key,) = (each.key for each in shown.panel.state().entries if each.kind == "given")
+        shown.panel.take(Show(key), "")
+        wait(shown)
+        assert shown.panel.state().fault == "ball.mp4: RuntimeError: a mistake"
+        assert not shown.panel.state().opening
+    assert "RuntimeError: a mistake" in capsys.readouterr().err
+
+
+def test_a_file_beside_a_video_that_is_no_camera_is_said(tmp_path: Path) -> None:
+    path = demo_clip(SHORT, tmp_path)
+    path.with_suffix(".toml").write_text("speed = 3")
+    notes: list[str] = []
+    with open_feed(Source("file", str(path), "a clip"), Opening(lambda _: None, notes.append)) as feed:
+        assert feed.kind == "file"
+    assert "the camera is not known" in notes[0]
+    path.with_suffix(".toml").unlink()
+
+
+def test_what_is_no_video_is_refused_in_words(tmp_path: Path) -> None:
+    (tmp_path / "broken.mp4").write_bytes(b"this is no video")
+    with pytest.raises(ValueError, match=r"broken\.mp4"):
+        open_feed(Source("file", str(tmp_path / "broken.mp4"), "broken.mp4"), Opening(lambda _: None, print))
+
+
+def test_a_port_in_use_is_the_next_one() -> None:
+    first, port = listen("127.0.0.1", 0)
+    with first:
+        second, other = listen("127.0.0.1", port)
+        with second:
+            assert port < other < port + PORTS
+    with pytest.raises(ValueError, match="all in use"):
+        listen("192.0.2.1", 8123)  # not an address of this computer: no port of it can be had

@@ -29,12 +29,15 @@ class BallDistanceParameters(msgspec.Struct, frozen=True, kw_only=True):
         outlines that `focal_from_one_ball` takes for independent, twice.
     patience : float
         Time in which that must come about, s. Chosen by hand.
+    soon : float
+        Time in which the ball's diameter must be known, s: it may have been typed just before.
     thought_fov : float
         Horizontal field of view, rad, with which the search begins if nothing is known; it decides nothing.
     """
 
     frames: int = 20
     patience: float = 20.0
+    soon: float = 1.0
     thought_fov: float = 1.0
 
 
@@ -58,8 +61,8 @@ class BallDistance(Closing):
     Parameters
     ----------
     shown : Shown
-    target : TargetState
-        Its diameter is known.
+    target : int
+        Its number.
     meters : float
         From the lens to the ball's nearest point.
     note : callable
@@ -70,26 +73,18 @@ class BallDistance(Closing):
     ----------
     words : str
         How far it is; empty when it is over.
-
-    Raises
-    ------
-    ValueError
-        If the target's diameter is not known.
     """
 
     def __init__(
         self,
         shown: Shown,
-        target: TargetState,
+        target: int,
         meters: float,
         note: Callable[[str], None],
         parameters: BallDistanceParameters | None = None,
     ) -> None:
-        if target.diameter is None:
-            raise ValueError("type the ball's diameter first")
-        self._shown, self._number, self._note = shown, target.id, note
-        self._radius, self._parameters = target.diameter / 2.0, parameters or BallDistanceParameters()
-        self._distance = meters + self._radius
+        self._shown, self._number, self._note, self._nearest = shown, target, note, meters
+        self._diameter, self._parameters = 0.0, parameters or BallDistanceParameters()
         self.words = "hold the ball still"
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset ball", daemon=True)
@@ -112,15 +107,18 @@ class BallDistance(Closing):
     def _held(self) -> StillInterval | None:
         """Return the frames in which the ball was held still; None if it was ended."""
         wanted, found = self._parameters, list[tuple[int, SeenCircle]]()
-        end = time.monotonic() + wanted.patience
+        begin = time.monotonic()
         for seen in newest_pictures(self._shown, self._stop):
             ball = next((each for each in seen.state.targets if each.id == self._number and each.found), None)
             if ball is not None:
+                self._diameter = ball.diameter or 0.0
                 found.append((seen.state.sequence, _circle(ball)))
             intervals = still_intervals(found[-wanted.frames :])
-            if intervals and len(intervals[-1].outlines) >= wanted.frames:
+            if self._diameter and intervals and len(intervals[-1].outlines) >= wanted.frames:
                 return intervals[-1]
-            if time.monotonic() > end:
+            if not self._diameter and time.monotonic() > begin + wanted.soon:
+                raise ValueError("type the ball's diameter first")
+            if time.monotonic() > begin + wanted.patience:
                 raise ValueError(f"the ball was not held still for {wanted.frames} pictures")
             self.words = f"hold the ball still: seen in {len(found)} pictures, {wanted.frames} still ones are needed"
         return None
@@ -128,7 +126,8 @@ class BallDistance(Closing):
     def _correct(self, held: StillInterval) -> None:
         state, before = self._shown.seen.state, self._shown.seen.camera
         camera = before or CameraModel.from_fov(state.width, state.height, self._parameters.thought_fov)
-        corrected = focal_from_one_ball(HeldBall(self._distance, held.outlines), self._radius, camera)
+        radius = self._diameter / 2.0
+        corrected = focal_from_one_ball(HeldBall(self._nearest + radius, held.outlines), radius, camera)
         self._shown.use(corrected)
         was = "" if before is None else f", {before.fx:.1f} before"
         sigma = 0.0 if corrected.covariance is None else float(np.sqrt(corrected.covariance[0, 0]))

@@ -167,10 +167,9 @@ class CameraPanel(Panel, Closing):
     def _begin_ball(self, wish: BallAt) -> None:
         if self._ball is not None and self._ball.words:
             raise ValueError("the ball is being measured already")
-        target = next((each for each in self._shown.seen.state.targets if each.id == wish.target), None)
-        if target is None:
+        if all(each.id != wish.target for each in self._shown.seen.state.targets):
             raise ValueError("there is no such target any more")
-        self._ball = BallDistance(self._shown, target, wish.meters, self._note)
+        self._ball = BallDistance(self._shown, wish.target, wish.meters, self._note)
 
 
 def describe(camera: CameraModel) -> str:

@@ -62,6 +62,10 @@ def _video(title: str, origin: str, opening: Opening) -> Feed:
     feed = FileFeed(title, lambda: StampedVideo(origin), opening.news, opening.note)
     beside = path.with_suffix(".toml")
     if beside.is_file():
-        feed.use(CameraModel.load(beside))
-        opening.note(f"the camera is that of {beside.name}, beside the video")
+        try:
+            feed.use(CameraModel.load(beside))
+        except ValueError as error:  # some other file of this name
+            opening.note(f"the camera is not known: {error}")
+        else:
+            opening.note(f"the camera is that of {beside.name}, beside the video")
     return feed

@@ -1,6 +1,7 @@
 """Changes what is shown, in a thread of its own: closing a camera and opening another may take seconds (`Stage`)."""
 
 import threading
+import traceback
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 from matchset.app.closing import Closing
 from matchset.app.live.feed import Feed
 from matchset.app.live.sources.found_sources import Source, Sources, find_sources
+from matchset.image.errors import LinkError
 
 
 class Stage(Closing):
@@ -51,7 +53,9 @@ class Stage(Closing):
         """Show a source in place of that which is shown; does not wait. A later one wins."""
         with self._lock:
             self.opening, self.fault = source, ""
-        return self._thread.submit(self._change, source)
+        change = self._thread.submit(self._change, source)
+        change.add_done_callback(_tell)
+        return change
 
     def _look(self) -> None:
         self.sources = find_sources(self._folder)
@@ -60,16 +64,33 @@ class Stage(Closing):
         if self.opening is not source:  # another one was asked for meanwhile
             return
         try:
+            if self.shown is not None and self.shown.origin == source.origin:
+                self._clear()  # one device cannot be opened twice
             feed = self._make(source)
-        except ValueError as error:
+        except (ValueError, LinkError, OSError) as error:
             self.fault = f"{source.name}: {error}"
+        except Exception as error:
+            self.fault = f"{source.name}: {type(error).__name__}: {error}"
+            raise
         else:
             self._show(feed)
             self.shown = source
-        with self._lock:
-            if self.opening is source:
-                self.opening = None
+        finally:
+            with self._lock:
+                if self.opening is source:
+                    self.opening = None
+
+    def _clear(self) -> None:
+        self.shown = None
+        self._show(None)
 
     def close(self) -> None:
         """End the thread; what is shown belongs to others."""
         self._thread.shutdown(cancel_futures=True)
+
+
+def _tell(change: "Future[None]") -> None:
+    """Print an error that nobody expected."""
+    error = None if change.cancelled() else change.exception()
+    if error is not None:
+        traceback.print_exception(error)

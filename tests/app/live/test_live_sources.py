@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from matchset.app.live.feed import Feed
-from matchset.app.live.serve import PORTS, listen
 from matchset.app.live.sources.cameras import CAPABILITIES, find_cameras
 from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
 from matchset.app.live.sources.found_sources import MenuParameters, Source, find_sources
@@ -234,13 +233,3 @@ def test_what_is_no_video_is_refused_in_words(tmp_path: Path) -> None:
     (tmp_path / "broken.mp4").write_bytes(b"this is no video")
     with pytest.raises(ValueError, match=r"broken\.mp4"):
         open_feed(Source("file", str(tmp_path / "broken.mp4"), "broken.mp4"), Opening(lambda _: None, print))
-
-
-def test_a_port_in_use_is_the_next_one() -> None:
-    first, port = listen("127.0.0.1", 0)
-    with first:
-        second, other = listen("127.0.0.1", port)
-        with second:
-            assert port < other < port + PORTS
-    with pytest.raises(ValueError, match="all in use"):
-        listen("192.0.2.1", 8123)  # not an address of this computer: no port of it can be had

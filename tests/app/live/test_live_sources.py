@@ -233,3 +233,34 @@ def test_what_is_no_video_is_refused_in_words(tmp_path: Path) -> None:
     (tmp_path / "broken.mp4").write_bytes(b"this is no video")
     with pytest.raises(ValueError, match=r"broken\.mp4"):
         open_feed(Source("file", str(tmp_path / "broken.mp4"), "broken.mp4"), Opening(lambda _: None, print))
+
+
+def test_a_flight_is_not_left_for_another_source(tmp_path: Path) -> None:
+    flying = ["page 1 commands a flight: land first"]
+    closed: list[str] = []
+
+    class Opened(Nothing):
+        def close(self) -> None:
+            closed.append("closed")
+
+    def make(_: Source) -> Feed:
+        flying.append("it took off meanwhile")
+        return Opened()
+
+    stage = Stage(tmp_path, make, lambda _: None, lambda: flying[-1] if flying else "")
+    source = Source("demo", "sim://demo", "demo")
+    with stage:
+        with pytest.raises(ValueError, match="land first"):
+            stage.show(source)
+        assert stage.opening is None
+        flying.clear()
+        stage.show(source).result(20)
+    assert stage.shown is None
+    assert closed == ["closed"]
+    assert stage.fault == "demo: it took off meanwhile"
+
+
+def test_rendering_ends_with_the_program(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="ends"):
+        demo_clip(SHORT, tmp_path, lambda: True)
+    assert not list(tmp_path.glob("*.avi"))

@@ -89,7 +89,10 @@ def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
         session.show(feed)
         viewers.restart(session, desk.pictures)
 
-    stage = Stage(Path(), lambda source: open_feed(source, Opening(news, session.note)), show)
+    def make(source: Source) -> Feed:
+        return open_feed(source, Opening(news, session.note, stage.stopped.is_set))
+
+    stage = Stage(Path(), make, show, lambda: session.busy)
     given = None if options.source is None else Source("given", options.source, options.source)
     session.add(SourcesPanel(stage, given))
     stage.look()

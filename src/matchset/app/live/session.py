@@ -92,6 +92,12 @@ class Session(Closing):
         feed = self._feed
         return self._own if feed is None else (*self._own, *feed.panels)
 
+    @property
+    def busy(self) -> str:
+        """Why nothing else may be shown now, in words; empty: it may."""
+        feed = self._feed
+        return "" if feed is None else feed.busy
+
     def note(self, words: str) -> None:
         """Tell something to everybody who looks; what is said again is counted."""
         count = 1
@@ -109,7 +115,7 @@ class Session(Closing):
         """
         if message.tracks and (words := self._refusal()):
             raise ValueError(words)
-        if message.replaces and self._feed is not None and (words := self._feed.busy):
+        if message.replaces and (words := self.busy):
             raise ValueError(words)
         for panel in self.panels:
             if isinstance(message, panel.messages):

@@ -4,6 +4,7 @@ import contextlib
 import math
 import os
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -42,7 +43,9 @@ class DemoParameters(msgspec.Struct, frozen=True, kw_only=True):
     seed: int = 3
 
 
-def demo_clip(parameters: DemoParameters | None = None, folder: Path | None = None) -> Path:
+def demo_clip(
+    parameters: DemoParameters | None = None, folder: Path | None = None, stopped: Callable[[], bool] = lambda: False
+) -> Path:
     """Return the demo clip; the first time it is rendered, which takes some ten seconds.
 
     Parameters
@@ -50,6 +53,9 @@ def demo_clip(parameters: DemoParameters | None = None, folder: Path | None = No
     parameters : DemoParameters, optional
     folder : Path, optional
         Where it is kept; without it where the system keeps what can be made again.
+
+    stopped : callable, optional
+        Asked after each frame whether it is wanted no more.
 
     Returns
     -------
@@ -59,14 +65,14 @@ def demo_clip(parameters: DemoParameters | None = None, folder: Path | None = No
     Raises
     ------
     ValueError
-        If it cannot be written.
+        If it cannot be written, or was stopped.
     """
     wanted = parameters or DemoParameters()
     camera = CameraModel.from_fov(wanted.width, wanted.height, wanted.fov)
     path = (folder or cache_folder()) / f"ball-{wanted.width}x{wanted.height}-{wanted.frames}.avi"
     if not (path.is_file() and path.with_suffix(".toml").is_file()):
         camera.save(path.with_suffix(".toml"))
-        _render(wanted, camera, path)
+        _render(wanted, camera, path, stopped)
     return path
 
 
@@ -93,7 +99,7 @@ def cache_folder() -> Path:
     raise ValueError(f"the demo clip cannot be written: neither {home} nor {tempfile.gettempdir()} can")
 
 
-def _render(wanted: DemoParameters, camera: CameraModel, path: Path) -> None:
+def _render(wanted: DemoParameters, camera: CameraModel, path: Path, stopped: Callable[[], bool]) -> None:
     """Write the video whole or not at all: its name appears when it is finished."""
     unfinished = path.with_name(f"{path.stem}-{os.getpid()}.avi")
     codec, size = cv2.VideoWriter.fourcc(*"MJPG"), (wanted.width, wanted.height)
@@ -104,6 +110,8 @@ def _render(wanted: DemoParameters, camera: CameraModel, path: Path) -> None:
         )
         for frame in clip:
             writer.write(frame.image)
+            if stopped():
+                raise ValueError("the demo clip is not made: the program ends")
         writer.release()
         unfinished.replace(path)
     except OSError as error:

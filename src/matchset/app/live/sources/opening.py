@@ -26,10 +26,13 @@ class Opening(NamedTuple):
         Told of each picture.
     note : callable
         Told what a person should know.
+    stopped : callable
+        Whether the server ends.
     """
 
     news: News
     note: Callable[[str], None]
+    stopped: Callable[[], bool] = lambda: False
 
 
 def open_feed(source: Source, opening: Opening) -> Feed:
@@ -49,7 +52,7 @@ def open_feed(source: Source, opening: Opening) -> Feed:
         return simulated_flight(source.origin, opening.news)
     if source.origin == DEMO:
         opening.note("the demo clip is made once, which takes some seconds")
-        return _video(source.name, str(demo_clip()), opening)
+        return _video(source.name, str(demo_clip(stopped=opening.stopped)), opening)
     if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():
         return CameraFeed(source.name, CameraDevice(source.origin), opening.news, opening.note)
     return _video(source.name, source.origin, opening)

@@ -23,9 +23,13 @@ class Stage(Closing):
         Makes the feed of a source; raises ValueError where that cannot be.
     show : callable
         Shows a feed; it belongs to whom it was given.
+    busy : callable, optional
+        Returns why nothing else may be shown now; empty if it may.
 
     Attributes
     ----------
+    stopped : threading.Event
+        Set when it is closed: what takes long ends then.
     shown : Source or None
     opening : Source or None
         What is being opened.
@@ -35,11 +39,18 @@ class Stage(Closing):
         Why what was asked for last cannot be shown.
     """
 
-    def __init__(self, folder: Path, make: Callable[[Source], Feed], show: Callable[[Feed | None], None]) -> None:
-        self._folder, self._make, self._show = folder, make, show
+    def __init__(
+        self,
+        folder: Path,
+        make: Callable[[Source], Feed],
+        show: Callable[[Feed | None], None],
+        busy: Callable[[], str] = lambda: "",
+    ) -> None:
+        self._folder, self._make, self._show, self._busy = folder, make, show, busy
         self._thread = ThreadPoolExecutor(1, "matchset sources")
         self._looking: Future[None] | None = None
         self._lock = threading.Lock()
+        self.stopped = threading.Event()
         self.shown: Source | None = None
         self.opening: Source | None = None
         self.sources, self.fault = Sources([]), ""
@@ -50,7 +61,15 @@ class Stage(Closing):
             self._looking = self._thread.submit(self._look)
 
     def show(self, source: Source) -> "Future[None]":
-        """Show a source in place of that which is shown; does not wait. A later one wins."""
+        """Show a source in place of that which is shown; does not wait. A later one wins.
+
+        Raises
+        ------
+        ValueError
+            If what is shown must not be left now, such as a flight.
+        """
+        if words := self._busy():
+            raise ValueError(words)
         with self._lock:
             self.opening, self.fault = source, ""
         change = self._thread.submit(self._change, source)
@@ -66,19 +85,23 @@ class Stage(Closing):
         try:
             if self.shown is not None and self.shown.origin == source.origin:
                 self._clear()  # one device cannot be opened twice
-            feed = self._make(source)
+            self._change_to(self._make(source), source)
         except (ValueError, LinkError, OSError) as error:
             self.fault = f"{source.name}: {error}"
         except Exception as error:
             self.fault = f"{source.name}: {type(error).__name__}: {error}"
             raise
-        else:
-            self._show(feed)
-            self.shown = source
         finally:
             with self._lock:
                 if self.opening is source:
                     self.opening = None
+
+    def _change_to(self, feed: Feed, source: Source) -> None:
+        if words := self._busy():  # it took off meanwhile
+            feed.close()
+            raise ValueError(words)
+        self._show(feed)
+        self.shown = source
 
     def _clear(self) -> None:
         self.shown = None
@@ -86,6 +109,7 @@ class Stage(Closing):
 
     def close(self) -> None:
         """End the thread; what is shown belongs to others."""
+        self.stopped.set()
         self._thread.shutdown(cancel_futures=True)
 
 

@@ -143,6 +143,12 @@ def test_each_target_has_its_tables(recorded: Recorded) -> None:
     assert [row.frame for row in read_poses(folder / "poses_circle_2.csv")] == [2, 3]
 
 
+def test_a_recording_without_a_picture_says_so(recorded: Recorded) -> None:
+    recorded.session.take(ON, "")
+    recorded.session.take(OFF, "")
+    assert (recorded.finished().frames, recorded.finished().ended) == (0, "no new picture came")
+
+
 def test_each_stream_has_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     made = Recorded(RecordingParameters(), streams=2)

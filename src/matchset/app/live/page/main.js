@@ -133,3 +133,6 @@ find("view-form").addEventListener("submit", (event) => {
   find("fov-error").textContent = valid ? "" : "type an angle between 5 and 175 degrees, such as 60";
   if (valid) send({ type: "field_of_view", angle: degrees * Math.PI / 180 });
 });
+
+// On this computer nobody else can listen; elsewhere a person should know that others can.
+find("plain").hidden = location.protocol !== "http:" || /^(127\.0\.0\.1|localhost|\[::1\])$/.test(location.hostname);

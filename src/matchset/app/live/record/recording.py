@@ -154,6 +154,8 @@ class Recording(Closing):
                 close()
             except Exception as error:  # any: the other files must be closed, too
                 problems.append(_words(error))
+        if not problems and not self._frames:
+            problems.append("no new picture came")
         self._problem = "; ".join(dict.fromkeys(problems))
         dropped = self._background.dropped
         try:

@@ -160,4 +160,4 @@ class _Routes:
         path = self._desk.session.downloads().get(request.path_params["name"])
         if path is None or not path.is_file():
             return PlainTextResponse("there is no such file", 404)
-        return FileResponse(path, filename=path.name)
+        return FileResponse(path, filename=request.path_params["name"].replace("/", "-"))

@@ -17,6 +17,7 @@ Clip = tuple[Path, BallFlightClip]
 
 
 def state_of(page: Any) -> Any:
+    """What the server says is shown."""
     return page.evaluate("fetch('state.json').then((answer) => answer.json())")
 
 
@@ -51,7 +52,7 @@ def opened(serve: Any, page: Any, clip: Clip) -> Any:
     page.goto(serve(str(clip[0])))
     page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
     wait_until(page, "picture.width === 320")
-    page.locator("#file .work").get_by_text("Click the ball in any frame").wait_for(timeout=WAIT)
+    page.locator("#file-results .work").get_by_text("Click the ball in any frame").wait_for(timeout=WAIT)
     return page
 
 
@@ -87,8 +88,8 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
     page, (_, truth) = opened, clip
     go(page, 600)
     click_ball(page, truth)
-    page.locator("#file .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
-    page.locator("#file .work").get_by_text("found in 1200, lost in 0").wait_for(timeout=WAIT)
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    page.locator("#file-results .work").get_by_text("found in 1200, lost in 0").wait_for(timeout=WAIT)
     page.fill("#fov", "60")
     page.keyboard.press("Enter")
     page.fill(".diameter", "28 cm")
@@ -124,11 +125,18 @@ def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
     page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
     wait_until(page, "picture.width === 320")
     click_ball(page, truth)
-    page.locator("#file .work").get_by_text("100 % tracked").wait_for(timeout=3 * WAIT)
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=3 * WAIT)
     page.keyboard.press("Space")
-    lost = int(re.findall(r"lost in (\d+)", page.locator("#file .work").inner_text())[0])
+    lost = int(re.findall(r"lost in (\d+)", page.locator("#file-results .work").inner_text())[0])
     assert 300 < lost < 800
     go(page, 660)  # 2 s after the path has begun anew: the ball is far outside
     page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
-    go(page, 600)
+    go(page, 605)
     page.locator("#reading [data-name=radius], #reading [data-name=r]").wait_for(timeout=WAIT)
+    page.get_by_role("button", name="correct …").click()
+    page.get_by_text("Click the middle of circle 1").wait_for(timeout=WAIT)
+    click_ball(page, truth)
+    wait_until(page, "document.querySelector('#file-results .work').textContent.includes('100 % tracked')")
+    (target,) = state_of(page)["streams"][0]["targets"]
+    (pixel,) = truth.camera.project(truth.place(605 / 30.0)[None])
+    assert math.dist((target["values"]["x"][0], target["values"]["y"][0]), pixel) < 1.0

@@ -10,16 +10,17 @@ const TYPING = "input:not([type=checkbox]):not([type=radio]), select, textarea";
 const PRESSING = "button, a, summary, input[type=checkbox], input[type=radio]"; // what the space bar presses
 
 export class FilePanel {
-  // `chosen()` is the number of the target that the reading shows; `askPoint(words, take)` waits for a click in the picture.
-  constructor(root, send, chosen, askPoint) {
-    Object.assign(this, { root, send, chosen, askPoint, state: null, wanted: null });
+  // `results` is the place for corrections and downloads. `chosen()` is the number of the target that the reading shows; `askPoint(words, take)` waits for a click in the picture.
+  constructor(root, results, send, chosen, askPoint) {
+    Object.assign(this, { root, results, send, chosen, askPoint, state: null, wanted: null });
     this.canvas = element("canvas", "timeline");
     this.canvas.tabIndex = 0;
     for (const [name, value] of [["role", "slider"], ["aria-label", "time line"], ["aria-valuemin", 0]]) this.canvas.setAttribute(name, value);
     this.time = element("output", "time");
     this.work = element("p", "work");
     this.files = element("p", "files");
-    this.root.replaceChildren(this.canvas, this.makeButtons(), this.work, this.makeExports());
+    this.root.replaceChildren(this.canvas, this.makeButtons());
+    this.results.append(this.work, this.makeExports());
     this.canvas.addEventListener("pointerdown", (event) => this.grab(event));
     this.canvas.addEventListener("pointermove", (event) => this.drag(event));
     for (const name of ["pointerup", "pointercancel"]) this.canvas.addEventListener(name, () => this.letGo());

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,12 @@ from matchset.app.live.camera.device import CameraDevice
 from matchset.app.live.camera.messages import SetCameraSetting, SetCameraSize
 from matchset.app.live.camera.settings_panel import SettingsPanel, SettingState
 from matchset.app.live.known_messages import READER
+from matchset.app.live.sources.cameras import FoundCamera
 from matchset.app.live.sources.found_sources import Source
 from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.live.vision.camera_feed import CameraFeed
 from matchset.app.live.wire.state import SessionState, written
+from matchset.image.errors import LinkError
 
 PATIENCE = 20.0  # s; only ever spent where a test fails
 
@@ -127,6 +129,25 @@ def test_settings_are_asked_for_again_when_the_camera_comes_back(
     plug.touch()
     wait_for(lambda: not made.vision.seen.state.fault)
     wait_for(lambda: setting(panel, "exposure").value == 700.0)
+
+
+def test_a_camera_that_has_another_number_when_it_comes_back_is_found_by_its_name() -> None:
+    there = [FoundCamera("0", "HD Webcam", ""), FoundCamera("1", "other", "")]
+    opened: list[str] = []
+
+    def open_camera(device: str, _: Mapping[str, float]) -> Any:
+        if device not in [each.device for each in there]:
+            raise LinkError(f"cannot open camera {device}")
+        opened.append(device)
+
+    camera = CameraDevice("0", open_camera, lambda: there)
+    camera()
+    there[0] = FoundCamera("2", "HD Webcam", "")
+    camera()
+    assert opened == ["0", "2"]
+    there[:] = [FoundCamera("3", "HD Webcam", ""), FoundCamera("4", "HD Webcam", "")]
+    with pytest.raises(LinkError, match="camera 2"):
+        camera()  # which of the two?
 
 
 def test_a_camera_that_was_never_open_has_no_settings() -> None:

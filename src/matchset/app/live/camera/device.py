@@ -3,7 +3,9 @@
 import math
 from collections.abc import Callable, Mapping
 
+from matchset.app.live.sources.cameras import FoundCamera, find_cameras
 from matchset.image.camera_stream import Control, Live, Settings
+from matchset.image.errors import LinkError
 from matchset.image.video import Video
 
 AT_ONCE = ("exposure", "gain", "white_balance")  # the others need the camera to be opened again
@@ -55,6 +57,8 @@ class CameraDevice:
         Number or path.
     open_camera : callable, optional
         Opens it, given device and wishes.
+    look : callable, optional
+        Finds the cameras that are there: one that was plugged in again may have another number.
 
     Attributes
     ----------
@@ -62,15 +66,41 @@ class CameraDevice:
         What was asked for.
     """
 
-    def __init__(self, device: str, open_camera: Callable[[str, Mapping[str, float]], SetCamera] = SetCamera) -> None:
-        self._device, self._open = device, open_camera
+    def __init__(
+        self,
+        device: str,
+        open_camera: Callable[[str, Mapping[str, float]], SetCamera] = SetCamera,
+        look: Callable[[], list[FoundCamera]] = find_cameras,
+    ) -> None:
+        self._device, self._open, self._look, self._name = device, open_camera, look, ""
         self.wishes: dict[str, float] = {}
         self._video: SetCamera | None = None
 
     def __call__(self) -> SetCamera:
-        """Open it."""
-        self._video = self._open(self._device, self.wishes)
+        """Open it.
+
+        Raises
+        ------
+        LinkError
+            If it is not there, or another program has it.
+        """
+        try:
+            self._video = self._open(self._device, self.wishes)
+        except LinkError:
+            if not (moved := self._moved()):
+                raise
+            self._video = self._open(moved, self.wishes)
+            self._device = moved
+        self._name = next((each.name for each in self._look() if each.device == self._device), "")
         return self._video
+
+    def _moved(self) -> str:
+        """Return the number under which the only other camera of the same name is now; empty if there is none."""
+        found = self._look()
+        if not self._name or any(each.device == self._device for each in found):
+            return ""
+        same = [each.device for each in found if each.name == self._name]
+        return same[0] if len(same) == 1 else ""
 
     @property
     def controls(self) -> dict[str, Control]:

@@ -2,6 +2,7 @@
 
 import { element } from "./reading.js";
 
+const AGAIN = 2000; // ms between two looks while the start page is seen: a camera that is plugged in appears
 const KINDS = [["given", "From the command line"], ["camera", "Cameras"], ["file", "Videos of this folder"], ["demo", "To try it"], ["flight", "To try it"]];
 
 export class Menu {
@@ -31,6 +32,7 @@ export class Menu {
     document.querySelector("main").before(this.root);
     this.isOpen = false;
     this.shown = null;
+    setInterval(() => { if (this.shown === "" && !document.hidden) send({ type: "look_again" }); }, AGAIN);
   }
 
   update(state) {

@@ -21,7 +21,7 @@ export class FlightMap {
 
   draw({ vehicles = [], cameras = [], places = [] }) {
     if (!vehicles.length) { this.root.replaceChildren(); return; }
-    this.fit([...vehicles.map(({ at }) => at), ...cameras.filter(Boolean), ...places]);
+    this.fit(vehicles.length > 1 ? vehicles.map(({ at }) => at) : [vehicles[0].at, ...cameras.filter(Boolean)]);
     const parts = this.grid();
     vehicles.forEach(({ at }, index) => {
       const trail = this.trails[index] ||= [];
@@ -49,9 +49,11 @@ export class FlightMap {
     const ys = points.map(([x]) => x);
     const box = this.box || [Infinity, Infinity, -Infinity, -Infinity];
     this.box = [Math.min(box[0], ...xs), Math.min(box[1], ...ys), Math.max(box[2], ...xs), Math.max(box[3], ...ys)];
-    const [left, top, right, bottom] = [this.box[0] - MARGIN, this.box[1] - MARGIN, this.box[2] + MARGIN, this.box[3] + MARGIN];
-    this.root.setAttribute("viewBox", `${left} ${top} ${right - left} ${bottom - top}`);
-    this.edges = [left, top, right, bottom];
+    const [middle, center] = [(this.box[0] + this.box[2]) / 2, (this.box[1] + this.box[3]) / 2];
+    const shape = Math.max(this.root.clientWidth, 1) / Math.max(this.root.clientHeight, 1); // the map fills its place
+    const wide = Math.max(this.box[2] - this.box[0] + 2 * MARGIN, (this.box[3] - this.box[1] + 2 * MARGIN) * shape);
+    this.edges = [middle - wide / 2, center - wide / shape / 2, middle + wide / 2, center + wide / shape / 2];
+    this.root.setAttribute("viewBox", `${this.edges[0]} ${this.edges[1]} ${wide} ${wide / shape}`);
   }
 
   grid() {

@@ -14,11 +14,11 @@ export class FollowerPicture {
     this.canvas = document.createElement("canvas");
     this.context = this.canvas.getContext("2d");
     this.drawing = document.createElementNS(SVG, "svg");
-    this.outline = document.createElementNS(SVG, "polygon");
+    this.outlines = [0, 1].map(() => document.createElementNS(SVG, "polygon")); // a white line below the colored one
     this.drawing.setAttribute("aria-hidden", "true");
-    this.outline.setAttribute("vector-effect", "non-scaling-stroke");
-    this.outline.style.stroke = vehicleColor(index + 1);
-    this.drawing.append(this.outline);
+    for (const line of this.outlines) line.setAttribute("vector-effect", "non-scaling-stroke");
+    this.outlines[1].style.stroke = vehicleColor(index + 1);
+    this.drawing.append(...this.outlines);
     this.veil = element("p", "veil");
     this.view = element("div", "follower-view");
     this.view.append(this.canvas, this.drawing, this.veil);
@@ -52,7 +52,8 @@ export class FollowerPicture {
     this.fault = state.fault || "";
     if (!this.fault) this.painted = performance.now();
     const [ball] = state.targets || [];
-    this.outline.setAttribute("points", ball && ball.found ? ball.outline.join(" ") : "");
+    const points = ball && ball.found ? ball.outline.join(" ") : "";
+    for (const line of this.outlines) line.setAttribute("points", points);
     this.lost = ball && !ball.found ? `lost: ${ball.reason}` : "";
     return true;
   }

@@ -17,3 +17,14 @@ def wait_until(page: Any, condition: str, seconds: float = 20.0) -> None:
     while not page.evaluate(condition):
         assert time.monotonic() < end, f"not within {seconds} s: {condition}"
         page.wait_for_timeout(50)
+
+
+def rows(page: Any) -> list[str]:
+    """Names in the list of targets."""
+    names: list[str] = page.locator("#targets .name").all_inner_texts()
+    return [name.strip() for name in names]
+
+
+def state_of(page: Any) -> Any:
+    """What the server says of the first stream now."""
+    return page.evaluate("fetch('state.json').then((answer) => answer.json())")["streams"][0]

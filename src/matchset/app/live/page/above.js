@@ -38,16 +38,17 @@ export class ViewFromAbove {
     const place = (x, z) => [width / 2 + x * scale, foot - z * scale];
     context.fillStyle = palette.ink;
     context.fillText("from above, m", 0, text);
-    this.drawGrid(context, deep, place, surface);
+    this.drawGrid(context, deep, foot, place);
     drawCamera(context, place(0, 0), text);
     for (const [id, path] of this.paths) drawPath(context, path, colorOf(id), place, ratio, text);
   }
 
-  drawGrid(context, deep, place, { width, ratio, text }) {
+  drawGrid(context, deep, foot, place) {
+    const { width, ratio, text } = this.surface;
     context.strokeStyle = palette.line;
     context.fillStyle = palette.soft;
     context.lineWidth = ratio;
-    for (const { value, words } of ticks(0, deep, 3)) {
+    for (const { value, words } of ticks(0, deep, foot / (2.2 * text))) {
       const y = Math.round(place(0, value)[1]) + 0.5;
       if (!value || y < 2.4 * text) continue;
       context.beginPath();

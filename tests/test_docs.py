@@ -25,7 +25,8 @@ from matchset.camera.board import Board
 from matchset.sim.clips.clip import Clip
 
 ROOT = Path(__file__).resolve().parents[1]
-CHECKED_ELSEWHERE = {"add_a_shape.md", "radio.md"}  # tests/shapes/families.py, tests/links/test_radio_page.py
+# tests/shapes/families.py, tests/app/live/test_live_docs.py, tests/links/test_radio_page.py
+CHECKED_ELSEWHERE = {"add_a_shape.md", "live.md", "radio.md"}
 BLOCKS = re.compile(r"```python\n(.*?)```", re.DOTALL)
 FOLDERS = (".", "docs", "docs/decisions")
 BALL = (200, 60, 30)

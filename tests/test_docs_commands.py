@@ -32,9 +32,11 @@ BLOCK = re.compile(r"```.*?```", re.DOTALL)
 TYPED = re.compile(r"^    (?:\$ )?((?:matchset|python|pip|make|git|cd|head|cut) .*)$", re.MULTILINE)
 
 HARDWARE, NETWORK, LONG = "needs a device", "needs the network, or changes what is installed", "takes minutes to hours"
+ENDLESS = "runs until Ctrl-C; tests/app/live/test_live_command.py"
 NOT_RUN = {
     r"matchset (learn|track|calibrate) 0\b": HARDWARE,
     r"matchset radio ": HARDWARE,
+    r"matchset live\b": ENDLESS,
     r"cd firmware/|make (flash|isp) ": HARDWARE,
     r"pip install|git clone|cd matchset$": NETWORK,
     r"make (demo|bench|soak|mutants)": LONG,

@@ -15,6 +15,7 @@ BESIDE = ("docs/pictures/*.[pjws]*[gp]", "docs/site/*.css", "benchmarks/pictures
 GUIDES = (
     "getting_started",
     "cli",
+    "live",
     "camera",
     "localization",
     "add_a_shape",

@@ -41,10 +41,15 @@ class Reader:
     ----------
     types : iterable of types
         Those that there are.
+
+    Attributes
+    ----------
+    types : tuple of types
     """
 
     def __init__(self, types: Iterable[type[Up]]) -> None:
-        self._decoder: msgspec.json.Decoder[Any] = msgspec.json.Decoder(Union[tuple(types)])  # noqa: UP007
+        self.types = tuple(types)
+        self._decoder: msgspec.json.Decoder[Any] = msgspec.json.Decoder(Union[self.types])  # noqa: UP007
 
     def read(self, data: str | bytes) -> Up:
         """Read a message.

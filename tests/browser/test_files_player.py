@@ -77,9 +77,9 @@ def test_scrubbing_keys_and_space(opened: Any) -> None:
     wait_until(page, "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow')) > 30")
     page.keyboard.press("Space")
     page.get_by_role("button", name="play (space)").wait_for(timeout=WAIT)
-    page.wait_for_timeout(200)
-    before = index_of(page)
-    page.wait_for_timeout(300)
+    before = state_of(page)["streams"][0]["index"]
+    page.get_by_text(f"frame {before} of 1199").wait_for(timeout=WAIT)
+    page.wait_for_timeout(600)
     assert index_of(page) == before
     assert page.locator("#veil").is_hidden()  # a picture that stands is no fault
 

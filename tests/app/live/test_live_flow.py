@@ -37,6 +37,17 @@ def test_never_more_than_allowed(steps: list[str]) -> None:
         assert len(sent) <= FlowParameters().in_flight
 
 
+def test_the_last_picture_before_a_video_stands_is_shown_on_a_slow_link_too() -> None:
+    flow = Flow()
+    flow.ladder.step = len(SIZES) - 1
+    for sequence in (1, 2, 3, 4):
+        flow.offer(sequence)
+    assert flow.take(0.0) == 3
+    assert flow.settle()
+    assert flow.take(0.1) == 4
+    assert not flow.settle()
+
+
 def test_an_acknowledgment_of_something_else_is_none() -> None:
     assert Flow().acknowledge(7, 0.0) is None
 

@@ -46,6 +46,7 @@ class _Sending:
     def __init__(self) -> None:
         self.flow, self.age = Flow(), -1.0
         self.offered: Seen | None = None
+        self.left_out: tuple[Seen, float] | None = None
         self.captured: dict[int, float] = {}
 
     def acknowledge(self, sequence: int) -> bool:
@@ -86,8 +87,21 @@ class Viewer:
         """Tell that there is a new picture."""
         sending = self._streams.setdefault(stream, _Sending())
         if sending.flow.offer(seen.state.sequence):
-            sending.offered = seen
+            sending.offered, sending.left_out = seen, None
             self._news.set()
+        else:
+            sending.left_out = seen, time.monotonic()
+
+    def _settle(self, now: float) -> None:
+        """Show what a slow link left out, where nothing came after it: the picture at which a video stands."""
+        for sending in self._streams.values():
+            if (
+                sending.left_out is not None
+                and now - sending.left_out[1] > 2.0 * SESSION_PERIOD
+                and sending.flow.settle()
+            ):
+                sending.offered, sending.left_out = sending.left_out[0], None
+                self._news.set()
 
     def restart(self) -> None:
         """Forget what was sent: other streams are shown from here on."""
@@ -138,6 +152,7 @@ class Viewer:
             if state != told or now - when >= LIFE_PERIOD:
                 told, when = state, now
                 await self._write(Packet(0, time.monotonic(), -1.0, state, session=True))
+            self._settle(now)
             await asyncio.sleep(SESSION_PERIOD)
 
     async def _write(self, packet: Packet) -> None:

@@ -103,6 +103,7 @@ class Flow:
         self._newest: int | None = None
         self._in_flight: deque[tuple[int, float]] = deque()
         self._offered = 0
+        self._left_out: int | None = None
         self.ladder, self.skipped = Ladder(parameters), 0
 
     @property
@@ -113,11 +114,20 @@ class Flow:
     def offer(self, sequence: int) -> bool:
         """Tell that there is a new picture; returns whether it may be the next one."""
         self._offered += 1
+        self._left_out = None
         if self._offered % self.size.every:
             self.skipped += 1
+            self._left_out = sequence
             return False
         self.skipped += self._newest is not None
         self._newest = sequence
+        return True
+
+    def settle(self) -> bool:
+        """Take the picture that was left out on a slow link, none having come since; returns whether there is one."""
+        if self._left_out is None:
+            return False
+        self._newest, self._left_out = self._left_out, None
         return True
 
     def take(self, now: float) -> int | None:

@@ -1,5 +1,6 @@
 """A recording holds every picture with what was found in it, ends whole on a full disk, and makes no loop wait."""
 
+import contextlib
 import json
 import resource
 import shutil
@@ -12,7 +13,9 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from benchmarks.lost.full_disk import small_disk
 
+import bags
 from live_feeds import CAMERA, MadeUpFeed, seen_of, shown, with_image
 from matchset.app.disk import SpaceParameters
 from matchset.app.live.known_messages import READER
@@ -114,6 +117,24 @@ def test_the_bag_has_detections_and_poses(recorded: Recorded) -> None:
     for topic in ("image/compressed", "camera_info", "detections", "circle_1/pose"):
         assert topics.count(f"/camera_1/{topic}") == 4
     assert topics.count("/tf") == 4
+
+
+def test_the_bag_is_one_of_ros(recorded: Recorded) -> None:
+    bags.need_rosbags()
+    from rosbags.highlevel import AnyReader
+
+    recorded.session.take(ON, "")
+    recorded.show(range(1))
+    recorded.show(range(1, 3), targets=2)  # a topic more
+    recorded.session.take(OFF, "")
+    folder = Path("runs") / recorded.finished().folder
+    poses = dict[str, list[float]]()
+    with AnyReader([folder / "recording.mcap"]) as reader:
+        for connection, _, data in reader.messages():
+            if connection.topic.endswith("/pose"):
+                message: Any = reader.deserialize(data, connection.msgtype)
+                poses.setdefault(connection.topic, []).append(message.pose.pose.position.z)
+    assert poses == {"/camera_1/circle_1/pose": [1.5] * 3, "/camera_1/circle_2/pose": [1.5] * 2}
 
 
 def test_files_are_offered_when_they_are_whole(recorded: Recorded) -> None:
@@ -236,6 +257,34 @@ def test_a_disk_that_is_nearly_full_ends_it_in_time(tmp_path: Path, monkeypatch:
         assert [path.name for path in Path("runs").iterdir()] == [finished.folder]
 
 
+@pytest.mark.parametrize("guard", [True, False])
+def test_a_small_disk_is_filled_with_whole_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, guard: bool) -> None:
+    pytest.importorskip("mcap")
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    with contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(small_disk(disk, 700_000))
+        except OSError as error:
+            pytest.skip(f"a small disk cannot be mounted here: {error}")
+        stack.callback(monkeypatch.chdir, tmp_path)
+        monkeypatch.chdir(disk)
+        space = SpaceParameters(keep_free=0.15, keep_share=1.0) if guard else NO_GUARD
+        made = Recorded(RecordingParameters(space=space))
+        with made.recorder, made.session:
+            made.session.take(ON, "")
+            made.show(range(3000))
+            finished = made.finished()
+        words = "MB are free on its disk" if guard else "No space left on device"
+        assert words in finished.ended
+        assert (shutil.disk_usage(disk).free > 50_000) == guard
+        folder = Path("runs") / finished.folder
+        topics = [message.topic for message in McapReader(folder / "recording.mcap")]
+        assert topics.count("/camera_1/image/compressed") - finished.frames in (0, 1)
+        assert len(read_tracks(folder / "tracks.csv")) - finished.frames in (0, 1)
+        assert len(read_poses(folder / "poses.csv")) - finished.frames in (0, 1)
+
+
 def test_a_full_disk_leaves_whole_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -277,3 +326,5 @@ def test_the_video_has_the_rate_at_which_pictures_come(
 def test_parameters_have_limits() -> None:
     with pytest.raises(ValueError, match="bag_quality"):
         FileParameters(bag_quality=0)
+    parameters = RecordingParameters()
+    assert [parameters.most_waiting(size) for size in (0, 640 * 480 * 3, 3840 * 2160 * 3, 10**9)] == [30, 30, 8, 1]

@@ -68,7 +68,10 @@ class Recorder(Closing):
             if self._feed is None:
                 raise ValueError("nothing is shown that could be recorded")
             folder = output_folder(None, "live")
-            self._running = Recording(folder, self._feed.title, len(self._feed.streams), self._parameters.recording)
+            try:
+                self._running = Recording(folder, self._feed.title, self._feed.streams, self._parameters.recording)
+            except OSError as error:
+                raise ValueError(f"cannot write to the folder {folder}: {error.strerror}") from error
 
     def end(self) -> None:
         """End the recording that runs; its files are finished in a thread."""

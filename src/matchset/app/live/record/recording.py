@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.disk import MB, SPACE, FreeSpace, SpaceParameters
 from matchset.app.flight.real_time.background import Background, BackgroundParameters
-from matchset.app.live.feed import Seen
+from matchset.app.live.feed import Seen, Stream
 from matchset.app.live.record.facts import FACTS, Facts
 from matchset.app.live.record.state import FinishedRecording, RecordedFile, RecordState
 from matchset.app.live.record.stream_files import FileParameters, StreamFiles
@@ -28,6 +29,8 @@ class RecordingParameters(msgspec.Struct, frozen=True, kw_only=True):
         Pictures that wait for the disk at most; more are dropped, and counted. More outlasts a longer pause of the
         disk, takes the memory of as many pictures, and is what `kill -9` loses if the disk is behind. Chosen by hand: a
         second of a camera of 30 frames/s, 28 MB at 640 x 480.
+    memory : float
+        MB that these may take at most; fewer wait if pictures are large. Chosen by hand: 8 pictures of 4K.
     look : float
         Time between two looks how large the files are, s. Chosen by hand: what a person reads.
     space : SpaceParameters
@@ -36,9 +39,14 @@ class RecordingParameters(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     waiting: int = 30
+    memory: float = 200.0
     look: float = 0.5
     space: SpaceParameters = SPACE
     files: FileParameters = FileParameters()
+
+    def most_waiting(self, size: int) -> int:
+        """Return how many pictures of this size, bytes, may wait."""
+        return max(min(self.waiting, int(self.memory * MB / max(size, 1))), 1)
 
 
 class Recording(Closing):
@@ -52,8 +60,8 @@ class Recording(Closing):
         Exists, and is empty.
     title : str
         Of what is shown.
-    streams : int
-        Number of streams; with several, each has a folder of its own.
+    streams : sequence of Stream
+        What is recorded; of several, each has a folder of its own.
     parameters : RecordingParameters, optional
 
     Attributes
@@ -68,21 +76,26 @@ class Recording(Closing):
         If there is no room on the disk.
     """
 
-    def __init__(self, folder: Path, title: str, streams: int, parameters: RecordingParameters | None = None) -> None:
+    def __init__(
+        self, folder: Path, title: str, streams: Sequence[Stream], parameters: RecordingParameters | None = None
+    ) -> None:
         self.folder, self._parameters = folder, parameters or RecordingParameters()
         self._space = FreeSpace(folder / FACTS, self._parameters.space)
         if self._space.left < 0:
             free = self._space.free
             folder.rmdir()
             raise ValueError(f"nothing can be recorded: only {free:.3g} MB are free on the disk")
-        places = [folder] if streams == 1 else [folder / f"camera_{number + 1}" for number in range(streams)]
-        self._streams = [StreamFiles(place, number, self._parameters.files) for number, place in enumerate(places)]
+        several = [folder / f"camera_{number + 1}" for number in range(len(streams))]
+        places = [folder] if len(several) == 1 else several
+        files, space = self._parameters.files, self._parameters.space
+        self._streams = [StreamFiles(place, number, files, space) for number, place in enumerate(places)]
         self._facts = Facts(folder / FACTS, title, datetime.now(UTC).isoformat(timespec="milliseconds"))
         self._last: dict[int, Frame] = {}
         self.result: FinishedRecording | None = None
         self._begin, self._looked, self._size, self._problem = time.monotonic(), -1.0, 0, ""
         self._lock, self._finishing = threading.Lock(), threading.Thread(target=self._finish, name="matchset record")
-        waiting = BackgroundParameters(waiting=self._parameters.waiting)
+        size = max((seen.frame.image.nbytes for each in streams if (seen := each.seen).frame is not None), default=0)
+        waiting = BackgroundParameters(waiting=self._parameters.most_waiting(size))
         self._background: Background[tuple[int, Seen]] = Background("recording", self._write, waiting, self._fail)
 
     def add(self, stream: int, seen: Seen) -> None:

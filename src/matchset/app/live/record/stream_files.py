@@ -9,7 +9,8 @@ import msgspec
 import numpy as np
 
 from matchset.app.closing import Closing, close_all
-from matchset.app.films.video_writer import Recorder, quick_ending
+from matchset.app.disk import SpaceParameters
+from matchset.app.films.video_writer import Recorder, RecorderParameters, quick_ending
 from matchset.app.live.feed import Seen
 from matchset.app.live.record.bag import Bag
 from matchset.app.live.record.target_tables import TargetTables
@@ -60,6 +61,8 @@ class StreamFiles(Closing):
     number : int
         Of the stream, from 0.
     parameters : FileParameters
+    space : SpaceParameters
+        How much of the disk the video leaves free.
 
     Attributes
     ----------
@@ -67,8 +70,9 @@ class StreamFiles(Closing):
         Pictures so far; a row's `frame` is the number of its picture in the video, from 0.
     """
 
-    def __init__(self, folder: Path, number: int, parameters: FileParameters) -> None:
-        self._folder, self._space, self._parameters = folder, f"/camera_{number + 1}", parameters
+    def __init__(self, folder: Path, number: int, parameters: FileParameters, space: SpaceParameters) -> None:
+        self._folder, self._namespace, self._parameters = folder, f"/camera_{number + 1}", parameters
+        self._film_parameters = RecorderParameters(space=space)
         self._tables = TargetTables(folder)
         self._bag: Bag | None = None
         self._film: Recorder | None = None
@@ -115,10 +119,10 @@ class StreamFiles(Closing):
         """Begin bag and video; without the package mcap there is no bag."""
         self._folder.mkdir(exist_ok=True)
         if find_spec("mcap") is not None:
-            self._bag = Bag(self._folder / "recording.mcap", self._space, self._parameters.bag_quality)
+            self._bag = Bag(self._folder / "recording.mcap", self._namespace, self._parameters.bag_quality)
         height, width = frame.image.shape[:2]
         path = self._folder / f"raw{quick_ending()}"
-        self._film = Recorder(path, self._parameters.rate(state), (width, height), state.live)
+        self._film = Recorder(path, self._parameters.rate(state), (width, height), state.live, self._film_parameters)
 
     def _write_picture(self, frame: Frame) -> None:
         film = self._film

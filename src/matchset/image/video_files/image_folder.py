@@ -53,6 +53,10 @@ class Pictures:
             return frame
         return self._decode()
 
+    def go_to(self, index: int) -> None:
+        """Go on with the picture of this index."""
+        self._first, self._next = None, index
+
     def _decode(self) -> Frame | None:
         while self._next < self.length:
             index, self._next = self._next, self._next + 1

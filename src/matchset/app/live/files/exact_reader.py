@@ -80,16 +80,16 @@ class Way(Protocol):
 
 
 class FromBeginning:
-    """Reads a file from its beginning."""
+    """Reads a file from its beginning; a folder of pictures from any of them."""
 
     def __init__(self, video: StampedVideo, frames: FrameList) -> None:
-        self.place, self._video, self._frames = 0, video, frames
+        self.place, self.video, self._frames = 0, video, frames
 
     def take(self, place: int) -> Frame:
         """Return a frame."""
         frame = None
         while self.place <= place:
-            frame = next(self._video, None)
+            frame = next(self.video, None)
             self.place += 1
             if frame is None:
                 break
@@ -99,7 +99,7 @@ class FromBeginning:
 
     def close(self) -> None:
         """Close the file."""
-        self._video.close()
+        self.video.close()
 
 
 class FromJump:
@@ -241,7 +241,10 @@ class ExactReader(Closing):
                 if jumped is not None:
                     yield jumped
             self.failed += 1
-        yield FromBeginning(self._open(), self._frames)
+        beginning = FromBeginning(self._open(), self._frames)
+        if beginning.video.go_to(self._frames[place].index):
+            beginning.place = place
+        yield beginning
 
     def _jump(self, place: int) -> FromJump | None:
         capture = self._opened()

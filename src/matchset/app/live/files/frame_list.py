@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from matchset.image.frame import Frame
 from matchset.image.video import Video
+from matchset.image.video_files.image_folder import Pictures
 from matchset.image.video_files.video_file import Recording
 
 SAMPLES = 16_384  # format: pixels of a picture that its check sum reads; of 1080p it takes half a millisecond
@@ -30,6 +31,14 @@ class StampedVideo(Video):
         """Time stamp of the last frame in its file, s; NaN if there is none."""
         recording = self.recording
         return math.nan if recording is None else recording.stamp
+
+
+    def go_to(self, index: int) -> bool:
+        """Go on with the picture of this index, if it is a folder of pictures; returns whether it is one."""
+        if not isinstance(self._source, Pictures):
+            return False
+        self._source.go_to(index)
+        return True
 
 
 class FrameMark(msgspec.Struct, frozen=True):

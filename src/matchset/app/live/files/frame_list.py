@@ -32,7 +32,6 @@ class StampedVideo(Video):
         recording = self.recording
         return math.nan if recording is None else recording.stamp
 
-
     def go_to(self, index: int) -> bool:
         """Go on with the picture of this index, if it is a folder of pictures; returns whether it is one."""
         if not isinstance(self._source, Pictures):

@@ -158,6 +158,8 @@ class Followed(Closing):
         frame = self._kept.since(begin.sequence)[0]
         while len(self._trials) >= self._parameters.on_trial:
             self._forget(next(iter(self._trials)))
+        if len(self._making) >= self._parameters.on_trial:  # clicks that wait give way to newer ones
+            self._making = deque(made for made in self._making if not made.result.cancel())
         if len(self._targets) + len(self._making) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1

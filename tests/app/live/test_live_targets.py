@@ -1,0 +1,142 @@
+"""Drawn outlines become shapes; what is clicked is followed, what is nothing ends in words."""
+
+import math
+import time
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from matchset.app.live.targets.drawn_outline import circle_along, shape_along
+from matchset.app.live.targets.followed import Followed, FollowedParameters
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Marker, Outline, Pick
+from matchset.app.live.targets.target import Target
+from matchset.app.live.vision.kept_frames import KeptFrames
+from matchset.app.live.wire.state import TargetState
+from matchset.image.frame import Frame
+from matchset.shapes.rectangle import Rectangle
+
+PATIENCE = 20.0  # s; only ever spent where a test fails
+BLUE, RED = (60, 60, 20), (200, 60, 16)
+Image = npt.NDArray[np.uint8]
+
+
+def arc(x: float, y: float, radius: float, first: float, length: float) -> npt.NDArray[np.float64]:
+    angles = first + np.linspace(0.0, length, 24)
+    return np.column_stack((x + radius * np.cos(angles), y + radius * np.sin(angles)))
+
+
+@given(st.floats(0, 300), st.floats(0, 300), st.floats(5, 100), st.floats(0, 6.2), st.floats(1.5, 6.2))
+def test_an_arc_gives_its_circle(x: float, y: float, radius: float, first: float, length: float) -> None:
+    circle = circle_along(arc(x, y, radius, first, length))
+    assert (circle.x, circle.y, circle.radius) == pytest.approx((x, y, radius), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (np.column_stack((np.arange(20.0), np.full(20, 5.0))), "straight"),
+        (np.full((8, 2), 7.0), "straight|small"),
+        (arc(50, 50, 0.5, 0, 6), "too small"),
+    ],
+)
+def test_what_is_no_arc_is_said(points: npt.NDArray[np.float64], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        circle_along(points)
+
+
+def test_a_drawn_box_is_a_rectangle_and_a_line_is_nothing() -> None:
+    box = np.array([(10, 10), (70, 11), (70, 40), (11, 41), (10, 12)], float)
+    shape = shape_along(Rectangle, box)
+    assert isinstance(shape, Rectangle)
+    assert (shape.x, shape.y) == pytest.approx((40, 25), abs=1.5)
+    with pytest.raises(ValueError, match="encloses nothing"):
+        shape_along(Rectangle, box * (1.0, 0.0))
+
+
+def test_a_page_names_no_file_as_a_shape() -> None:
+    frame = Frame(scene(), 0.0, 0)
+    for shape in ("/etc/passwd", "0,0 4,0 0,3", "circle:affine", "Circle "):
+        with pytest.raises(ValueError, match="a shape is circle"):
+            Target(1, Pick(1, 60, 60, shape), frame)
+
+
+def scene() -> Image:
+    """A blue ball with a red mark, and a red ball."""
+    image = np.random.default_rng(0).normal(90.0, 2.0, (120, 260, 3))
+    for (x, y, radius), color in ((BLUE, (210, 90, 30)), (RED, (40, 40, 210))):
+        cv2.circle(image, (x, y), radius, color, cv2.FILLED, cv2.LINE_AA)
+    return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7).astype(np.uint8)
+
+
+class Loop:
+    """Pictures of a scene, 30 a second, with what is followed."""
+
+    def __init__(self) -> None:
+        self.kept, self.notes, self.number = KeptFrames(), list[str](), 0
+        self.followed = Followed(self.kept, self.notes.append, FollowedParameters(trial=0.3))
+        self.states: list[TargetState] = []
+        self.step()
+
+    def step(self) -> None:
+        frame = Frame(scene(), self.number / 30.0, self.number)
+        self.number += 1
+        self.states = self.followed.update(frame)
+        self.kept.add(self.number, frame)
+
+    def until(self, condition: Callable[[], object]) -> None:
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < end, (self.states, self.notes)
+            self.step()
+            time.sleep(0.002)
+
+
+def test_two_balls_a_click_on_one_again_and_a_drop() -> None:
+    loop = Loop()
+    loop.followed.do(Pick(1, *BLUE[:2]))
+    loop.followed.do(Pick(1, *RED[:2]))
+    loop.until(lambda: [state.found for state in loop.states] == [True, True])
+    loop.followed.do(Pick(loop.number, BLUE[0] + 3, BLUE[1]))
+    loop.until(lambda: loop.notes)
+    assert loop.notes == ["that is circle 1, which is followed already"]
+    loop.followed.do(Drop(1))
+    loop.step()
+    assert [state.name for state in loop.states] == ["circle 2"]
+    with pytest.raises(ValueError, match="no target 1"):
+        loop.followed.do(Drop(1))
+    loop.followed.close()
+
+
+def test_clicks_on_nothing_end_and_the_next_one_counts() -> None:
+    loop = Loop()
+    for k in range(200):
+        loop.followed.do(Pick(loop.number, 120.0 + k % 9, 20.0))
+        if k % 20 == 0:
+            loop.step()
+    loop.followed.do(Pick(loop.number, *BLUE[:2]))
+    loop.until(lambda: loop.states and loop.states[-1].found and len(loop.states) == 1)
+    assert loop.notes
+    with pytest.raises(ValueError, match="not kept"):
+        loop.followed.do(Pick(10_000, *BLUE[:2]))
+    loop.followed.close()
+
+
+def test_a_diameter_a_view_and_an_outline_give_meters() -> None:
+    loop = Loop()
+    x, y, radius = BLUE
+    loop.followed.do(Outline(1, arc(x, y, radius, 0, 5).ravel().tolist()))
+    loop.followed.do(Diameter(1, 0.28))
+    loop.followed.do(FieldOfView(1.0))
+    loop.until(lambda: loop.states and loop.states[0].position)
+    focal = 130.0 / math.tan(0.5)
+    assert loop.states[0].position["z"][0] == pytest.approx(0.14 * focal / radius, rel=0.03)
+    with pytest.raises(ValueError, match="marker"):
+        loop.followed.do(Marker(1, loop.number, x, y, 0.5))
+    loop.step()
+    assert loop.states[0].found
+    loop.followed.close()

@@ -61,8 +61,10 @@ def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_pat
     page.locator("#veil, #sources .fault").get_by_text(re.compile("cannot|no video|not a video|no frame")).wait_for(
         timeout=WAIT
     )
-    page.keyboard.press("Escape")
+    page.get_by_role("button", name="broken.mp4").press("Escape")
+    page.locator("#sources").wait_for(state="hidden", timeout=WAIT)
     page.get_by_role("button", name="other source").click()
+    page.locator("#sources").wait_for(timeout=WAIT)
     page.get_by_role("button", name="ball.avi").click()
     page.locator("#sources").wait_for(state="hidden", timeout=WAIT)
     wait_until(page, "veil.hidden && picture.width === 320")

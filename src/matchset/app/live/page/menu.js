@@ -22,6 +22,7 @@ export class Menu {
     again.type = "button";
     again.addEventListener("click", () => send({ type: "look_again" }));
     this.heading = element("h2", "", "What do you want to see?");
+    this.heading.setAttribute("aria-live", "polite");
     const last = element("p", "last");
     last.append(again, this.words);
     this.fault = element("p", "fault");
@@ -40,7 +41,9 @@ export class Menu {
     const opened = this.asked && !state.opening && !state.fault; // also where it is what was shown before
     if (opened || (this.shown !== null && state.shown !== this.shown)) this.isOpen = this.asked = false;
     this.shown = state.shown || "";
-    this.words.textContent = state.opening ? `opening ${state.opening} …` : state.words || "";
+    this.words.textContent = state.words || "";
+    const heading = state.opening ? `Opening ${state.opening} …` : "What do you want to see?";
+    if (this.heading.textContent !== heading) this.heading.textContent = heading;
     if (this.fault.textContent !== (state.fault || "")) this.fault.textContent = state.fault || "";
     this.root.classList.toggle("starts", starts);
     document.body.classList.toggle("nothing-shown", starts);

@@ -86,7 +86,7 @@ def find_sources(folder: Path, parameters: MenuParameters | None = None, devices
         missing.append(f"{left_out} older videos of this folder are left out")
     entries += files
     entries += [
-        Source("demo", DEMO, "demo clip", "a rendered balloon of 28 cm; the camera is known"),
+        Source("demo", DEMO, "demo clip", "a rendered balloon of 28 cm, its camera known; made once, in some seconds"),
         Source("flight", CHAIN, "simulated chain", "followers that fly behind each other, in a simulated room"),
     ]
     return Sources(entries, "; ".join(missing))

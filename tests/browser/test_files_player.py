@@ -95,6 +95,11 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
     page.fill(".diameter", "28 cm")
     page.keyboard.press("Enter")
     page.locator("#reading [data-name=distance]").wait_for(timeout=WAIT)
+    wait_until(page, "fetch('course.json?target=1').then((a) => a.json()).then((c) => c.whole && c.placed)")
+    curve = page.locator("#file-curves canvas").first
+    box = curve.bounding_box()
+    curve.click(position={"x": 0.75 * box["width"], "y": box["height"] / 2})
+    wait_until(page, "Math.abs(document.querySelector('#file .timeline').getAttribute('aria-valuenow') - 840) < 120")
     page.get_by_role("button", name="CSV tables").click()
     files = {}
     for name in ("tracks-1.csv", "poses-1.csv"):

@@ -17,6 +17,7 @@ from matchset.app.live.files.file_target import FOUND, LOST, UNKNOWN
 from matchset.app.live.files.frame_list import StampedVideo
 from matchset.app.live.files.messages import Correct, Export, Seek
 from matchset.app.live.files.panel import FileState, columns, run_lengths
+from matchset.app.live.files.series import Series, SeriesParameters
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Pick
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
@@ -190,6 +191,47 @@ def test_diameter_and_view_locate_what_was_found_before(feed: FileFeed, path: Pa
     feed.ask(Diameter(1, 0.14))
     near = 0.6 * pose.position[2]
     wait(lambda: feed.seen.state.targets[0].position["z"][0] < near)
+
+
+def test_the_course_of_a_target_is_that_of_its_answers(feed: FileFeed) -> None:
+    with pytest.raises(ValueError, match="no target 1"):
+        feed.course(1)
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    course = feed.course(1)
+    assert (course.whole, course.placed, course.names) == (True, False, ["x", "y", "radius"])
+    np.testing.assert_array_equal(course.low, course.high)  # a frame a column
+    assert course.times == pytest.approx([index / 30.0 for index in range(FRAMES)], abs=1e-4)
+    for index in range(FRAMES):
+        assert course.lost[index] == (index in GONE)
+        assert math.isnan(course.low[0][index]) == (index in GONE)
+        assert index in GONE or math.dist((course.low[0][index], course.low[1][index]), center(index)) < 0.5
+    feed.ask(FieldOfView(1.0))
+    feed.ask(Diameter(1, 0.28))
+    wait(lambda: feed.course(1).placed)
+    pose = feed.tracking.targets[1].pose(12)
+    assert isinstance(pose, Pose)
+    assert feed.course(1).low[2][12] == pytest.approx(pose.position[2], abs=1e-4)
+    feed.panel.take(Correct(1, go(feed, 50), *other(50)), "")
+    wait(lambda: len(feed.tracking.targets[1].clicks) == 2 and not feed.tracking.busy)
+    moved = feed.tracking.targets[1].pose(55)
+    assert isinstance(moved, Pose)
+    assert feed.course(1).low[0][55] == pytest.approx(moved.position[0], abs=1e-4)
+
+
+def test_a_long_course_has_the_least_and_the_largest_of_each_column(feed: FileFeed) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    series = Series(feed.tracking.targets[1], feed.frames, SeriesParameters(columns=12))
+    course = series.course()
+    assert len(course.times) == len(course.low[0]) == 12
+    xs = [math.nan if index in GONE else center(index)[0] for index in range(FRAMES)]
+    for column in range(12):
+        of = xs[5 * column : 5 * column + 5]
+        assert course.lost[column] == any(math.isnan(x) for x in of)
+        if not all(math.isnan(x) for x in of):
+            assert course.low[0][column] == pytest.approx(np.nanmin(of), abs=0.5)
+            assert course.high[0][column] == pytest.approx(np.nanmax(of), abs=0.5)
 
 
 def test_a_click_on_nothing_is_given_up_and_said(feed: FileFeed, notes: list[str]) -> None:

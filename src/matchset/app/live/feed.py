@@ -69,6 +69,15 @@ class Masked(Protocol):
         ...
 
 
+@runtime_checkable
+class Charted(Protocol):
+    """A stream that knows the course of a target over all of its pictures."""
+
+    def course(self, target: int) -> msgspec.Struct:
+        """Return it, as JSON will have it; called in any thread, ValueError if there is no such target."""
+        ...
+
+
 class Panel:
     """One part of the page, on the server's side. All methods are called in the server's thread and must not wait.
 

@@ -14,6 +14,7 @@ from matchset.app.live.files.exports import Exports
 from matchset.app.live.files.frame_list import FrameList, StampedVideo
 from matchset.app.live.files.panel import FilePanel
 from matchset.app.live.files.player import Player
+from matchset.app.live.files.series import Course, Series
 from matchset.app.live.files.tracking import FileTracking
 from matchset.app.live.targets.messages import Outline, Pick, Wish
 from matchset.app.live.targets.panel import TargetsPanel
@@ -82,6 +83,7 @@ class FileFeed(Feed):
         self.exports = Exports(reader, self.frames, note)
         self.exports.fps = self._fps
         self._described, self._stop = -1, threading.Event()
+        self._series, self._lock = dict[int, Series](), threading.Lock()
         self.streams = (self,)
         self._camera, self.panel = CameraPanel(self, note), FilePanel(self)
         self.panels = (TargetsPanel(self.ask), self._camera, self.panel)
@@ -118,6 +120,16 @@ class FileFeed(Feed):
         if seen.frame is None or seen.state.sequence != sequence:
             raise ValueError(f"picture {sequence} is not shown any more")
         return followed.color.for_image(seen.frame.image).mask(seen.frame.image)
+
+    def course(self, target: int) -> Course:
+        """Return the course of a target over the whole video; ValueError if there is no such target."""
+        followed = self.tracking.targets.get(target)
+        if followed is None:
+            raise ValueError(f"there is no target {target}")
+        with self._lock:
+            self._series = {number: each for number, each in self._series.items() if number in self.tracking.targets}
+            series = self._series.setdefault(target, Series(followed, self.frames))
+        return series.course()
 
     def show(self, frame: Frame, place: int, sequence: int) -> None:
         """Show a frame, with what is known of it; called by the player."""

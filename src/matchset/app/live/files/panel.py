@@ -43,6 +43,8 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
         Of the frames, how many are done.
     found, lost : int
         Frames.
+    version : int
+        Another one whenever more is known: then its course (`/course.json`) is another one, too.
     """
 
     id: int
@@ -51,6 +53,7 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
     percent: float = 0.0
     found: int = 0
     lost: int = 0
+    version: int = 0
 
 
 class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -172,7 +175,10 @@ class FilePanel(Panel):
             percent = 100.0 * target.known / max(len(self._feed.frames), 1) if end else 100.0
             if not self._feed.frames.complete:
                 percent = 100.0 * target.known / (end + 1)
-            kept = key, TargetLine(target.number, target.name, line, round(percent, 1), counts[1], counts[2])
+            kept = (
+                key,
+                TargetLine(target.number, target.name, line, round(percent, 1), counts[1], counts[2], target.version),
+            )
             self._lines = {
                 number: each for number, each in self._lines.items() if number in self._feed.tracking.targets
             }

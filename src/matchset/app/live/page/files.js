@@ -1,5 +1,6 @@
 // A recorded video: play, pause, step, scrub; what was found on a time line; corrections and downloads.
 
+import { Courses } from "./course.js";
 import { element } from "./reading.js";
 import { drawLine } from "./timeline.js";
 
@@ -10,8 +11,8 @@ const TYPING = "input:not([type=checkbox]):not([type=radio]), select, textarea";
 const PRESSING = "button, a, summary, input[type=checkbox], input[type=radio]"; // what the space bar presses
 
 export class FilePanel {
-  // `results` is the place for corrections and downloads. `chosen()` is the number of the target that the reading shows; `askPoint(words, take)` waits for a click in the picture.
-  constructor(root, results, send, chosen, askPoint) {
+  // `results` is the place for corrections and downloads, `courses` for curves. `chosen()` is the number of the target that the reading shows; `askPoint(words, take)` waits for a click in the picture.
+  constructor(root, results, courses, send, chosen, askPoint) {
     Object.assign(this, { root, results, send, chosen, askPoint, state: null, wanted: null });
     this.canvas = element("canvas", "timeline");
     this.canvas.tabIndex = 0;
@@ -21,6 +22,7 @@ export class FilePanel {
     this.files = element("p", "files");
     this.root.replaceChildren(this.canvas, this.makeButtons());
     this.results.append(this.work, this.makeExports());
+    this.courses = new Courses(courses, (share) => this.state && this.seek(share * this.state.end));
     this.canvas.addEventListener("pointerdown", (event) => this.grab(event));
     this.canvas.addEventListener("pointermove", (event) => this.drag(event));
     for (const name of ["pointerup", "pointercancel"]) this.canvas.addEventListener(name, () => this.letGo());
@@ -88,6 +90,8 @@ export class FilePanel {
     if (this.wanted === null) this.index = state.index;
     this.showWork();
     this.showExports();
+    const line = this.line();
+    this.courses.update(line ? line.id : null, line ? line.version || 0 : 0);
     this.draw();
   }
 
@@ -217,6 +221,7 @@ export class FilePanel {
     const line = this.line();
     const shown = this.wanted === null ? state.index : this.index;
     drawLine(this.canvas, { end: state.end, last: state.last, shown, runs: line ? line.line || [] : [] });
+    this.courses.showAt((shown + 0.5) / (state.end + 1));
     const words = `${clock(state.time || 0)} / ${clock(state.duration || 0)} · frame ${shown} of ${state.end}`;
     if (this.time.textContent === words) return;
     this.time.textContent = words;

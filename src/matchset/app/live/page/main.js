@@ -44,7 +44,7 @@ const panels = {
   camera: new CameraPanel(find("camera-panel"), send, () => targets.chosen),
   settings: new SettingsPanel(find("settings"), send),
   record: new RecordPanel(find("record"), send),
-  file: new FilePanel(find("file"), find("file-results"), send, () => targets.chosen, askPoint),
+  file: new FilePanel(find("file"), find("file-results"), find("file-curves"), send, () => targets.chosen, askPoint),
 };
 
 function receiveSession(session) {

@@ -1,5 +1,6 @@
 """The routes of the page's server: `make_application`. docs/live.md has them in a table."""
 
+import asyncio
 import contextlib
 import functools
 import time
@@ -15,7 +16,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
-from matchset.app.live.feed import Masked
+from matchset.app.live.feed import Charted, Masked
 from matchset.app.live.web.guarded import Guarded
 from matchset.app.live.web.programs import ProgramRoutes, stream_number
 from matchset.app.live.web.security import Guard
@@ -53,6 +54,7 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
             Route("/state.json", routes.state),
             Route("/frame.jpg", routes.frame),
             Route("/mask.png", routes.mask),
+            Route("/course.json", routes.course),
             Route("/do/{type}", routes.do, methods=["POST", "GET"]),
             Route("/upload/{kind}", routes.upload, methods=["POST"]),
             Route("/download/{name:path}", routes.download),
@@ -124,6 +126,21 @@ class _Routes:
         except ValueError as error:
             return PlainTextResponse(str(error), 404)
         return Response(data, media_type="image/png", headers={"Cache-Control": "no-store"})
+
+    async def course(self, request: Request) -> Response:
+        """Answer the course of a target over a whole video."""
+        target = request.query_params.get("target", "")
+        if not (target.isdecimal() and len(target) < 12):
+            return PlainTextResponse("target is a whole number", 400)
+        for stream in self._desk.session.streams:
+            if isinstance(stream, Charted):
+                try:
+                    course = await asyncio.to_thread(stream.course, int(target))
+                except ValueError as error:
+                    return PlainTextResponse(str(error), 404)
+                data = msgspec.json.encode(course)
+                return Response(data, media_type="application/json", headers={"Cache-Control": "no-store"})
+        return PlainTextResponse("no video is shown", 404)
 
     async def do(self, request: Request) -> Response:
         """Do what a button does; the fields of the message are the body, JSON."""

@@ -1,0 +1,187 @@
+// The course of the chosen target over a whole video: x, y, z (or x, y, r) and the way from above, with the frame that is
+// shown. A click on a curve goes to that frame.
+
+import { palette, Surface, ticks } from "./canvas.js";
+
+const BAND = 2; // standard deviations
+const WAIT = 500; // ms between two questions for the course while it grows
+const NAMES = { radius: "r" };
+const UNITS = { angle: "rad", scale: "" };
+
+export class Courses {
+  // `seek(share)` goes to a share of the video, 0 ... 1.
+  constructor(root, seek) {
+    this.root = root;
+    this.course = null;
+    this.share = 0;
+    const canvases = [0, 1, 2, 3].map((number) => {
+      const canvas = document.createElement("canvas");
+      if (number < 3) canvas.addEventListener("click", (event) => seek(shareAt(canvas, event)));
+      return canvas;
+    });
+    root.append(...canvases);
+    this.surfaces = canvases.map((canvas) => {
+      const surface = new Surface(canvas);
+      surface.redraw = () => this.draw();
+      return surface;
+    });
+    this.draw();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+  }
+
+  // `version` is another one whenever more is known of the target.
+  async update(target, version) {
+    const wanted = `${target} ${version}`;
+    if (target === null) { this.wanted = this.shown = ""; this.course = null; this.draw(); return; }
+    this.wanted = wanted;
+    if (this.asking || wanted === this.shown) return;
+    this.asking = true;
+    try {
+      const answer = await fetch(`course.json?target=${target}`);
+      if (answer.ok) {
+        this.course = await answer.json();
+        this.shown = this.course.whole ? wanted : "";
+      }
+      this.draw();
+      await new Promise((done) => setTimeout(done, WAIT));
+    } catch { /* the server is gone: asked again with the next state */ } finally { this.asking = false; }
+    if (this.wanted && this.wanted !== this.shown) this.update(...this.wanted.split(" ").map(Number));
+  }
+
+  showAt(share) {
+    if (share === this.share) return;
+    this.share = share;
+    this.draw();
+  }
+
+  draw() {
+    const { course } = this;
+    const some = Boolean(course && course.names.length);
+    this.root.dataset.some = some;
+    this.surfaces[3].canvas.hidden = !some || !course.placed;
+    if (!some) { for (const surface of this.surfaces) surface.begin(); return; }
+    course.names.forEach((name, index) => this.drawCurve(this.surfaces[index], name, index));
+    if (course.placed) this.drawAbove(this.surfaces[3]);
+  }
+
+  drawCurve(surface, name, index) {
+    const { course } = this;
+    const context = surface.begin();
+    const { width, height, ratio, text } = surface;
+    const frame = frameOf(surface);
+    if (frame.right - frame.left < 10 || frame.bottom - frame.top < 10) return;
+    const [low, high, sigma] = [course.low[index], course.high[index], course.sigma[index]];
+    const [least, most] = range(low, high, sigma);
+    const count = low.length;
+    const x = (column) => frame.left + (column + 0.5) / count * (frame.right - frame.left);
+    const y = (value) => frame.top + (most - value) / (most - least) * (frame.bottom - frame.top);
+    context.fillStyle = palette.ink;
+    context.fillText(`${NAMES[name] ?? name}, ${course.placed ? "m" : UNITS[name] ?? "px"}`, 0, text);
+    context.fillStyle = palette.soft;
+    context.strokeStyle = palette.line;
+    context.lineWidth = ratio;
+    context.textAlign = "right";
+    for (const { value, words } of ticks(least, most, (frame.bottom - frame.top) / (1.9 * text))) {
+      const at = Math.round(y(value)) + 0.5;
+      context.beginPath();
+      context.moveTo(frame.left, at);
+      context.lineTo(frame.right, at);
+      context.stroke();
+      context.fillText(words, frame.left - 0.5 * text, at + 0.35 * text);
+    }
+    context.fillText(`${course.times[count - 1].toFixed(1)} s`, width, height - 0.25 * text);
+    context.textAlign = "left";
+    context.fillText(`${course.times[0].toFixed(1)} s`, frame.left, height - 0.25 * text);
+    context.fillStyle = palette.warn;
+    const step = (frame.right - frame.left) / count;
+    course.lost.forEach((lost, column) => {
+      if (lost) context.fillRect(x(column) - step / 2, frame.bottom - 4 * ratio, Math.max(step, ratio), 4 * ratio);
+    });
+    context.fillStyle = palette.accent;
+    for (let i = 0; i < count; i++) {
+      if (low[i] === null) continue;
+      const spread = BAND * (sigma[i] || 0);
+      const [top, bottom] = [y(high[i] + spread), y(low[i] - spread)];
+      context.globalAlpha = 0.28;
+      context.fillRect(x(i) - step / 2, top, Math.max(step, ratio), bottom - top);
+    }
+    context.globalAlpha = 1;
+    context.strokeStyle = palette.accent;
+    context.lineWidth = 1.75 * ratio;
+    context.beginPath();
+    for (let i = 0, pen = false; i < count; i++) {
+      if (low[i] === null) { pen = false; continue; }
+      context[pen ? "lineTo" : "moveTo"](x(i), y(high[i]));
+      if (low[i] < high[i]) context.lineTo(x(i), y(low[i]));
+      pen = true;
+    }
+    context.stroke();
+    context.fillStyle = palette.ink;
+    context.fillRect(frame.left + this.share * (frame.right - frame.left) - ratio, frame.top, 2 * ratio, frame.bottom - frame.top);
+  }
+
+  drawAbove(surface) {
+    const { course } = this;
+    const context = surface.begin();
+    const { width, height, ratio, text } = surface;
+    const middle = (index) => course.low[index].map((low, column) => (low === null ? null : (low + course.high[index][column]) / 2));
+    const [across, along] = [middle(0), middle(2)];
+    const deep = 1.12 * along.reduce((most, z) => Math.max(most, z ?? 0), 0.2);
+    const wide = 1.12 * across.reduce((most, x) => Math.max(most, Math.abs(x ?? 0)), 0.1);
+    const foot = height - 1.2 * text;
+    const scale = Math.min((foot - 1.6 * text) / deep, width / 2 / wide);
+    const place = (column) => [width / 2 + across[column] * scale, foot - along[column] * scale];
+    context.fillStyle = palette.ink;
+    context.fillText("from above, m", 0, text);
+    context.strokeStyle = palette.line;
+    context.fillStyle = palette.soft;
+    context.lineWidth = ratio;
+    for (const { value, words } of ticks(0, deep, foot / (2.2 * text))) {
+      const at = Math.round(foot - value * scale) + 0.5;
+      if (!value || at < 2.4 * text) continue;
+      context.beginPath();
+      context.moveTo(0, at);
+      context.lineTo(width, at);
+      context.stroke();
+      context.fillText(words, 0, at - 0.25 * text);
+    }
+    context.fillText("▲ camera", width / 2 - 0.4 * text, height - 0.2 * text);
+    context.strokeStyle = palette.accent;
+    context.lineWidth = 2 * ratio;
+    context.beginPath();
+    for (let i = 0, pen = false; i < across.length; i++) {
+      if (across[i] === null || along[i] === null) { pen = false; continue; }
+      context[pen ? "lineTo" : "moveTo"](...place(i));
+      pen = true;
+    }
+    context.stroke();
+    const now = Math.min(Math.floor(this.share * across.length), across.length - 1);
+    if (across[now] === null || along[now] === null) return;
+    context.fillStyle = palette.ink;
+    context.beginPath();
+    context.arc(...place(now), 0.42 * text, 0, 2 * Math.PI);
+    context.fill();
+  }
+}
+
+function frameOf({ width, height, ratio, text }) {
+  return { left: 4.2 * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
+}
+
+function shareAt(canvas, event) {
+  const box = canvas.getBoundingClientRect();
+  const left = 4.2 * palette.text;
+  return Math.min(Math.max((event.clientX - box.left - left) / (box.width - left - 1), 0), 1);
+}
+
+function range(low, high, sigma) {
+  let [least, most] = [Infinity, -Infinity];
+  low.forEach((value, i) => {
+    if (value === null) return;
+    least = Math.min(least, value - BAND * (sigma[i] || 0));
+    most = Math.max(most, high[i] + BAND * (sigma[i] || 0));
+  });
+  if (!(most >= least)) return [0, 1];
+  const margin = Math.max((most - least) * 0.08, Math.abs(most) * 1e-4, 1e-4);
+  return [least - margin, most + margin];
+}

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from live_flights import CHAIN, RADIO, WAIT, LiveFlight, hold, take_off
+from live_flights import CHAIN, RADIO, WAIT, LiveFlight, again_if_silent, hold, take_off
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.links.simulated import parse_uri
 
@@ -20,6 +20,7 @@ def flown() -> None:
         assert len(list(flight)) == 3
 
 
+@again_if_silent
 def test_it_takes_a_second_to_arm_and_the_space_bar_stops_the_motors_at_once(serve: Any, page: Any) -> None:
     flight = LiveFlight(serve(CHAIN), page)
     page.goto(flight.url)
@@ -44,6 +45,7 @@ def test_it_takes_a_second_to_arm_and_the_space_bar_stops_the_motors_at_once(ser
     assert state["followers"][0]["reason"] == "not armed"
 
 
+@again_if_silent
 def test_the_enter_key_arms_and_lands(serve: Any, page: Any) -> None:
     flight = LiveFlight(serve(CHAIN), page)
     page.goto(flight.url)
@@ -60,6 +62,7 @@ def test_the_enter_key_arms_and_lands(serve: Any, page: Any) -> None:
     assert "stop_delay" not in state
 
 
+@again_if_silent
 def test_two_pages_watch_and_one_commands(serve: Any, new_page: Any) -> None:
     first, second = new_page(), new_page()
     flight = LiveFlight(serve(CHAIN), first)
@@ -76,6 +79,7 @@ def test_two_pages_watch_and_one_commands(serve: Any, new_page: Any) -> None:
     first.get_by_text("Motors off: ").wait_for()
 
 
+@again_if_silent
 def test_a_program_stops_the_motors(serve: Any, page: Any) -> None:
     flight = LiveFlight(serve(CHAIN), page)
     page.goto(flight.url)
@@ -88,6 +92,7 @@ def test_a_program_stops_the_motors(serve: Any, page: Any) -> None:
     assert state["reason"] == "a program stopped the motors"
 
 
+@again_if_silent
 def test_on_a_phone_the_red_button_is_always_under_the_thumb(serve: Any, new_page: Any) -> None:
     phone = new_page(**PHONE)
     flight = LiveFlight(serve(CHAIN), phone)

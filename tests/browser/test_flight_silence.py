@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from live_flights import CHAIN, WAIT, LiveFlight, take_off
+from live_flights import CHAIN, WAIT, LiveFlight, again_if_silent, take_off
 
 Silence = Callable[[Any, dict[str, bool]], None]
 
@@ -28,6 +28,7 @@ def cut_off(_: Any, line: dict[str, bool]) -> None:
 
 
 @pytest.mark.parametrize("silence", [close, hide, hang, cut_off])
+@again_if_silent
 def test_silence_holds_then_lands(serve: Any, page: Any, silence: Silence) -> None:
     line = {"works": True}
 
@@ -51,6 +52,7 @@ def test_silence_holds_then_lands(serve: Any, page: Any, silence: Silence) -> No
     assert state["followers"][0]["throttle"] == 0.0
 
 
+@again_if_silent
 def test_a_page_that_reconnects_does_not_command_and_never_arms(serve: Any, page: Any) -> None:
     flight, sockets = LiveFlight(serve(CHAIN), page), list[Any]()
 

@@ -1,10 +1,13 @@
 // What the followers see, side by side: one picture for each, with the outline of the ball that it follows.
 
+import { drawTarget } from "./drawing.js";
 import { element } from "./reading.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const OLD = 500; // ms without a new picture, after which a veil says so
 const COLORS = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]; // those of the flight's report
+
+const DRAWN = { outline: true, marker: true, axes: true };
 
 export const vehicleColor = (index) => COLORS[index % COLORS.length];
 
@@ -14,11 +17,8 @@ export class FollowerPicture {
     this.canvas = document.createElement("canvas");
     this.context = this.canvas.getContext("2d");
     this.drawing = document.createElementNS(SVG, "svg");
-    this.outlines = [0, 1].map(() => document.createElementNS(SVG, "polygon")); // a white line below the colored one
     this.drawing.setAttribute("aria-hidden", "true");
-    for (const line of this.outlines) line.setAttribute("vector-effect", "non-scaling-stroke");
-    this.outlines[1].style.stroke = vehicleColor(index + 1);
-    this.drawing.append(...this.outlines);
+    this.color = vehicleColor(index + 1);
     this.veil = element("p", "veil");
     this.view = element("div", "follower-view");
     this.view.append(this.canvas, this.drawing, this.veil);
@@ -52,8 +52,7 @@ export class FollowerPicture {
     this.fault = state.fault || "";
     if (!this.fault) this.painted = performance.now();
     const [ball] = state.targets || [];
-    const points = ball && ball.found ? ball.outline.join(" ") : "";
-    for (const line of this.outlines) line.setAttribute("points", points);
+    this.drawing.replaceChildren(...(ball ? drawTarget(ball, this.color, DRAWN, true) : []));
     this.lost = ball && !ball.found ? `lost: ${ball.reason}` : "";
     return true;
   }

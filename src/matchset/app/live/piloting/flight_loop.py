@@ -255,5 +255,5 @@ class FlightLoop(Closing):
             map=map_state(step, place),
         )
         for stream, each, counter, pilot in zip(self.streams, step.steps, counters, fleet.pilots, strict=True):
-            stream.show(each, self._sequence, counter.rate, pilot.camera.model)
+            stream.show(each, self._sequence, counter.rate, pilot)
             self._news(stream.number)

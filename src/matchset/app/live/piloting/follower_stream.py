@@ -2,21 +2,16 @@
 
 import math
 import time
-from typing import Any
 
-import numpy as np
-
-from matchset.app.flight.pilot import PilotStep
+from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.live.feed import Seen
+from matchset.app.live.targets.placing import axes_of, position_of
+from matchset.app.live.targets.target import MARKER_POINTS, OUTLINE_POINTS, flat
 from matchset.app.live.wire.state import State, TargetState
-from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.localization.pose import Pose
 from matchset.shapes.shape import outline
 from matchset.tracking.track import Lost
-
-OUTLINE_POINTS = 72  # geometry: of an outline that a browser draws
-TENTH = 1  # format: digits of coordinates on the screen
 
 
 class FollowerStream:
@@ -38,7 +33,7 @@ class FollowerStream:
         self.seen = Seen(None, State(0, 0, time.monotonic(), 0, 0, fault="getting ready ..."))
         self._found_time = math.nan
 
-    def show(self, step: PilotStep, sequence: int, rate: float | None, camera: CameraModel) -> None:
+    def show(self, step: PilotStep, sequence: int, rate: float | None, pilot: Pilot) -> None:
         """Show a step of the follower's loop.
 
         Parameters
@@ -48,7 +43,8 @@ class FollowerStream:
             Its number on the page.
         rate : float or None
             Pictures per second.
-        camera : CameraModel
+        pilot : Pilot
+            Whose camera and ball.
         """
         frame: Frame | None = step.frame or self.seen.frame
         height, width = (0, 0) if frame is None else frame.image.shape[:2]
@@ -59,13 +55,13 @@ class FollowerStream:
             time=time.monotonic() - age,
             width=width,
             height=height,
-            targets=[self._ball(step)],
+            targets=[self._ball(step, pilot)],
             camera_fps=rate,
             fps=rate,
             age=age,
             fault="" if step.frame is not None else "no picture comes",
         )
-        self.seen = Seen(frame, state, {1: step.pose}, camera)
+        self.seen = Seen(frame, state, {1: step.pose}, pilot.camera.model)
 
     def fail(self, words: str, sequence: int) -> None:
         """Show the last picture, and in words what is wrong."""
@@ -73,7 +69,7 @@ class FollowerStream:
         state = State(sequence, old.index, old.time, old.width, old.height, fault=words)
         self.seen = Seen(self.seen.frame, state)
 
-    def _ball(self, step: PilotStep) -> TargetState:
+    def _ball(self, step: PilotStep, pilot: Pilot) -> TargetState:
         """Return what is known of the neighbor's ball."""
         name = f"ball of vehicle {self.number + 2}"
         if isinstance(step.ball, Lost):
@@ -81,29 +77,17 @@ class FollowerStream:
                 self._found_time = step.now
             return TargetState(1, name, False, reason=step.ball.reason, lost_for=step.now - self._found_time)
         self._found_time = step.now
+        radius = pilot.parameters.target.radius
+        axes = axes_of(step.pose, pilot.camera.model, radius) if isinstance(step.pose, Pose) else None
         return TargetState(
             1,
             name,
             True,
             values=step.ball.measured(),
-            outline=_flat(outline(step.ball.shape, OUTLINE_POINTS)),
-            match_set=_flat(step.ball.match_set),
+            outline=flat(outline(step.ball.shape, OUTLINE_POINTS)),
+            match_set=flat(step.ball.match_set),
             support=float(step.ball.support),
-            position=_position(step.pose) if isinstance(step.pose, Pose) else {},
+            position=dict(position_of(step.pose)) if isinstance(step.pose, Pose) else {},
+            markers=[flat(outline(marker.shape, MARKER_POINTS)) for marker in step.markers],
+            axes=[] if axes is None else flat(axes),
         )
-
-
-def _position(pose: Pose) -> dict[str, tuple[float, float | None]]:
-    sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
-    along = pose.position / pose.distance
-    spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))
-    placed: dict[str, tuple[float, float | None]] = dict(
-        zip("xyz", zip(pose.position.tolist(), sigmas, strict=True), strict=True)
-    )
-    return {**placed, "distance": (pose.distance, spread)}
-
-
-def _flat(points: Any) -> list[float]:
-    """Write points as numbers one after the other, px."""
-    rounded: list[float] = np.round(points, TENTH).ravel().tolist()
-    return rounded

@@ -72,16 +72,21 @@ class Placing:
         shapes = tuple(marker.shape for marker in markers)
         if isinstance(pose, Lost):
             return Place(pose, markers=shapes)
-        return Place(pose, position_of(pose), shapes, self._axes(pose))
+        return Place(pose, position_of(pose), shapes, axes_of(pose, self._camera, self._radius))
 
-    def _axes(self, pose: Pose) -> npt.NDArray[np.float64] | None:
-        if pose.rotation_matrix is None:
-            return None
-        points = np.vstack((pose.position, pose.position + LENGTH * self._radius * pose.rotation_matrix.T))
-        try:
-            return self._camera.project(points)
-        except ValueError:  # outside the region in which the lens model is defined
-            return None
+
+def axes_of(pose: Pose, camera: CameraModel, radius: float) -> npt.NDArray[np.float64] | None:
+    """Return the center of a ball of this radius, m, and the tips of its axes in the picture, (4, 2), px.
+
+    None where no rotation is observed, or the lens model does not reach.
+    """
+    if pose.rotation_matrix is None:
+        return None
+    points = np.vstack((pose.position, pose.position + LENGTH * radius * pose.rotation_matrix.T))
+    try:
+        return camera.project(points)
+    except ValueError:  # outside the region in which the lens model is defined
+        return None
 
 
 def position_of(pose: Pose) -> Measured:

@@ -37,6 +37,10 @@ def test_a_board_calibrates_the_camera(serve: Any, page: Any, board_pictures: An
         page.goto(serve(camera.url))
         wait_until(page, "picture.width === 320")
         page.get_by_text("calibrate now, with a board").click()
+        with page.expect_download() as loading:
+            page.get_by_role("link", name="Letter").click()
+        assert Path(loading.value.path()).read_bytes().startswith(b"%PDF")
+        assert page.get_by_label("side of a square").input_value() == "24.5 mm"
         page.get_by_label("inner corners across").fill("nine")
         page.get_by_role("button", name="start").click()
         page.get_by_text("is no number of corners").wait_for()

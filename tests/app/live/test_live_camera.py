@@ -202,6 +202,16 @@ def test_pictures_of_another_size_end_it(pictures: list[Any]) -> None:
         assert "another size" in calibration.state.words
 
 
+def test_boards_to_print_are_offered(panel: tuple[CameraPanel, Source, list[str]], client: AsgiClient) -> None:
+    sheets = panel[0].state().sheets
+    assert [(sheet.paper, sheet.columns, sheet.rows) for sheet in sheets] == [("a4", 9, 6), ("letter", 9, 6)]
+    for sheet in sheets:
+        answer = client.get(f"/download/{sheet.name}")
+        assert answer.content.startswith(b"%PDF")
+        assert 0.02 < sheet.square <= 0.025
+    assert client.get("/download/camera.toml").status_code == 404
+
+
 def ball(number: int, distance: float, radius: float, x: float = 160.0) -> TargetState:
     """What pages are told of a ball on the axis, in the middle of the picture."""
     angle = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)

@@ -19,6 +19,7 @@ from matchset.app.live.camera.messages import (
     EndBoard,
     UseCamera,
 )
+from matchset.app.live.camera.printed_boards import PrintedBoard, PrintedBoards
 from matchset.app.live.camera.shown import Shown
 from matchset.app.live.feed import Panel
 from matchset.camera.board import Board
@@ -48,6 +49,8 @@ class CameraState(msgspec.Struct, frozen=True, omit_defaults=True):
         A calibration with a board.
     ball : str
         What to do for the ball at a known distance.
+    sheets : list of PrintedBoard
+        Boards to print.
     """
 
     words: str = ""
@@ -55,6 +58,7 @@ class CameraState(msgspec.Struct, frozen=True, omit_defaults=True):
     files: list[FileEntry] = []
     board: BoardState | None = None
     ball: str = ""
+    sheets: list[PrintedBoard] = []
 
 
 class CameraPanel(Panel, Closing):
@@ -77,6 +81,7 @@ class CameraPanel(Panel, Closing):
         self._shown, self._note, self._folder = shown, note, folder or Path()
         self._files: dict[str, CameraFile] = {}
         self._numbers = 0
+        self._printed = PrintedBoards()
         self._board: BoardCalibration | None = None
         self._ball: BallDistance | None = None
         self.look()
@@ -131,17 +136,19 @@ class CameraPanel(Panel, Closing):
             files=[FileEntry(key, _shown(file.path), describe(file.camera)) for key, file in self._files.items()],
             board=None if self._board is None else self._board.state,
             ball=ball,
+            sheets=self._printed.sheets,
         )
 
     def downloads(self) -> dict[str, Path]:
-        """Return the pictures and files of the calibration."""
-        return {} if self._board is None else self._board.downloads()
+        """Return the boards to print, and the pictures and files of the calibration."""
+        return self._printed.downloads() | ({} if self._board is None else self._board.downloads())
 
     def close(self) -> None:
         """End what runs."""
         for running in (self._board, self._ball):
             if running is not None:
                 running.close()
+        self._printed.close()
 
     def _begin_board(self, wish: CalibrateBoard) -> None:
         board = Board(

@@ -20,6 +20,7 @@ export class CameraPanel {
     this.words.textContent = state.words || "Not known yet: positions in meters need it.";
     const angle = document.getElementById("fov");
     if (angle && state.fov && document.activeElement !== angle) angle.value = state.fov.toFixed(1);
+    this.updateSheets(state.sheets || []);
     this.updateFiles(state.files || []);
     this.updateBoard(state.board);
     this.ballWords.textContent = state.ball || "";
@@ -83,7 +84,9 @@ export class CameraPanel {
     const start = element("button", "", "start");
     const error = element("output", "");
     this.boardForm.append(corners, side, start, error);
-    this.boardForm.append(element("p", "soft", "10 × 7 squares have 9 × 6 inner corners. A board to print: matchset calibrate --board 9x6 --square 0.025 --board-picture board.pdf"));
+    this.sheets = element("p", "soft", "10 × 7 squares have 9 × 6 inner corners. To print, at 100 %: ");
+    this.boardForm.append(this.sheets);
+    this.boardFields = { columns, rows, square };
     this.boardForm.addEventListener("submit", (event) => {
       event.preventDefault();
       error.textContent = "";
@@ -98,6 +101,21 @@ export class CameraPanel {
     this.makeBoardState();
     part.append(this.boardForm, this.boardState);
     return part;
+  }
+
+  // A click on a sheet loads it, and fills in what it shows.
+  updateSheets(sheets) {
+    if (this.sheets.childElementCount === sheets.length) return;
+    for (const sheet of sheets) {
+      const link = element("a", "", `${sheet.paper === "a4" ? "A4" : "Letter"}, squares of ${1000 * sheet.square} mm`);
+      link.href = `download/${sheet.name}`;
+      link.setAttribute("download", sheet.name);
+      link.addEventListener("click", () => {
+        const { columns, rows, square } = this.boardFields;
+        [columns.value, rows.value, square.value] = [sheet.columns, sheet.rows, `${1000 * sheet.square} mm`];
+      });
+      this.sheets.append(link, " ");
+    }
   }
 
   makeBoardState() {

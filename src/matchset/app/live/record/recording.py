@@ -178,7 +178,9 @@ class Recording(Closing):
         self.result = FinishedRecording(self.folder.name, self._files(), self._frames, dropped, self._problem)
 
     def _files(self) -> list[RecordedFile]:
-        paths = sorted(path for path in self.folder.rglob("*") if path.is_file())
+        """All files, tables first."""
+        found = (path for path in self.folder.rglob("*") if path.is_file())
+        paths = sorted(found, key=lambda path: (path.suffix != ".csv", path))
         return [RecordedFile(path.relative_to(self.folder).as_posix(), path.stat().st_size) for path in paths]
 
 

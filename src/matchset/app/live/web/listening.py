@@ -3,7 +3,7 @@
 import io
 import socket
 
-SEND_BUFFER = 65536  # format: bytes that the system keeps of what a slow program has not read
+SEND_BUFFER = 65536  # format: bytes that the system keeps of what a slow program has not read: decision 095
 PORTS = 20  # format: ports that are tried, one after the other
 LAST_PORT = 65535  # format: of TCP
 WHITE_ON_BLACK, PLAIN = "\033[97;40m", "\033[0m"  # format: ANSI; phones read no code that is light on dark

@@ -4,7 +4,7 @@ import { palette, Surface, ticks } from "./canvas.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
 const BAND = 2; // standard deviations
-const GAP = 0.3; // s without a sample, after which the line begins anew
+const GAP = 1.5; // s without a sample, after which the line begins anew
 
 export class Curve {
   constructor(canvas) {

@@ -10,7 +10,7 @@ import pytest
 from matchset.app.live.feed import Feed
 from matchset.app.live.sources.cameras import CAPABILITIES, find_cameras
 from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
-from matchset.app.live.sources.found_sources import MenuParameters, Source, find_sources
+from matchset.app.live.sources.found_sources import MenuParameters, Source, find_sources, given_source
 from matchset.app.live.sources.messages import LookAgain, Show
 from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.live.sources.panel import SourcesPanel
@@ -72,6 +72,13 @@ def test_the_videos_of_the_folder_are_the_newest_and_a_bounded_number(tmp_path: 
     assert "2 older videos" in found.words
     assert "no camera" in found.words
     assert {each.kind for each in found.entries} == {"file", "demo", "flight"}
+
+
+def test_a_source_of_the_command_line_has_a_name_without_a_password() -> None:
+    assert given_source("0").name == "camera 0"
+    assert given_source("rtsp://me:secret@10.0.0.7/1").name == "rtsp://10.0.0.7/1"
+    assert given_source("ball.mp4").name == "ball.mp4"
+    assert given_source("rtsp://me:secret@10.0.0.7/1").origin == "rtsp://me:secret@10.0.0.7/1"
 
 
 def test_an_empty_or_missing_folder_is_said(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from matchset.app.live.known_messages import READER
 from matchset.app.live.record.panel import RecordPanel
 from matchset.app.live.record.recorder import Recorder
 from matchset.app.live.session import Session
-from matchset.app.live.sources.found_sources import Source
+from matchset.app.live.sources.found_sources import Source, given_source
 from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.live.sources.panel import SourcesPanel
 from matchset.app.live.sources.stage import Stage
@@ -93,7 +93,7 @@ def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
         return open_feed(source, Opening(news, session.note, stage.stopped.is_set))
 
     stage = Stage(Path(), make, show, lambda: session.busy)
-    given = None if options.source is None else Source("given", options.source, options.source)
+    given = None if options.source is None else given_source(options.source)
     session.add(SourcesPanel(stage, given))
     stage.look()
     if given is not None:

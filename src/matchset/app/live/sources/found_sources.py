@@ -1,6 +1,7 @@
 """What can be chosen in the menu: `Source`, `find_sources`."""
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Literal
@@ -90,6 +91,12 @@ def find_sources(folder: Path, parameters: MenuParameters | None = None, devices
         Source("flight", CHAIN, "simulated chain", "followers that fly behind each other, in a simulated room"),
     ]
     return Sources(entries, "; ".join(missing))
+
+
+def given_source(origin: str) -> Source:
+    """Return the source that a command line names; a password in an address is not told to pages."""
+    name = f"camera {int(origin)}" if re.fullmatch(r"[0-9]+", origin) else re.sub(r"://[^/]*@", "://", origin)
+    return Source("given", origin, _shown(name))
 
 
 def _videos(folder: Path, parameters: MenuParameters) -> tuple[list[Source], int]:

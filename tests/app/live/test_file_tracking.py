@@ -234,6 +234,12 @@ def test_a_long_course_has_the_least_and_the_largest_of_each_column(feed: FileFe
             assert course.high[0][column] == pytest.approx(np.nanmax(of), abs=0.5)
 
 
+def test_a_camera_of_another_size_is_refused(feed: FileFeed) -> None:
+    with pytest.raises(ValueError, match="640"):
+        feed.use(ms.CameraModel.from_fov(640, 480, 1.0))
+    assert feed.camera is None
+
+
 def test_a_click_on_nothing_is_given_up_and_said(feed: FileFeed, notes: list[str]) -> None:
     feed.ask(Pick(go(feed, 0), 300.0, 10.0))
     wait(lambda: notes and not feed.tracking.targets)

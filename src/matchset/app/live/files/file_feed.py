@@ -103,7 +103,15 @@ class FileFeed(Feed):
         return self.tracking.camera
 
     def use(self, camera: CameraModel | None) -> None:
-        """Use another camera model, for what was found and what will be; None: it is not known."""
+        """Use another camera model, for what was found and what will be; None: it is not known.
+
+        Raises
+        ------
+        ValueError
+            If it is that of pictures of another size.
+        """
+        if camera is not None:
+            camera.check(self._size)
         self.tracking.use(camera)
 
     def mask(self, target: int, sequence: int) -> npt.NDArray[np.uint8]:

@@ -1,30 +1,147 @@
-"""Where things are on the live page."""
+"""The live page in a browser: where things are on it, and what its server tells it."""
 
+import json
+import subprocess
+import sys
 import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+import msgspec
+
+from matchset.app.live.wire.packet import unpack
+from matchset.app.live.wire.state import State
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
+
+WAIT = 30_000  # ms
 
 
 def on_screen(page: Any, x: float, y: float) -> tuple[float, float]:
     """Where a point of the picture is on the screen, CSS px."""
     box = page.locator("#view").bounding_box()
-    width, height = page.evaluate("[picture.width, picture.height]")
+    # The size of the camera's picture; that of the canvas is half of it on a slow link or a busy machine.
+    width, height = page.evaluate("[drawing.viewBox.baseVal.width, drawing.viewBox.baseVal.height]")
     return box["x"] + (x + 0.5) / width * box["width"], box["y"] + (y + 0.5) / height * box["height"]
 
 
-def wait_until(page: Any, condition: str, seconds: float = 20.0) -> None:
-    """Wait for a condition in JavaScript; asked from outside, since the page evaluates no text by itself."""
+def state_of(page: Any) -> dict[str, Any]:
+    """What the server says of the newest picture of the first stream."""
+    stream: dict[str, Any] = page.evaluate("fetch('state.json').then((answer) => answer.json())")["streams"][0]
+    return stream
+
+
+def wait_for_picture(page: Any) -> None:
+    """Wait until a picture is on the page."""
+    wait_until(page, "drawing.viewBox.baseVal.width > 0")
+
+
+def hold(heard: "Heard") -> None:
+    """Press pause, and wait for the picture that stays."""
+    page = heard.page
+    wait_for_picture(page)
+    button = page.locator("#file .play")
+    button.wait_for(timeout=WAIT)
+    if "pause" in button.get_attribute("aria-label"):
+        button.click()
+    wait_until(page, lambda: "play" in button.get_attribute("aria-label"))
+    wait_until(page, lambda: heard.painted is not None and heard.painted.sequence == state_of(page)["sequence"])
+
+
+def click_ball(heard: "Heard", truth: BallFlightClip) -> None:
+    """Stop the video and click the ball."""
+    hold(heard)
+    assert heard.painted is not None
+    rows = heard.page.locator("#targets li")
+    followed = rows.count()
+    (pixel,) = truth.camera.project(truth.place(heard.painted.time)[None])
+    heard.page.mouse.click(*on_screen(heard.page, *pixel))
+    wait_until(heard.page, lambda: bool(rows.count() > followed))
+
+
+class Servers:
+    """Starts `matchset live` with arguments and returns its address; `close` ends all that it started.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they run.
+
+    Attributes
+    ----------
+    processes : list of Popen
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.processes: list[subprocess.Popen[str]] = []
+
+    def __call__(self, *arguments: str, folder: Path | None = None) -> str:
+        command = [sys.executable, "-m", "matchset.app.cli", "live", *arguments, "--no-browser"]
+        command += [] if "--port" in arguments else ["--port", "0"]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=folder or self._folder)
+        self.processes.append(process)
+        assert process.stdout is not None
+        line = process.stdout.readline().strip()
+        assert line.startswith("http"), line
+        return line
+
+    def close(self) -> None:
+        for process in self.processes:
+            process.terminate()
+        for process in self.processes:
+            process.wait(10)
+            assert process.stdout is not None
+            process.stdout.close()
+
+
+class Heard:
+    """Listens to what server and page say to each other: made before the page goes anywhere.
+
+    Attributes
+    ----------
+    page : Page
+    states : list of State
+        Those of the pictures, in the order in which they came.
+    painted : State or None
+        That of the picture on the screen, the last one that the page acknowledged.
+    """
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.states: list[State] = []
+        self.painted: State | None = None
+        self._read = msgspec.json.Decoder(State).decode
+        page.on("websocket", self._listen)
+
+    def _listen(self, socket: Any) -> None:
+        socket.on("framereceived", self._take)
+        socket.on("framesent", self._note)
+
+    def _take(self, data: bytes | str) -> None:
+        if isinstance(data, bytes):
+            packet = unpack(data)
+            if not packet.session:
+                self.states.append(self._read(packet.state))
+
+    def _note(self, data: bytes | str) -> None:
+        message = json.loads(data)
+        if message["type"] == "ack":
+            self.painted = next((each for each in self.states[:-9:-1] if each.sequence == message["sequence"]), None)
+
+
+def wait_until(page: Any, condition: str | Callable[[], bool], seconds: float = WAIT / 1000.0) -> None:
+    """Wait for a condition, JavaScript or a function; asked from outside: the page itself evaluates no text."""
+    holds = condition if callable(condition) else lambda: bool(page.evaluate(condition))
     end = time.monotonic() + seconds
-    while not page.evaluate(condition):
-        assert time.monotonic() < end, f"not within {seconds} s: {condition}"
-        page.wait_for_timeout(50)
+    while not holds():
+        assert time.monotonic() < end, (
+            f"not within {seconds:g} s: {condition}; the page reads {page.inner_text('body')!r}"
+        )
+        page.wait_for_timeout(30)
 
 
 def rows(page: Any) -> list[str]:
     """Names in the list of targets."""
     names: list[str] = page.locator("#targets .name").all_inner_texts()
     return [name.strip() for name in names]
-
-
-def state_of(page: Any) -> Any:
-    """What the server says of the first stream now."""
-    return page.evaluate("fetch('state.json').then((answer) => answer.json())")["streams"][0]

@@ -101,7 +101,8 @@ setInterval(() => {
   const veil = find("veil");
   const fault = newest && newest.state.fault;
   const age = performance.now() - painted;
-  const words = fault || (painted && newest.state.live !== false && age > OLD ? `no new picture for ${(age / 1000).toFixed(1)} s` : "");
+  const gone = find("link").dataset.state === "bad" && painted;
+  const words = gone ? "no connection: this picture is old" : fault || (painted && newest.state.live !== false && age > OLD ? `no new picture for ${(age / 1000).toFixed(1)} s` : "");
   veil.hidden = !words;
   veil.textContent = words;
 }, 100);

@@ -122,6 +122,21 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
     assert download.value.path().stat().st_size > 10_000
 
 
+def test_a_thumb_scrubs_on_a_phone(serve: Any, new_page: Any, clip: Clip) -> None:
+    page = new_page(viewport={"width": 390, "height": 844}, has_touch=True)
+    page.goto(serve(str(clip[0])))
+    page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
+    line = page.locator("#file .timeline")
+    line.scroll_into_view_if_needed()
+    box = line.bounding_box()
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= 390
+    page.touchscreen.tap(box["x"] + 0.25 * box["width"], box["y"] + 0.5 * box["height"])
+    wait_until(page, "Math.abs(document.querySelector('#file .timeline').getAttribute('aria-valuenow') - 300) < 8")
+    page.locator("#file button.forward").tap()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
 def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
     serve: Any, page: Any, leaving_clip: Clip, tmp_path: Path
 ) -> None:

@@ -1,5 +1,6 @@
 """Any order of reading gives the frames of a plain reading, whatever the file."""
 
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,15 @@ def broken_avi(path: Path) -> Path:
     return path
 
 
+def upright(path: Path) -> Path:
+    """An MP4 that says it is turned by a quarter, as those of a phone do, in the matrix of its track header."""
+    data = bytearray(path.read_bytes())
+    at = data.find(b"tkhd") + 4 + 40
+    data[at : at + 20] = struct.pack(">5i", 0, 1 << 16, 0, -1 << 16, 0)
+    path.write_bytes(data)
+    return path
+
+
 def pictures(folder: Path) -> Path:
     """Write a folder of pictures."""
     folder.mkdir()
@@ -70,6 +80,7 @@ KINDS: dict[str, Any] = {
     "avi": lambda folder: write(folder / "h.avi", "mpeg4", CONSTANT, options={"g": "12"}),
     "av1": lambda folder: write(folder / "i.mp4", "libsvtav1", CONSTANT),
     "gray": lambda folder: write(folder / "j.mkv", "ffv1", CONSTANT, pixels="gray"),
+    "upright": lambda folder: upright(write(folder / "m.mp4", "libx264", CONSTANT, options=SHORT)),
     "broken": lambda folder: broken_avi(folder / "k.avi"),
     "pictures": lambda folder: pictures(folder / "l"),
 }

@@ -1,0 +1,102 @@
+"""The curves of the page: what is kept of 500 samples a second, what is drawn, and that drawing costs little."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from live_pages import on_screen, wait_until
+from mjpeg_server import MjpegServer
+
+WAIT = 20_000  # ms
+DRAWING = 8.0  # ms, half of a frame at 60 frames/s; taken in 0.3 ms on an idle machine
+
+KEPT = """import('/samples.js').then(({ Samples }) => {
+  const samples = new Samples();
+  for (let i = 0; i < 60 * 500; i++) {
+    const time = i / 500;
+    samples.add(time, time >= 45 && time < 46 ? NaN : time, 0.5);
+  }
+  const rows = [];
+  samples.each((ago, low, high, sigma, lost) => rows.push([ago, low, high, sigma, lost]));
+  return rows;
+})"""
+
+COST = """import('/curves.js').then(async ({ Curves }) => {
+  const curves = new Curves(document.getElementById('curves'));
+  for (const canvas of document.querySelectorAll('#curves canvas')) canvas.hidden = false;
+  await new Promise((laidOut) => requestAnimationFrame(() => requestAnimationFrame(laidOut)));
+  const costs = [];
+  for (let i = 0; i < 30 * 500; i++) {
+    const found = i % 5000 < 4500;
+    const number = [Math.sin(i / 900), 0.01];
+    const position = found ? { x: number, y: number, z: [2, 0.01], distance: [2, 0.01] } : undefined;
+    curves.note([{ id: 1, found, values: {}, position }], i / 500);
+    if (i % 150 === 0) {
+      const begin = performance.now();
+      curves.draw(1);
+      costs.push(performance.now() - begin);
+    }
+  }
+  costs.sort((a, b) => a - b);
+  return costs[costs.length / 2];
+})"""
+
+INK = """(id) => {
+  const canvas = document.getElementById(id);
+  const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  let count = 0;
+  for (let i = 3; i < data.length; i += 4) count += data[i] > 0;
+  return count;
+}"""
+
+
+def scene(number: int) -> npt.NDArray[np.uint8]:
+    """A blue ball that sways."""
+    image = np.full((240, 320, 3), 90, np.uint8)
+    middle = round(160 + 20 * math.sin(number / 15)), 120
+    cv2.circle(image, middle, 40, (210, 90, 30), cv2.FILLED, cv2.LINE_AA)
+    return image
+
+
+@pytest.fixture
+def opened(serve: Any, page: Any) -> Iterator[Any]:
+    """A page that shows the ball of a camera."""
+    with MjpegServer(scene) as camera:
+        page.goto(serve(camera.url))
+        wait_until(page, "picture.width === 320")
+        yield page
+
+
+def test_thirty_seconds_are_kept_with_their_extremes_and_what_was_lost(opened: Any) -> None:
+    rows = opened.evaluate(KEPT)
+    assert 595 <= len(rows) <= 602
+    assert rows[0][0] == pytest.approx(30.0, abs=0.1)
+    assert rows[-1][0] == pytest.approx(0.0, abs=0.05)
+    for ago, low, high, sigma, lost in rows:
+        if lost:
+            assert 13.9 < ago < 15.1
+            continue
+        assert 0.0 <= high - low <= 0.05
+        assert sigma == 0.5
+    assert 19 <= sum(row[4] for row in rows) <= 21
+
+
+def test_drawing_thirty_seconds_leaves_room_for_sixty_frames(opened: Any) -> None:
+    assert opened.evaluate(COST) < DRAWING
+
+
+def test_curves_and_the_view_from_above_are_drawn(opened: Any) -> None:
+    opened.mouse.click(*on_screen(opened, 160, 120))
+    opened.locator("#curve-0").wait_for(state="visible", timeout=WAIT)
+    assert opened.locator("#above").is_hidden()
+    opened.fill("#fov", "60")
+    opened.locator("#fov").press("Enter")
+    opened.fill(".diameter", "28 cm")
+    opened.locator(".diameter").press("Enter")
+    opened.locator("#above").wait_for(state="visible", timeout=WAIT)
+    wait_until(opened, f"['curve-0', 'curve-1', 'curve-2', 'above'].every((id) => ({INK})(id) > 300)")

@@ -145,3 +145,9 @@ def rows(page: Any) -> list[str]:
     """Names in the list of targets."""
     names: list[str] = page.locator("#targets .name").all_inner_texts()
     return [name.strip() for name in names]
+
+
+def wait_until_compiled(page: Any) -> None:
+    """Wait until a click is answered at once: on a busy machine the compiler may not be done yet."""
+    done = "fetch('state.json').then((answer) => answer.json()).then((all) => all.session.panels.compiling.done)"
+    wait_until(page, done, 120.0)

@@ -12,7 +12,7 @@ import pytest
 
 import matchset as ms
 from boards import BoardCamera, poses
-from live_pages import on_screen, wait_until
+from live_pages import on_screen, wait_until, wait_until_compiled
 from matchset.camera.board import Board
 from mjpeg_server import MjpegServer
 
@@ -92,6 +92,7 @@ def test_a_ball_at_a_known_distance_tells_the_focal_length(serve: Any, page: Any
         distance.fill("1 m")
         page.keyboard.press("Enter")
         page.get_by_text("click the ball first").wait_for(timeout=WAIT)
+        wait_until_compiled(page)
         page.mouse.click(*on_screen(page, 160, 120))
         page.fill(".diameter", "28 cm", timeout=WAIT)
         page.keyboard.press("Enter")

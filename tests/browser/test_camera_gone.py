@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from live_pages import on_screen, wait_until
+from live_pages import on_screen, wait_until, wait_until_compiled
 from mjpeg_server import MjpegServer
 
 WAIT = 20_000  # ms
@@ -24,6 +24,7 @@ def test_a_camera_goes_and_comes_back(serve: Any, page: Any) -> None:
     with MjpegServer(picture) as camera:
         page.goto(serve(camera.url))
         wait_until(page, "picture.width === 320")
+        wait_until_compiled(page)
         page.mouse.click(*on_screen(page, 165, 120))
         page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)
         camera.stop()

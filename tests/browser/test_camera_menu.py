@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from live_pages import on_screen, wait_until
+from live_pages import on_screen, wait_until, wait_until_compiled
 from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
 from matchset.camera.camera_model import CameraModel
 
@@ -28,6 +28,7 @@ def test_demo_clip_click_and_diameter_give_meters(serve: Any, page: Any, kept_de
     page.goto(serve())
     page.get_by_role("button", name="demo clip").click(timeout=WAIT)
     wait_until(page, "picture.width === 640")
+    wait_until_compiled(page)
     camera = CameraModel.from_fov(640, 480, SHORT.fov)
     shown = page.evaluate("fetch('state.json').then((answer) => answer.json())")["streams"][0]["time"]
     (pixel,) = camera.project(place(shown)[None])

@@ -7,6 +7,7 @@ beginning.
 """
 
 import math
+import sys
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from typing import Protocol
@@ -32,7 +33,8 @@ class ReaderParameters(msgspec.Struct, frozen=True, kw_only=True):
         How many frames before the wanted one a jump goes, one after the other until one is exact. The last ones
         serve files whose stated rate is wrong. Chosen by hand.
     failures : int
-        Frames to which no jump led, after which none is tried any more: such a file is read from its beginning.
+        Frames to which no jump led, after which none is tried any more unless more jumps led somewhere: such a file is
+        read from its beginning.
     kept_mb : float
         Memory for the pictures shown last, MB. More: more steps back without decoding; 200 are 32 of 1080p.
     ahead_mb : float
@@ -174,8 +176,8 @@ class ExactReader(Closing):
 
     Attributes
     ----------
-    failed : int
-        Frames to which no jump led.
+    jumped, failed : int
+        Frames to which a jump led, and to which none did.
     """
 
     def __init__(
@@ -184,7 +186,7 @@ class ExactReader(Closing):
         self._open, self._frames, self._parameters = open_source, frames, parameters
         self._way: Way | None = None
         self._capture: Capture | None = None
-        self.failed = 0
+        self.jumped = self.failed = 0
 
     def frame(self, place: int) -> Frame:
         """Return the frame at a place.
@@ -194,12 +196,14 @@ class ExactReader(Closing):
         ValueError
             If the file is not the one any more that was read before.
         """
+        before = self._way
         for way in self._ways(place):
             try:
                 frame = way.take(place)
             except AstrayError:
                 way.close()
                 continue
+            self.jumped += isinstance(way, FromJump) and way is not before
             self._way = way
             return frame
         raise ValueError(f"frame {self._frames[place].index} is not what it was before: was the file changed?")
@@ -235,7 +239,7 @@ class ExactReader(Closing):
         if way is not None:
             way.close()
             self._way = None
-        if place > self._parameters.near and self.failed < self._parameters.failures:
+        if place > self._parameters.near and self.failed < max(self._parameters.failures, self.jumped):
             for before in self._parameters.before:
                 jumped = self._jump(max(place - before, 0))
                 if jumped is not None:
@@ -261,7 +265,7 @@ class ExactReader(Closing):
             with self._open() as video:
                 recording = video.recording
             if recording is None:
-                self.failed = self._parameters.failures
+                self.failed = sys.maxsize
                 return None
             self._capture = recording.opener(str(recording.path))
         return self._capture

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,10 +13,11 @@ import numpy as np
 import pytest
 
 import matchset as ms
+from matchset.app.live.files.exports import _Painter
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.file_target import FOUND, LOST, UNKNOWN
 from matchset.app.live.files.frame_list import StampedVideo
-from matchset.app.live.files.messages import Correct, Export, Seek
+from matchset.app.live.files.messages import Correct, Export, Seek, StopExport
 from matchset.app.live.files.panel import FileState, columns, run_lengths
 from matchset.app.live.files.series import Series, SeriesParameters
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Pick
@@ -290,6 +292,28 @@ def test_the_annotated_video_has_every_frame(feed: FileFeed) -> None:
     with ms.Video(film) as video:
         assert len(list(video)) == FRAMES
         assert video.height > HEIGHT
+
+
+def test_a_film_that_is_stopped_leaves_nothing(feed: FileFeed, monkeypatch: pytest.MonkeyPatch) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    tracked(feed)
+    begun = threading.Event()
+    paint = _Painter.paint
+
+    def slowly(painter: _Painter, place: int, frame: ms.Frame) -> Any:
+        begun.set()
+        time.sleep(0.05)
+        return paint(painter, place, frame)
+
+    monkeypatch.setattr(_Painter, "paint", slowly)
+    feed.panel.take(Export(1, "film"), "")
+    assert begun.wait(20.0)
+    working = told(feed).working
+    assert working is not None
+    feed.panel.take(StopExport(), "")
+    wait(lambda: feed.exports.working is None)
+    assert feed.panel.downloads() == {}
+    assert [path.name for path in Path("runs").glob("*/*")] == []
 
 
 def test_nothing_to_write_is_said(feed: FileFeed) -> None:

@@ -1,5 +1,7 @@
 // What is drawn over the picture, as SVG in pixels of the picture: sharp at any zoom.
 
+import { palette } from "./canvas.js";
+
 const SVG = "http://www.w3.org/2000/svg";
 const AXES = ["#ff6b6b", "#69db7c", "#74a9ff"]; // x, y, z, as everywhere in matchset
 const NAMES = ["x", "y", "z"];
@@ -81,7 +83,10 @@ function axes(points) {
 
 function made(kind, attributes) {
   const element = document.createElementNS(SVG, kind);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, name === "stroke-width" ? value * pen() : value);
   element.setAttribute("vector-effect", "non-scaling-stroke");
   return element;
 }
+
+// Lines are as much wider as words are larger: on a screen of 4K.
+const pen = () => palette.text / 12.8;

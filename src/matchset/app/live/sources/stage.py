@@ -87,7 +87,7 @@ class Stage(Closing):
                 self._clear()  # one device cannot be opened twice
             self._change_to(self._make(source), source)
         except (ValueError, LinkError, OSError) as error:
-            self.fault = f"{source.name}: {error}"
+            self.fault = str(error) if source.name in str(error) else f"{source.name}: {error}"
         except Exception as error:
             self.fault = f"{source.name}: {type(error).__name__}: {error}"
             raise

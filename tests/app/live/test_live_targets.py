@@ -15,7 +15,7 @@ from matchset.app.live.targets.drawn_outline import circle_along, shape_along
 from matchset.app.live.targets.followed import Followed, FollowedParameters
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
-from matchset.app.live.vision.kept_frames import KeptFrames
+from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
 from matchset.image.frame import Frame
 from matchset.shapes.rectangle import Rectangle
@@ -140,3 +140,12 @@ def test_a_diameter_a_view_and_an_outline_give_meters() -> None:
     loop.step()
     assert loop.states[0].found
     loop.followed.close()
+
+
+def test_pictures_are_kept_within_a_memory() -> None:
+    kept = KeptFrames(KeepingParameters(frames=50, memory=10 * 300))
+    for number in range(40):
+        kept.add(number, Frame(np.zeros((10, 10, 3), np.uint8), number / 30.0, number))
+    assert [frame.index for frame in kept.since(30)] == list(range(30, 40))
+    with pytest.raises(ValueError, match="not kept"):
+        kept.since(29)

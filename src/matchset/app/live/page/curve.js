@@ -17,7 +17,7 @@ export class Curve {
     const { surface } = this;
     const context = surface.begin();
     const { width, height, ratio, text } = surface;
-    const frame = { left: 4.2 * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
+    const frame = { left: 4.9 * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
     if (frame.right - frame.left < 10 || frame.bottom - frame.top < 10) return;
     context.fillStyle = palette.ink;
     context.fillText(`${name}, ${unit || "1"}`, 0, text);

@@ -15,9 +15,13 @@ class KeepingParameters(msgspec.Struct, frozen=True, kw_only=True):
     frames : int
         Number of pictures. More: clicks on older pictures of a slower link still count, and more memory. Chosen by
         hand: 2 s at 30 frames/s, longer than a person needs from seeing to clicking on what moves.
+    memory : int
+        Bytes that they may have together; two pictures are kept in any case. More: the same for larger pictures.
+        Chosen by hand: 60 pictures of 1280 x 720 px, and what a small computer can spare.
     """
 
     frames: int = 60
+    memory: int = 180_000_000
 
     def __post_init__(self) -> None:
         if self.frames < 1:
@@ -33,11 +37,14 @@ class KeptFrames:
     """
 
     def __init__(self, parameters: KeepingParameters | None = None) -> None:
-        self._frames: deque[tuple[int, Frame]] = deque(maxlen=(parameters or KeepingParameters()).frames)
+        self._parameters = parameters or KeepingParameters()
+        self._frames: deque[tuple[int, Frame]] = deque(maxlen=self._parameters.frames)
 
     def add(self, sequence: int, frame: Frame) -> None:
         """Keep a picture; the oldest goes."""
         self._frames.append((sequence, frame))
+        while len(self._frames) > 2 and len(self._frames) * frame.image.nbytes > self._parameters.memory:
+            self._frames.popleft()
 
     def clear(self) -> None:
         """Forget all pictures."""

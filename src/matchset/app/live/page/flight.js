@@ -19,6 +19,7 @@ export class FlightPanel {
     this.state = {};
     this.me = "";
     this.painted = 0;
+    this.asked = -Infinity; // when this page asked to take off
     this.banner = element("p", "flight-banner");
     this.banner.setAttribute("role", "status");
     this.views = element("div", "follower-pictures");
@@ -80,8 +81,9 @@ export class FlightPanel {
   }
 
   beat() {
-    const inFlight = this.state.duty === "flying" || this.state.duty === "holding";
-    if (this.shown && this.commands && inFlight && !document.hidden) this.send({ type: "alive", sequence: this.painted });
+    const commands = this.commands && (this.state.duty === "flying" || this.state.duty === "holding");
+    const asked = performance.now() - this.asked < HOLD; // the answer may be on its way
+    if (this.shown && (commands || asked) && !document.hidden) this.send({ type: "alive", sequence: this.painted });
   }
 
   // By two ways at once: the socket may be the one that does not get through.
@@ -148,6 +150,7 @@ export class FlightPanel {
     if (past >= HOLD) {
       this.letGo();
       this.send({ type: "arm" });
+      this.asked = performance.now();
       return;
     }
     this.fill.style.width = `${100 * past / HOLD}%`;

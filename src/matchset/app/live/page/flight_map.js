@@ -22,7 +22,7 @@ export class FlightMap {
   draw({ vehicles = [], cameras = [], places = [] }) {
     if (!vehicles.length) { this.root.replaceChildren(); return; }
     this.fit(vehicles.length > 1 ? vehicles.map(({ at }) => at) : [vehicles[0].at, ...cameras.filter(Boolean)]);
-    const parts = this.grid();
+    const parts = [this.grid()];
     vehicles.forEach(({ at }, index) => {
       const trail = this.trails[index] ||= [];
       trail.push(at);
@@ -50,18 +50,18 @@ export class FlightMap {
     const box = this.box || [Infinity, Infinity, -Infinity, -Infinity];
     this.box = [Math.min(box[0], ...xs), Math.min(box[1], ...ys), Math.max(box[2], ...xs), Math.max(box[3], ...ys)];
     const [middle, center] = [(this.box[0] + this.box[2]) / 2, (this.box[1] + this.box[3]) / 2];
-    const shape = Math.max(this.root.clientWidth, 1) / Math.max(this.root.clientHeight, 1); // the map fills its place
-    const wide = Math.max(this.box[2] - this.box[0] + 2 * MARGIN, (this.box[3] - this.box[1] + 2 * MARGIN) * shape);
-    this.edges = [middle - wide / 2, center - wide / shape / 2, middle + wide / 2, center + wide / shape / 2];
-    this.root.setAttribute("viewBox", `${this.edges[0]} ${this.edges[1]} ${wide} ${wide / shape}`);
+    const aspect = Math.max(this.root.clientWidth, 1) / Math.max(this.root.clientHeight, 1); // the map fills its place
+    const wide = Math.max(this.box[2] - this.box[0] + 2 * MARGIN, (this.box[3] - this.box[1] + 2 * MARGIN) * aspect);
+    this.edges = [middle - wide / 2, center - wide / aspect / 2, middle + wide / 2, center + wide / aspect / 2];
+    this.root.setAttribute("viewBox", `${this.edges[0]} ${this.edges[1]} ${wide} ${wide / aspect}`);
   }
 
   grid() {
     const [left, top, right, bottom] = this.edges;
-    const parts = [];
-    for (let x = Math.ceil(left / SQUARE) * SQUARE; x <= right; x += SQUARE) parts.push(shape("path", { d: `M${x} ${top}V${bottom}`, class: "grid" }));
-    for (let y = Math.ceil(top / SQUARE) * SQUARE; y <= bottom; y += SQUARE) parts.push(shape("path", { d: `M${left} ${y}H${right}`, class: "grid" }));
-    return parts;
+    let data = "";
+    for (let x = Math.ceil(left / SQUARE) * SQUARE; x <= right; x += SQUARE) data += `M${x} ${top}V${bottom}`;
+    for (let y = Math.ceil(top / SQUARE) * SQUARE; y <= bottom; y += SQUARE) data += `M${left} ${y}H${right}`;
+    return shape("path", { d: data, class: "grid" });
   }
 
   vehicle({ at, nose }, name, color) {

@@ -28,6 +28,7 @@ MODULES = {
     "shapes_speed": "shapes.speed",
     "startup": "tracking.startup",
     "memory": "tracking.memory",
+    "live": "live.section",
     "accuracy": "tracking.accuracy",
     "covariance": "tracking.covariance",
     "reacquisition": "tracking.reacquisition",

@@ -7,6 +7,7 @@ EXTRAS = {
     "record": "mcap>=1.6",
     "ros": "rosbags>=0.11 mcap>=1.6",
     "serial": "pyserial>=3.5",
+    "web": "starlette>=0.46 uvicorn>=0.34 websockets>=14 segno>=1.6",
 }
 
 

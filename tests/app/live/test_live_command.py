@@ -1,7 +1,6 @@
 """`matchset live` as a process: what it prints, how it ends, and what is left after kill -9."""
 
 import contextlib
-import importlib.util
 import json
 import signal
 import socket
@@ -157,10 +156,11 @@ def test_a_pick_that_is_no_point_ends_in_two(pick: str, tmp_path: Path) -> None:
     assert len(ended.stderr.splitlines()) == 1
 
 
-def test_without_the_packages_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    known = lambda name: None if name == "uvicorn" else importlib.util.find_spec(name)  # noqa: E731
-    monkeypatch.setattr("matchset.app.live.command.find_spec", known)
-    with pytest.raises(ValueError, match=r"^the live page needs uvicorn: pip install 'matchset\[web\]'$"):
+@pytest.mark.parametrize("package", ["starlette", "uvicorn", "websockets"])
+def test_without_the_packages_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    words = f"^the live page needs the extra web \\({package} is missing\\): pip install 'starlette"
+    with pytest.raises(ValueError, match=words):
         live(LiveOptions())
 
 

@@ -3,11 +3,12 @@
 Imports that take long stand inside the function, so that `matchset --help` answers at once.
 """
 
-from importlib.util import find_spec
 from typing import Annotated
 
 import msgspec
 import typer
+
+from matchset.numeric.extras import advice
 
 LIVE_EPILOG = """
 [bold]Examples[/bold]
@@ -42,9 +43,12 @@ class LiveOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 def live(options: LiveOptions) -> int:
     """See a camera or a video in the browser, click a ball, read where it is."""
-    missing = [name for name in ("starlette", "uvicorn", "websockets") if find_spec(name) is None]
-    if missing:
-        raise ValueError(f"the live page needs {', '.join(missing)}: pip install 'matchset[web]'")
+    try:
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+        import websockets  # noqa: F401
+    except ImportError as error:
+        raise ValueError(f"the live page needs the extra web ({error.name} is missing): {advice('web')}") from None
     from matchset.app.live.serve import serve
 
     return serve(options)

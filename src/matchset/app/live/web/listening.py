@@ -3,6 +3,8 @@
 import io
 import socket
 
+from matchset.numeric.extras import advice
+
 SEND_BUFFER = 65536  # format: bytes that the system keeps of what a slow program has not read: decision 095
 PORTS = 20  # format: ports that are tried, one after the other
 LAST_PORT = 65535  # format: of TCP
@@ -54,7 +56,7 @@ def qr_code(url: str) -> str:
     try:
         import segno
     except ImportError:
-        raise ValueError("a QR code needs the package segno: pip install 'matchset[web]'") from None
+        raise ValueError(f"a QR code needs the package segno: {advice('web')}") from None
     text = io.StringIO()
     segno.make(url, micro=False).terminal(out=text, compact=True)
     return "".join(f"{WHITE_ON_BLACK}{line}{PLAIN}\n" for line in text.getvalue().splitlines())

@@ -62,7 +62,7 @@ def again_if_silent(test: Callable[..., None]) -> Callable[..., None]:
         for left in reversed(range(ATTEMPTS)):
             try:
                 test(*args, **fixtures)
-            except AssertionError:
+            except Exception:  # an assertion, or a wait in the browser
                 if not left or LiveFlight.last is None or "was silent" not in LiveFlight.last.state["reason"]:
                     raise
             else:

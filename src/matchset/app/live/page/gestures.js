@@ -61,7 +61,7 @@ export class Gestures {
     const { begun } = this;
     this.forget();
     if (!begun.dragged) this.view.click(begun.points[0], begun.sequence);
-    else if (!begun.panning) this.view.trace(begun.points, begun.sequence);
+    else if (!begun.panning) this.view.trace(begun.points, this.view.sequence); // a line takes longer than pictures are kept
   }
 
   cancel(event) {

@@ -27,7 +27,7 @@ from matchset.app.recording.mcap_file import McapReader
 
 PICK = "50,60"
 MOST_LOST = 0.5  # s
-PATIENCE = 60.0  # s, for kernels that may be compiled
+PATIENCE = 180.0  # s, for kernels that may be compiled, on a machine that others use as well
 
 
 class Running:
@@ -60,7 +60,7 @@ class Running:
         """Send a signal; returns the exit code, and how long it took, s."""
         begin = time.monotonic()
         self.process.send_signal(number)
-        code = self.process.wait(20.0)
+        code = self.process.wait(60.0)
         return code, time.monotonic() - begin
 
 
@@ -150,7 +150,7 @@ def test_the_last_port_has_no_next_one() -> None:
 @pytest.mark.parametrize("pick", ["abc", "1", "1,2@3", "1,2,3"])
 def test_a_pick_that_is_no_point_ends_in_two(pick: str, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "matchset.app.cli", "live", "--no-browser", "--pick", pick]
-    ended = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, timeout=60.0)
+    ended = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, timeout=180.0)
     assert ended.returncode == 2
     assert ended.stderr.startswith("error: --pick is X,Y")
     assert len(ended.stderr.splitlines()) == 1

@@ -27,6 +27,7 @@ class Watcher:
 
     Attributes
     ----------
+    socket_address : str
     ages : list of float
         From capture to arrival, s; on one computer both have one clock.
     sizes : list of int
@@ -34,7 +35,7 @@ class Watcher:
     """
 
     def __init__(self, address: str, acknowledges: bool = True, through: int | None = None) -> None:
-        self._address = address.replace("http", "ws", 1) + "ws"
+        self.socket_address = address.replace("http", "ws", 1) + "ws"
         self._acknowledges, self._through = acknowledges, through
         self.ages: list[float] = []
         self.sizes: list[int] = []
@@ -43,7 +44,7 @@ class Watcher:
         """Look for a time, s."""
         end = time.monotonic() + seconds
         place: dict[str, Any] = {} if self._through is None else {"host": "127.0.0.1", "port": self._through}
-        async with connect(self._address, max_size=None, **place) as socket:
+        async with connect(self.socket_address, max_size=None, **place) as socket:
             while (left := end - time.monotonic()) > 0.0:
                 try:
                     await self._take(socket, await asyncio.wait_for(socket.recv(), left))

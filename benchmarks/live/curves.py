@@ -48,7 +48,7 @@ async function measure(add, draw, seconds) {
 """
 
 OURS = """
-import { Curves } from "./curves.js";
+import { Curves } from "./curves/curves.js";
 const curves = new Curves(document.getElementById("curves"));
 const add = (time) => {
   const found = time % 10 < 9;

@@ -15,7 +15,7 @@ from mjpeg_server import MjpegServer
 WAIT = 20_000  # ms
 DRAWING = 8.0  # ms, half of a frame at 60 frames/s; taken in 0.3 ms on an idle machine
 
-KEPT = """import('/samples.js').then(({ Samples }) => {
+KEPT = """import('/curves/samples.js').then(({ Samples }) => {
   const samples = new Samples();
   for (let i = 0; i < 60 * 500; i++) {
     const time = i / 500;
@@ -26,7 +26,7 @@ KEPT = """import('/samples.js').then(({ Samples }) => {
   return rows;
 })"""
 
-COST = """import('/curves.js').then(async ({ Curves }) => {
+COST = """import('/curves/curves.js').then(async ({ Curves }) => {
   const curves = new Curves(document.getElementById('curves'));
   for (const canvas of document.querySelectorAll('#curves canvas')) canvas.hidden = false;
   await new Promise((laidOut) => requestAnimationFrame(() => requestAnimationFrame(laidOut)));

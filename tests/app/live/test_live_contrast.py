@@ -57,9 +57,9 @@ def test_edges_of_controls_and_the_focus_can_be_seen(scheme: str) -> None:
 
 
 def test_all_colors_that_are_named_exist() -> None:
-    scripts = "".join(script.read_text() for script in PAGE.glob("*.js"))
+    scripts = "".join(script.read_text() for script in PAGE.rglob("*.js"))
     known = set(palettes()["light"]) | set(re.findall(r'setProperty\("--([\w-]+)"', scripts))
-    for sheet in PAGE.glob("*.css"):
+    for sheet in PAGE.rglob("*.css"):
         text = sheet.read_text()
         named = set(re.findall(r"var\(--([\w-]+)", text)) - set(re.findall(r"--([\w-]+):", text))
         assert named <= known, (sheet.name, named - known)

@@ -1,18 +1,19 @@
-// The page: joins connection, picture, reading, targets and curves.
+// The page: joins the connection and the panels. Folders: picture (what is seen, drawn over, clicked), reading (numbers
+// and targets), curves, source (menu, camera, settings), file (player, time line), flight, record.
 
-import { CameraPanel } from "./camera.js";
+import { CameraPanel } from "./source/camera.js";
 import { CompilingPanel } from "./compiling.js";
-import { Curves } from "./curves.js";
-import { FilePanel } from "./files.js";
-import { FlightPanel } from "./flight.js";
-import { wireLayers } from "./layers.js";
-import { Menu } from "./menu.js";
-import { PictureView } from "./picture.js";
-import { element, Reading } from "./reading.js";
-import { RecordPanel } from "./record.js";
-import { SettingsPanel } from "./settings.js";
+import { Curves } from "./curves/curves.js";
+import { FilePanel } from "./file/files.js";
+import { FlightPanel } from "./flight/flight.js";
+import { wireLayers } from "./picture/layers.js";
+import { Menu } from "./source/menu.js";
+import { PictureView } from "./picture/picture.js";
+import { element, Reading } from "./reading/reading.js";
+import { RecordPanel } from "./record/record.js";
+import { SettingsPanel } from "./source/settings.js";
 import { Connection } from "./socket.js";
-import { TargetList } from "./targets.js";
+import { TargetList } from "./reading/targets.js";
 
 const OLD = 500; // ms without a new picture, after which a veil says so
 const find = (id) => document.getElementById(id);

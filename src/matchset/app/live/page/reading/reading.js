@@ -1,8 +1,8 @@
 // The reading of the chosen target, large enough for two meters away. The rows stay while their names do, so that
 // nothing jumps and the page has little to lay out.
 
-import { colorOf } from "./colors.js";
-import { measured } from "./units.js";
+import { colorOf } from "../colors.js";
+import { measured } from "../units.js";
 
 const PIXELS = { angle: "rad", scale: "" }; // units of shapes' parameters that are no lengths
 

@@ -1,6 +1,6 @@
 // What is drawn over the picture, as SVG in pixels of the picture: sharp at any zoom.
 
-import { palette } from "./canvas.js";
+import { palette } from "../canvas.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const AXES = ["#ff6b6b", "#69db7c", "#74a9ff"]; // x, y, z, as everywhere in matchset

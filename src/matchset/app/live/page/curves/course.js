@@ -1,7 +1,7 @@
 // The course of the chosen target over a whole video: x, y, z (or x, y, r) and the way from above, with the frame that is
 // shown. A click on a curve goes to that frame.
 
-import { palette, Surface, ticks } from "./canvas.js";
+import { palette, Surface, ticks } from "../canvas.js";
 
 const BAND = 2; // standard deviations
 const WAIT = 500; // ms between two questions for the course while it grows

@@ -1,6 +1,6 @@
 // The menu of sources: the start page while nothing is shown, and behind a button of the header afterwards.
 
-import { element } from "./reading.js";
+import { element } from "../reading/reading.js";
 
 const AGAIN = 2000; // ms between two looks while the start page is seen: a camera that is plugged in appears
 const KINDS = [["given", "From the command line"], ["camera", "Cameras"], ["file", "Videos of this folder"], ["demo", "To try it"], ["flight", "To try it"]];

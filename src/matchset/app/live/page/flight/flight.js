@@ -5,7 +5,7 @@
 
 import { FlightMap } from "./flight_map.js";
 import { FollowerPicture } from "./flight_pictures.js";
-import { element } from "./reading.js";
+import { element } from "../reading/reading.js";
 
 const HOLD = 1000; // ms that the button must be held to take off
 const BEAT = 100; // ms between two signs of life

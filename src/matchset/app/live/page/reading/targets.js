@@ -1,8 +1,8 @@
 // The list of targets: name, color, diameter, marker, and a cross to drop one. A row stays while its target does.
 
-import { colorOf } from "./colors.js";
+import { colorOf } from "../colors.js";
 import { element } from "./reading.js";
-import { parseLength } from "./units.js";
+import { parseLength } from "../units.js";
 
 export class TargetList {
   // `askPoint(words, take)` waits for a click in the picture and hands it to take({sequence, x, y}).

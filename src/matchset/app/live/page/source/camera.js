@@ -1,7 +1,7 @@
 // The camera: what is known of it, a camera file, a calibration with a board, a ball at a known distance.
 
-import { element } from "./reading.js";
-import { parseLength } from "./units.js";
+import { element } from "../reading/reading.js";
+import { parseLength } from "../units.js";
 
 const LARGEST = 65536; // bytes of a file that the server takes
 

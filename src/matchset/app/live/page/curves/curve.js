@@ -1,6 +1,6 @@
 // One curve of the last 30 s with its band of two standard deviations; lost stretches are marked.
 
-import { palette, Surface, ticks } from "./canvas.js";
+import { palette, Surface, ticks } from "../canvas.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
 const BAND = 2; // standard deviations

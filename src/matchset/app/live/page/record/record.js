@@ -1,6 +1,6 @@
 // The button Record: how long and how large the recording is, and afterwards its files.
 
-import { element } from "./reading.js";
+import { element } from "../reading/reading.js";
 
 export class RecordPanel {
   constructor(root, send) {

@@ -1,6 +1,6 @@
 // A picture with vector drawings on top. Clicks mean the picture that was on the screen when the finger came down.
 
-import { colorOf } from "./colors.js";
+import { colorOf } from "../colors.js";
 import { drawCross, drawTarget, drawTrace, drawTrail } from "./drawing.js";
 import { Gestures } from "./gestures.js";
 import { Zoom } from "./zoom.js";

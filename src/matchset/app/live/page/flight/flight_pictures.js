@@ -1,7 +1,7 @@
 // What the followers see, side by side: one picture for each, with the outline of the ball that it follows.
 
-import { drawTarget } from "./drawing.js";
-import { element } from "./reading.js";
+import { drawTarget } from "../picture/drawing.js";
+import { element } from "../reading/reading.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const OLD = 500; // ms without a new picture, after which a veil says so

@@ -1,7 +1,7 @@
 // The view from above: the camera at the foot looks up, x to the right, z away from it, both at one scale.
 
-import { palette, Surface, ticks } from "./canvas.js";
-import { colorOf } from "./colors.js";
+import { palette, Surface, ticks } from "../canvas.js";
+import { colorOf } from "../colors.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
 export class ViewFromAbove {

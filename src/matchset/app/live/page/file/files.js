@@ -1,7 +1,7 @@
 // A recorded video: play, pause, step, scrub; what was found on a time line; corrections and downloads.
 
-import { Courses } from "./course.js";
-import { element } from "./reading.js";
+import { Courses } from "../curves/course.js";
+import { element } from "../reading/reading.js";
 import { drawLine } from "./timeline.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];

@@ -1,6 +1,6 @@
 // The camera's settings: what was asked for, and what the camera says it does.
 
-import { element } from "./reading.js";
+import { element } from "../reading/reading.js";
 
 const NAMES = { exposure: "exposure", gain: "gain", white_balance: "white balance", fps: "rate" };
 

@@ -1,6 +1,6 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
+.PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
     soak wheel-check release-check first-picture clean
 
 BIN := .venv/bin
@@ -26,8 +26,11 @@ help:  ## say what can be made
 demo: $(PACKAGE)  ## render a clip, track the ball in it, compare with the truth; no camera needed
 	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
-test: $(READY) $(TOOLCHAIN) $(BROWSER)  ## run the tests (ARGS="-k video" for some of them)
-	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+test: $(READY) $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
+	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --ignore tests/browser $(ARGS)
+
+browser-test: $(READY) $(BROWSER)  ## click through the live page in Chromium, one test after the other (minutes)
+	$(ONE_THREAD) $(BIN)/python -m pytest tests/browser $(ARGS)
 
 check: $(READY) wheel-check  ## lint, format, types, and the wheel
 	$(BIN)/ruff check .

@@ -57,7 +57,7 @@ def test_a_ball_that_leaves_is_lost_with_a_reason_and_a_time(serve: Any, page: A
 def test_a_server_that_is_silent_is_asked_again(serve: Any, page: Any, clip: Clip) -> None:
     page.goto(serve(str(clip[0])))
     wait_until(page, "picture.width === 320 && document.querySelector('#link').textContent === ''")
-    (server,) = serve.servers
+    (server,) = serve.processes
     server.send_signal(signal.SIGSTOP)
     try:
         page.locator("#link").get_by_text(re.compile("no connection|connecting again")).wait_for(timeout=6_000)

@@ -50,17 +50,9 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     step, agreement, outside : float
         Weights of the step in color across the outline, of that times the MSAC score, and of the share of the
         surroundings that have the target's color.
-    unknown, present, here, followed : float
-        Least log-odds of what a search found: anywhere, while somebody clicked at the shape or it was tracked until
-        now, or where it is expected; and of what the tracker's own fit ended at, outside the gate. The fewer places
-        were tried, the less can be chance. Less finds more, and more that is not there.
-        `python -m benchmarks --only false_locks,reacquisition,real` would show a change; chosen by these (docs/log.md).
-    clear : float
-        Least log-odds with which the color score may speak for a shape that may be anywhere. Less finds more, and more
-        that is not there: a ring of the target's color had 3.2.
-    faint : float
-        Log-odds below which a shape that is tracked with a low color score is seen faintly. More gives faint ones up
-        sooner.
+    unknown, present, here : float
+        Least log-odds of a shape that may be anywhere, of one that somebody clicked at or that was tracked until now,
+        and of one that is expected about here. Less finds more, and more that is not there.
     clicked : float
         The same of the circle that was found around a click, in the picture that was clicked: the color did not find
         it. Three clicks on balls of r = 7 gave fits 0.5 px off with -0.9 to -0.2.
@@ -98,11 +90,8 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     unknown_msac: float = 0.6
     asked: float = 2.5
     asked_msac: float = 0.4
-    present: float = 2.0
+    present: float = 1.0
     here: float = 0.0
-    followed: float = -1.0
-    clear: float = 3.5
-    faint: float = 1.0
     clicked: float = -3.0
     hidden: float = 6.0
     way: float = 0.2
@@ -114,11 +103,6 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     min_boundary_px: float = 4.0
     boundary_samples: int = 41
     full_step: float = 1.2
-
-    @property
-    def least(self) -> float:
-        """Log-odds below which a shape is rejected, whatever is known of it before."""
-        return min(self.unknown, self.asked, self.present, self.here, self.followed, self.clicked)
 
 
 class ColorStep(NamedTuple):

@@ -264,14 +264,14 @@ class Fitter(Copied, Generic[S]):
     def weigh(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
         """Estimate of the last fit with its evidence, if that is weighed.
 
-        Where even the best step in color would not be enough for any prior, none is measured.
+        Where even the best step in color would not be enough, none is measured.
         """
         if not self.weighs(color):
             return estimate
         fit, limits = estimate.fit, self.parameters.evidence
         tolerance = _tolerance_of(self.parameters.quality, fit.half_width)
         best = log_odds(fit, BEST_STEP, tolerance, limits)
-        if best < limits.least:
+        if best < limits.here:
             return estimate._replace(evidence=best)
         step = measure_color_step(image, color, self.outline, fit.half_width, limits)
         return estimate._replace(evidence=log_odds(fit, step, tolerance, limits))

@@ -146,7 +146,7 @@ class TrackStep(Copied, Generic[S]):
         here, there = gate_of(self.fitter.family, predicted), gate_of(self.fitter.family, estimate.state)
         if interpreted(in_gate)(self.fitter.work, there.half_width, here.half_width):
             return Rejection.NONE
-        rejection = self.fitter.validate_detection(estimate, Prior.FOLLOWED)
+        rejection = self.fitter.validate_detection(estimate)
         if not rejection and not here.reachable(there, missed, self.parameters.reach):
             return Rejection.UNREACHABLE
         return rejection
@@ -156,7 +156,7 @@ class TrackStep(Copied, Generic[S]):
         limits, fit = self.parameters.confidence, estimate.fit
         if fit.color_score < limits.faint_score:
             weighed = self.fitter.weigh(estimate, image, color)
-            if weighed.evidence is None or weighed.evidence < self.parameters.evidence.faint:
+            if weighed.evidence is None or weighed.evidence < self.parameters.evidence.present:
                 self.faint += 1
             if weighed.evidence is not None and fit.pixel_noise > limits.noise:  # chance has edge points, too
                 rejection = self.fitter.validate_detection(weighed, Prior.HERE)

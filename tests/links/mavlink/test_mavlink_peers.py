@@ -1,4 +1,4 @@
-"""Our packets read by pymavlink, and its packets by us, now and not from a file; `.ci/setup-mavlink` makes its place."""
+"""Our packets read by pymavlink, and its packets by us, now and not from a file: `.ci/setup-mavlink`."""
 
 import json
 import random

@@ -1,8 +1,8 @@
 """What a MAVLink message consists of, from which it is packed, parsed, checked and documented: `Message`, `Field`.
 
 A payload holds the fields with the largest type first, otherwise in their order; extension fields follow in their
-order (MAVLink's guide, "Packet Serialization"). Numbers are little-endian. MAVLink 2 leaves out zero bytes at the end of a
-payload, but never the first byte.
+order (MAVLink's guide, "Packet Serialization"). Numbers are little-endian. MAVLink 2 leaves out zero bytes at the end
+of a payload, but never the first byte.
 """
 
 import struct

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import time
+import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -93,6 +94,53 @@ class Servers:
             process.wait(10)
             assert process.stdout is not None
             process.stdout.close()
+
+
+class Shared:
+    """Servers that several tests use; each finds what it asks for opened anew: nothing followed, at its beginning.
+
+    Parameters
+    ----------
+    servers : Servers
+        Starts them, and ends them.
+    """
+
+    def __init__(self, servers: Servers) -> None:
+        self._servers = servers
+        self._addresses: dict[tuple[str, ...], str] = {}
+
+    def __call__(self, *arguments: str) -> str:
+        """Return the address of a server that was started with these arguments."""
+        if arguments not in self._addresses:
+            self._addresses[arguments] = self._servers(*arguments)
+        else:
+            show_again(self._addresses[arguments])
+        return self._addresses[arguments]
+
+
+def show_again(address: str) -> None:
+    """Have a server open what it shows once more, as its menu does; a flight is ended before."""
+    panels = ask(address)["session"]["panels"]
+    if "flight" in panels:
+        tell(address, "kill")
+    tell(address, "show", key=panels["sources"]["shown"])
+    end = time.monotonic() + WAIT / 1000.0
+    while (sources := ask(address)["session"]["panels"]["sources"]).get("opening") or not sources.get("shown"):
+        assert time.monotonic() < end, sources
+        time.sleep(0.02)
+
+
+def ask(address: str) -> dict[str, Any]:
+    """What a server says is shown."""
+    with urllib.request.urlopen(f"{address}state.json", timeout=10) as answer:
+        told: dict[str, Any] = json.load(answer)
+    return told
+
+
+def tell(address: str, message: str, **fields: object) -> None:
+    """Have a server do what a button does."""
+    order = urllib.request.Request(f"{address}do/{message}", data=json.dumps(fields).encode(), method="POST")
+    urllib.request.urlopen(order, timeout=10).close()
 
 
 class Heard:

@@ -1,29 +1,21 @@
 """The page in a real browser: a server in a process of its own, Chromium, and rendered clips with their truth."""
 
 import contextlib
-import math
 import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import cv2
-import numpy as np
 import pytest
 
-import matchset as ms
-from live_pages import Servers
+from live_clips import filmed, going_around, leaving
+from live_pages import Servers, Shared
 from matchset.app.live.compiling import NEEDED
 from matchset.app.warm import groups
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
-from matchset.sim.clips.balloon import Balloon
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-CAMERA = ms.CameraModel.from_fov(320, 240, math.radians(60.0))
-PERIOD = 4.0  # s, after which a path begins again; a clip goes along it some times
-FRAMES = 120  # in a period
-TIMES = 2
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -94,34 +86,16 @@ def serve(tmp_path: Path, warm: None) -> Iterator[Servers]:
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory, clip, warm: None) -> Iterator[str]:
-    """Address of a server that shows `clip`: one for all tests of a file, which leave no target there."""
-    with contextlib.closing(Servers(tmp_path_factory.mktemp("served"))) as servers:
-        yield servers(str(clip[0]))
+def show(tmp_path_factory, warm: None) -> Iterator[Shared]:
+    """Address of a server that shows a source: one for all tests of a file, of which each finds it opened anew."""
+    with contextlib.closing(Servers(tmp_path_factory.mktemp("shown"))) as servers:
+        yield Shared(servers)
 
 
-def going_around(time: float) -> np.ndarray:
-    """Where the ball is, m: it goes around slowly, in view all the time."""
-    angle = 2.0 * math.pi * time / PERIOD
-    return np.array((0.16 * math.sin(angle), 0.12 * math.cos(angle), 1.6 + 0.2 * math.sin(angle)))
-
-
-def leaving(time: float) -> np.ndarray:
-    """Where the ball is, m: it rests in the middle, goes to the right and is out of view for 1.2 of 4 s."""
-    away = 0.5 * (1.0 - math.cos(2.0 * math.pi * time / PERIOD))
-    return np.array((2.2 * away**3, 0.0, 1.6))
-
-
-def filmed(folder: Path, place: Callable[[float], np.ndarray]) -> tuple[Path, BallFlightClip]:
-    """Write a video that goes along a path twice; only one time is rendered."""
-    balloon = Balloon(marker_radius=0.0)  # a click on its middle means the ball
-    rendered = BallFlightClip(camera=CAMERA, place=place, balloon=balloon, frames=FRAMES, fps=FRAMES / PERIOD)
-    writer = cv2.VideoWriter(str(folder / "ball.avi"), cv2.VideoWriter.fourcc(*"MJPG"), rendered.fps, (320, 240))
-    images = [frame.image for frame in rendered]
-    for image in images * TIMES:
-        writer.write(image)
-    writer.release()
-    return folder / "ball.avi", rendered
+@pytest.fixture
+def served(show: Shared, clip) -> str:
+    """Address of a server that shows `clip`, shared as `show` does."""
+    return show(str(clip[0]))
 
 
 @pytest.fixture(scope="session")

@@ -64,7 +64,7 @@ def test_a_board_calibrates_the_camera(serve: Any, page: Any, board_pictures: An
         page.locator(".known").get_by_text(f"{loaded.fx:.1f}").wait_for(timeout=WAIT)
 
 
-def test_a_camera_file_is_uploaded_and_another_is_refused(serve: Any, page: Any, clip: Any, tmp_path: Path) -> None:
+def test_a_camera_file_is_uploaded_and_another_is_refused(serve: Any, page: Any, tmp_path: Path) -> None:
     CAMERA.save(tmp_path / "other.toml")
     (tmp_path / "camera-of-640.toml").touch()
     ms.CameraModel.from_fov(640, 480, 1.0).save(tmp_path / "camera-of-640.toml")

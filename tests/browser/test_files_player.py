@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from live_clips import FRAMES, LAST, PERIOD
 from live_pages import on_screen, wait_until
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
@@ -32,7 +33,7 @@ def go(page: Any, index: int) -> None:
     box, (end,) = line.bounding_box(), re.findall(r"of (\d+)", page.locator("#file .time").inner_text())
     line.click(position={"x": (index + 0.5) / (int(end) + 1) * box["width"], "y": box["height"] / 2})
     shown = "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow'))"
-    wait_until(page, f"Math.abs({shown} - {index}) < 12")
+    wait_until(page, f"Math.abs({shown} - {index}) < 3")
     while (left := index - index_of(page)) != 0:
         page.keyboard.press("ArrowRight" if left > 0 else "ArrowLeft")
         before = index - left
@@ -47,10 +48,10 @@ def click_ball(page: Any, clip: BallFlightClip) -> None:
 
 
 @pytest.fixture
-def opened(serve: Any, page: Any, clip: Clip) -> Any:
+def opened(show: Any, page: Any, clip: Clip) -> Any:
     """A page that shows the clip, read to its end."""
-    page.goto(serve(str(clip[0])))
-    page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
+    page.goto(show(str(clip[0])))
+    page.locator("#file .time").get_by_text(f"of {LAST}").wait_for(timeout=WAIT)
     wait_until(page, "picture.width === 320")
     page.locator("#file-results .work").get_by_text("Click the ball in any frame").wait_for(timeout=WAIT)
     return page
@@ -58,18 +59,18 @@ def opened(serve: Any, page: Any, clip: Clip) -> Any:
 
 def test_scrubbing_keys_and_space(opened: Any) -> None:
     page = opened
-    go(page, 600)
-    for key, index in (("ArrowRight", 601), ("ArrowLeft", 600), (".", 601), (",", 600), ("Shift+ArrowRight", 610)):
+    go(page, 120)
+    for key, index in (("ArrowRight", 121), ("ArrowLeft", 120), (".", 121), (",", 120), ("Shift+ArrowRight", 130)):
         page.keyboard.press(key)
         wait_until(page, f"document.querySelector('#file .timeline').getAttribute('aria-valuenow') === '{index}'")
     page.keyboard.press("End")
-    page.get_by_text("frame 1199 of 1199").wait_for(timeout=WAIT)
+    page.get_by_text(f"frame {LAST} of {LAST}").wait_for(timeout=WAIT)
     page.keyboard.press("Home")
-    page.get_by_text("frame 0 of 1199").wait_for(timeout=WAIT)
+    page.get_by_text(f"frame 0 of {LAST}").wait_for(timeout=WAIT)
     page.locator("#file button.forward").click()
-    page.get_by_text("frame 1 of 1199").wait_for(timeout=WAIT)
+    page.get_by_text(f"frame 1 of {LAST}").wait_for(timeout=WAIT)
     page.locator("#file button.back").click()
-    page.get_by_text("frame 0 of 1199").wait_for(timeout=WAIT)
+    page.get_by_text(f"frame 0 of {LAST}").wait_for(timeout=WAIT)
     page.locator("#file .speed").select_option("4")
     page.locator("#view").focus()
     page.keyboard.press("Space")
@@ -78,7 +79,7 @@ def test_scrubbing_keys_and_space(opened: Any) -> None:
     page.keyboard.press("Space")
     page.get_by_role("button", name="play (space)").wait_for(timeout=WAIT)
     before = state_of(page)["streams"][0]["index"]
-    page.get_by_text(f"frame {before} of 1199").wait_for(timeout=WAIT)
+    page.get_by_text(f"frame {before} of {LAST}").wait_for(timeout=WAIT)
     page.wait_for_timeout(600)
     assert index_of(page) == before
     assert page.locator("#veil").is_hidden()  # a picture that stands is no fault
@@ -86,10 +87,10 @@ def test_scrubbing_keys_and_space(opened: Any) -> None:
 
 def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, clip: Clip, tmp_path: Path) -> None:
     page, (_, truth) = opened, clip
-    go(page, 600)
+    go(page, FRAMES)
     click_ball(page, truth)
     page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
-    page.locator("#file-results .work").get_by_text("found in 1200, lost in 0").wait_for(timeout=WAIT)
+    page.locator("#file-results .work").get_by_text(f"found in {LAST + 1}, lost in 0").wait_for(timeout=WAIT)
     page.fill("#fov", "60")
     page.keyboard.press("Enter")
     page.fill(".diameter", "28 cm")
@@ -99,7 +100,7 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
     curve = page.locator("#file-curves canvas").first
     box = curve.bounding_box()
     curve.click(position={"x": 0.75 * box["width"], "y": box["height"] / 2})
-    wait_until(page, "Math.abs(document.querySelector('#file .timeline').getAttribute('aria-valuenow') - 840) < 120")
+    wait_until(page, "Math.abs(document.querySelector('#file .timeline').getAttribute('aria-valuenow') - 168) < 24")
     page.get_by_role("button", name="CSV tables").click()
     files = {}
     for name in ("tracks-1.csv", "poses-1.csv"):
@@ -108,7 +109,7 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
         files[name] = tmp_path / name
         download.value.save_as(files[name])
     tracks, poses = read_tracks(files["tracks-1.csv"]), read_poses(files["poses-1.csv"])
-    assert [row.frame for row in tracks] == [row.frame for row in poses] == list(range(1200))
+    assert [row.frame for row in tracks] == [row.frame for row in poses] == list(range(LAST + 1))
     for row in poses:
         right = truth.place(row.time)
         assert row.values is not None
@@ -122,41 +123,41 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
     assert download.value.path().stat().st_size > 10_000
 
 
-def test_a_thumb_scrubs_on_a_phone(serve: Any, new_page: Any, clip: Clip) -> None:
+def test_a_thumb_scrubs_on_a_phone(show: Any, new_page: Any, clip: Clip) -> None:
     page = new_page(viewport={"width": 390, "height": 844}, has_touch=True)
-    page.goto(serve(str(clip[0])))
-    page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
+    page.goto(show(str(clip[0])))
+    page.locator("#file .time").get_by_text(f"of {LAST}").wait_for(timeout=WAIT)
     line = page.locator("#file .timeline")
     line.scroll_into_view_if_needed()
     box = line.bounding_box()
     assert box["x"] >= 0
     assert box["x"] + box["width"] <= 390
     page.touchscreen.tap(box["x"] + 0.25 * box["width"], box["y"] + 0.5 * box["height"])
-    wait_until(page, "Math.abs(document.querySelector('#file .timeline').getAttribute('aria-valuenow') - 300) < 8")
+    wait_until(page, "Math.abs(document.querySelector('#file .timeline').getAttribute('aria-valuenow') - 60) < 3")
     page.locator("#file button.forward").tap()
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
 def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
-    serve: Any, page: Any, leaving_clip: Clip, tmp_path: Path
+    show: Any, page: Any, leaving_clip: Clip, tmp_path: Path
 ) -> None:
     path, truth = leaving_clip
-    page.goto(serve(str(path)))
-    page.locator("#file .time").get_by_text("of 1199").wait_for(timeout=WAIT)
+    page.goto(show(str(path)))
+    page.locator("#file .time").get_by_text(f"of {LAST}").wait_for(timeout=WAIT)
     wait_until(page, "picture.width === 320")
     click_ball(page, truth)
     page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=3 * WAIT)
     page.keyboard.press("Space")
     lost = int(re.findall(r"lost in (\d+)", page.locator("#file-results .work").inner_text())[0])
-    assert 300 < lost < 800
-    go(page, 660)  # 2 s after the path has begun anew: the ball is far outside
+    assert 60 < lost < 160
+    go(page, 180)  # 2 s after the path has begun anew: the ball is far outside
     page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
-    go(page, 605)
+    go(page, FRAMES + 5)
     page.locator("#reading [data-name=radius], #reading [data-name=r]").wait_for(timeout=WAIT)
     page.get_by_role("button", name="correct …").click()
     page.get_by_text("Click the middle of circle 1").wait_for(timeout=WAIT)
     click_ball(page, truth)
     wait_until(page, "document.querySelector('#file-results .work').textContent.includes('100 % tracked')")
     (target,) = state_of(page)["streams"][0]["targets"]
-    (pixel,) = truth.camera.project(truth.place(605 / 30.0)[None])
+    (pixel,) = truth.camera.project(truth.place((FRAMES + 5) * PERIOD / FRAMES)[None])
     assert math.dist((target["values"]["x"][0], target["values"]["y"][0]), pixel) < 1.0

@@ -85,10 +85,10 @@ def test_a_diameter_is_changed(served: str, page: Any, clip: Filmed) -> None:
     drop(page)
 
 
-def test_lost_with_its_reason_and_found_again(serve: Any, page: Any, leaving_clip: Filmed) -> None:
+def test_lost_with_its_reason_and_found_again(show: Any, page: Any, leaving_clip: Filmed) -> None:
     path, truth = leaving_clip
     heard = Heard(page)
-    page.goto(serve(str(path)))
+    page.goto(show(str(path)))
     hold(heard)
     go_to(page, 0.02)
     wait_until(page, lambda: state_of(page)["time"] < 0.4)

@@ -21,8 +21,8 @@ def flown() -> None:
 
 
 @again_if_silent
-def test_it_takes_a_second_to_arm_and_the_space_bar_stops_the_motors_at_once(serve: Any, page: Any) -> None:
-    flight = LiveFlight(serve(CHAIN), page)
+def test_it_takes_a_second_to_arm_and_the_space_bar_stops_the_motors_at_once(show: Any, page: Any) -> None:
+    flight = LiveFlight(show(CHAIN), page)
     page.goto(flight.url)
     page.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
     hold(page, 0.4)
@@ -46,8 +46,8 @@ def test_it_takes_a_second_to_arm_and_the_space_bar_stops_the_motors_at_once(ser
 
 
 @again_if_silent
-def test_the_enter_key_arms_and_lands(serve: Any, page: Any) -> None:
-    flight = LiveFlight(serve(CHAIN), page)
+def test_the_enter_key_arms_and_lands(show: Any, page: Any) -> None:
+    flight = LiveFlight(show(CHAIN), page)
     page.goto(flight.url)
     page.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
     page.locator("#flight-arm").focus()
@@ -63,9 +63,9 @@ def test_the_enter_key_arms_and_lands(serve: Any, page: Any) -> None:
 
 
 @again_if_silent
-def test_two_pages_watch_and_one_commands(serve: Any, new_page: Any) -> None:
+def test_two_pages_watch_and_one_commands(show: Any, new_page: Any) -> None:
     first, second = new_page(), new_page()
-    flight = LiveFlight(serve(CHAIN), first)
+    flight = LiveFlight(show(CHAIN), first)
     first.goto(flight.url)
     second.goto(flight.url)
     commands = take_off(first, flight)["page"]
@@ -80,8 +80,8 @@ def test_two_pages_watch_and_one_commands(serve: Any, new_page: Any) -> None:
 
 
 @again_if_silent
-def test_a_program_stops_the_motors(serve: Any, page: Any) -> None:
-    flight = LiveFlight(serve(CHAIN), page)
+def test_a_program_stops_the_motors(show: Any, page: Any) -> None:
+    flight = LiveFlight(show(CHAIN), page)
     page.goto(flight.url)
     take_off(page, flight)
     order = urllib.request.Request(f"{flight.url}do/kill", data=b"", method="POST")
@@ -93,9 +93,9 @@ def test_a_program_stops_the_motors(serve: Any, page: Any) -> None:
 
 
 @again_if_silent
-def test_on_a_phone_the_red_button_is_always_under_the_thumb(serve: Any, new_page: Any) -> None:
+def test_on_a_phone_the_red_button_is_always_under_the_thumb(show: Any, new_page: Any) -> None:
     phone = new_page(**PHONE)
-    flight = LiveFlight(serve(CHAIN), phone)
+    flight = LiveFlight(show(CHAIN), phone)
     phone.goto(flight.url)
     take_off(phone, flight)
     assert phone.evaluate("document.documentElement.scrollWidth") <= 390

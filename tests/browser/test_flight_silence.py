@@ -29,7 +29,7 @@ def cut_off(_: Any, line: dict[str, bool]) -> None:
 
 @pytest.mark.parametrize("silence", [close, hide, hang, cut_off])
 @again_if_silent
-def test_silence_holds_then_lands(serve: Any, page: Any, silence: Silence) -> None:
+def test_silence_holds_then_lands(show: Any, page: Any, silence: Silence) -> None:
     line = {"works": True}
 
     def relay(socket: Any) -> None:
@@ -37,7 +37,7 @@ def test_silence_holds_then_lands(serve: Any, page: Any, silence: Silence) -> No
         socket.on_message(lambda data: server.send(data) if line["works"] else None)
         server.on_message(lambda data: socket.send(data) if line["works"] else None)
 
-    flight = LiveFlight(serve(CHAIN), page)
+    flight = LiveFlight(show(CHAIN), page)
     if silence is cut_off:
         page.route_web_socket("**/ws", relay)
     page.goto(flight.url)
@@ -53,8 +53,8 @@ def test_silence_holds_then_lands(serve: Any, page: Any, silence: Silence) -> No
 
 
 @again_if_silent
-def test_a_page_that_reconnects_does_not_command_and_never_arms(serve: Any, page: Any) -> None:
-    flight, sockets = LiveFlight(serve(CHAIN), page), list[Any]()
+def test_a_page_that_reconnects_does_not_command_and_never_arms(show: Any, page: Any) -> None:
+    flight, sockets = LiveFlight(show(CHAIN), page), list[Any]()
 
     def relay(socket: Any) -> None:
         sockets.append(socket)

@@ -63,13 +63,18 @@ def scene(number: int) -> npt.NDArray[np.uint8]:
     return image
 
 
+@pytest.fixture(scope="module")
+def camera() -> Iterator[MjpegServer]:
+    with MjpegServer(scene) as server:
+        yield server
+
+
 @pytest.fixture
-def opened(serve: Any, page: Any) -> Iterator[Any]:
+def opened(show: Any, page: Any, camera: MjpegServer) -> Any:
     """A page that shows the ball of a camera."""
-    with MjpegServer(scene) as camera:
-        page.goto(serve(camera.url))
-        wait_until(page, "picture.width === 320")
-        yield page
+    page.goto(show(camera.url))
+    wait_until(page, "picture.width === 320")
+    return page
 
 
 def test_thirty_seconds_are_kept_with_their_extremes_and_what_was_lost(opened: Any) -> None:

@@ -35,9 +35,9 @@ def camera() -> Iterator[MjpegServer]:
 
 
 @pytest.fixture
-def opened(serve: Any, page: Any, camera: MjpegServer) -> Any:
+def opened(show: Any, page: Any, camera: MjpegServer) -> Any:
     """A page that shows the scene."""
-    page.goto(serve(camera.url))
+    page.goto(show(camera.url))
     wait_until(page, "picture.width === 320")
     return page
 
@@ -163,9 +163,9 @@ def test_the_keyboard_alone_follows_a_ball(opened: Any) -> None:
     opened.locator("#drawing .cross").first.wait_for(state="detached", timeout=WAIT)
 
 
-def test_fingers_pinch_and_tap(serve: Any, new_page: Any, camera: MjpegServer) -> None:
+def test_fingers_pinch_and_tap(show: Any, new_page: Any, camera: MjpegServer) -> None:
     page = new_page(viewport={"width": 390, "height": 844}, has_touch=True)
-    page.goto(serve(camera.url))
+    page.goto(show(camera.url))
     wait_until(page, "picture.width === 320")
     client = page.context.new_cdp_session(page)
     x, y = on_screen(page, *BLUE[:2])

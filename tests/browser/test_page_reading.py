@@ -22,8 +22,8 @@ def begin(page: Any, clip: Clip) -> None:
     page.locator("#reading .number").first.wait_for(timeout=WAIT)
 
 
-def test_a_reading_in_pixels_then_in_meters(serve: Any, page: Any, clip: Clip) -> None:
-    page.goto(serve(str(clip[0])))
+def test_a_reading_in_pixels_then_in_meters(show: Any, page: Any, clip: Clip) -> None:
+    page.goto(show(str(clip[0])))
     begin(page, clip)
     assert page.locator("#reading .name").all_inner_texts() == ["x", "y", "r"]
     assert re.search(r"px$", page.locator("#reading .number").first.inner_text().strip())
@@ -46,8 +46,8 @@ def test_a_reading_in_pixels_then_in_meters(serve: Any, page: Any, clip: Clip) -
     assert size >= 48
 
 
-def test_a_ball_that_leaves_is_lost_with_a_reason_and_a_time(serve: Any, page: Any, leaving_clip: Clip) -> None:
-    page.goto(serve(str(leaving_clip[0])))
+def test_a_ball_that_leaves_is_lost_with_a_reason_and_a_time(show: Any, page: Any, leaving_clip: Clip) -> None:
+    page.goto(show(str(leaving_clip[0])))
     begin(page, leaving_clip)
     page.locator("#reading .lost").get_by_text(re.compile(r"Lost for \d+\.\d s")).wait_for(timeout=WAIT)
     assert len(page.locator("#reading .why").inner_text()) > 5
@@ -67,14 +67,14 @@ def test_a_server_that_is_silent_is_asked_again(serve: Any, page: Any, clip: Cli
     assert rows(page) == []
 
 
-def test_a_browser_without_websocket_is_told(serve: Any, page: Any, clip: Clip) -> None:
+def test_a_browser_without_websocket_is_told(show: Any, page: Any, clip: Clip) -> None:
     page.add_init_script("delete window.WebSocket")
-    page.goto(serve(str(clip[0])))
+    page.goto(show(str(clip[0])))
     page.locator("#link").get_by_text(re.compile("no WebSocket")).wait_for(timeout=WAIT)
 
 
-def test_it_fits_phone_laptop_and_4k(serve: Any, page: Any, clip: Clip) -> None:
-    page.goto(serve(str(clip[0])))
+def test_it_fits_phone_laptop_and_4k(show: Any, page: Any, clip: Clip) -> None:
+    page.goto(show(str(clip[0])))
     wait_until(page, "picture.width === 320")
     for width, height in ((390, 844), (1280, 900), (3840, 2160)):
         page.set_viewport_size({"width": width, "height": height})

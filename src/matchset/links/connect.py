@@ -10,7 +10,7 @@ def connect(uri: str) -> Link:
     ----------
     uri : str
         ``serial:///dev/ttyUSB0``: an Arduino with a radio on that port. ``sim://chain``: the first vehicle of a
-        simulated chain; its camera is ``link.chain.cameras[0]``.
+        simulated chain; its camera is ``link.chain.cameras[0]``. ``mavlink:udpin:0.0.0.0:14550``: an autopilot.
 
     Raises
     ------
@@ -19,6 +19,10 @@ def connect(uri: str) -> Link:
     LinkError
         If the device cannot be opened.
     """
+    if uri.startswith("mavlink:"):
+        from matchset.links.mavlink.mavlink_link import MavlinkLink
+
+        return MavlinkLink(uri)
     scheme, mark, _ = uri.partition("://")
     if mark and scheme == "serial":
         from matchset.links.arduino.arduino_link import ArduinoLink

@@ -39,6 +39,8 @@ class LinkStatus(msgspec.Struct, frozen=True):
         Age of the last good command at the time of the status, s.
     warnings : tuple of str
         Its faults, in words.
+    reason : str
+        Why it flies no command although it was armed, in the words of a vehicle that gives a reason; else empty.
     """
 
     state: State
@@ -46,11 +48,12 @@ class LinkStatus(msgspec.Struct, frozen=True):
     errors: int
     age: float
     warnings: tuple[str, ...] = ()
+    reason: str = ""
 
     @property
     def refusal(self) -> str:
         """Why the commands of a link that was armed are not flown, in words; empty if they are."""
-        return REFUSALS.get(self.state, "")
+        return self.reason or REFUSALS.get(self.state, "")
 
 
 class Link(Protocol):

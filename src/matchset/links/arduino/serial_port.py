@@ -37,6 +37,8 @@ class SerialPort(NotCopied):
     ----------
     path : str
         E.g. ``/dev/ttyUSB0``.
+    baud : int
+        Bits per second.
 
     Raises
     ------
@@ -44,13 +46,13 @@ class SerialPort(NotCopied):
         If pyserial is missing, or the port cannot be opened or is in use.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, baud: int = BAUD) -> None:
         try:
             import serial
         except ImportError:
             raise LinkError(f"the serial link needs pyserial: {advice('serial')}") from None
         self._serial: Any = serial.Serial()
-        self._serial.port, self._serial.baudrate = path, BAUD
+        self._serial.port, self._serial.baudrate = path, baud
         self._serial.timeout, self._serial.write_timeout = 0, WRITE_TIMEOUT
         if os.name == "posix":
             self._serial.exclusive = True

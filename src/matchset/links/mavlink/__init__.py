@@ -1,5 +1,7 @@
 """MAVLink 2 of the few messages that a follower needs, without a dependency.
 
-Bottom up: `checksum.py` is the CRC, `message.py` what a message consists of, `messages.py` the table of all messages,
-`packet.py` makes packets and finds them in a stream of bytes.
+Top down: `mavlink_link.py` is the link, `client.py` the dialog with the autopilot, `telemetry.py` what it said,
+`autopilots.py` its modes, `address.py` the URI, `ports.py` UDP and the serial port. Below them `packet.py` makes
+packets and finds them in a stream of bytes, `messages.py` is the table of all messages, `message.py` what one consists
+of, `checksum.py` the CRC.
 """

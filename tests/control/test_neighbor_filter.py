@@ -76,6 +76,61 @@ def test_the_ball_behind_the_neighbor_is_never_taken_for_it(gone: float) -> None
     assert motion.update(seen((0.02, 0.0, 1.5), 3.0 + gone + 0.7), STILL)
 
 
+def drifted(x: float) -> EgoState:
+    """A vehicle that stands still and whose dead reckoning says that it has moved to the side."""
+    block = new_block(STATE)
+    fields(block, STATE).position[0] = x
+    return EgoState(block)
+
+
+@pytest.mark.parametrize("off", [0.45, 0.8, 1.5])
+def test_a_ball_that_is_seen_steadily_is_believed_however_far_dead_reckoning_has_drifted(off: float) -> None:
+    motion = NeighborFilter()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    believed = [motion.update(seen((0.0, 0.0, 1.5), 3.0 + k / 30), drifted(off)) for k in range(12)]
+    assert not believed[0]
+    assert all(believed[10:])
+    assert motion.time == 3.0 + 11 / 30
+    assert motion.doubt == ""
+
+
+def test_another_ball_is_known_by_its_distance_even_where_the_neighbor_is_expected() -> None:
+    motion = NeighborFilter()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    block = new_block(STATE)
+    fields(block, STATE).position[2] = -1.5
+    assert not any(motion.update(seen((0.0, 0.0, 3.0), 3.0 + k / 30), EgoState(block)) for k in range(30))
+    assert motion.doubt == "a ball is seen, but at the distance of another vehicle's"
+
+
+def test_poses_that_do_not_agree_with_each_other_never_win() -> None:
+    motion = NeighborFilter()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    sides = ((-1.0) ** k * 0.9 for k in range(15))
+    assert not any(motion.update(seen((side, 0.0, 1.2), 3.0 + k / 30), STILL) for k, side in enumerate(sides))
+    assert motion.doubt == "a ball is seen, but not where the neighbor should be"
+
+
+def test_another_ball_in_between_does_not_keep_the_neighbor_from_being_believed() -> None:
+    motion = NeighborFilter()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    believed = []
+    for k in range(24):
+        believed.append(motion.update(seen((0.0, 0.0, 1.5), 3.0 + k / 30), drifted(0.8)) if k % 2 else False)
+        assert k % 2 or not motion.update(seen((0.2, 0.0, 3.1), 3.0 + k / 30), drifted(0.8))
+    assert any(believed)
+
+
+def test_the_gate_widens_with_each_pose_that_is_refused_and_agrees() -> None:
+    def refused(widening: float) -> int:
+        motion = NeighborFilter(NeighborFilterParameters(widening=widening))
+        watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+        believed = [motion.update(seen((0.0, 0.0, 1.5), 3.0 + k / 30), drifted(0.22)) for k in range(12)]
+        return believed.index(True)
+
+    assert 0 < refused(1.0) < refused(1e-6) <= 10
+
+
 def test_after_three_seconds_all_begins_anew() -> None:
     motion = NeighborFilter()
     watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))

@@ -310,3 +310,14 @@ def test_a_ball_seen_in_the_future_or_at_no_time_is_not_seen(seen_time: float) -
     _, state = safety_filter(HOVER, SafetyInputs(now + STEP, now, seen_time, True), state)
     assert state.phase == "descending"
     assert "the ball has not been seen" in state.reason
+
+
+def test_a_ball_that_is_in_view_but_not_believed_is_not_called_unseen() -> None:
+    state, now = fly()
+    doubt, seen, reasons = "a ball is seen, but not where the neighbor should be", now, set()
+    for k in range(1, 40):
+        time = now + k * STEP
+        _, state = safety_filter(HOVER, SafetyInputs(time, time, seen, True, doubt=doubt), state)
+        reasons.add(state.reason)
+    assert state.phase == "descending"
+    assert reasons == {doubt, f"{doubt} for {LIMITS.hold_time:g} s"}

@@ -34,7 +34,7 @@ from matchset.numeric.record import Block, fields, new_block, record_dtype, stor
 
 Floats = npt.NDArray[np.float64]
 
-POSITION_ACCEPTED, YAW_ACCEPTED = 1, 2  # format: bits of an answer
+POSITION_ACCEPTED, YAW_ACCEPTED, OTHER_BALL = 1, 2, 4  # format: bits of an answer
 VALUES = len(AxisForecast.__struct_fields__)
 
 
@@ -49,6 +49,8 @@ class _Work:
     pose_covariance: Annotated[Floats, (6, 6), "f8"]
     ball_rotation: Annotated[Floats, (3, 3), "f8"]
     ego: Annotated[Floats, (STATE_SIZE,), "f8"]
+    distance: float  # from the camera to the ball in the last accepted pose, m
+    refused: Annotated[Floats, (3,), "f8"]  # ball of the last rejected pose, camera frame
     # scratch
     rotation: Annotated[Floats, (3, 3), "f8"]
     away: Annotated[Floats, (3,), "f8"]  # from the vehicle to the ball, in the frame at rest
@@ -79,11 +81,14 @@ class NeighborFilter(Copied):
         Of the last pose whose position was accepted, s; -inf before the first.
     yaw_time : float
         The same for the direction of its marker.
+    doubt : str
+        Why the position of the last pose was not accepted, in words; empty if it was.
     """
 
     def __init__(self, parameters: NeighborFilterParameters | None = None) -> None:
         self.parameters = parameters or NeighborFilterParameters()
         self.time = self.yaw_time = -math.inf
+        self.doubt = ""
         self._block = initial_block(self.parameters)
         self._make_derived()
 
@@ -114,6 +119,7 @@ class NeighborFilter(Copied):
         )
         if accepted & POSITION_ACCEPTED:
             self.time = pose.time
+        self.doubt = _doubt(accepted)
         if accepted & YAW_ACCEPTED:
             self.yaw_time = pose.time
         return bool(accepted & POSITION_ACCEPTED)
@@ -135,6 +141,15 @@ class NeighborFilter(Copied):
         forecasts = np.empty((len(times), AXES, VALUES))
         forecast_all(self._block, np.array(times), self.time, self.yaw_time, max_extrapolation, forecasts)
         return [Forecast(*[AxisForecast(*axis) for axis in axes]) for axes in forecasts.tolist()]
+
+
+def _doubt(accepted: int) -> str:
+    """Say why a position was not accepted; empty if it was."""
+    if accepted & POSITION_ACCEPTED:
+        return ""
+    if accepted & OTHER_BALL:
+        return "a ball is seen, but at the distance of another vehicle's"
+    return "a ball is seen, but not where the neighbor should be"
 
 
 def initial_block(parameters: NeighborFilterParameters) -> Block:
@@ -161,11 +176,10 @@ def update(block: Block, since: float, yaw_since: float, marker_visible: bool) -
     position_to_world(work)
     accepted = 0
     visible = marker_visible and marker_yaw(work)
-    if not is_jump(work, since):
-        if correct_axes(work, work.position_axes, since):
-            accepted += POSITION_ACCEPTED
-    else:
-        work.position_axes.rejected += 1
+    if is_other_ball(work, since):
+        accepted += OTHER_BALL
+    elif correct_position(work, since):
+        accepted += POSITION_ACCEPTED
     if visible and correct_axes(work, work.yaw_axis, yaw_since):
         accepted += YAW_ACCEPTED
     return accepted
@@ -224,15 +238,34 @@ def marker_yaw(work: Any) -> bool:
 
 
 @helper
-def is_jump(work: Any, since: float) -> bool:
-    """Whether the ball is so far from its forecast that it must be another vehicle's."""
+def distance_of_ball(work: Any) -> float:
+    """Distance from the camera to the ball of the pose, m."""
+    return math.sqrt(work.ball[0] ** 2 + work.ball[1] ** 2 + work.ball[2] ** 2)
+
+
+@helper
+def is_other_ball(work: Any, since: float) -> bool:
+    """Whether the ball is so much nearer or farther than the neighbor's was that it must be another vehicle's."""
     if not since <= work.parameters.reset_time:
         return False
-    forecast(work, since, since, work.parameters.jump_extrapolation)
-    square = 0.0
-    for axis in range(YAW):
-        square += (work.measured[axis] - work.forecast[axis, 0]) ** 2
-    return not square <= work.parameters.max_jump**2
+    return not abs(distance_of_ball(work) - work.distance) <= work.parameters.max_jump
+
+
+@helper
+def correct_position(work: Any, since: float) -> bool:
+    """Predict and correct the position; of the poses that it rejects count those that agree with each other."""
+    axes, square = work.position_axes, 0.0
+    for k in range(3):
+        square += (work.ball[k] - work.refused[k]) ** 2
+    if axes.rejected > 0 and not square <= work.parameters.agreement**2:
+        axes.rejected = 0
+    accepted = correct_axes(work, axes, since)
+    if accepted:
+        work.distance = distance_of_ball(work)
+    else:
+        for k in range(3):
+            work.refused[k] = work.ball[k]
+    return bool(accepted)
 
 
 @helper

@@ -127,6 +127,9 @@ class SafetyInputs(NamedTuple):
         Whether the pilot wants to fly.
     fault : str
         Why the newest frames must not be flown by, in words; empty if they may. While it is not, no ball is seen.
+    doubt : str
+        Why a ball that is in the newest frame does not count as confirmed, in words; empty if none is in it, or if it
+        counts.
     """
 
     now: float
@@ -134,6 +137,7 @@ class SafetyInputs(NamedTuple):
     seen_time: float
     armed: bool
     fault: str = ""
+    doubt: str = ""
 
 
 class SafetyState(NamedTuple):
@@ -202,7 +206,7 @@ def safety_filter(
     if state.phase == "cut":
         return Command(), state._replace(time=inputs.now)
     seen = usable and inputs.seen_time == inputs.frame_time
-    unseen = "" if seen else "the ball is not seen" if usable else "the controller has no answer"
+    unseen = "" if seen else (inputs.doubt or "the ball is not seen") if usable else "the controller has no answer"
     if state.phase == "locked" and (reason or unseen):
         return Command(), state._replace(reason=reason or unseen, time=inputs.now)
     if state.phase == "descending" and not inputs.now - seen_since >= limits.reacquisition_time:
@@ -233,7 +237,7 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, limits: SafetyPar
     if not 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age:
         return f"no new frame for {limits.max_frame_age:g} s"
     if not 0.0 <= inputs.now - inputs.seen_time <= limits.hold_time:
-        return f"the ball has not been seen for {limits.hold_time:g} s"
+        return f"{inputs.doubt or 'the ball has not been seen'} for {limits.hold_time:g} s"
     if not inputs.now - seen_time <= limits.hold_time:
         return f"the controller has not answered for {limits.hold_time:g} s"
     return ""

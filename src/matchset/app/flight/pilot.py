@@ -266,7 +266,8 @@ class Pilot:
         control = self._follower.update(pose, now)
         self._check_association(pose)
         fault = self._picture_fault()
-        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self.landing or fault)
+        doubt = self._follower.neighbor.doubt if isinstance(pose, Pose) else ""
+        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self.landing or fault, doubt)
         wanted, self._safety = safety_filter(control and control.desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()
         if stopped:

@@ -29,7 +29,7 @@ demo: $(PACKAGE)  ## render a clip, track the ball in it, compare with the truth
 test: $(READY) $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --ignore tests/browser $(ARGS)
 
-browser-test: $(READY) $(BROWSER)  ## click through the live page in Chromium, one test after the other (minutes)
+browser-test: $(READY) $(BROWSER)  ## click through the live page in Chromium, one test after the other (five minutes)
 	$(ONE_THREAD) $(BIN)/python -m pytest tests/browser $(ARGS)
 
 check: $(READY) wheel-check  ## lint, format, types, and the wheel

@@ -13,6 +13,7 @@ CHAIN = "sim://chain?vehicles=2&seed=5&width=320&height=240"  # small pictures: 
 RADIO = SimulationParameters().vehicle.radio_delay  # s, from a command to the motors
 WAIT = 30.0  # s
 ATTEMPTS = 3
+SILENT = "was silent"
 
 
 class LiveFlight:
@@ -39,10 +40,11 @@ class LiveFlight:
         return {"duty": "idle", "page": "", "reason": "", "ready": False, "followers": [], **panels.get("flight", {})}
 
     def wait(self, what: Callable[[dict[str, Any]], object], seconds: float = WAIT) -> dict[str, Any]:
-        """Wait until its state is so; returns it."""
+        """Wait until its state is so; returns it. A flight that silence has ended will not come to it."""
         end = time.monotonic() + seconds
         while not what(state := self.state):
             assert time.monotonic() < end, state
+            assert state["duty"] != "stopped" or SILENT not in state["reason"], state
             if self._page.is_closed():
                 time.sleep(0.02)
             else:
@@ -63,7 +65,7 @@ def again_if_silent(test: Callable[..., None]) -> Callable[..., None]:
             try:
                 test(*args, **fixtures)
             except Exception:  # an assertion, or a wait in the browser
-                if not left or LiveFlight.last is None or "was silent" not in LiveFlight.last.state["reason"]:
+                if not left or LiveFlight.last is None or SILENT not in LiveFlight.last.state["reason"]:
                     raise
             else:
                 return

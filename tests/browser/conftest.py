@@ -14,6 +14,7 @@ from live_pages import Servers, Shared
 from matchset.app.live.compiling import NEEDED
 from matchset.app.warm import groups
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
+from mjpeg_server import MjpegServer
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
@@ -76,6 +77,13 @@ def warm() -> None:
     """Kernels are compiled before a server needs them: a clip would not wait for that."""
     for name in NEEDED:
         groups()[name]()
+
+
+@pytest.fixture
+def film() -> Iterator[Callable[..., MjpegServer]]:
+    """Make a camera in the network, closed after the servers that read it if asked for before `serve`: they wait."""
+    with contextlib.ExitStack() as opened:
+        yield lambda picture, rate=30.0: opened.enter_context(MjpegServer(picture, rate))
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live_pages import on_screen, wait_until, wait_until_compiled
-from mjpeg_server import MjpegServer
 
 WAIT = 20_000  # ms
 
@@ -20,17 +19,17 @@ def picture(number: int) -> npt.NDArray[np.uint8]:
     return image
 
 
-def test_a_camera_goes_and_comes_back(serve: Any, page: Any) -> None:
-    with MjpegServer(picture) as camera:
-        page.goto(serve(camera.url))
-        wait_until(page, "picture.width === 320")
-        wait_until_compiled(page)
-        page.mouse.click(*on_screen(page, 165, 120))
-        page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)
-        camera.stop()
-        page.locator("#veil").get_by_text(re.compile("tried again every 1 s")).wait_for(timeout=WAIT)
-        page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
-        assert page.locator("#targets li").count() == 1
-        camera.start()
-        page.locator("#veil").wait_for(state="hidden", timeout=WAIT)
-        page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)
+def test_a_camera_goes_and_comes_back(film: Any, serve: Any, page: Any) -> None:
+    camera = film(picture)
+    page.goto(serve(camera.url))
+    wait_until(page, "picture.width === 320")
+    wait_until_compiled(page)
+    page.mouse.click(*on_screen(page, 165, 120))
+    page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)
+    camera.stop()
+    page.locator("#veil").get_by_text(re.compile("tried again every 1 s")).wait_for(timeout=WAIT)
+    page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
+    assert page.locator("#targets li").count() == 1
+    camera.start()
+    page.locator("#veil").wait_for(state="hidden", timeout=WAIT)
+    page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)

@@ -70,7 +70,7 @@ def camera() -> Iterator[MjpegServer]:
 
 
 @pytest.fixture
-def opened(show: Any, page: Any, camera: MjpegServer) -> Any:
+def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
     """A page that shows the ball of a camera."""
     page.goto(show(camera.url))
     wait_until(page, "picture.width === 320")

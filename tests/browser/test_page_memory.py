@@ -4,8 +4,8 @@ from typing import Any
 
 from live_pages import wait_for_picture
 
-BEGIN, END = 500, 2500  # pictures
-LARGEST = 3e6  # bytes that the page's heap may grow from one to the other
+BEGIN, END = 800, 1800  # pictures; the heap grows by 0.1 MB up to 800, and by 6 kB in 1,500 more
+LARGEST = 3e5  # bytes that the page's heap may grow from one to the other: 300 a picture
 
 REPLAY = """(() => {
   const Real = window.WebSocket;

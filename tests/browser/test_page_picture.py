@@ -35,7 +35,7 @@ def camera() -> Iterator[MjpegServer]:
 
 
 @pytest.fixture
-def opened(show: Any, page: Any, camera: MjpegServer) -> Any:
+def opened(camera: MjpegServer, show: Any, page: Any) -> Any:
     """A page that shows the scene."""
     page.goto(show(camera.url))
     wait_until(page, "picture.width === 320")
@@ -163,7 +163,7 @@ def test_the_keyboard_alone_follows_a_ball(opened: Any) -> None:
     opened.locator("#drawing .cross").first.wait_for(state="detached", timeout=WAIT)
 
 
-def test_fingers_pinch_and_tap(show: Any, new_page: Any, camera: MjpegServer) -> None:
+def test_fingers_pinch_and_tap(camera: MjpegServer, show: Any, new_page: Any) -> None:
     page = new_page(viewport={"width": 390, "height": 844}, has_touch=True)
     page.goto(show(camera.url))
     wait_until(page, "picture.width === 320")

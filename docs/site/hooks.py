@@ -24,6 +24,7 @@ GUIDES = (
     "recording",
     "ros",
     "radio",
+    "crsf",
     "clips",
     "simulation",
 )

@@ -9,8 +9,9 @@ def connect(uri: str) -> Link:
     Parameters
     ----------
     uri : str
-        ``serial:///dev/ttyUSB0``: an Arduino with a radio on that port. ``sim://chain``: the first vehicle of a
-        simulated chain; its camera is ``link.chain.cameras[0]``. ``mavlink:udpin:0.0.0.0:14550``: an autopilot.
+        ``serial:///dev/ttyUSB0``: an Arduino with a radio on that port. ``crsf:///dev/ttyUSB0``: an ExpressLRS or
+        Crossfire module. ``mavlink:udpin:0.0.0.0:14550``: an autopilot. ``sim://chain``: the first vehicle of a
+        simulated chain; its camera is ``link.chain.cameras[0]``.
 
     Raises
     ------
@@ -28,8 +29,12 @@ def connect(uri: str) -> Link:
         from matchset.links.arduino.arduino_link import ArduinoLink
 
         return ArduinoLink(uri)
+    if mark and scheme == "crsf":
+        from matchset.links.crsf.crsf_link import CrsfLink
+
+        return CrsfLink(uri)
     if mark and scheme == "sim":
         from matchset.links.simulated import SimulatedChain, parse_uri
 
         return SimulatedChain(parse_uri(uri)).links[0]
-    raise ValueError(f"a link is named like serial:///dev/ttyUSB0 or sim://chain, got {uri!r}")
+    raise ValueError(f"a link is named like serial:///dev/ttyUSB0, crsf:///dev/ttyUSB0 or sim://chain, got {uri!r}")

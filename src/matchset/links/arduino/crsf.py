@@ -85,15 +85,22 @@ def unpack_channels(payload: bytes) -> list[int]:
 class Parser:
     """Finds frames in a stream of bytes, and synchronizes again after noise.
 
+    Parameters
+    ----------
+    first : bytes
+        What a frame may begin with.
+
     Attributes
     ----------
     bad : int
         Frames with a wrong CRC so far.
+    skipped : int
+        Bytes that belong to no frame so far.
     """
 
-    def __init__(self) -> None:
-        self._bytes = bytearray()
-        self.bad = 0
+    def __init__(self, first: bytes = bytes((SYNC,))) -> None:
+        self._bytes, self._first = bytearray(), first
+        self.bad = self.skipped = 0
 
     def feed(self, data: bytes) -> list[tuple[int, bytes]]:
         """Add the next bytes of the stream; returns type and payload of every frame that is complete now."""
@@ -102,7 +109,8 @@ class Parser:
         start, stream = 0, self._bytes
         while len(stream) - start >= 2:
             length = stream[start + 1]
-            if stream[start] != SYNC or not MIN_LENGTH <= length <= MAX_LENGTH:
+            if stream[start] not in self._first or not MIN_LENGTH <= length <= MAX_LENGTH:
+                self.skipped += 1
                 start += 1
                 continue
             if len(stream) - start < length + 2:
@@ -113,6 +121,7 @@ class Parser:
                 start += length + 2
             else:
                 self.bad += 1
+                self.skipped += 1
                 start += 1
         del stream[:start]
         return found

@@ -1,6 +1,7 @@
 """A serial port that does not reset the board when it is opened; the only file that needs pyserial."""
 
 import contextlib
+import errno
 import os
 from typing import Any, Protocol
 
@@ -11,6 +12,7 @@ from matchset.numeric.extras import advice
 BAUD = 115_200  # format: baud rate of the firmware
 READ_BYTES = 4096  # format: largest number of bytes that one call reads
 WRITE_TIMEOUT = 0.1  # format: s, where a write waits: not on POSIX; a frame takes 2.3 ms
+IN_USE = "another program uses it"
 
 
 class Port(Protocol):
@@ -64,7 +66,8 @@ class SerialPort(NotCopied):
         except (OSError, ValueError) as error:
             self.close()
             number = getattr(error, "errno", None)
-            raise LinkError(f"cannot open {path}: {os.strerror(number) if number else error}") from error
+            words = os.strerror(number) if number else error
+            raise LinkError(f"cannot open {path}: {IN_USE if number == errno.EAGAIN else words}") from error
         # FTDI converters delay bytes by up to 16 ms otherwise. Not every driver or system supports it.
         with contextlib.suppress(OSError, ValueError, NotImplementedError, AttributeError):
             self._serial.set_low_latency_mode(True)

@@ -12,6 +12,7 @@ from matchset.app.live.session import Session
 from matchset.app.live.web.application import make_application
 from matchset.app.live.web.listening import listen
 from matchset.app.live.web.security import Guard
+from matchset.app.live.web.session_report import SessionReport
 from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
@@ -39,7 +40,8 @@ class Served(NamedTuple):
 
 def made_desk(streams: int = 1) -> tuple[Desk, Viewers, MadeUpFeed]:
     """A session that shows a made-up feed, and who is told of it."""
-    desk, viewers, feed = Desk(Session(), Pictures(), READER), Viewers(), MadeUpFeed(streams)
+    session, viewers, feed = Session(), Viewers(), MadeUpFeed(streams)
+    desk = Desk(session, Pictures(), READER, SessionReport(session))
 
     def tell(number: int) -> None:
         seen = desk.session.hear(number)

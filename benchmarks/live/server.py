@@ -22,6 +22,7 @@ from matchset.app.live.vision.camera_feed import CameraFeed
 from matchset.app.live.web.application import make_application
 from matchset.app.live.web.listening import listen
 from matchset.app.live.web.security import Guard
+from matchset.app.live.web.session_report import SessionReport
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
 from matchset.image.frame import Frame
@@ -90,7 +91,8 @@ class DrawnCamera:
 def main() -> None:
     """Serve until the input ends."""
     listener, port = listen("127.0.0.1", 0)
-    desk, viewers = Desk(Session(), Pictures(), READER), Viewers()
+    session, viewers = Session(), Viewers()
+    desk = Desk(session, Pictures(), READER, SessionReport(session))
 
     def news(number: int) -> None:
         seen = desk.session.hear(number)

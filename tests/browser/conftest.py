@@ -11,8 +11,7 @@ import pytest
 
 from live_clips import filmed, going_around, leaving
 from live_pages import Servers, Shared
-from matchset.app.live.compiling import NEEDED
-from matchset.app.warm import groups
+from matchset.app.live.compiling import compile_needed
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from mjpeg_server import MjpegServer
 
@@ -75,8 +74,7 @@ def page(new_page) -> Any:
 @pytest.fixture(scope="session")
 def warm() -> None:
     """Kernels are compiled before a server needs them: a clip would not wait for that."""
-    for name in NEEDED:
-        groups()[name]()
+    compile_needed()
 
 
 @pytest.fixture

@@ -23,6 +23,7 @@ from matchset.app.live.known_messages import READER
 from matchset.app.live.session import Session
 from matchset.app.live.web.application import UPLOAD, make_application
 from matchset.app.live.web.security import Guard
+from matchset.app.live.web.session_report import SessionReport
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
 from matchset.app.live.wire.state import State, TargetState
@@ -277,7 +278,9 @@ def client(panel: tuple[CameraPanel, Source, list[str]]) -> AsgiClient:
 
     session = Session()
     session.show(One())
-    application = make_application(Desk(session, Pictures(), READER), Viewers(), Guard([], 80, token=False))
+    application = make_application(
+        Desk(session, Pictures(), READER, SessionReport(session)), Viewers(), Guard([], 80, token=False)
+    )
     return AsgiClient(application)
 
 

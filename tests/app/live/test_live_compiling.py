@@ -7,8 +7,9 @@ import pytest
 
 from matchset.app.live.compiling import CompilingPanel
 from matchset.app.live.session import Session
-from matchset.app.live.targets.messages import Drop, Pick
+from matchset.app.live.targets.messages import Drop, Marker, Pick
 from matchset.app.live.targets.panel import TargetsPanel
+from matchset.app.live.wire.messages import Kernels
 
 
 def test_kernels_are_counted_until_the_first_click_can_be_answered() -> None:
@@ -26,6 +27,31 @@ def test_kernels_are_counted_until_the_first_click_can_be_answered() -> None:
     assert (panel.state().kernels, panel.state().done, panel.refusal()) == (3, True, "")
     session.take(Pick(1, 2.0, 3.0), "page")
     assert asked == [Drop(1), Pick(1, 2.0, 3.0)]
+
+
+def test_other_shapes_and_markers_wait_longer_than_the_first_click() -> None:
+    program = "print(1); print('the first click', flush=True); print(2, flush=True); import time; time.sleep(0.5)"
+    asked, marker, box = list[object](), Marker(1, 1, 2.0, 3.0), Pick(1, 2.0, 3.0, shape="rectangle")
+    panel = CompilingPanel((sys.executable, "-c", program))
+    session = Session((panel, TargetsPanel(asked.append)), refusal=panel.refusal)
+    while not panel.state().done:
+        time.sleep(0.01)
+    session.take(Pick(1, 2.0, 3.0), "page")
+    for message in (box, marker):
+        with pytest.raises(ValueError, match="other shapes and markers wait for the compiler"):
+            session.take(message, "page")
+    panel._thread.join(120.0)
+    session.take(box, "page")
+    session.take(marker, "page")
+    assert asked == [Pick(1, 2.0, 3.0), box, marker]
+    assert panel.state().kernels == 1
+
+
+def test_what_is_kept_on_the_disk_is_no_reason_to_wait() -> None:
+    panel = CompilingPanel((sys.executable, "-c", "import time; time.sleep(0.2)"))
+    assert panel.refusal(Kernels.ALL) == ""
+    panel._thread.join(120.0)
+    assert panel.state().done
 
 
 def test_without_a_process_the_first_click_compiles() -> None:

@@ -1,7 +1,8 @@
 """Compiles what the first click needs while the page is opened, and tells the page so: `CompilingPanel`.
 
 The compiler holds the interpreter for most of a minute, in which no picture would reach a page. So another process
-compiles, and leaves what it made on the disk; this one loads it.
+compiles, and leaves what it made on the disk; this one loads it. What other shapes and markers need comes after that of
+the first click.
 """
 
 import subprocess
@@ -12,12 +13,19 @@ import time
 import msgspec
 
 from matchset.app.live.feed import Panel
-from matchset.app.warm import groups
+from matchset.app.live.wire.messages import Kernels
+from matchset.app.warm import FAMILIES, groups
 
-NEEDED = ("circle", "localizer")
+CIRCLES = ("circle", "localizer")
 """Sets of kernels of the first click."""
+OTHERS = (*(name for name in FAMILIES if name not in CIRCLES), "markers")
+"""Sets of kernels of other shapes, and of markers."""
+READY = b"the first click"  # format: what the process writes between the two
 PROGRAM = "from matchset.app.live.compiling import compile_aloud; compile_aloud()"
-WAITS = "the first click waits for the compiler, only once on this machine: click again when it is done"
+WAITS = {
+    Kernels.CIRCLE: "the first click waits for the compiler, only once on this machine: click again when it is done",
+    Kernels.ALL: "other shapes and markers wait for the compiler, only once on this machine: try again in a minute",
+}
 
 
 class CompilingState(msgspec.Struct, frozen=True):
@@ -26,7 +34,7 @@ class CompilingState(msgspec.Struct, frozen=True):
     Parameters
     ----------
     kernels : int
-        Compiled so far; 0: all was kept on the disk.
+        Compiled so far of those of the first click; 0: all was kept on the disk.
     seconds : int
         For how long.
     done : bool
@@ -50,35 +58,59 @@ class CompilingPanel(Panel):
     name = "compiling"
 
     def __init__(self, command: tuple[str, ...] = (sys.executable, "-c", PROGRAM)) -> None:
-        self._command, self._begin, self._kernels, self._spent = command, time.monotonic(), 0, 0.0
+        self._command, self._begin, self._spent = command, time.monotonic(), 0.0
+        self._counts, self._ready = {Kernels.CIRCLE: 0, Kernels.ALL: 0}, Kernels.NONE
         self._thread = threading.Thread(target=self._run, name="matchset compiler", daemon=True)
         self._thread.start()
 
     def state(self) -> CompilingState:
         """Return how far it is."""
-        done = not self._thread.is_alive()
-        return CompilingState(self._kernels, int(self._spent if done else time.monotonic() - self._begin), done)
+        done = self._ready > Kernels.NONE
+        seconds = int(self._spent if done else time.monotonic() - self._begin)
+        return CompilingState(self._counts[Kernels.CIRCLE], seconds, done)
 
-    def refusal(self) -> str:
-        """Return why a click cannot be answered yet; empty if it can."""
-        return WAITS if self._thread.is_alive() and self._kernels else ""
+    def refusal(self, needs: Kernels = Kernels.CIRCLE) -> str:
+        """Return why what needs such code cannot be done yet; empty if it can, or all was kept on the disk."""
+        if needs <= self._ready or not any(self._counts.values()):
+            return ""
+        return WAITS[max(needs, Kernels.CIRCLE)] if self._ready else WAITS[Kernels.CIRCLE]
 
     def _run(self) -> None:
         try:
             with subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
-                for _ in process.stdout or ():
-                    self._kernels += 1
+                for line in process.stdout or ():
+                    if line.strip() == READY:
+                        self._load(Kernels.CIRCLE, CIRCLES)
+                    else:
+                        self._counts[Kernels.ALL if self._ready else Kernels.CIRCLE] += 1
         except OSError:  # no process can be started: the first click compiles
+            self._ready = Kernels.ALL
             return
-        for name in NEEDED:
-            groups()[name]()
-        self._spent = time.monotonic() - self._begin
+        if not self._ready:  # it broke off
+            self._load(Kernels.CIRCLE, CIRCLES)
+        self._load(Kernels.ALL, OTHERS)
+
+    def _load(self, kernels: Kernels, names: tuple[str, ...]) -> None:
+        compile_needed(names)
+        self._ready = kernels
+        if kernels is Kernels.CIRCLE:
+            self._spent = time.monotonic() - self._begin
+
+
+def compile_needed(names: tuple[str, ...] = CIRCLES + OTHERS) -> None:
+    """Compile what the page needs, or load it where it is kept on the disk."""
+    for name in names:
+        groups()[name]()
 
 
 def compile_aloud() -> None:
-    """Compile what is needed, and write a line to stdout for each kernel that was not kept on the disk."""
+    """Compile what is needed, and write a line to stdout for each kernel that was not kept on the disk.
+
+    Between those of the first click and the others it writes `READY`.
+    """
     from matchset.numeric.compiling import WATCHERS
 
     WATCHERS.append(lambda: print("kernel", flush=True))
-    for name in NEEDED:
-        groups()[name]()
+    compile_needed(CIRCLES)
+    print(READY.decode(), flush=True)
+    compile_needed(OTHERS)

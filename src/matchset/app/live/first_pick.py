@@ -7,6 +7,7 @@ from collections.abc import Callable
 from matchset.app.closing import Closing
 from matchset.app.live.session import Session
 from matchset.app.live.targets.messages import Pick
+from matchset.app.live.targets.target import check_inside
 
 LOOK = 0.02  # format: s between two looks whether there is a picture
 
@@ -48,7 +49,5 @@ class FirstPick(Closing):
             return
 
     def _click(self, sequence: int, width: int, height: int) -> None:
-        x, y = self._point
-        if not (0.0 <= x < width and 0.0 <= y < height):
-            raise ValueError(f"({x:g}, {y:g}) is outside of the picture of {width} x {height} px")
-        self._session.take(Pick(sequence, x, y), "")
+        check_inside(*self._point, width, height)
+        self._session.take(Pick(sequence, *self._point), "")

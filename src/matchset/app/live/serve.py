@@ -22,6 +22,7 @@ from matchset.app.live.sources.stage import Stage
 from matchset.app.live.web.application import make_application
 from matchset.app.live.web.listening import listen, own_address, qr_code
 from matchset.app.live.web.security import Guard
+from matchset.app.live.web.session_report import SessionReport
 from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
@@ -44,7 +45,7 @@ def serve(options: LiveOptions) -> int:
     guard = Guard([address, name, f"{name}.local"], port, token=options.lan)
     compiling, recorder = CompilingPanel(), Recorder()
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
-    desk, viewers = Desk(session, Pictures(), READER), Viewers()
+    desk, viewers = Desk(session, Pictures(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:
         stop = opened.enter_context(StopRequest())
         for each in (listener, recorder, session, make_stage(options, desk, viewers)):

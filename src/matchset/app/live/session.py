@@ -9,7 +9,7 @@ import msgspec
 
 from matchset.app.closing import Closing
 from matchset.app.live.feed import Feed, Listener, Panel, Seen, Stream
-from matchset.app.live.wire.messages import Up
+from matchset.app.live.wire.messages import Kernels, Up
 from matchset.app.live.wire.state import SessionState
 
 
@@ -35,7 +35,7 @@ class Session(Closing):
     listeners : sequence of Listener, optional
         Told of each picture that is shown.
     refusal : callable, optional
-        Returns why no tracker can be begun yet; empty if one can.
+        Returns why what needs compiled code cannot be done yet; empty if it can.
     parameters : SessionParameters, optional
     """
 
@@ -43,10 +43,10 @@ class Session(Closing):
         self,
         panels: tuple[Panel, ...] = (),
         listeners: tuple[Listener, ...] = (),
-        refusal: Callable[[], str] | None = None,
+        refusal: Callable[[Kernels], str] | None = None,
         parameters: SessionParameters | None = None,
     ) -> None:
-        self._own, self._listeners, self._refusal = panels, listeners, refusal or (lambda: "")
+        self._own, self._listeners, self._refusal = panels, listeners, refusal or (lambda _: "")
         self._notes: deque[tuple[str, int]] = deque(maxlen=(parameters or SessionParameters()).notes)
         self._feed: Feed | None = None
         self._lock = threading.Lock()
@@ -113,7 +113,7 @@ class Session(Closing):
         ValueError
             If it cannot be done; says why.
         """
-        if message.tracks and (words := self._refusal()):
+        if words := self._refusal(message.needs):
             raise ValueError(words)
         if message.replaces and (words := self.busy):
             raise ValueError(words)

@@ -5,15 +5,14 @@ from typing import Any
 
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.messages import Outline, Pick
-from matchset.app.live.targets.placing import position_of
-from matchset.app.live.targets.target import OUTLINE_POINTS, flat
+from matchset.app.live.targets.placing import Place, position_of
+from matchset.app.live.targets.told import About, found_state, lost_state
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
-from matchset.shapes.shape import outline
 from matchset.tracking.track import Lost, Track
 
 Answer = Track[Any] | Lost[Any]
@@ -119,38 +118,17 @@ class FileTarget:
     def state(self, place: int) -> TargetState:
         """Return what the page shows of it in a frame, for the thread of the player."""
         answer, pose = self.answer(place), self.pose(place)
-        if not isinstance(answer, Track):
-            return self._lost_state(place, answer)
-        return TargetState(
-            self.number,
-            self.name,
-            True,
-            shape=self.shape,
-            values=answer.measured(),
-            outline=flat(outline(answer.shape, OUTLINE_POINTS)),
-            match_set=flat(answer.match_set),
-            support=float(answer.support),
-            position=dict(position_of(pose)) if isinstance(pose, Pose) else {},
-            diameter=self.diameter,
-        )
+        about = About(self.number, self.name, self.shape, self.diameter)
+        if answer is None:
+            return lost_state(about, "not tracked here yet")
+        if isinstance(answer, Lost):
+            return lost_state(about, answer.reason, self._lost_for(place, answer), answer.predicted)
+        return found_state(about, answer, Place(pose, position_of(pose)) if isinstance(pose, Pose) else Place())
 
-    def _lost_state(self, place: int, answer: Lost[Any] | None) -> TargetState:
-        predicted = None if answer is None else answer.predicted
-        return TargetState(
-            self.number,
-            self.name,
-            False,
-            shape=self.shape,
-            reason="not tracked here yet" if answer is None else answer.reason,
-            predicted=[] if predicted is None else flat(outline(predicted, OUTLINE_POINTS)),
-            lost_for=self._lost_for(place, answer),
-            diameter=self.diameter,
-        )
-
-    def _lost_for(self, place: int, answer: Lost[Any] | None) -> float:
+    def _lost_for(self, place: int, answer: Lost[Any]) -> float:
         last = self.last_found(place)
         seen = None if last is None else self.answer(last)
-        return 0.0 if answer is None or seen is None else max(answer.time - seen.time, 0.0)
+        return 0.0 if seen is None else max(answer.time - seen.time, 0.0)
 
     def pose(self, place: int) -> "Pose | Lost[Pose] | None":
         """Return where it is in a frame, for the thread of the player; None: not known, or nothing to know it from."""

@@ -5,12 +5,12 @@ import time
 
 from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.live.feed import Seen
-from matchset.app.live.targets.placing import axes_of, position_of
-from matchset.app.live.targets.target import MARKER_POINTS, OUTLINE_POINTS, flat
+from matchset.app.live.targets.placing import Place, axes_of, position_of
+from matchset.app.live.targets.told import About, found_state, lost_state
 from matchset.app.live.wire.state import State, TargetState
 from matchset.image.frame import Frame
 from matchset.localization.pose import Pose
-from matchset.shapes.shape import outline
+from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost
 
 
@@ -71,23 +71,18 @@ class FollowerStream:
 
     def _ball(self, step: PilotStep, pilot: Pilot) -> TargetState:
         """Return what is known of the neighbor's ball."""
-        name = f"ball of vehicle {self.number + 2}"
+        about = About(1, f"ball of vehicle {self.number + 2}")
         if isinstance(step.ball, Lost):
             if math.isnan(self._found_time):
                 self._found_time = step.now
-            return TargetState(1, name, False, reason=step.ball.reason, lost_for=step.now - self._found_time)
+            return lost_state(about, step.ball.reason, step.now - self._found_time)
         self._found_time = step.now
-        radius = pilot.parameters.target.radius
-        axes = axes_of(step.pose, pilot.camera.model, radius) if isinstance(step.pose, Pose) else None
-        return TargetState(
-            1,
-            name,
-            True,
-            values=step.ball.measured(),
-            outline=flat(outline(step.ball.shape, OUTLINE_POINTS)),
-            match_set=flat(step.ball.match_set),
-            support=float(step.ball.support),
-            position=dict(position_of(step.pose)) if isinstance(step.pose, Pose) else {},
-            markers=[flat(outline(marker.shape, MARKER_POINTS)) for marker in step.markers],
-            axes=[] if axes is None else flat(axes),
-        )
+        if not isinstance(step.pose, Pose):
+            return found_state(about, step.ball, Place(step.pose, markers=shapes_of(step)))
+        axes = axes_of(step.pose, pilot.camera.model, pilot.parameters.target.radius)
+        return found_state(about, step.ball, Place(step.pose, position_of(step.pose), shapes_of(step), axes))
+
+
+def shapes_of(step: PilotStep) -> tuple[Circle, ...]:
+    """Return the markers that a follower sees."""
+    return tuple(marker.shape for marker in step.markers)

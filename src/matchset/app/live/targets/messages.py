@@ -1,10 +1,10 @@
 """What a page says of targets."""
 
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import msgspec
 
-from matchset.app.live.wire.messages import Name, Number, Positive, Px, Up
+from matchset.app.live.wire.messages import Kernels, Name, Number, Positive, Px, Up
 
 Length = Annotated[float, msgspec.Meta(gt=0.0, le=20.0)]
 
@@ -12,24 +12,30 @@ Length = Annotated[float, msgspec.Meta(gt=0.0, le=20.0)]
 class Pick(Up, frozen=True, tag="pick"):
     """Follow what is at a point of a picture, px; `shape` is a family of shapes."""
 
-    tracks: ClassVar[bool] = True
-
     sequence: Number
     x: Px
     y: Px
     shape: Name = "circle"
     stream: Number = 0
 
+    @property
+    def needs(self) -> Kernels:
+        """Code for this shape."""
+        return Kernels.CIRCLE if self.shape == "circle" else Kernels.ALL
+
 
 class Outline(Up, frozen=True, tag="outline"):
     """Follow the shape whose rim was drawn in a picture: x and y of points along it, px, one after the other."""
-
-    tracks: ClassVar[bool] = True
 
     sequence: Number
     points: Annotated[list[Px], msgspec.Meta(min_length=6, max_length=400)]
     shape: Name = "circle"
     stream: Number = 0
+
+    @property
+    def needs(self) -> Kernels:
+        """Code for this shape."""
+        return Kernels.CIRCLE if self.shape == "circle" else Kernels.ALL
 
 
 class Drop(Up, frozen=True, tag="drop"):
@@ -53,6 +59,11 @@ class Marker(Up, frozen=True, tag="marker"):
     x: Px
     y: Px
     meters: Positive = 0.06
+
+    @property
+    def needs(self) -> Kernels:
+        """Code that looks for markers."""
+        return Kernels.ALL
 
 
 class FieldOfView(Up, frozen=True, tag="field_of_view"):

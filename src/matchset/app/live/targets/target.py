@@ -1,6 +1,5 @@
 """Something that was clicked and is followed since: `Target`."""
 
-import itertools
 from typing import Any
 
 import cv2
@@ -10,6 +9,7 @@ import numpy.typing as npt
 from matchset.app.live.targets.drawn_outline import shape_along
 from matchset.app.live.targets.messages import Begin, Outline
 from matchset.app.live.targets.placing import Place, Placing
+from matchset.app.live.targets.told import About, found_state, lost_state
 from matchset.app.live.wire.state import TargetState
 from matchset.app.track.shape_option import NAMES, parse_shape
 from matchset.camera.camera_model import CameraModel
@@ -21,9 +21,6 @@ from matchset.shapes.shape import Shape, center_of, outline
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
-OUTLINE_POINTS = 72  # geometry: of an outline that a browser draws
-MARKER_POINTS = 24  # geometry: of a marker's
-TENTH = 10.0  # format: coordinates on the screen have one decimal
 INNER = 0.5  # geometry: half-side of the square inside an outline from which its color is learned, half-widths
 Floats = npt.NDArray[np.float64]
 
@@ -71,7 +68,7 @@ class Target:
             self.begun = center_of(outline(given))[:2]
         else:
             self.begun = begin.x, begin.y
-        _check_inside(*self.begun, frame)
+        check_inside(*self.begun, *frame.image.shape[1::-1])
         color = ColorModel.pick(frame.image, *self.begun) if given is None else color_within(given, frame)
         self.number, self.name, self.note = number, f"{begin.shape} {number}", color.note
         self.shape, self.parameters = begin.shape, tuple(family.parameters)
@@ -150,39 +147,20 @@ class Target:
         if isinstance(answer, Lost):
             return self._lost(answer)
         self.seen = answer.time
-        return TargetState(
-            self.number,
-            self.name,
-            True,
-            shape=self.shape,
-            values=answer.measured(),
-            outline=flat(outline(answer.shape, OUTLINE_POINTS)),
-            match_set=flat(answer.match_set),
-            support=float(answer.support),
-            position=dict(place.position),
-            markers=[flat(outline(marker, MARKER_POINTS)) for marker in place.markers],
-            axes=[] if place.axes is None else flat(place.axes),
-            diameter=self.diameter,
-        )
+        return found_state(self._about, answer, place)
 
     def without_picture(self, reason: str) -> TargetState:
         """Say that it is lost because there is no picture."""
         self.pose = None
-        return TargetState(self.number, self.name, False, shape=self.shape, reason=reason, diameter=self.diameter)
+        return lost_state(self._about, reason)
+
+    @property
+    def _about(self) -> About:
+        return About(self.number, self.name, self.shape, self.diameter)
 
     def _lost(self, answer: Lost[Any]) -> TargetState:
         since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)
-        predicted = [] if answer.predicted is None else flat(outline(answer.predicted, OUTLINE_POINTS))
-        return TargetState(
-            self.number,
-            self.name,
-            False,
-            shape=self.shape,
-            reason=answer.reason,
-            lost_for=since,
-            predicted=predicted,
-            diameter=self.diameter,
-        )
+        return lost_state(self._about, answer.reason, since, answer.predicted)
 
 
 def catch_up(target: Target, frames: list[Frame]) -> None:
@@ -219,12 +197,7 @@ def _middle(state: TargetState) -> tuple[float, float]:
     return x, y
 
 
-def _check_inside(x: float, y: float, frame: Frame) -> None:
-    height, width = frame.image.shape[:2]
+def check_inside(x: float, y: float, width: int, height: int) -> None:
+    """Raise a ValueError if a point, px, is in no pixel of a picture of this size; the first one's middle is (0, 0)."""
     if not (-0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5):
         raise ValueError(f"({x:g}, {y:g}) is outside of the picture of {width} x {height} px")
-
-
-def flat(points: Any) -> list[float]:
-    """Write points as numbers one after the other, px."""
-    return list(itertools.chain.from_iterable((np.rint(points * TENTH) / TENTH).tolist()))

@@ -18,13 +18,14 @@ from starlette.websockets import WebSocket
 
 from matchset.app.live.feed import Charted, Masked
 from matchset.app.live.web.guarded import Guarded
-from matchset.app.live.web.programs import ProgramRoutes, stream_number
+from matchset.app.live.web.programs import ProgramRoutes, stream_number, whole
 from matchset.app.live.web.security import Guard
 from matchset.app.live.web.viewer import FULL, TOO_MANY, Desk, Viewer, Viewers
 from matchset.app.live.wire.flow import SIZES
 from matchset.app.live.wire.messages import LONGEST
 
 PAGE = Path(__file__).resolve().parents[1] / "page"
+MASK = ("stream", "target", "sequence")
 UPLOAD = 65536  # format: bytes of a file that a page sends; a camera file has some 3000
 
 
@@ -112,10 +113,9 @@ class _Routes:
 
     async def mask(self, request: Request) -> Response:
         """Answer what the color model of a target takes for it, in a picture that was seen, or in the newest."""
-        numbers = [request.query_params.get(name, "0") for name in ("stream", "target", "sequence")]
-        if not all(number.isdecimal() and len(number) < 12 for number in numbers):
-            return PlainTextResponse("stream, target and sequence are whole numbers", 400)
-        number, target, sequence = map(int, numbers)
+        number, target, sequence = (whole(request.query_params.get(name, "0")) for name in MASK)
+        if number is None or target is None or sequence is None:
+            return PlainTextResponse(f"{', '.join(MASK)} are whole numbers", 400)
         streams = self._desk.session.streams
         stream = streams[number] if number < len(streams) else None
         if not isinstance(stream, Masked):
@@ -129,13 +129,13 @@ class _Routes:
 
     async def course(self, request: Request) -> Response:
         """Answer the course of a target over a whole video."""
-        target = request.query_params.get("target", "")
-        if not (target.isdecimal() and len(target) < 12):
+        target = whole(request.query_params.get("target", ""))
+        if target is None:
             return PlainTextResponse("target is a whole number", 400)
         for stream in self._desk.session.streams:
             if isinstance(stream, Charted):
                 try:
-                    course = await asyncio.to_thread(stream.course, int(target))
+                    course = await asyncio.to_thread(stream.course, target)
                 except ValueError as error:
                     return PlainTextResponse(str(error), 404)
                 data = msgspec.json.encode(course)
@@ -146,11 +146,9 @@ class _Routes:
         """Do what a button does; the fields of the message are the body, JSON."""
         if request.method != "POST":
             return JSONResponse({"error": "what changes something must be POST"}, 405, {"Allow": "POST"})
-        body = b""
-        async for part in request.stream():
-            body += part
-            if len(body) > LONGEST:
-                return JSONResponse({"error": f"a message has {LONGEST} bytes at most"}, 413)
+        body = await body_of(request, LONGEST)
+        if body is None:
+            return JSONResponse({"error": f"a message has {LONGEST} bytes at most"}, 413)
         try:
             fields = msgspec.json.decode(body or b"{}", type=dict[str, object])
             message = self._desk.reader.read(msgspec.json.encode({**fields, "type": request.path_params["type"]}))
@@ -161,11 +159,9 @@ class _Routes:
 
     async def upload(self, request: Request) -> Response:
         """Take a small file; its name is the query's `name`."""
-        body = b""
-        async for part in request.stream():
-            body += part
-            if len(body) > UPLOAD:
-                return JSONResponse({"error": f"a file has {UPLOAD} bytes at most"}, 413)
+        body = await body_of(request, UPLOAD)
+        if body is None:
+            return JSONResponse({"error": f"a file has {UPLOAD} bytes at most"}, 413)
         try:
             self._desk.session.put(request.path_params["kind"], request.query_params.get("name", ""), body)
         except ValueError as error:
@@ -178,3 +174,13 @@ class _Routes:
         if path is None or not path.is_file():
             return PlainTextResponse("there is no such file", 404)
         return FileResponse(path, filename=request.path_params["name"].replace("/", "-"))
+
+
+async def body_of(request: Request, most: int) -> bytes | None:
+    """Read what a request sends; None if that is more than so many bytes, of which no more are read."""
+    body = b""
+    async for part in request.stream():
+        body += part
+        if len(body) > most:
+            return None
+    return body

@@ -16,6 +16,7 @@ from matchset.app.live.wire.packet import STREAMS
 from matchset.app.live.wire.state import State, written
 
 FULL = "as many programs as may look already do"
+DIGITS = 11  # format: of a number in a query; those of pictures, the largest ones, have as many after a century
 EVENTS = {"Cache-Control": "no-store"}
 
 
@@ -177,11 +178,17 @@ def stream_number(query: Mapping[str, str], streams: int) -> int | Response:
         How many there are; while nothing is shown, the first may be waited for.
     """
     text = query.get("stream", "0")
-    if not (text.isascii() and text.isdigit() and len(text) <= len(str(STREAMS))):
+    number = whole(text, len(str(STREAMS)))
+    if number is None:
         return PlainTextResponse(f"stream must be a number from 0, got {text[:40]!r}", 400)
-    if int(text) >= max(streams, 1):
-        return PlainTextResponse(f"there is no stream {int(text)} now", 404)
-    return int(text)
+    if number >= max(streams, 1):
+        return PlainTextResponse(f"there is no stream {number} now", 404)
+    return number
+
+
+def whole(text: str, digits: int = DIGITS) -> int | None:
+    """Read a whole number of a query; None if it is none, or has more digits."""
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= digits else None
 
 
 async def _listen(websocket: WebSocket, program: Program) -> bool:

@@ -12,6 +12,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from matchset.app.live.feed import Seen
 from matchset.app.live.session import Session
+from matchset.app.live.web.session_report import SESSION_PERIOD, SessionReport
 from matchset.app.live.wire.flow import Flow
 from matchset.app.live.wire.messages import Ack, Reader
 from matchset.app.live.wire.packet import FEEDS, Packet, pack
@@ -22,7 +23,6 @@ TOO_MANY = 4429  # format: the code with which a session is closed that is one t
 FULL = "as many pages as may look already do"
 NONSENSE = 4400  # format: the code with which a session is closed that says nonsense
 LIFE_PERIOD = 1.0  # format: s; a page that hears nothing for two of them connects anew
-SESSION_PERIOD = 0.1  # format: s between two looks whether the state of the session has changed
 
 
 class Desk(NamedTuple):
@@ -33,11 +33,14 @@ class Desk(NamedTuple):
     session : Session
     pictures : Pictures
     reader : Reader
+    report : SessionReport
+        Of that session.
     """
 
     session: Session
     pictures: Pictures
     reader: Reader
+    report: SessionReport
 
 
 class _Sending:
@@ -145,15 +148,15 @@ class Viewer:
 
     async def _tell(self) -> None:
         """Send the state of the session whenever it has changed, and as a sign of life."""
-        told, when = b"", -math.inf
+        told, when, report = 0, -math.inf, self._desk.report
         while True:
-            state = written(msgspec.structs.replace(self._desk.session.state(), page=self.name))
-            now = time.monotonic()
-            if state != told or now - when >= LIFE_PERIOD:
-                told, when = state, now
-                await self._write(Packet(0, time.monotonic(), -1.0, state, session=True))
+            state, now = report.state(), time.monotonic()
+            if report.version != told or now - when >= LIFE_PERIOD:
+                told, when = report.version, now
+                data = written(msgspec.structs.replace(state, page=self.name))
+                await self._write(Packet(0, time.monotonic(), -1.0, data, session=True))
             self._settle(now)
-            await asyncio.sleep(SESSION_PERIOD)
+            await asyncio.sleep(report.wait())
 
     async def _write(self, packet: Packet) -> None:
         async with self._lock:

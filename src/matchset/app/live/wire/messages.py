@@ -1,5 +1,6 @@
 """What a page says: the common part of all messages, and how they are read. Each panel has its own in `MESSAGES`."""
 
+import enum
 from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Union
 
@@ -12,19 +13,29 @@ Number = Annotated[int, msgspec.Meta(ge=0, le=2**31)]
 LONGEST = 4096  # format: bytes of a message from a page; all real ones have less than 300
 
 
+class Kernels(enum.IntEnum):
+    """Which compiled code a message needs: none, that of circles, or that of other shapes and markers as well."""
+
+    NONE = 0
+    CIRCLE = 1
+    ALL = 2
+
+
 class Up(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
     """A message of a page.
 
     Attributes
     ----------
-    tracks : bool
-        Whether a tracker is begun, which needs compiled code.
     replaces : bool
         Whether something else is shown after it: not while somebody flies.
     """
 
-    tracks: ClassVar[bool] = False
     replaces: ClassVar[bool] = False
+
+    @property
+    def needs(self) -> Kernels:
+        """What must have been compiled before it can be done."""
+        return Kernels.NONE
 
 
 class Ack(Up, frozen=True, tag="ack"):

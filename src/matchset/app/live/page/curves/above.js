@@ -1,7 +1,8 @@
 // The view from above: the camera at the foot looks up, x to the right, z away from it, both at one scale.
 
-import { palette, Surface, ticks } from "../canvas.js";
+import { palette, Surface } from "../canvas.js";
 import { colorOf } from "../colors.js";
+import { drawDepths } from "./grid.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
 export class ViewFromAbove {
@@ -38,25 +39,9 @@ export class ViewFromAbove {
     const place = (x, z) => [width / 2 + x * scale, foot - z * scale];
     context.fillStyle = palette.ink;
     context.fillText("from above, m", 0, text);
-    this.drawGrid(context, deep, foot, place);
+    drawDepths(context, surface, deep, foot, scale);
     drawCamera(context, place(0, 0), text);
     for (const [id, path] of this.paths) drawPath(context, path, colorOf(id), place, ratio, text);
-  }
-
-  drawGrid(context, deep, foot, place) {
-    const { width, ratio, text } = this.surface;
-    context.strokeStyle = palette.line;
-    context.fillStyle = palette.soft;
-    context.lineWidth = ratio;
-    for (const { value, words } of ticks(0, deep, foot / (2.2 * text))) {
-      const y = Math.round(place(0, value)[1]) + 0.5;
-      if (!value || y < 2.4 * text) continue;
-      context.beginPath();
-      context.moveTo(0, y);
-      context.lineTo(width, y);
-      context.stroke();
-      context.fillText(words, 0, y - 0.25 * text);
-    }
   }
 }
 

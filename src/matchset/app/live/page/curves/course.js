@@ -1,12 +1,10 @@
 // The course of the chosen target over a whole video: x, y, z (or x, y, r) and the way from above, with the frame that is
 // shown. A click on a curve goes to that frame.
 
-import { palette, Surface, ticks } from "../canvas.js";
+import { palette, Surface } from "../canvas.js";
+import { BAND, drawDepths, drawGrid, frameOf, LEFT, NAMES, rangeOf, UNITS } from "./grid.js";
 
-const BAND = 2; // standard deviations
 const WAIT = 500; // ms between two questions for the course while it grows
-const NAMES = { radius: "r" };
-const UNITS = { angle: "rad", scale: "" };
 
 export class Courses {
   // `seek(share)` goes to a share of the video, 0 ... 1.
@@ -67,31 +65,18 @@ export class Courses {
   drawCurve(surface, name, index) {
     const { course } = this;
     const context = surface.begin();
-    const { width, height, ratio, text } = surface;
+    const { ratio, text } = surface;
     const frame = frameOf(surface);
     if (frame.right - frame.left < 10 || frame.bottom - frame.top < 10) return;
     const [low, high, sigma] = [course.low[index], course.high[index], course.sigma[index]];
-    const [least, most] = range(low, high, sigma);
+    const [least, most] = rangeOf(low.map((each, i) => ({ low: each, high: high[i], sigma: sigma[i] })));
     const count = low.length;
     const x = (column) => frame.left + (column + 0.5) / count * (frame.right - frame.left);
     const y = (value) => frame.top + (most - value) / (most - least) * (frame.bottom - frame.top);
     context.fillStyle = palette.ink;
     context.fillText(`${NAMES[name] ?? name}, ${course.placed ? "m" : UNITS[name] ?? "px"}`, 0, text);
-    context.fillStyle = palette.soft;
-    context.strokeStyle = palette.line;
-    context.lineWidth = ratio;
-    context.textAlign = "right";
-    for (const { value, words } of ticks(least, most, (frame.bottom - frame.top) / (1.9 * text))) {
-      const at = Math.round(y(value)) + 0.5;
-      context.beginPath();
-      context.moveTo(frame.left, at);
-      context.lineTo(frame.right, at);
-      context.stroke();
-      context.fillText(words, frame.left - 0.5 * text, at + 0.35 * text);
-    }
-    context.fillText(`${course.times[count - 1].toFixed(1)} s`, width, height - 0.25 * text);
-    context.textAlign = "left";
-    context.fillText(`${course.times[0].toFixed(1)} s`, frame.left, height - 0.25 * text);
+    const ends = [course.times[0], course.times[count - 1]].map((time) => `${time.toFixed(1)} s`);
+    drawGrid(context, frame, surface, [least, most], y, ends);
     context.fillStyle = palette.warn;
     const step = (frame.right - frame.left) / count;
     course.lost.forEach((lost, column) => {
@@ -133,18 +118,7 @@ export class Courses {
     const place = (column) => [width / 2 + across[column] * scale, foot - along[column] * scale];
     context.fillStyle = palette.ink;
     context.fillText("from above, m", 0, text);
-    context.strokeStyle = palette.line;
-    context.fillStyle = palette.soft;
-    context.lineWidth = ratio;
-    for (const { value, words } of ticks(0, deep, foot / (2.2 * text))) {
-      const at = Math.round(foot - value * scale) + 0.5;
-      if (!value || at < 2.4 * text) continue;
-      context.beginPath();
-      context.moveTo(0, at);
-      context.lineTo(width, at);
-      context.stroke();
-      context.fillText(words, 0, at - 0.25 * text);
-    }
+    drawDepths(context, surface, deep, foot, scale);
     context.fillText("▲ camera", width / 2 - 0.4 * text, height - 0.2 * text);
     context.strokeStyle = palette.accent;
     context.lineWidth = 2 * ratio;
@@ -164,24 +138,8 @@ export class Courses {
   }
 }
 
-function frameOf({ width, height, ratio, text }) {
-  return { left: 4.2 * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
-}
-
 function shareAt(canvas, event) {
   const box = canvas.getBoundingClientRect();
-  const left = 4.2 * palette.text;
+  const left = LEFT * palette.text;
   return Math.min(Math.max((event.clientX - box.left - left) / (box.width - left - 1), 0), 1);
-}
-
-function range(low, high, sigma) {
-  let [least, most] = [Infinity, -Infinity];
-  low.forEach((value, i) => {
-    if (value === null) return;
-    least = Math.min(least, value - BAND * (sigma[i] || 0));
-    most = Math.max(most, high[i] + BAND * (sigma[i] || 0));
-  });
-  if (!(most >= least)) return [0, 1];
-  const margin = Math.max((most - least) * 0.08, Math.abs(most) * 1e-4, 1e-4);
-  return [least - margin, most + margin];
 }

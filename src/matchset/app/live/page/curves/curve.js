@@ -1,9 +1,9 @@
 // One curve of the last 30 s with its band of two standard deviations; lost stretches are marked.
 
-import { palette, Surface, ticks } from "../canvas.js";
+import { palette, Surface } from "../canvas.js";
+import { BAND, drawGrid, frameOf, rangeOf } from "./grid.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
-const BAND = 2; // standard deviations
 const GAP = 1.5; // s without a sample, after which the line begins anew
 
 export class Curve {
@@ -16,15 +16,15 @@ export class Curve {
     this.again = () => this.draw(samples, name, unit);
     const { surface } = this;
     const context = surface.begin();
-    const { width, height, ratio, text } = surface;
-    const frame = { left: 4.9 * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
+    const { ratio, text } = surface;
+    const frame = frameOf(surface);
     if (frame.right - frame.left < 10 || frame.bottom - frame.top < 10) return;
     context.fillStyle = palette.ink;
     context.fillText(`${name}, ${unit || "1"}`, 0, text);
     const points = collect(samples, frame);
-    const [least, most] = range(points);
+    const [least, most] = rangeOf(points);
     const y = (value) => frame.top + (most - value) / (most - least) * (frame.bottom - frame.top);
-    drawGrid(context, frame, surface, least, most, y);
+    drawGrid(context, frame, surface, [least, most], y, [`${SECONDS} s ago`, "now"]);
     drawLost(context, frame, points, surface);
     context.save();
     context.beginPath();
@@ -42,18 +42,6 @@ function collect(samples, frame) {
     if (x >= frame.left) points.push({ ago, x, low, high, sigma, lost });
   });
   return points;
-}
-
-function range(points) {
-  let [least, most] = [Infinity, -Infinity];
-  for (const { low, high, sigma } of points) {
-    if (Number.isNaN(low)) continue;
-    least = Math.min(least, low - BAND * sigma);
-    most = Math.max(most, high + BAND * sigma);
-  }
-  if (!(most >= least)) return [0, 1];
-  const margin = Math.max((most - least) * 0.08, Math.abs(most) * 1e-4, 1e-4);
-  return [least - margin, most + margin];
 }
 
 // Stretches without a gap: where it was lost, or nothing came.
@@ -87,24 +75,6 @@ function drawRun(context, run, y, ratio) {
   }
   if (run.length === 1) context.lineTo(run[0].x + ratio, y(run[0].low));
   context.stroke();
-}
-
-function drawGrid(context, frame, { ratio, text, width, height }, least, most, y) {
-  context.lineWidth = ratio;
-  context.strokeStyle = palette.line;
-  context.fillStyle = palette.soft;
-  context.textAlign = "right";
-  for (const { value, words } of ticks(least, most, (frame.bottom - frame.top) / (1.9 * text))) {
-    const at = Math.round(y(value)) + 0.5;
-    context.beginPath();
-    context.moveTo(frame.left, at);
-    context.lineTo(frame.right, at);
-    context.stroke();
-    context.fillText(words, frame.left - 0.5 * text, at + 0.35 * text);
-  }
-  context.fillText("now", width, height - 0.25 * text);
-  context.textAlign = "left";
-  context.fillText(`${SECONDS} s ago`, frame.left, height - 0.25 * text);
 }
 
 // A tint over the whole height, a bar at the foot, and the word where there is room.

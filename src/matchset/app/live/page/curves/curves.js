@@ -3,11 +3,10 @@
 
 import { ViewFromAbove } from "./above.js";
 import { Curve } from "./curve.js";
+import { NAMES, UNITS } from "./grid.js";
 import { Samples } from "./samples.js";
 
 const PARAMETERS = 3; // curves
-const NAMES = { radius: "r" };
-const UNITS = { angle: "rad", scale: "" };
 
 export class Curves {
   constructor(root) {

@@ -1,5 +1,6 @@
 """The picture of the live page: clicks, drawn outlines, layers, zoom, keys and fingers, as a person uses them."""
 
+import functools
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -10,11 +11,26 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live_pages import on_screen, rows, state_of, wait_until
+from live_pages import on_screen, rows, state_of, wait_for_picture, wait_until
+from matchset.app.live.vision.kept_frames import KeepingParameters
 from mjpeg_server import MjpegServer
 
 WAIT = 20_000  # ms
 BLUE, RED, BOX = (100, 120, 30), (230, 100, 24), (190, 190, 60, 30)  # x, y, radius; x, y, width, height
+
+
+SEEN = """() => {
+  const canvas = document.getElementById('picture');
+  const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  let [count, x, y] = [0, 0, 0];
+  for (let i = 0; i < data.length / 4; i++) {
+    if (data[4 * i + 2] < data[4 * i] + 80) continue;
+    count += 1;
+    x += i % canvas.width;
+    y += Math.floor(i / canvas.width);
+  }
+  return [x / count * 320 / canvas.width, y / count * 320 / canvas.width];
+}"""  # where the blue ball is in the picture that is shown, px
 
 
 def scene(number: int) -> npt.NDArray[np.uint8]:
@@ -47,6 +63,10 @@ def follow(page: Any, x: float, y: float, name: str) -> None:
     page.mouse.click(*on_screen(page, x, y))
     page.locator("#targets .name", has_text=name).wait_for(timeout=WAIT)
     wait_until(page, "document.querySelector('#reading .number') !== null")
+
+
+def has_passed(page: Any, sequence: int) -> bool:
+    return bool(state_of(page)["sequence"] > sequence)
 
 
 def drawn(page: Any, points: Sequence[tuple[float, float]]) -> None:
@@ -144,6 +164,35 @@ def test_a_rim_is_drawn_around_a_ball_and_around_a_box(opened: Any) -> None:
     assert rectangle["values"]["x"][0] == pytest.approx(left + width / 2, abs=1.5)
     drawn(opened, [(10 + 6 * k, 20) for k in range(10)])
     opened.locator("#notes").get_by_text(re.compile("encloses nothing")).wait_for(timeout=WAIT)
+
+
+def test_a_picture_stands_still_while_somebody_draws_in_it(film: Any, serve: Any, page: Any) -> None:
+    radius = 22
+
+    def passing(number: int) -> npt.NDArray[np.uint8]:
+        image = np.full((240, 320, 3), 90, np.uint8)
+        cv2.circle(image, (round(160 + 90 * math.sin(number / 60)), 120), radius, (210, 90, 30), cv2.FILLED)
+        return cv2.GaussianBlur(image, (0, 0), 0.7).astype(np.uint8)
+
+    page.goto(serve(film(passing).url))
+    wait_for_picture(page)
+    x, y = page.evaluate(SEEN)
+    page.mouse.move(*on_screen(page, x + radius, y))
+    page.mouse.down()
+    still = x, y = tuple(page.evaluate(SEEN))
+    begun = state_of(page)["sequence"]
+    for k in range(26):
+        page.mouse.move(*on_screen(page, x + radius * math.cos(0.25 * k), y + radius * math.sin(0.25 * k)))
+        wait_until(page, functools.partial(has_passed, page, begun + 4 * k))
+    assert begun + KeepingParameters().frames < state_of(page)["sequence"]  # a slow hand
+    assert page.locator("#veil").is_hidden()
+    assert tuple(page.evaluate(SEEN)) == still
+    page.mouse.up()
+    wait_until(page, lambda: tuple(page.evaluate(SEEN)) != still)
+    page.locator("#targets .name", has_text="circle 1").wait_for(timeout=WAIT)
+    wait_until(page, lambda: state_of(page)["targets"][0]["found"])
+    (target,) = state_of(page)["targets"]
+    assert target["values"]["radius"][0] == pytest.approx(radius, abs=1.0)
 
 
 def test_the_keyboard_alone_follows_a_ball(opened: Any) -> None:

@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
 from matchset.app.live.targets.followed import Followed, FollowedParameters
-from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Marker, Outline, Pick
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
@@ -149,3 +150,32 @@ def test_pictures_are_kept_within_a_memory() -> None:
     assert [frame.index for frame in kept.since(30)] == list(range(30, 40))
     with pytest.raises(ValueError, match="not kept"):
         kept.since(29)
+
+
+def test_a_picture_in_which_somebody_draws_is_kept_for_longer() -> None:
+    kept, frame = KeptFrames(KeepingParameters(frames=5, held=2)), Frame(np.zeros((10, 10, 3), np.uint8), 0.0, 0)
+    for number in range(30):
+        kept.add(number, msgspec.structs.replace(frame, index=number))
+        if number in (2, 4, 10):
+            kept.hold(number)
+            kept.hold(number)  # once more is no other picture
+    assert [each.index for each in kept.since(10)] == [10, 25, 26, 27, 28, 29]
+    assert [each.index for each in kept.since(27)] == [27, 28, 29]
+    assert kept.since(4)[0].index == 4
+    for gone in (2, 20):
+        with pytest.raises(ValueError, match="not kept"):
+            kept.since(gone)
+    with pytest.raises(ValueError, match="not kept"):
+        kept.hold(20)
+
+
+def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
+    loop = Loop()
+    x, y, radius = BLUE
+    loop.followed.do(Hold(1))
+    for _ in range(KeepingParameters().frames + 10):
+        loop.step()
+    loop.followed.do(Outline(1, arc(x, y, radius, 0, 5).ravel().tolist()))
+    loop.until(lambda: loop.states and loop.states[0].found)
+    assert loop.states[0].values["radius"][0] == pytest.approx(radius, abs=1.0)
+    loop.followed.close()

@@ -14,14 +14,14 @@ from matchset.app.live.files.exact_reader import ExactReader
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
-from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Marker, Outline, Pick
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost
 from matchset.tracking.tracker import Tracker
 
-Asked = Pick | Outline | Correct | Drop | Diameter | Marker | FieldOfView
+Asked = Pick | Outline | Hold | Correct | Drop | Diameter | Marker | FieldOfView
 
 
 class TrackingParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -227,6 +227,8 @@ class FileTracking(Closing):
     def _do(self, wish: Asked) -> None:
         if isinstance(wish, Pick | Outline):
             self._begin(wish)
+        elif isinstance(wish, Hold):
+            self._place_of(wish.sequence)  # every frame of a video can be read again
         elif isinstance(wish, FieldOfView):
             self.use(CameraModel.from_fov(*self.size, wish.angle))
         else:

@@ -24,8 +24,12 @@ const connection = new Connection(receive, receiveSession, (words) => {
   find("link").dataset.state = words ? "bad" : "";
 });
 const send = (message) => connection.send(message);
-const picture = new PictureView(find("view"), (pick) => send({ type: "pick", ...pick, shape: shape() }),
-  (outline) => send({ type: "outline", ...outline, shape: shape() }), (id) => targets.choose(id));
+const picture = new PictureView(find("view"), {
+  onPick: (pick) => send({ type: "pick", ...pick, shape: shape() }),
+  onOutline: (outline) => send({ type: "outline", ...outline, shape: shape() }),
+  onHold: (hold) => send({ type: "hold", ...hold }),
+  onSelect: (id) => targets.choose(id),
+});
 const targets = new TargetList(find("targets"), send, askPoint);
 const reading = new Reading(find("reading"));
 const curves = new Curves(find("curves"));

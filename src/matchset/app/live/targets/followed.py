@@ -10,7 +10,7 @@ import msgspec
 
 from matchset.app.closing import Closing
 from matchset.app.live.targets.maker import Maker
-from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Marker, Outline, Pick, Wish
+from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Wish
 from matchset.app.live.targets.target import Target, catch_up, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState
@@ -108,6 +108,8 @@ class Followed(Closing):
         making = next((made for made in self._making if made.number == getattr(wish, "target", None)), None)
         if isinstance(wish, Pick | Outline):
             self._begin(wish)
+        elif isinstance(wish, Hold):
+            self._kept.hold(wish.sequence)
         elif making is not None:
             making.later.append(wish)
         elif isinstance(wish, Drop):

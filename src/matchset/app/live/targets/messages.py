@@ -38,6 +38,13 @@ class Outline(Up, frozen=True, tag="outline"):
         return Kernels.CIRCLE if self.shape == "circle" else Kernels.ALL
 
 
+class Hold(Up, frozen=True, tag="hold"):
+    """Somebody draws in this picture: it is kept until the line is done, however long that takes."""
+
+    sequence: Number
+    stream: Number = 0
+
+
 class Drop(Up, frozen=True, tag="drop"):
     """Do not follow a target any more."""
 
@@ -73,5 +80,5 @@ class FieldOfView(Up, frozen=True, tag="field_of_view"):
 
 
 Begin = Pick | Outline
-Wish = Pick | Outline | Drop | Diameter | Marker | FieldOfView
-MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Drop, Diameter, Marker, FieldOfView)
+Wish = Pick | Outline | Hold | Drop | Diameter | Marker | FieldOfView
+MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Hold, Drop, Diameter, Marker, FieldOfView)

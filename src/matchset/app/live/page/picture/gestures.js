@@ -1,5 +1,5 @@
 // What fingers, mouse and keys do on a picture. One finger or the left button: a press is a click, a drag draws along a
-// rim, or moves a picture that is zoomed. Two fingers, or the wheel: zoom; the middle button, or Shift: move.
+// rim, or moves a picture that is zoomed; while it is down the picture stands still, so that what is meant is what is seen. Two fingers, or the wheel: zoom; the middle button, or Shift: move.
 
 const DRAG = 6; // CSS px, below which a press is a click
 const SPACING = 3; // CSS px between points of a drawn line
@@ -7,7 +7,8 @@ const WHEEL = 400; // px of the wheel for a factor e
 const STEP = 1 / 60; // of the picture's width, for an arrow key; with Shift a pixel
 
 export class Gestures {
-  // `view` has zoom, size, sequence, and is told: click(point, sequence), trace(points, sequence), line, cross.
+  // `view` has zoom, size, sequence, and is told: click(point, sequence), lineBegins(sequence) when a drag begins to draw,
+  // trace(points, sequence), line, cross; goOn() when a picture that stood still need not any more.
   constructor(root, view) {
     this.root = root;
     this.view = view;
@@ -19,6 +20,11 @@ export class Gestures {
     })) root.addEventListener(name, listen.bind(this));
     root.addEventListener("wheel", this.wheel.bind(this), { passive: false });
     root.addEventListener("auxclick", (event) => event.preventDefault());
+  }
+
+  // Whether the picture must stand still.
+  get holds() {
+    return Boolean(this.begun && !this.begun.panning);
   }
 
   press(event) {
@@ -37,6 +43,7 @@ export class Gestures {
     this.begun = null;
     this.view.line = null;
     this.view.redraw();
+    this.view.goOn();
   }
 
   move(event) {
@@ -47,6 +54,7 @@ export class Gestures {
     if (this.pointers.size === 2) { this.pinch(event.pointerId, before, now); return; }
     const { begun } = this;
     if (!begun || (!begun.dragged && distance(begun.at, now) < DRAG)) return;
+    if (!begun.dragged && !begun.panning) this.view.lineBegins(begun.sequence);
     begun.dragged = true;
     if (begun.panning) { this.view.zoom.pan(now[0] - before[0], now[1] - before[1]); return; }
     if (distance(begun.last || begun.at, now) < SPACING) return;
@@ -61,7 +69,7 @@ export class Gestures {
     const { begun } = this;
     this.forget();
     if (!begun.dragged) this.view.click(begun.points[0], begun.sequence);
-    else if (!begun.panning) this.view.trace(begun.points, this.view.sequence); // a line takes longer than pictures are kept
+    else if (!begun.panning) this.view.trace(begun.points, begun.sequence);
   }
 
   cancel(event) {

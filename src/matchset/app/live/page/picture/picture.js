@@ -11,8 +11,9 @@ const CROSS = 18; // CSS px, half the size of the cross of the keys
 const MASK_WAIT = 1000; // ms; a mask that takes longer is left out
 
 export class PictureView {
-  // onPick and onOutline get what was done in the picture `sequence`; onSelect the number of a target that was clicked.
-  constructor(root, onPick, onOutline, onSelect = () => {}) {
+  // onPick and onOutline get what was done in the picture `sequence`, onHold that of a picture in which a line is begun;
+  // onSelect the number of a target that was clicked.
+  constructor(root, { onPick, onOutline, onHold = () => {}, onSelect = () => {} }) {
     this.root = root;
     [this.canvas, this.maskCanvas] = root.querySelectorAll("canvas");
     this.drawing = root.querySelector("svg");
@@ -26,9 +27,8 @@ export class PictureView {
     this.arrived = this.shown = 0;
     this.stream = 0;
     this.cross = this.line = null;
-    this.onPick = onPick;
-    this.onOutline = onOutline;
-    this.onSelect = onSelect;
+    Object.assign(this, { onPick, onOutline, onHold, onSelect });
+    this.next = null; // a picture that came while another one stands still under a finger
     const layers = [this.canvas, this.maskCanvas, this.drawing].filter(Boolean);
     this.zoom = new Zoom(root, layers, (scale) => { this.redraw(); if (this.onZoom) this.onZoom(scale); });
     this.gestures = new Gestures(root, this);
@@ -38,10 +38,12 @@ export class PictureView {
   async paint(packet) {
     const { state } = packet;
     if (packet.feed !== this.feed) this.forget(packet.feed);
+    if (this.gestures.holds) { this.next = packet; return true; }
     const turn = ++this.arrived; // decoding takes longer for some than for others
     if (packet.jpeg) {
       const [bitmap, mask] = await Promise.all([createImageBitmap(packet.jpeg), this.fetchMask(packet)]);
       if (packet.feed !== this.feed || turn < this.shown) { bitmap.close(); return false; }
+      if (this.gestures.holds) { bitmap.close(); this.next = packet; return true; } // pressed while it was decoded
       paintOn(this.canvas, this.context, bitmap);
       this.paintMask(mask);
       this.fit(state.width, state.height);
@@ -57,14 +59,23 @@ export class PictureView {
   // Something else is shown from here on: its pictures begin at their own numbers.
   forget(feed) {
     this.feed = feed;
+    this.gestures.begun = null;
     this.sequence = 0;
     this.size = this.take = this.cross = this.line = null;
+    this.next = null;
     this.targets = [];
     this.trails.clear();
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.paintMask(null);
     this.drawing.replaceChildren();
     this.zoom.whole();
+  }
+
+  // The finger is up: the newest picture follows.
+  goOn() {
+    const { next } = this;
+    this.next = null;
+    if (next) this.paint(next);
   }
 
   fit(width, height) {
@@ -131,6 +142,10 @@ export class PictureView {
     if (this.take) this.take({ sequence, x, y }); // somebody waits for a point: a marker
     else if (target) this.onSelect(target.id);
     else this.onPick({ sequence, x: round(x), y: round(y) });
+  }
+
+  lineBegins(sequence) {
+    this.onHold({ sequence });
   }
 
   trace(points, sequence) {

@@ -25,6 +25,7 @@ GUIDES = (
     "ros",
     "radio",
     "crsf",
+    "mavlink",
     "clips",
     "simulation",
 )

@@ -2,8 +2,8 @@
 
     peer_mavsdk.py PORT     speaks to UDP port PORT of this computer
 
-Lines on stdin: ``armable 1`` or ``0``, ``text WORDS`` (a warning), ``disarm``. Lines on stdout, JSON: every message that
-it receives, by MAVSDK's own parser, and what it was told to do.
+Lines on stdin: ``armable 1`` or ``0``, ``text WORDS`` (a warning), ``disarm``. Lines on stdout, JSON: every message
+that it receives, by MAVSDK's own parser, and what it was told to do.
 """
 
 import json

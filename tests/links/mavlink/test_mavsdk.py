@@ -12,14 +12,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.mavlink.address import Address
+from matchset.links.mavlink.axes import CameraMount
+from matchset.links.mavlink.estimates import landing_target, odometry_of_ball
 from matchset.links.mavlink.mavlink_link import MavlinkLink
 from matchset.links.mavlink.packet import Parser, Writer
 from matchset.links.mavlink.ports import UdpPort
+from matchset.localization.pose import Pose
 
 ROOT = Path(__file__).resolve().parents[3]
 PEERS = ROOT / ".mavlink"
@@ -159,6 +164,27 @@ def test_one_that_disarms_by_itself_is_noticed(flown: tuple[MavlinkLink, Vehicle
     until(link, lambda: link.status().state == "failsafe", Command(throttle=0.5))
     assert link.status().refusal.startswith("PX4 disarmed")
     assert link.send(Command(throttle=0.5)) == Command()
+
+
+def test_poses_are_read_alike(flown: tuple[MavlinkLink, Vehicle]) -> None:
+    link, vehicle = flown
+    turn = Rotation.from_euler("xyz", (0.2, 2.8, -0.1)).as_matrix()
+    seen = Pose(
+        position=np.array((0.3, -0.4, 2.5)), rotation_matrix=turn, covariance=np.eye(6), observed="full", time=1.0
+    )
+    mount = CameraMount(pitch=-0.5)
+    odometry = odometry_of_ball(seen, mount, 0.0, 7.0)
+    target = landing_target(seen, mount, 0.28, 7.0)
+    until(link, lambda: {"listening": True} in vehicle.told)
+    link.client.write("ODOMETRY", odometry)
+    link.client.write("LANDING_TARGET", target)
+    until(link, lambda: bool(vehicle.received("LANDING_TARGET") and vehicle.received("ODOMETRY")))
+    for values, read in ((odometry, vehicle.received("ODOMETRY")[0]), (target, vehicle.received("LANDING_TARGET")[0])):
+        for name, value in values.items():
+            theirs = read[name]
+            if name in ("vx", "vy", "vz", "rollspeed", "pitchspeed", "yawspeed", "velocity_covariance"):
+                continue  # NaN, which JSON lacks
+            assert theirs == pytest.approx(list(value) if isinstance(value, tuple) else value, rel=1e-5), name
 
 
 def test_one_that_stops_is_silent(flown: tuple[MavlinkLink, Vehicle]) -> None:

@@ -1,5 +1,5 @@
-"""Answers in the types of other packages, each imported only when it is asked for.
+"""Answers in the types of other packages and devices, each imported only when it is asked for.
 
-`supervision_detections` makes `supervision.Detections` of tracks, for that package's annotators, zones and counters.
-A file here is for one package.
+`mavlink_poses` sends poses to an autopilot. `supervision_detections` makes `supervision.Detections` of tracks, for that
+package's annotators, zones and counters. A file here is for one package.
 """

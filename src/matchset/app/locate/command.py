@@ -89,6 +89,9 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     out: Folder = None
     jsonl: Annotated[bool, typer.Option("--jsonl", help="Write poses.jsonl too.")] = False
     to_stdout: ToStdout = False
+    mavlink: Annotated[
+        str | None, typer.Option(metavar="URI", help="Send the poses to an autopilot too: docs/mavlink.md.")
+    ] = None
     force: Force = False
     points: Points = 64
     params: Params = None
@@ -118,3 +121,7 @@ def _check_outputs(options: LocateOptions) -> None:
     inputs = [options.source, options.camera, options.markers, options.params, *colors]
     check_run(options.out, names, [options.video, options.shown.gif], inputs, options.force)
     options.shown.check(options.video)
+    if options.mavlink is not None:
+        from matchset.app.adapters.mavlink_poses import parse_publisher
+
+        parse_publisher(options.mavlink)

@@ -4,6 +4,7 @@ import itertools
 import sys
 from pathlib import Path
 
+from matchset.app.adapters.mavlink_poses import published
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
@@ -46,7 +47,11 @@ def run_locate(options: LocateOptions) -> int:
     """
     ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
     loaded = load_camera(options)
-    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
+    with (
+        StopRequest() as stop,
+        Video(options.source, fps=options.fps, topic=options.topic) as video,
+        published(options.mavlink, 2.0 * ball.radius) as publish,
+    ):
         camera = camera_for(video, options, loaded)
         command = _command(options, video.live)
         try:
@@ -63,7 +68,7 @@ def run_locate(options: LocateOptions) -> int:
         try:
             used = part.of(itertools.chain(taken, video))
             located = locate_frames(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
-            watched = explainer.watch(path.record(located))
+            watched = explainer.watch(path.record(publish(located, video.live)))
             write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")
         finally:
             files = [*_finish(options, folder, path, camera), *outputs.pictures.files]

@@ -16,6 +16,7 @@ from matchset.links.mavlink.telemetry import Telemetry
 STATION, ONBOARD = 6, 18  # format: MAV_TYPE of a ground station, of a computer on board
 NO_AUTOPILOT, ACTIVE, VERSION = 8, 4, 3  # format: of a heartbeat: MAV_AUTOPILOT, MAV_STATE, MAVLink
 STATION_COMPONENT = 190  # format: MAV_COMP_ID_MISSIONPLANNER, of a ground station
+ODOMETRY_COMPONENT = 197  # format: MAV_COMP_ID_VISUAL_INERTIAL_ODOMETRY
 SET_INTERVAL = 511  # format: MAV_CMD_SET_MESSAGE_INTERVAL
 ASKED = {30: 0.05, 1: 1.0, 147: 2.0}  # format: ATTITUDE, SYS_STATUS, BATTERY_STATUS: asked for every so many s
 RESULTS = {  # format: MAV_RESULT
@@ -121,6 +122,7 @@ class AutopilotClient:
         self.broken = False
         self._port, self._clock, self._sleep = port, clock, sleep
         self._writer = Writer(address.system, STATION_COMPONENT)
+        self._type = STATION
         self._parsers: dict[str, Parser] = {}
         self._hearts: dict[tuple[int, str], tuple[int, Values]] = {}  # vehicle and sender: component, heartbeat
         self._beat_at: float | None = None
@@ -132,8 +134,13 @@ class AutopilotClient:
         """Packets that are missing by their sequence numbers, and those with a wrong CRC."""
         return sum(parser.lost + parser.bad for parser in self._parsers.values())
 
-    def find(self) -> None:
+    def find(self, on_board: bool = False) -> None:
         """Wait for the autopilot, and for others that may be there.
+
+        Parameters
+        ----------
+        on_board : bool
+            Be a part of the vehicle, by its number, instead of a ground station.
 
         Raises
         ------
@@ -142,6 +149,8 @@ class AutopilotClient:
             messages are signed, or if another ground station has our number.
         """
         p = self.parameters
+        if on_board:  # never a heartbeat of a ground station that then is silent: that would be a failsafe
+            self._writer, self._type = Writer(self.address.vehicle or 1, ODOMETRY_COMPONENT), ONBOARD
         self.wait(lambda: bool(self._hearts), p.startup_timeout, self._nobody)
         first = self._clock()
         self.wait(lambda: self._clock() - first >= p.census, 2.0 * p.census, lambda: "")
@@ -149,7 +158,7 @@ class AutopilotClient:
         found = [each for each in self._hearts if wanted in (0, each[0])]
         if len(found) != 1:
             raise LinkError(f"{self.name}: {self._which(found)}")
-        if self.address.system in self.stations:
+        if not on_board and self.address.system in self.stations:
             raise LinkError(
                 f"{self.name}: another ground station has the number {self.address.system}: choose another, ?system=254"
             )
@@ -157,6 +166,8 @@ class AutopilotClient:
             raise LinkError(f"{self.name}: it signs its messages, which is not supported: switch signing off")
         self.system, sender = found[0]
         self.component, heart = self._hearts[found[0]]
+        if on_board:
+            self._writer = Writer(self.system, ODOMETRY_COMPONENT)
         self._port.choose(sender)
         self.autopilot, self.kind = autopilot_of(heart["autopilot"]), heart["type"]
         self.telemetry.note("HEARTBEAT", heart, self._clock())
@@ -181,7 +192,7 @@ class AutopilotClient:
         now = self._clock()
         if self._beat_at is None or now - self._beat_at >= self.parameters.heartbeat_period:
             self._beat_at, self._asked_at = now, round(1e9 * now)
-            kinds = {"type": STATION, "autopilot": NO_AUTOPILOT, "system_status": ACTIVE, "mavlink_version": VERSION}
+            kinds = {"type": self._type, "autopilot": NO_AUTOPILOT, "system_status": ACTIVE, "mavlink_version": VERSION}
             self.write("HEARTBEAT", kinds)
             if self.system:
                 self.write("TIMESYNC", {"ts1": self._asked_at})
@@ -291,7 +302,7 @@ class AutopilotClient:
             return
         if name == "TIMESYNC":
             self._compare_clocks(values, now)
-        elif name == "COMMAND_ACK" and values["target_system"] not in (0, self.address.system):
+        elif name == "COMMAND_ACK" and values["target_system"] not in (0, self._writer.system):
             return
         self.telemetry.note(name, values, now)
 

@@ -182,7 +182,7 @@ LANDING_TARGET = Message(
         Field("y", "float", "m", "right", extension=True),
         Field("z", "float", "m", "down", extension=True),
         Field("q", "float[4]", what="w, x, y, z; 1, 0, 0, 0 where it is not observed", extension=True),
-        Field("type", "uint8_t", what="3: other", extension=True),
+        Field("type", "uint8_t", what="2: seen by a camera", extension=True),
         Field("position_valid", "uint8_t", what="1: x, y, z count", extension=True),
     ),
 )
@@ -240,7 +240,7 @@ TARGET_RELATIVE = Message(
         Field("yaw_std", "float", "rad"),
         Field("q_target", "float[4]", what="w, x, y, z of the ball; 1, 0, 0, 0 where it is not observed"),
         Field("q_sensor", "float[4]", what="w, x, y, z of the vehicle to north, east, down; 0: unknown"),
-        Field("type", "uint8_t", what="3: other"),
+        Field("type", "uint8_t", what="2: seen by a camera"),
     ),
 )
 

@@ -25,8 +25,8 @@ from benchmarks.workers import one_thread
 from matchset.app.exit_codes import StopRequest
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore
-from matchset.app.flight.simulate import fly_all
-from matchset.app.flight.simulation_table import Limits, SweepRow, centimeters
+from matchset.app.simulate.command import fly_all
+from matchset.app.simulate.table import Limits, SweepRow, centimeters
 from matchset.links.simulated import FPS, SimulationParameters
 
 PAGES = Path(__file__).resolve().parents[1]

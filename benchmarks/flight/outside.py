@@ -20,7 +20,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, STEPS_PER_FRAME, SimulatedChain, SimulationParameters
-from matchset.sim.cameras import FIELD
+from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.world import RATE
 
 TESTS = Path(__file__).resolve().parents[2] / "tests" / "links" / "arduino"
@@ -177,11 +177,12 @@ def _turn(
 ) -> None:
     """Let the world's time pass as fast as the clock, and take a picture every 33 ms."""
     chain = SimulatedChain(parameters)
-    world, memory = chain.world, SharedMemory(pictures[0])
+    world, memory, images = chain.world, SharedMemory(pictures[0]), chain.images
+    assert isinstance(images, WorldCameras)
     ring: Any = np.ndarray((RING, parameters.height, parameters.width, 3), np.uint8, memory.buf)
     world.advance(STEPS_PER_FRAME + FIELD)
     for _ in range(3):
-        chain._images.image(0, STEPS_PER_FRAME)  # compiles
+        images.image(0, STEPS_PER_FRAME)  # compiles
     _run_as_hardware(WORLD)
     begin, index = time.monotonic() - world.time, 2
     while not stop.value:
@@ -196,7 +197,7 @@ def _turn(
             time.sleep(SHORTEST_SLEEP)
             continue
         taken = STEPS_PER_FRAME * index
-        ring[index % RING] = chain._images.image(0, taken)
+        ring[index % RING] = images.image(0, taken)
         pictures[1][index % RING] = begin + taken / RATE
         time.sleep(max(begin + taken / RATE + GRABBER - time.monotonic(), 0.0))
         write.send(index)

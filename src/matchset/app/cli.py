@@ -15,12 +15,12 @@ from matchset.app.calibrate.command import CALIBRATE_EPILOG, calibrate
 from matchset.app.cli_options import command_of
 from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line, print_error
 from matchset.app.flight.command import FLY_EPILOG, fly
-from matchset.app.flight.simulate import SIMULATE_EPILOG, simulate
 from matchset.app.help_printer import NARROW, load_help_printer, plain_help
 from matchset.app.live.command import LIVE_EPILOG, live
 from matchset.app.locate.command import LOCATE_EPILOG, locate
 from matchset.app.radio.command import radio
 from matchset.app.recording.command import REPLAY_EPILOG, replay
+from matchset.app.simulate.command import SIMULATE_EPILOG, simulate
 from matchset.app.track.command import (
     LEARN_EPILOG,
     PARAMS_EPILOG,

@@ -1,8 +1,12 @@
-"""Faults of a grabber: `PictureFaults` says which picture is delivered in place of the newest one, stamped as new."""
+"""Faults of a grabber: `PictureFaults`, which picture is delivered as new; `PictureTimes`, when, and its time stamp."""
 
 import math
 
 import msgspec
+import numpy as np
+
+from matchset.sim.cameras import FIELD
+from matchset.sim.world import RATE
 
 
 class PictureFaults(msgspec.Struct, frozen=True, kw_only=True):
@@ -42,3 +46,57 @@ class PictureFaults(msgspec.Struct, frozen=True, kw_only=True):
         is_over = last >= self.stale + self.stale_for
         kept = index if is_over else max(index - round(self.stale_age * self.fps), 1)
         return min(self.shown(index), kept)
+
+
+class PictureTimes(msgspec.Struct, frozen=True, kw_only=True):
+    """When pictures are delivered, what their time stamps say, and which do not come; pictures counted from 1.
+
+    Parameters
+    ----------
+    fps : int
+        Pictures per second.
+    latency : float
+        From the middle of the exposure to the command leaving, s.
+    told : float
+        The same as the grabber believes it: it stamps a picture with its arrival less this, s.
+    jitter : float
+        By how much a picture comes earlier or later than it should, at most, s; the stamp is as wrong.
+    lost : float
+        Share of the pictures that do not come.
+    seed : int
+    """
+
+    fps: int
+    latency: float
+    told: float
+    jitter: float = 0.0
+    lost: float = 0.0
+    seed: int = 0
+
+    def delivered(self, index: int) -> int:
+        """Step of the world at which a picture has been processed; after its second field at the earliest."""
+        latency = self.latency + self._late(index)
+        return RATE // self.fps * index + max(round(latency * RATE), FIELD)
+
+    def stamp(self, index: int) -> float:
+        """Time that a picture is stamped with, s."""
+        return RATE // self.fps * index / RATE + (self.latency - self.told + self._late(index))
+
+    def is_lost(self, who: int, index: int) -> bool:
+        """Whether a follower's picture does not come."""
+        return self.lost > 0.0 and bool(np.random.default_rng((self.seed, 0xF1, who, index)).random() < self.lost)
+
+    def _late(self, index: int) -> float:
+        """How much later than usual a picture comes, s: never before the one that was taken before it."""
+        if not self.jitter:
+            return 0.0
+        behind = 1.0 / self.fps - 1.0 / RATE
+        return max(self._jittered(index - back) - back * behind for back in range(1 + self._longest))
+
+    @property
+    def _longest(self) -> int:
+        """How many pictures one that is late can hold up."""
+        return math.ceil(2.0 * self.jitter * self.fps)
+
+    def _jittered(self, index: int) -> float:
+        return self.jitter * float(np.random.default_rng((self.seed, 0x1A, max(index, 0))).uniform(-1.0, 1.0))

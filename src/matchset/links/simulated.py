@@ -17,14 +17,19 @@ import numpy.typing as npt
 from matchset.camera.camera_model import CameraModel
 from matchset.control.follower import RelativeSetpoint
 from matchset.image.frame import Frame
-from matchset.links.picture_faults import PictureFaults
+from matchset.links.picture_faults import PictureFaults, PictureTimes
 from matchset.links.simulated_link import SCHEME, SimulatedLink
+from matchset.shapes.circle import Circle
 from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD, WorldCameras
+from matchset.sim.conditions.conditions import Conditions
+from matchset.sim.conditions.outlines import Outline, OutlineCameras, OutlineNoise
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehicleParameters, VehiclePose, toy
 from matchset.sim.world import RATE, ChainParameters, World
+from matchset.tracking.track import Lost, Track
 
+Seen = npt.NDArray[np.uint8] | Outline | Lost[Circle]  # a picture, or what is in it
 FPS = 30  # format: pictures a second, PAL without interlace
 STEPS_PER_FRAME = RATE // FPS
 START = RelativeSetpoint(height=-0.19)  # geometry: at the height of the next vehicle, whose ball is above its frame
@@ -80,6 +85,13 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         The cameras, in place of `distortion` and `fov_deg`; its size must be that of the pictures.
     vehicle : VehicleParameters, optional
         The vehicles; their level bias is replaced by `bias_deg`.
+    conditions : Conditions
+        How the simulated side differs from all that. In a URI its names stand beside the others: ``?thrust=0.8``.
+    quick : bool
+        Without pictures: outlines of balls and markers from the truth, with the noise of a tracker. Many times as fast;
+        nothing can be taken for a ball that is none.
+    noise : OutlineNoise
+        Of these.
     """
 
     vehicles: int = 3
@@ -106,6 +118,9 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     fov_deg: float = 90.0
     model: CameraModel | None = None
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)
+    conditions: Conditions = Conditions()
+    quick: bool = False
+    noise: OutlineNoise = OutlineNoise()
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -153,6 +168,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             start_off=(self.start_off,) * 3,
             rope=RopeParameters(swing=self.swing, yaw_deg=self.yaw_deg),
             vehicle=msgspec.structs.replace(self.vehicle, level_bias_deg=self.bias_deg),
+            conditions=self.conditions,
         )
 
     @property
@@ -168,8 +184,21 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         )
 
     @property
+    def picture_times(self) -> PictureTimes:
+        """When pictures are delivered, what their time stamps say, and which do not come."""
+        told, conditions = self.conditions.told_latency_ms, self.conditions
+        return PictureTimes(
+            fps=FPS,
+            latency=1e-3 * self.latency_ms,
+            told=1e-3 * (self.latency_ms if told is None else told),
+            jitter=1e-3 * conditions.jitter_ms,
+            lost=conditions.frames_lost,
+            seed=self.seed,
+        )
+
+    @property
     def camera(self) -> CameraModel:
-        """The camera model of all followers."""
+        """The camera model of all followers, as they are told it."""
         if self.model is not None:
             return self.model
         pinhole = CameraModel.from_fov(self.width, self.height, math.radians(self.fov_deg))
@@ -188,18 +217,23 @@ class SimulatedChain:
     Attributes
     ----------
     world : World
+    images : WorldCameras or OutlineCameras
+        The latter of a quick chain.
     cameras : list of SimulatedCamera
     links : list of SimulatedLink
+    outlines : dict
+        Of a quick chain: what each camera's newest picture shows, by follower.
     """
 
     def __init__(self, parameters: SimulationParameters | None = None, start: RelativeSetpoint | None = None) -> None:
         self.parameters = parameters or SimulationParameters()
         self.world = World(self.parameters.chain(start or START), self.parameters.seed)
-        self._images = WorldCameras(self.world, self.parameters.camera, self.parameters.pal)
-        self._images.hide_balls(self.parameters.hidden, self.parameters.hidden_every)
-        self._faults = self.parameters.picture_faults
+        self.images = self._make_images()
+        self.images.hide_balls(self.parameters.hidden, self.parameters.hidden_every)
+        self._faults, self._times = self.parameters.picture_faults, self.parameters.picture_times
         self._pool = ThreadPoolExecutor(2)
-        self._jobs: dict[tuple[int, int], Future[npt.NDArray[np.uint8]]] = {}
+        self._jobs: dict[tuple[int, int], Future[Seen]] = {}
+        self.outlines: dict[int, Outline | Lost[Circle]] = {}
         count = self.parameters.vehicles - 1
         self.cameras = [SimulatedCamera(self, who) for who in range(count)]
         self.links = [SimulatedLink(self, who) for who in range(count)]
@@ -225,25 +259,30 @@ class SimulatedChain:
         Returns
         -------
         Frame or None
-            None after the cable was pulled.
+            None after the cable was pulled, and if the picture was lost.
         """
-        latency = max(round(1e-3 * self.parameters.latency_ms * RATE), FIELD)
         taken = STEPS_PER_FRAME * index
-        self.world.advance(taken + latency)
+        self.world.advance(self._times.delivered(index))
         newest = (self.world.step - FIELD) // STEPS_PER_FRAME  # rendered ahead by the threads
         for wanted in range(index, max(newest, index) + 1):
             if wanted * STEPS_PER_FRAME / RATE >= self.parameters.cable:
                 break
             for other in range(len(self.cameras)):
                 if (other, wanted) not in self._jobs:
-                    self._jobs[other, wanted] = self._pool.submit(self._images.image, other, STEPS_PER_FRAME * wanted)
+                    self._jobs[other, wanted] = self._take(other, STEPS_PER_FRAME * wanted)
         if taken / RATE >= self.parameters.cable:
             return None
-        image = self._jobs[who, self._faults.shown(index)].result()
+        shown = self._faults.shown(index)
+        seen = self._jobs[who, shown].result()
         oldest = self._faults.oldest(index - 1)
         for key in [key for key in self._jobs if key[0] == who and key[1] < oldest]:
             del self._jobs[key]
-        return Frame(image, taken / RATE, index)
+        if self._times.is_lost(who, index):
+            return None
+        if isinstance(seen, np.ndarray):
+            return Frame(seen, self._times.stamp(index), index)
+        self.outlines[who] = seen
+        return Frame(number_plate(shown), self._times.stamp(index), index)
 
     def truth(self, index: int | None = None) -> tuple[VehiclePose, ...]:
         """Return the poses of all vehicles now, or when the pictures of an index were taken."""
@@ -251,11 +290,27 @@ class SimulatedChain:
 
     def inside(self, who: int, index: int) -> bool:
         """Whether the center of the neighbor's ball was in a camera's picture and not hidden on purpose."""
-        return self._images.shows_ball(who, STEPS_PER_FRAME * index)
+        return self.images.shows_ball(who, STEPS_PER_FRAME * index)
 
     def sample(self, who: int) -> Frame:
         """Return a picture of a ball held 1 m before a camera, to learn the colors from."""
-        return Frame(self._images.held_ball(who), 0.0, 0)
+        if isinstance(self.images, WorldCameras):
+            return Frame(self.images.held_ball(who), 0.0, 0)
+        return Frame(np.zeros((self.parameters.height, self.parameters.width, 3), np.uint8), 0.0, 0)
+
+    def _make_images(self) -> WorldCameras | OutlineCameras:
+        parameters = self.parameters
+        if parameters.quick:
+            return OutlineCameras(self.world, parameters.camera, parameters.noise)
+        return WorldCameras(self.world, parameters.camera, parameters.pal)
+
+    def _take(self, who: int, step: int) -> "Future[Seen]":
+        """Begin to draw a picture in a thread; an outline is found at once."""
+        if isinstance(self.images, WorldCameras):
+            return self._pool.submit(self.images.image, who, step)
+        found: Future[Seen] = Future()
+        found.set_result(self.images.outline(who, step))
+        return found
 
 
 class SimulatedCamera:
@@ -279,9 +334,21 @@ class SimulatedCamera:
         """Return a picture of a ball held 1 m before the camera, its marker in the middle."""
         return self._chain.sample(self._who)
 
+    def outlines(self, frame: Frame) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...]]:
+        """Return the ball and the markers of the newest picture, of a chain that is flown without pictures."""
+        seen = self._chain.outlines[self._who]
+        if isinstance(seen, Lost):
+            return Lost(seen.reason, frame.time), ()
+        return seen.tracks(frame.time, self._chain.parameters.noise)
+
     def now(self) -> float:
         """Return the time on the clock of the pictures, s."""
         return self._chain.now()
+
+
+def number_plate(number: int) -> npt.NDArray[np.uint8]:
+    """Make a tiny picture that is another for every number: what is delivered where nothing is drawn."""
+    return np.tile(np.frombuffer(number.to_bytes(8, "little"), np.uint8), (4, 1))
 
 
 def parse_uri(uri: str) -> SimulationParameters:
@@ -298,6 +365,8 @@ def parse_uri(uri: str) -> SimulationParameters:
         raise ValueError(f"a simulated world is named like sim://chain?vehicles=3&seed=7, got {uri!r}{real}")
     pairs = dict(parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query)))
     try:
-        return msgspec.convert(pairs, SimulationParameters, strict=False)
+        conditions = {name: pairs.pop(name) for name in list(pairs) if name in Conditions.__struct_fields__}
+        nested: dict[str, object] = {"conditions": conditions} if conditions else {}
+        return msgspec.convert(pairs | nested, SimulationParameters, strict=False)
     except msgspec.ValidationError as error:
         raise ValueError(f"{uri}: {error}") from None

@@ -3,6 +3,8 @@
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.link import Link, LinkStatus, State
@@ -38,6 +40,7 @@ class SimulatedLink(Link):
     def __init__(self, chain: "SimulatedChain", who: int) -> None:
         self.uri = f"{SCHEME}chain#{who + 1}"
         self.chain, self._who = chain, who
+        self._losses = np.random.default_rng((chain.parameters.seed, 0x1057, who))
         self._state: State = "locked"
         self._heard = math.inf  # when a command was last heard, s
         self._open, self._cut, self._sent = True, False, Command()
@@ -55,10 +58,17 @@ class SimulatedLink(Link):
         if 0.0 <= self.chain.now() - parameters.silent < parameters.silent_for:
             self._sent = quantized(command, parameters.vehicle.stick_levels)
         else:
-            self._sent = self.chain.world.send(self._who, command)
+            self._sent = self._transmit(command)
             self._heard = self.chain.now()
             self._state = "armed" if self._armed else self._state
         return self._sent
+
+    def _transmit(self, command: Command) -> Command:
+        """Send by radio, which loses some; the transmitter does not notice."""
+        share, parameters = self.chain.parameters.conditions.commands_lost, self.chain.parameters
+        if share > 0.0 and self._losses.random() < share:
+            return quantized(command, parameters.vehicle.stick_levels)
+        return self.chain.world.send(self._who, command)
 
     def status(self) -> LinkStatus:
         """Return the state, with crashes as warnings."""

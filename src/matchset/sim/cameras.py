@@ -1,6 +1,5 @@
 """Pictures of a `World`: what each vehicle's camera delivers after the analog link; `WorldCameras`."""
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -14,6 +13,7 @@ from matchset.sim.scene.scene import Scene
 from matchset.sim.vehicle import VehiclePose
 from matchset.sim.vehicle_camera import Appearance, VehicleCamera
 from matchset.sim.world import RATE, World, camera_position
+from matchset.sim.world_views import WorldViews
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -21,28 +21,7 @@ Bytes = npt.NDArray[np.uint8]
 FIELD = 4  # format: steps from the middle of a frame to that of a field
 
 
-class HidingParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """When a board hides the ball from a camera.
-
-    Parameters
-    ----------
-    duration : float
-        How long at a time, s; 0: never.
-    period : float
-        From one time to the next, s.
-    begin : float
-        Time in which nothing is hidden, from the beginning, s: so that every flight begins with a ball in view.
-    shift : float
-        Share of the period by which each camera is later than the one behind it: not all are blind at once.
-    """
-
-    duration: float = 0.0
-    period: float = 1.0
-    begin: float = 2.0
-    shift: float = 0.37
-
-
-class WorldCameras:
+class WorldCameras(WorldViews):
     """Draws what the cameras of a world see. Its kernels are compiled in the constructor.
 
     Parameters
@@ -50,7 +29,7 @@ class WorldCameras:
     world : World
         Its seed decides the room and the noise, too.
     camera : CameraModel
-        Every follower's, with its distortion.
+        What is told about every follower's, with its distortion.
     preset : str
         The analog link: "clean", "typical" or "bad", the names in `matchset.sim.analog_link.PRESETS`.
 
@@ -63,8 +42,9 @@ class WorldCameras:
     def __init__(self, world: World, camera: CameraModel, preset: str = "typical") -> None:
         if preset not in PRESETS:
             raise ValueError(f"preset must be one of {', '.join(PRESETS)}, got {preset!r}")
-        self.world, self._model, self._link = world, camera, PRESETS[preset]
-        vehicle, chain = world.parameters.vehicle, world.parameters
+        super().__init__(world, camera)
+        self._link = PRESETS[preset]
+        vehicle, chain = world.vehicle, world.parameters
         scale = np.array((world.room_scale, 1.0, world.room_scale))
         surfaces = Scene.room(world.seed, clutter=True).surfaces
         room = [
@@ -72,16 +52,12 @@ class WorldCameras:
             for each in surfaces
         ]
         balloon = Balloon(radius=vehicle.ball_radius)
-        self._camera = VehicleCamera(camera, FastScene(room), balloon, self._link.interlaced)
-        flying = Appearance(FastScene(airframe(vehicle)))
-        hanging = Appearance(FastScene(airframe(vehicle, rope=1.0)), above=1.2)
+        self._camera = VehicleCamera(self.model, FastScene(room), balloon, self._link.interlaced)
+        flying = Appearance(FastScene(airframe(vehicle)), turn=self._marker)
+        hanging = Appearance(FastScene(airframe(vehicle, rope=1.0)), above=1.2, turn=self._marker)
         self._appearances = [flying] * (chain.vehicles - 1) + [hanging]
-        self._hiding, self._board = HidingParameters(), _board()
+        self._board = _board()
         degrade(self._camera.frame(), self._link, 0, work=self._camera.planes())
-
-    def hide_balls(self, duration: float, every: float) -> None:
-        """Hide the ball from each camera for so long, so often, s; each at times of its own."""
-        self._hiding = HidingParameters(duration=duration, period=every)
 
     def image(self, who: int, step: int) -> Bytes:
         """Take the picture of a camera whose exposure has its middle at a step.
@@ -120,26 +96,15 @@ class WorldCameras:
             self._camera.expose(field, position, me.rotation, [(held, Appearance())], frame)
         return degrade(frame, self._link, self.world.seed * 64 + who)
 
-    def shows_ball(self, who: int, step: int) -> bool:
-        """Whether the next one's ball has its middle in a camera's picture at a step, and no board is before it."""
-        poses = self.world.poses(step)
-        ball = poses[who].rotation.T @ (poses[who + 1].ball - camera_position(poses[who]))
-        return not self._is_hidden(who, step / RATE) and bool(self._model.visible(ball[np.newaxis])[0])
-
     def _expose(self, field: int, who: int, step: int, frame: Bytes) -> None:
         """Draw a field of a camera as it is at a step."""
         poses = self.world.poses(step)
         me, position = poses[who], camera_position(poses[who])
         others = [(pose, self._appearances[k]) for k, pose in enumerate(poses) if k != who]
-        if self._is_hidden(who, step / RATE):
+        if self.is_hidden(who, step / RATE):
             middle = position + 0.5 * (poses[who + 1].ball - position)
             others.append((VehiclePose(middle, me.rotation, middle), self._board))
-        self._camera.expose(field, position, me.rotation, others, frame)
-
-    def _is_hidden(self, who: int, time: float) -> bool:
-        """Whether a board is before a camera at a time, s."""
-        hiding = self._hiding
-        return time > hiding.begin and (time + hiding.shift * hiding.period * who) % hiding.period < hiding.duration
+        self._camera.expose(field, position, self.viewpoint(me).from_room.T, others, frame)
 
 
 def _board() -> Appearance:

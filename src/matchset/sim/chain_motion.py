@@ -34,6 +34,19 @@ class ElectronicsConstants:
     wander_decay: float  # share of the level's wander that is forgotten in a step
     wander_noise: float  # rad, standard deviation of what is added to it in a step
     release_thrust: float  # N at which the hand that holds a vehicle lets go
+    battery_loss: float  # 1/s, share of the thrust lost besides battery_sag
+    yaw_trim: float  # rad/s, with the stick in the middle
+    thrust_exponent: float  # thrust goes with this power of the throttle
+    hover_throttle: float  # at which thrust is what it is with an exponent of 1
+
+
+class Wind:
+    """Layout of how the air moves besides the wakes."""
+
+    steady: Annotated[Floats, (3,), "f8"]  # m/s
+    gust: Annotated[Floats, (MOST_VEHICLES, 3), "f8"]  # at each vehicle, now, m/s
+    keep: float  # share of the gusts that is left after a step
+    noise: float  # m/s, standard deviation of what is added to them in a step
 
 
 class RoomConstants:
@@ -58,6 +71,7 @@ class ChainState:
     vehicle: VehicleConstants
     electronics: ElectronicsConstants
     wake: Wake
+    air: Wind
     room: RoomConstants
     rope: RopeState
     setpoint: Setpoint  # of the vehicle that is advanced
@@ -85,8 +99,8 @@ def fly(chain: Block, states: Floats, kicks: Floats, past: Floats, past_offsets:
         `ChainState`.
     states : (n, 17), written
         `matchset.sim.quadrotor.VehicleState` of each; the last one hangs.
-    kicks : (until - step, n, 2)
-        Normal deviates that drive the wander of the levels.
+    kicks : (until - step, n, 2) or (until - step, n, 5)
+        Normal deviates that drive the wander of the levels, and the gusts if there are any.
     past, past_offsets : (kept, n, 17), (kept, 3), written
         States, and the offset of the rope, at each of the last steps: step k at k mod kept.
     until : int
@@ -102,6 +116,7 @@ def fly(chain: Block, states: Floats, kicks: Floats, past: Floats, past_offsets:
     while now.step < until:
         swing(now.rope, now.time_step)
         _wander(now, kicks[now.step - begin])
+        _gust(now.air, kicks[now.step - begin])
         now.step += 1
         time = now.step * now.time_step
         for who in range(last):
@@ -110,6 +125,8 @@ def fly(chain: Block, states: Floats, kicks: Floats, past: Floats, past_offsets:
                 now.held[who] = 0
             if now.crashed[who] == 0 and now.held[who] == 0:
                 write_downwash(states, who, now.wake, now.wind)
+                for k in range(3):
+                    now.wind[k] += now.air.steady[k] + now.air.gust[who, k]
                 advance(states[who], now.setpoint, now.wind, now.vehicle, now.time_step)
         _hang(now, states[last], time)
         past[now.step % kept] = states
@@ -157,17 +174,28 @@ def _wander(now: Any, kick: Floats) -> None:
 
 
 @kernel(refcount=False)
+def _gust(air: Any, kick: Floats) -> None:
+    """Let the gusts change by a step: a first-order Gauss-Markov process along each axis."""
+    for who in range(kick.shape[0]):
+        for k in range(kick.shape[1] - 2):
+            air.gust[who, k] = air.keep * air.gust[who, k] + air.noise * kick[who, 2 + k]
+
+
+@kernel(refcount=False)
 def _aim(now: Any, who: int, time: float) -> None:
     """Write the setpoint that a vehicle's electronics make of the sticks last heard, at a time, s."""
     like, sticks, setpoint = now.electronics, now.sticks[who], now.setpoint
     silent, used = (now.step - now.heard[who]) * now.time_step, now.battery_age[who] + time
     heard = 0.0 if silent > like.failsafe else 1.0
-    most = like.full_thrust * (1.0 - like.battery_sag * min(used / like.flight_time, 1.0))
+    left = 1.0 - like.battery_sag * min(used / like.flight_time, 1.0) - like.battery_loss * time
+    most, throttle = like.full_thrust * max(left, 0.0), heard * sticks[3]
+    if like.thrust_exponent != 1.0:
+        throttle = like.hover_throttle * (throttle / like.hover_throttle) ** like.thrust_exponent
     bias, wander = now.level_bias[who], now.level_wander[who]
     setpoint.roll = like.full_tilt * (heard * sticks[0]) + bias[0] + wander[0]
     setpoint.pitch = like.full_tilt * (heard * sticks[1]) + bias[1] + wander[1]
-    setpoint.yaw_rate = like.full_yaw_rate * (heard * sticks[2])
-    setpoint.thrust = most * (heard * sticks[3])
+    setpoint.yaw_rate = like.full_yaw_rate * (heard * sticks[2]) + like.yaw_trim
+    setpoint.thrust = most * throttle
 
 
 @kernel(refcount=False)

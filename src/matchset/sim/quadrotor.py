@@ -55,6 +55,7 @@ class VehicleConstants:
     torque_lag: float  # what the motors' lag is for torques: the electronics shorten it, s
     angle_gain: float
     rate_gain: float
+    yaw_gain: float  # as rate_gain, about the vertical axis
     frame_drag: float
     ball_drag: float  # N s^2/m^2, per squared speed
     ball_height: float
@@ -103,6 +104,7 @@ def vehicle_constants(vehicle: VehicleParameters) -> Block:
     constants.inertia[:] = pitch_inertia, vehicle.yaw_inertia, roll_inertia
     constants.motor_lag, constants.torque_lag = vehicle.motor_lag, vehicle.motor_lag / (1.0 + vehicle.motor_lead)
     constants.angle_gain, constants.rate_gain = vehicle.angle_gain, vehicle.rate_gain
+    constants.yaw_gain = vehicle.rate_gain
     constants.frame_drag, constants.ball_drag = vehicle.frame_drag, vehicle.ball_area_drag
     constants.ball_height = vehicle.ball_height
     return block
@@ -187,7 +189,7 @@ def _motor_rates(state: Any, setpoint: Any, constants: Any, turn: Floats, rate: 
     flying, gain, lag = 1.0 if setpoint.thrust > 0.0 else 0.0, constants.rate_gain, constants.torque_lag
     rate.thrust = (setpoint.thrust - state.thrust) / constants.motor_lag
     rate.torque[0] = (flying * inertia[0] * gain * (rate_x - spin[0]) - state.torque[0]) / lag
-    rate.torque[1] = (flying * inertia[1] * gain * (setpoint.yaw_rate - spin[1]) - state.torque[1]) / lag
+    rate.torque[1] = (flying * inertia[1] * constants.yaw_gain * (setpoint.yaw_rate - spin[1]) - state.torque[1]) / lag
     rate.torque[2] = (flying * inertia[2] * gain * (rate_z - spin[2]) - state.torque[2]) / lag
 
 
@@ -213,7 +215,7 @@ def step_vehicle(state: Block, setpoint: Block, wind: Floats, constants: Block, 
         `Setpoint`.
     wind : (3,)
         Velocity of the air, m/s.
-    constants : (12,)
+    constants : (13,)
         `vehicle_constants`.
     step : float
         s.

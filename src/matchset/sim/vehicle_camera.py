@@ -46,12 +46,15 @@ class Appearance(msgspec.Struct, frozen=True):
         How far that reaches above its ball and below its center of mass, m.
     ball : bool
         Whether it has a ball at all.
+    turn : (3, 3) or None
+        From its ball, whose marker is at -z, to its body; None: they are not turned against each other.
     """
 
     parts: FastScene | None = None
     above: float = 0.0
     below: float = 0.0
     ball: bool = True
+    turn: Floats | None = None
 
 
 class Viewpoint(NamedTuple):
@@ -169,18 +172,19 @@ class VehicleCamera:
         view: Viewpoint,
     ) -> None:
         """Draw frames and balls into a window, the farthest first."""
-        things: list[tuple[float, VehiclePose, FastScene | None]] = []
+        things: list[tuple[float, Floats, Floats, FastScene | None]] = []
         for pose, appearance in others:
             if appearance.parts is not None:
-                things.append((math.dist(pose.position, view.position), pose, appearance.parts))
+                things.append((math.dist(pose.position, view.position), pose.position, pose.rotation, appearance.parts))
             if appearance.ball:
-                things.append((math.dist(pose.ball, view.position), pose, None))
-        for _, pose, parts in sorted(things, key=lambda thing: -thing[0]):
+                turned = pose.rotation if appearance.turn is None else pose.rotation @ appearance.turn
+                things.append((math.dist(pose.ball, view.position), pose.ball, turned, None))
+        for _, position, rotation, parts in sorted(things, key=lambda thing: -thing[0]):
             if parts is not None:
                 back = view.from_room
-                parts.draw(window, pinhole, back @ pose.rotation, back @ (pose.position - view.position))
+                parts.draw(window, pinhole, back @ rotation, back @ (position - view.position))
             else:
-                _draw_ball(window, pinhole, view, pose.ball, pose.rotation, self._shading)
+                _draw_ball(window, pinhole, view, position, rotation, self._shading)
 
 
 @kernel

@@ -12,6 +12,7 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block
 from matchset.sim import chain_motion
 from matchset.sim.chain_motion import CHAIN, HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, MOST_VEHICLES, NOTHING
+from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.quadrotor import (
     GRAVITY,
     STATE,
@@ -35,6 +36,7 @@ RATE = 480  # format: steps a second: 16 a frame, and fields 4 steps before and 
 STEP = 1.0 / RATE  # format: s
 KEPT = 1 * RATE  # format: capacity, steps that are remembered
 UP = np.array((0.0, -1.0, 0.0))  # geometry: world frame
+MINUTE = 60.0  # format: s
 CAMERA_AHEAD = 0.05  # geometry: m, from the center of mass forward to the camera
 
 
@@ -84,6 +86,8 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         The toy by default.
     world : WorldParameters
     wake : WakeParameters
+    conditions : Conditions
+        How vehicles, rope and air differ from that; nobody is told.
     """
 
     vehicles: int = 3
@@ -93,6 +97,7 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)
     world: WorldParameters = WorldParameters()
     wake: WakeParameters = WakeParameters()
+    conditions: Conditions = Conditions()
 
     def __post_init__(self) -> None:
         if not 2 <= self.vehicles <= MOST_VEHICLES:
@@ -118,6 +123,8 @@ class World(Copied):
 
     Attributes
     ----------
+    vehicle : VehicleParameters
+        The vehicles as they are: those of the parameters under their conditions.
     step : int
         Steps of 1/480 s since the beginning.
     states : ndarray of shape (n, 17)
@@ -139,7 +146,8 @@ class World(Copied):
             raise ValueError(f"seed must be a whole number, 0 or more, got {seed!r}")
         self.parameters, self.seed, self.step = parameters, int(seed), 0
         self.crashes: list[tuple[float, int, str]] = []
-        vehicle, count = parameters.vehicle, parameters.vehicles
+        self.vehicle, count = parameters.conditions.vehicle(parameters.vehicle), parameters.vehicles
+        vehicle, rope = self.vehicle, parameters.conditions.rope(parameters.rope)
         self._block = new_block(CHAIN)
         self._make_derived()
         motion = self.motion
@@ -148,13 +156,14 @@ class World(Copied):
         rng = np.random.default_rng((seed, 0xC4A1))
         directions = rng.uniform(0.0, 2.0 * math.pi, count)
         bias = math.radians(vehicle.level_bias_deg) * np.column_stack((np.cos(directions), np.sin(directions)))
-        motion.level_bias[:count] = bias
+        motion.level_bias[:count] = bias + np.radians(parameters.conditions.level_trim_deg)
         motion.battery_age[:count] = rng.uniform(0.0, 0.3, count) * vehicle.flight_time
         motion.level_wander[:count] = math.radians(vehicle.level_wander_deg) * rng.standard_normal((count, 2))
         motion.held[:] = 1  # each begins in a hand, which lets go when the motors pull
-        anchor = (0.0, parameters.world.ceiling_anchor - parameters.rope.length, _far_end(parameters))
-        self.rope = Rope(parameters.rope, anchor, rng, self._part("rope", ROPE))
-        self._rng = np.random.default_rng((seed, 0xF117))
+        anchor = (0.0, parameters.world.ceiling_anchor - rope.length, _far_end(parameters))
+        self.rope = Rope(rope, anchor, rng, self._part("rope", ROPE))
+        self._rng, self._gusts = np.random.default_rng((seed, 0xF117)), np.random.default_rng((seed, 0x6057))
+        self._begin_wind()
         self._sent: list[list[tuple[int, Command]]] = [[] for _ in range(count)]
         self._active = [Command()] * count
         self.states = self._begin(rng)
@@ -194,8 +203,8 @@ class World(Copied):
             If there is no such follower.
         """
         self._check_follower(who)
-        arriving = quantized(command, self.parameters.vehicle.stick_levels)
-        delay = after + self.parameters.vehicle.radio_delay
+        arriving = quantized(command, self.vehicle.stick_levels)
+        delay = after + self.vehicle.radio_delay
         self._sent[who].append((self.step + round(delay * RATE), arriving))
         return arriving
 
@@ -271,7 +280,8 @@ class World(Copied):
     def _store_constants(self) -> None:
         """Write what stays the same into the block."""
         parameters, motion = self.parameters, self.motion
-        vehicle, world, weight = parameters.vehicle, parameters.world, parameters.vehicle.mass * GRAVITY
+        conditions, told = parameters.conditions, parameters.vehicle
+        vehicle, world, weight = self.vehicle, parameters.world, self.vehicle.mass * GRAVITY
         decay = STEP / vehicle.level_wander_time
         motion.time_step, motion.check_period = STEP, world.check_period
         self._part("vehicle", VEHICLE)[:] = vehicle_constants(vehicle)
@@ -279,14 +289,27 @@ class World(Copied):
         electronics, room = motion.electronics, motion.room
         electronics.full_tilt = math.radians(vehicle.full_tilt_deg)
         electronics.full_yaw_rate = math.radians(vehicle.full_yaw_rate_deg)
-        electronics.full_thrust = vehicle.thrust_to_weight * vehicle.mass * GRAVITY
+        electronics.full_thrust = conditions.full_thrust(told) * GRAVITY
         electronics.battery_sag, electronics.flight_time = vehicle.battery_sag, vehicle.flight_time
         electronics.failsafe, electronics.wander_decay = vehicle.failsafe, decay
         electronics.wander_noise = math.radians(vehicle.level_wander_deg) * math.sqrt(2.0 * decay)
         electronics.release_thrust = world.release * weight
+        electronics.battery_loss = conditions.battery_loss_per_min / MINUTE
+        electronics.yaw_trim = math.radians(conditions.yaw_trim_deg_s)
+        electronics.thrust_exponent, electronics.hover_throttle = conditions.thrust_exponent, told.hover_throttle
+        motion.vehicle.yaw_gain = told.rate_gain / conditions.yaw_lag
         room.half_width, room.near, room.far = (self.room_scale * edge for edge in (HALF_WIDTH, BEHIND, BACK))
         room.floor, room.clearance, room.frame_radius = FLOOR, world.clearance, world.frame_radius
         room.ball_radius, room.ball_height = vehicle.ball_radius, vehicle.ball_height
+
+    def _begin_wind(self) -> None:
+        """Choose the direction of the wind, and the gusts at the beginning."""
+        conditions, air = self.parameters.conditions, self.motion.air
+        angle = self._gusts.uniform(0.0, 2.0 * math.pi)
+        air.steady[:] = conditions.wind_m_s * math.cos(angle), 0.0, conditions.wind_m_s * math.sin(angle)
+        air.keep = math.exp(-STEP / conditions.gust_time_s)
+        air.noise = conditions.gust_m_s * math.sqrt(1.0 - air.keep**2)
+        air.gust[:] = conditions.gust_m_s * self._gusts.standard_normal(air.gust.shape)
 
     def _part(self, name: str, layout: "np.dtype[np.void]") -> Floats:
         """Floats of a record in the block."""
@@ -295,7 +318,7 @@ class World(Copied):
 
     def _begin(self, rng: np.random.Generator) -> Floats:
         """Put every vehicle at its setpoint, but for `start_off` with signs from the seed."""
-        parameters, vehicle = self.parameters, self.parameters.vehicle
+        parameters, vehicle = self.parameters, self.vehicle
         states, yaw = np.zeros((parameters.vehicles, STATE_SIZE)), self.rope.yaw(0.0)
         states[-1] = state_at_rest(self.rope.position, yaw, 0.0)
         level = np.empty((3, 3))
@@ -311,7 +334,7 @@ class World(Copied):
 
     def _compile(self) -> None:
         """Compile what `advance` and `poses` call, by letting no time pass."""
-        no_kicks = np.empty((0, self.parameters.vehicles, 2))
+        no_kicks = np.empty((0, self.parameters.vehicles, 2))  # of the same type with gusts
         chain_motion.fly(self._block, self.states, no_kicks, self._past, self._past_offsets, self.step)
         self.poses(self.step)
 
@@ -329,7 +352,10 @@ class World(Copied):
 
     def _fly(self, until: int) -> None:
         """Let steps pass under the same sticks."""
-        kicks = self._rng.standard_normal((until - self.step, self.parameters.vehicles, 2))
+        size = until - self.step, self.parameters.vehicles
+        kicks = self._rng.standard_normal((*size, 2))
+        if self.parameters.conditions.gust_m_s > 0.0:
+            kicks = np.concatenate((kicks, self._gusts.standard_normal((*size, 3))), axis=2)
         while self.step < until:
             before = self.step
             self.step = chain_motion.fly(self._block, self.states, kicks, self._past, self._past_offsets, until)

@@ -11,8 +11,8 @@ from chain_flight import Flown, with_crash
 
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore, FlightScorer, settling_time
-from matchset.app.flight.simulate import parse_sweep
-from matchset.app.flight.simulation_table import Limits, markdown_table, rows_by_value, sweep_verdict
+from matchset.app.simulate.command import parse_sweep
+from matchset.app.simulate.table import Limits, markdown_table, rows_by_value, sweep_verdict
 from matchset.links.simulated import SimulationParameters
 
 GOOD = FlightScore(

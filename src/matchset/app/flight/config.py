@@ -11,6 +11,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_text
 from matchset.links.simulated import parse_uri
+from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.toml_settings import read_settings
 
 TEMPLATE = "flight.toml"
@@ -85,12 +86,30 @@ def with_uri(uri: str, flight: FlightParameters) -> FlightParameters:
     Raises
     ------
     ValueError
-        If it does not begin with ``sim://chain``, or a parameter is unknown or out of range.
+        If it does not begin with ``sim://chain``, a parameter is unknown or out of range, or there are no pictures.
     """
     parsed = parse_uri(uri)
     names = uri.partition("?")[2]
     keys = [pair.partition("=")[0] for pair in names.split("&") if pair]
-    return with_world(flight, **{key: getattr(parsed, key) for key in keys})
+    world = {key: getattr(parsed, key) for key in keys if key not in Conditions.__struct_fields__}
+    named = {key: getattr(parsed.conditions, key) for key in keys if key in Conditions.__struct_fields__}
+    changed = with_conditions(with_world(flight, **world), **named)
+    if changed.world.quick:
+        raise ValueError("quick: a flight without pictures can only be flown by matchset simulate")
+    return changed
+
+
+def with_conditions(flight: FlightParameters, **named: float) -> FlightParameters:
+    """Return a flight under other conditions than its controllers are told.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range; the text begins with its name.
+    """
+    conditions = msgspec.structs.replace(flight.world.conditions, **named)
+    conditions.__post_init__()
+    return with_world(flight, conditions=conditions)
 
 
 def flight_parameters(path: Path | None, duration: float | None) -> FlightParameters:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.closing import Closing
+from matchset.app.flight.outline_pilot import OutlinePilot
 from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep, learn_colors
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.camera.camera_model import CameraModel
@@ -143,6 +144,7 @@ class Flight(Closing):
     samples : tuple of Frame
         The pictures from which each pilot learned its colors.
     colors : tuple of Colors
+        None where the world is quick and there are no pictures.
     pilots : tuple of Pilot
         One per follower; each knows its own camera and its own link only.
     """
@@ -152,12 +154,14 @@ class Flight(Closing):
         self.chain = SimulatedChain(self.parameters.world, self.parameters.pilot.place)
         cameras, links = self.chain.cameras, self.chain.links
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
-        self.colors: tuple[Colors, ...] = tuple(learn_colors(sample) for sample in self.samples)
-        pilot = self.parameters.pilot
-        self._index = 0
-        self.pilots = tuple(
-            Pilot(camera, link, colors, pilot) for camera, link, colors in zip(cameras, links, self.colors, strict=True)
-        )
+        self._index, pilot = 0, self.parameters.pilot
+        self.colors: tuple[Colors, ...] = ()
+        self.pilots: tuple[Pilot, ...]
+        if self.parameters.world.quick:
+            self.pilots = tuple(OutlinePilot(*each, pilot) for each in zip(cameras, links, strict=True))
+            return
+        self.colors = tuple(learn_colors(sample) for sample in self.samples)
+        self.pilots = tuple(Pilot(*each, pilot) for each in zip(cameras, links, self.colors, strict=True))
 
     def __iter__(self) -> Iterator[ChainStep]:
         """Arm one after the other and fly for the duration."""

@@ -20,7 +20,7 @@ from matchset.app.flight.output_files import Quiet
 if TYPE_CHECKING:
     from matchset.app.flight.flight import FlightParameters
     from matchset.app.flight.score import FlightScore
-    from matchset.app.flight.simulation_table import Limits
+    from matchset.app.simulate.table import Limits
 
 SIMULATE_EPILOG = """
 [bold]Examples[/bold]
@@ -44,6 +44,7 @@ FirstSeed = Annotated[int, typer.Option(min=0, help="The first of their seeds.")
 Survival = Annotated[float, typer.Option(help="Limit: least share of flights that survive.")]
 InView = Annotated[float, typer.Option(help="Limit: least share of pictures with the ball in view.")]
 Spread = Annotated[float, typer.Option(metavar="M", help="Limit: largest rms off the set place, m.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Without pictures: outlines from the truth, with noise.")]
 Jobs = Annotated[int, typer.Option(min=0, max=256, help="Flights at once; 0: one for every core.")]
 
 
@@ -62,6 +63,7 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
     survival: Survival = 1.0
     in_view: InView = 0.99
     spread: Spread = 0.10
+    quick: Quick = False
     jobs: Jobs = 0
     out: Folder = None
     quiet: Quiet = False
@@ -75,11 +77,12 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"--world must be chain, got {self.world!r}")
         flight = flight_parameters(self.config, self.duration)
         named = {name: getattr(self, name) for name in ("vehicles", "pal", "latency_ms")}
+        named["quick"] = self.quick or flight.world.quick
         return with_world(flight, **{name: value for name, value in named.items() if value is not None})
 
     def limits(self) -> "Limits":
         """Make the limits that every row of the table must reach."""
-        from matchset.app.flight.simulation_table import Limits
+        from matchset.app.simulate.table import Limits
 
         return Limits(survival=self.survival, in_view=self.in_view, spread=self.spread)
 
@@ -90,7 +93,7 @@ def simulate(options: SimulateOptions) -> int:
 
     check_run(options.out, ("flights.csv", "table.md"), [], [options.config], options.force)
     from matchset.app.disk import WholeFile
-    from matchset.app.flight import simulation_table as table
+    from matchset.app.simulate import table
     from matchset.image.files.whole_file import write_whole
 
     flight, limits = options.flight(), options.limits()

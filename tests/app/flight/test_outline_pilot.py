@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ from matchset.localization.pose import Pose
 from matchset.sim.conditions.conditions import Conditions
 
 
-def quick(duration: float = 8.0, world: dict[str, object] | None = None, **named: float) -> FlightParameters:
+def quick(duration: float = 8.0, world: dict[str, object] | None = None, **named: Any) -> FlightParameters:
     settings = SimulationParameters(vehicles=2, seed=3, quick=True, **(world or {}))  # type: ignore[arg-type]
     return with_conditions(FlightParameters(duration=duration, world=settings), **named)
 

@@ -1,6 +1,7 @@
 """What is told and what is: each of the conditions changes the simulated side, by default none does."""
 
 import math
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -41,7 +42,7 @@ NOMINAL = [
 ]
 
 
-def flown(seconds: float = 1.0, command: Command = HOVER, seed: int = 3, **named: float) -> World:
+def flown(seconds: float = 1.0, command: Command = HOVER, seed: int = 3, **named: Any) -> World:
     world = World(ChainParameters(vehicles=2, place=PLACE, conditions=Conditions(**named)), seed)
     for _ in range(round(30 * seconds)):
         world.send(0, command)
@@ -141,7 +142,7 @@ def test_a_camera_looks_where_it_is_mounted() -> None:
 def test_a_lens_is_longer_than_told_and_a_marker_sits_to_the_right() -> None:
     world = World(ChainParameters(conditions=Conditions(focal_length=1.1, marker_yaw_deg=10.0)), 3)
     views = WorldViews(world, CAMERA)
-    assert (views.model.fx, views.model.cx) == (pytest.approx(1.1 * CAMERA.fx), CAMERA.cx)
+    assert [views.model.fx, views.model.cx] == pytest.approx([1.1 * CAMERA.fx, CAMERA.cx])
     marker = -views.marked(np.eye(3))[:, 2]  # seen from behind, x is to the right
     assert marker == pytest.approx((math.sin(math.radians(10.0)), 0.0, -math.cos(math.radians(10.0))))
 

@@ -49,7 +49,7 @@ def test_without_noise_the_localizer_finds_the_truth() -> None:
     assert pose.rotation_matrix is not None
     poses = views.world.poses(0)
     out = -(views.viewpoint(poses[0]).from_room @ poses[1].rotation)[:, 2]
-    assert math.degrees(math.acos(min(pose.rotation_matrix[:, 2] @ out, 1.0))) < 1.5  # tilted: it hangs askew
+    assert math.degrees(math.acos(min(float(pose.rotation_matrix[:, 2] @ out), 1.0))) < 1.5  # tilted: it hangs askew
 
 
 def test_noise_is_as_large_as_asked_and_the_same_at_every_call() -> None:

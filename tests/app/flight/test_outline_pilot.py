@@ -28,7 +28,7 @@ def test_a_follower_holds_its_place_by_outlines() -> None:
 
 
 def test_the_same_seed_is_the_same_flight_and_nobody_tells_the_follower() -> None:
-    one, two, weak = (fly_once(quick(4.0, **named)) for named in ({}, {}, {"thrust": 0.6}))
+    one, two, weak = (fly_once(quick(4.0, thrust=thrust)) for thrust in (1.0, 1.0, 0.6))
     assert (one.spread, one.end) == (two.spread, two.end)
     assert one.survived
     assert "floor" in weak.crash  # 0.59 of the throttle does not carry it

@@ -70,7 +70,8 @@ def test_every_name_changes_something_and_says_what_it_is() -> None:
         assert each.low < each.high
         assert each.default is None or each.low <= each.default <= each.high
         if each.name not in steady:
-            world = flown(0.7, sticks, **{each.name: each.low + 0.55 * (each.high - each.low)})
+            changed: dict[str, Any] = {each.name: each.low + 0.55 * (each.high - each.low)}
+            world = flown(0.7, sticks, **changed)
             assert not np.array_equal(world.states, nominal.states), each.name
 
 

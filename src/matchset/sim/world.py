@@ -13,6 +13,7 @@ from matchset.numeric.record import fields, new_block
 from matchset.sim import chain_motion
 from matchset.sim.chain_motion import CHAIN, HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, MOST_VEHICLES, NOTHING
 from matchset.sim.conditions.conditions import Conditions
+from matchset.sim.conditions.gusts import Gusts
 from matchset.sim.quadrotor import (
     GRAVITY,
     STATE,
@@ -162,8 +163,8 @@ class World(Copied):
         motion.held[:] = 1  # each begins in a hand, which lets go when the motors pull
         anchor = (0.0, parameters.world.ceiling_anchor - rope.length, _far_end(parameters))
         self.rope = Rope(rope, anchor, rng, self._part("rope", ROPE))
-        self._rng, self._gusts = np.random.default_rng((seed, 0xF117)), np.random.default_rng((seed, 0x6057))
-        self._begin_wind()
+        self._rng = np.random.default_rng((seed, 0xF117))
+        self._gusts = Gusts(parameters.conditions, seed, motion.air, STEP)
         self._sent: list[list[tuple[int, Command]]] = [[] for _ in range(count)]
         self._active = [Command()] * count
         self.states = self._begin(rng)
@@ -302,15 +303,6 @@ class World(Copied):
         room.floor, room.clearance, room.frame_radius = FLOOR, world.clearance, world.frame_radius
         room.ball_radius, room.ball_height = vehicle.ball_radius, vehicle.ball_height
 
-    def _begin_wind(self) -> None:
-        """Choose the direction of the wind, and the gusts at the beginning."""
-        conditions, air = self.parameters.conditions, self.motion.air
-        angle = self._gusts.uniform(0.0, 2.0 * math.pi)
-        air.steady[:] = conditions.wind_m_s * math.cos(angle), 0.0, conditions.wind_m_s * math.sin(angle)
-        air.keep = math.exp(-STEP / conditions.gust_time_s)
-        air.noise = conditions.gust_m_s * math.sqrt(1.0 - air.keep**2)
-        air.gust[:] = conditions.gust_m_s * self._gusts.standard_normal(air.gust.shape)
-
     def _part(self, name: str, layout: "np.dtype[np.void]") -> Floats:
         """Floats of a record in the block."""
         start = CHAIN.fields[name][1] // self._block.itemsize  # type: ignore[index]
@@ -352,10 +344,8 @@ class World(Copied):
 
     def _fly(self, until: int) -> None:
         """Let steps pass under the same sticks."""
-        size = until - self.step, self.parameters.vehicles
-        kicks = self._rng.standard_normal((*size, 2))
-        if self.parameters.conditions.gust_m_s > 0.0:
-            kicks = np.concatenate((kicks, self._gusts.standard_normal((*size, 3))), axis=2)
+        kicks = self._rng.standard_normal((until - self.step, self.parameters.vehicles, 2))
+        kicks = self._gusts.added_to(kicks)
         while self.step < until:
             before = self.step
             self.step = chain_motion.fly(self._block, self.states, kicks, self._past, self._past_offsets, until)

@@ -20,7 +20,7 @@ import typer
 
 from benchmarks.lost.content import content_of
 from benchmarks.lost.runs import FPS, RUNS, Run, start, write_clip
-from matchset.app.flight.flight import Flight, FlightParameters, FlightSetup, flight_setup
+from matchset.app.flight.flight import Flight, FlightParameters, FlightSetup
 from matchset.app.recording.writer import RecordingWriter
 from matchset.links.simulated import SimulationParameters
 
@@ -125,7 +125,7 @@ def kill_recording(setup: FlightSetup, steps: list[bytes], path: Path, after: fl
 def flown() -> tuple[FlightSetup, list[bytes]]:
     """Fly for a second; return what is fixed, and the pickled steps."""
     with Flight(FlightParameters(duration=1.0, world=SimulationParameters(vehicles=3, seed=4))) as flight:
-        return flight_setup(flight), [pickle.dumps(step) for step in flight]
+        return flight.setup, [pickle.dumps(step) for step in flight]
 
 
 def main(

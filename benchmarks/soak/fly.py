@@ -17,7 +17,7 @@ from benchmarks.soak.invariants import InvariantParameters, Rules, Seen, violati
 from benchmarks.soak.plan import Plan
 from benchmarks.soak.replayed import replay
 from matchset.app.disk import UnfinishedFileError
-from matchset.app.flight.flight import ChainStep, Flight, flight_setup
+from matchset.app.flight.flight import ChainStep, Flight
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.flight.pilot import Pilot, PilotStep
@@ -242,7 +242,7 @@ def _fly(plan: Plan, path: Path | None, parameters: SoakParameters) -> tuple[Flo
             with (
                 contextlib.closing(iter(flight)) as chain_steps,  # type: ignore[type-var]
                 limited_files(plan.room),
-                FlightOutputs(flight_setup(flight), FlightFiles(record=path), quiet=True) as outputs,
+                FlightOutputs(flight.setup, FlightFiles(record=path), quiet=True) as outputs,
             ):
                 for chain_step in chain_steps:
                     index = chain_step.index

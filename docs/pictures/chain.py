@@ -7,7 +7,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.flight.flight import ChainStep, Flight, FlightParameters, FlightSetup, flight_setup
+from matchset.app.flight.flight import ChainStep, Flight, FlightParameters, FlightSetup
 from matchset.app.flight_report.picture import annotate_step
 from matchset.app.flight_report.top_view import INK, TopView
 from matchset.app.progress import progress_bar
@@ -46,7 +46,7 @@ def main() -> None:
         Flight(FlightParameters(duration=DURATION, world=world)) as flight,
         progress_bar("flying", flight.length) as bar,
     ):
-        setup = flight_setup(flight)
+        setup = flight.setup
         top = TopView(setup, MAP)
         for chain_step in flight:
             bar.advance()

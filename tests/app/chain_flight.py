@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.flight.flight import ChainStep, Crash, Flight, FlightParameters, FlightSetup, flight_setup
+from matchset.app.flight.flight import ChainStep, Crash, Flight, FlightParameters, FlightSetup
 from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import Command
 from matchset.control.safety import SafetyState
@@ -28,7 +28,7 @@ def fly() -> Flown:
     """Fly it."""
     world = SimulationParameters(vehicles=3, seed=SEED, cable=CABLE)
     with Flight(FlightParameters(duration=DURATION, world=world)) as flight:
-        return Flown(flight_setup(flight), tuple(flight))
+        return Flown(flight.setup, tuple(flight))
 
 
 def lost(step: PilotStep, reason: str = "covered") -> PilotStep:

@@ -83,9 +83,10 @@ class Cable:
 
 
 class Paced:
-    """Runs the board in a thread at the pace of the real time."""
+    """Runs the board in a thread at the pace of the real time, or at a share of it."""
 
-    def __init__(self, cable: Cable) -> None:
+    def __init__(self, cable: Cable, pace: float = 1.0) -> None:
+        self._pace = pace
         self._cable, self._stop = cable, threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -98,10 +99,10 @@ class Paced:
         self._thread.join()
 
     def _run(self) -> None:
-        board, begin = self._cable.board, time.monotonic() - self._cable.board.time
+        board, begin = self._cable.board, self._pace * time.monotonic() - self._cable.board.time
         while not self._stop.is_set():
             self._cable.to_board()
-            behind = time.monotonic() - begin - board.time
+            behind = self._pace * time.monotonic() - begin - board.time
             if behind < 0.001:
                 self._stop.wait(0.001)
                 continue

@@ -104,6 +104,8 @@ class Live:
         Each setting that was asked for, with what the driver says it is.
     controls : dict of str to Control
         The settings that the camera has, as they were when it was opened, or one was changed last.
+    stamped : bool
+        Whether the last frame has the driver's time of its capture; otherwise it has that of its arrival.
 
     Raises
     ------
@@ -128,7 +130,7 @@ class Live:
             self.controls = {} if is_stream else read_controls(self._capture)
             rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.fps = rate if 0 < rate <= 1000 else None
-        self._stamped = self._capture.getBackendName() == "V4L2"
+        self.stamped, self._has_stamps = False, self._capture.getBackendName() == "V4L2"
         self._captured, self._last = 0, 0.0
         self._newest: Frame | None = None
         self._failure = ""
@@ -147,6 +149,12 @@ class Live:
         with self._news:
             frame = self._await(self.timeout)
             self._newest = None
+            return frame
+
+    def newest(self, limit: float) -> Frame | None:
+        """Newest frame not yet read; None if there is none within a time, s. LinkError once the camera has failed."""
+        with self._news:
+            frame, self._newest = self._wait(limit), None
             return frame
 
     def adjust(self, name: str, value: float | None) -> None:
@@ -181,6 +189,13 @@ class Live:
                 self.settings, self.controls = others, read_controls(self._capture)
 
     def _await(self, limit: float) -> Frame:
+        frame = self._wait(limit)
+        if frame is None:
+            hint = ": if it is a file, not a stream, download it" if self._is_file else ""
+            raise LinkError(f"{self.name} has delivered no picture for {limit:g} s{hint}")
+        return frame
+
+    def _wait(self, limit: float) -> Frame | None:
         with self._news:
             self._news.wait_for(lambda: self._newest is not None or self._stop.is_set(), limit)
             if self._newest is not None:
@@ -189,8 +204,7 @@ class Live:
             raise LinkError(f"{self.name} failed: {self._failure}")
         if self._stop.is_set():
             raise ValueError(f"{self.name} is closed")
-        hint = ": if it is a file, not a stream, download it" if self._is_file else ""
-        raise LinkError(f"{self.name} has delivered no picture for {limit:g} s{hint}")
+        return None
 
     def _run(self) -> None:
         # From here on the thread alone touches the capture: OpenCV crashes when another one releases it.
@@ -212,10 +226,10 @@ class Live:
     def _moment(self) -> float:
         """When the picture just grabbed was captured, s."""
         moment = now = monotonic()
-        if self._stamped:
+        if self._has_stamps:
             stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
-            if 0.0 <= now - stamp < DEFAULT.latest_stamp_s:
-                moment = stamp
+            self.stamped = 0.0 <= now - stamp < DEFAULT.latest_stamp_s
+            moment = stamp if self.stamped else now
         self._last = max(moment, self._last + 1e-6)
         return self._last
 

@@ -135,6 +135,11 @@ class Video(NotCopied):
         return self._source.broken
 
     @property
+    def stamped(self) -> bool:
+        """Whether the last frame of a live source has its driver's time of capture; otherwise that of its arrival."""
+        return not isinstance(self._source, Live) or self._source.stamped
+
+    @property
     def warnings(self) -> list[str]:
         """What is not as it should be, so far."""
         words = differences(self.settings) + self._source.warnings
@@ -155,6 +160,37 @@ class Video(NotCopied):
             self._ended = True
             self._source.close()
             raise StopIteration
+        return self._checked(frame)
+
+    def newest(self, wait: float) -> Frame | None:
+        """Return the newest frame of a live source that was not yet read; for loops that must not stand still.
+
+        Parameters
+        ----------
+        wait : float
+            How long to wait for one, s.
+
+        Returns
+        -------
+        Frame or None
+            None if none came in that time, also where `next` would give up after `timeout`.
+
+        Raises
+        ------
+        ValueError
+            If the source is not live or was closed, or the pictures have changed in size or in channels.
+        LinkError
+            If its driver has failed.
+        """
+        if self._closed:
+            raise ValueError(f"{self._name} is closed")
+        if not isinstance(self._source, Live):
+            raise ValueError(f"{self._name} is not live: its frames come one after the other, by next()")
+        frame = self._source.newest(wait)
+        return None if frame is None else self._checked(frame)
+
+    def _checked(self, frame: Frame) -> Frame:
+        """Refuse a frame of another shape than those before (ValueError)."""
         if frame.image.shape != self._shape:
             found, before = _described(frame.image.shape), _described(self._shape)
             raise ValueError(f"{self._name}: frame {frame.index} is {found}, those before it are {before}")

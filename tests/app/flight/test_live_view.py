@@ -1,6 +1,7 @@
 """The live view and its plain lines, read as a person would read them."""
 
 import io
+from typing import Any
 
 import msgspec
 import pytest
@@ -14,7 +15,7 @@ from matchset.control.follower import RelativeSetpoint
 PLACE = RelativeSetpoint(height=-0.19)
 
 
-def told(flown: Flown, **options: bool) -> str:
+def told(flown: Flown, **options: Any) -> str:
     """All that a console shows of the flight, with a loss, a descent and a crash at its end."""
     out = io.StringIO()
     console = Console(file=out, width=110, highlight=False, force_terminal=options.pop("terminal"), color_system=None)

@@ -33,13 +33,13 @@ class Packet(NamedTuple):
 
 
 class RealClock:
-    """The time since it was made, s."""
+    """The time since it was made, s; at a pace below 1 it runs slower than the real one."""
 
-    def __init__(self) -> None:
-        self._begin = time.monotonic()
+    def __init__(self, pace: float = 1.0) -> None:
+        self._begin, self._pace = time.monotonic(), pace
 
     def __call__(self) -> float:
-        return time.monotonic() - self._begin
+        return self._pace * (time.monotonic() - self._begin)
 
     def sleep(self, seconds: float) -> None:
         time.sleep(seconds)
@@ -47,6 +47,12 @@ class RealClock:
 
 class PtyTransmitter:
     """A transmitter that any process can open.
+
+    Parameters
+    ----------
+    pace : float
+        Of its clock. Less than 1 makes its failsafe more patient than the real one, for tests of something else on a
+        busy computer.
 
     Attributes
     ----------
@@ -57,17 +63,28 @@ class PtyTransmitter:
         Whenever state or throttle changed.
     packets : list of Packet
         Of those that came together, only the last is of its own time.
+    babble : bool
+        Whether it says nothing but noise.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, pace: float = 1.0) -> None:
         self._end, self._slave = pty.openpty()
         tty.setraw(self._slave)
         self.path = os.ttyname(self._slave)
         os.set_blocking(self._end, False)
-        self.port = FakePort(clock=RealClock())  # type: ignore[arg-type]
+        self.port = FakePort(clock=RealClock(pace))  # type: ignore[arg-type]
         self.moments: list[Moment] = []
         self.packets: list[Packet] = []
+        self.babble, self._gone = False, False
         self._stop, self._thread = threading.Event(), threading.Thread(target=self._run, daemon=True)
+
+    def unplug(self) -> None:
+        """Take the port away."""
+        self._stop.set()
+        self._thread.join()
+        self._gone = True
+        os.close(self._slave)
+        os.close(self._end)
 
     def wait_for(self, throttle: int, timeout: float = 60.0) -> Moment:
         """Wait until the throttle is at least so high."""
@@ -92,16 +109,15 @@ class PtyTransmitter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join()
-        os.close(self._slave)
-        os.close(self._end)
+        if not self._gone:
+            self.unplug()
 
     def _run(self) -> None:
         while not self._stop.is_set():
             if select.select([self._end], [], [], LOOK)[0]:
                 self.port.write(os.read(self._end, 4096))
             said = self.port.read()
+            said = bytes(reversed(said)) if self.babble else said
             if said:
                 with contextlib.suppress(BlockingIOError):  # nobody reads: what is not heard is lost, as on a wire
                     os.write(self._end, said)

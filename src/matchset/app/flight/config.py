@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from matchset.app.flight.flight import FlightParameters
+from matchset.app.flight.linked.parameters import LinkedFollower
 from matchset.camera.camera_model import CameraModel
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_text
@@ -24,11 +25,15 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     ----------
     flight : FlightParameters
     camera : str
-        A camera file, as `matchset calibrate` writes it; empty for none. Its path is relative to the TOML file.
+        A camera file for the simulated cameras, as `matchset calibrate` writes it; empty for none. Its path is relative
+        to the TOML file.
+    follower : tuple of LinkedFollower
+        Real followers, in the order of the chain: ``[[follower]]``. Paths are relative to the TOML file.
     """
 
     flight: FlightParameters = FlightParameters()
     camera: str = ""
+    follower: tuple[LinkedFollower, ...] = ()
 
 
 def default_toml() -> str:
@@ -49,11 +54,7 @@ def read_flight(path: Path) -> FlightParameters:
     ValueError
         If a key is unknown, of a wrong kind or out of range, or camera and size disagree: with the key and the line.
     """
-    try:
-        text = read_text(path, LIMITS.text)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not a text file: {error}") from None
-    file = read_settings(text, ConfigFile, str(path))
+    text, file = _read(path)
     if not file.camera:
         return file.flight
     camera = CameraModel.load(path.parent / file.camera)
@@ -65,6 +66,38 @@ def read_flight(path: Path) -> FlightParameters:
             f"{world.width} x {world.height}"
         )
     return with_world(file.flight, model=camera)
+
+
+def _read(path: Path) -> tuple[str, ConfigFile]:
+    """Read a TOML file; returns its text, too."""
+    try:
+        text = read_text(path, LIMITS.text)
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: not a text file: {error}") from None
+    return text, read_settings(text, ConfigFile, str(path))
+
+
+def read_followers(path: Path) -> tuple[LinkedFollower, ...]:
+    """Read the real followers of a TOML file, the paths of their files being made whole.
+
+    Raises
+    ------
+    ValueError
+        As `read_flight`.
+    """
+
+    def whole(name: str) -> str:
+        return str(path.parent / name) if name else ""
+
+    return tuple(
+        msgspec.structs.replace(
+            each,
+            camera_file=whole(each.camera_file),
+            color=tuple(map(whole, each.color)),
+            marker_color=tuple(map(whole, each.marker_color)),
+        )
+        for each in _read(path)[1].follower
+    )
 
 
 def with_world(flight: FlightParameters, **world: Any) -> FlightParameters:
@@ -117,4 +150,6 @@ def flight_parameters(path: Path | None, duration: float | None) -> FlightParame
     flight = FlightParameters() if path is None else read_flight(path)
     if duration is None:
         return flight
-    return FlightParameters(duration=duration, world=flight.world, pilot=flight.pilot)
+    new = msgspec.structs.replace(flight, duration=duration)
+    new.__post_init__()
+    return new

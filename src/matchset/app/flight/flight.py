@@ -1,14 +1,16 @@
-"""A chain of followers in flight: `Flight`, an iterable of `ChainStep`s, and what is fixed for it: `FlightSetup`."""
+"""A chain in flight, an iterable of `ChainStep`s: `ChainFlight`, simulated: `Flight`; what is fixed: `FlightSetup`."""
 
+import abc
 import itertools
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.app.closing import Closing
+from matchset.app.flight.linked.parameters import LinkedParameters
 from matchset.app.flight.outline_pilot import OutlinePilot
 from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep, learn_colors
 from matchset.app.flight.real_time.memory import steady_memory
@@ -17,6 +19,9 @@ from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
 from matchset.sim.vehicle import VehiclePose
 from matchset.sim.world import relative_position
+
+if TYPE_CHECKING:
+    from matchset.app.flight.score import FlightScorer
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,6 +37,8 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         The world, its cameras and its links.
     pilot : PilotParameters
         Every follower's loop.
+    linked : LinkedParameters
+        Times of a real flight.
     together : int
         Number of followers that are armed at once, those next to the rope. Each learns in its first seconds the
         throttle that hovers, and oscillates; three and more that do so at once enlarge each other's oscillation.
@@ -46,6 +53,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     stagger: float = 1.2
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
+    linked: LinkedParameters = LinkedParameters()
 
     def __post_init__(self) -> None:
         if not 0.1 <= self.duration <= 3600.0:
@@ -85,7 +93,7 @@ class Crash(msgspec.Struct, frozen=True):
 
 
 class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
-    """One step of every follower's loop, and the simulator's truth: one picture of every camera.
+    """One step of every follower's loop, and the truth, which the simulator alone knows: one picture of every camera.
 
     Vehicles are counted as in the paper, the first follower first; `steps` has one entry per follower, the truth one
     per vehicle, so ``truth[-1]`` hangs on the rope and ``steps[i]`` watches ``truth[i + 1]``.
@@ -100,13 +108,15 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
         What each follower measured, decided and sent.
     truth : tuple of VehiclePose
         True pose of every vehicle, and position of its ball, at `time`, in the room: x right, y down, z forward, m.
+        Empty where nobody knows.
     truth_at_exposure : tuple of VehiclePose
         The same at the middle of the pictures' exposure: what `steps` should have measured.
     true_positions : ndarray of shape (followers, 3)
         True side, height and heading of each follower's camera in the level frame of its neighbor's ball, at `time`, m
-        (Epstein & Feldman, Eq. 6-8).
+        (Epstein & Feldman, Eq. 6-8). NaN where nobody knows.
     in_view : tuple of bool
-        Whether the middle of the neighbor's ball was inside each camera's picture, and nothing hid it on purpose.
+        Whether the middle of the neighbor's ball was inside each camera's picture, and nothing hid it on purpose. True
+        where nobody knows.
     crashes : tuple of Crash
         Of this flight so far.
     """
@@ -126,7 +136,97 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
         return all(step.safety.phase == "cut" for step in self.steps)
 
 
-class Flight(Closing):
+FlightKind = Literal["simulated", "flight", "dry run"]
+"""What flew: a simulated chain; real vehicles; real ones that were sent no throttle."""
+
+
+class FlightSetup(NamedTuple):
+    """What does not change during a flight, one that is flown or one that is replayed.
+
+    Attributes
+    ----------
+    parameters : FlightParameters
+    cameras : tuple of CameraModel
+        One per follower.
+    samples : tuple of Frame
+        A picture of each camera from before the flight.
+    kind : FlightKind
+    colors : tuple of Colors
+        What each follower looks for; empty: what it learns from its sample.
+    countdown : float
+        When the first follower is armed, s.
+    fps : float
+        Pictures a second of the slowest camera, about.
+    devices : tuple of str
+        Camera and link of each follower, for people; empty where they are simulated.
+    """
+
+    parameters: FlightParameters
+    cameras: tuple[CameraModel, ...]
+    samples: tuple[Frame, ...]
+    kind: FlightKind = "simulated"
+    colors: tuple[Colors, ...] = ()
+    countdown: float = 0.0
+    fps: float = FPS
+    devices: tuple[str, ...] = ()
+
+    @property
+    def followers(self) -> int:
+        """Number of followers: all vehicles but the last."""
+        return len(self.cameras)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the balls, m."""
+        return self.parameters.pilot.target.radius
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether the simulator knows where everybody is."""
+        return self.kind == "simulated"
+
+
+class ChainFlight(Closing):
+    """A chain in flight, simulated or real: `for chain_step in flight`. Leaving its `with` block lands everyone.
+
+    Attributes
+    ----------
+    parameters : FlightParameters
+    pilots : tuple of Pilot
+        One per follower; each knows its own camera and its own link only.
+    setup : FlightSetup
+    fault : str
+        Why it ended before its time, where a device is to blame; else empty.
+    """
+
+    parameters: FlightParameters
+    pilots: tuple[Pilot, ...]
+    setup: FlightSetup
+    fault: str = ""
+
+    @abc.abstractmethod
+    def __iter__(self) -> Iterator[ChainStep]:
+        """Arm, and fly for the duration."""
+
+    def briefing(self, keys: bool) -> Iterable[str]:
+        """Say what a person must know before it begins, a line each; `keys`: whether the space key is read."""
+        return ["space stops all motors at once"] if keys else []
+
+    def debriefing(self) -> Iterable[str]:
+        """Say what else there is to say of it at its end, a line each."""
+        return []
+
+    def succeeded(self, scorer: "FlightScorer") -> bool:
+        """Whether everyone flew to the end."""
+        return scorer.score().survived
+
+    def cut(self, reason: str) -> None:
+        """Stop everyone's motors at once; may be called by another thread or a signal handler."""
+        for pilot in self.pilots:
+            pilot.cut(reason)
+
+
+class Flight(ChainFlight):
     """A simulated chain with a pilot for every follower, in lock step: `for chain_step in flight`.
 
     The constructor compiles everything, so that nobody is armed before the loops can answer a picture at once. Leaving
@@ -154,6 +254,7 @@ class Flight(Closing):
         self.chain = SimulatedChain(self.parameters.world, self.parameters.pilot.place)
         cameras, links = self.chain.cameras, self.chain.links
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
+        self.setup = FlightSetup(self.parameters, tuple(camera.model for camera in cameras), self.samples)
         self._index, pilot = 0, self.parameters.pilot
         self.colors: tuple[Colors, ...] = ()
         self.pilots: tuple[Pilot, ...]
@@ -178,11 +279,6 @@ class Flight(Closing):
         """Number of steps of the flight."""
         return max(round(self.parameters.duration * FPS), 1)
 
-    def cut(self, reason: str) -> None:
-        """Stop everyone's motors at once; may be called by another thread or a signal handler."""
-        for pilot in self.pilots:
-            pilot.cut(reason)
-
     def close(self) -> None:
         """Land everyone and let go of the world."""
         for link in self.chain.links:
@@ -205,35 +301,3 @@ class Flight(Closing):
             in_view=tuple(self.chain.inside(follower, index) for follower in range(len(steps))),
             crashes=tuple(Crash(time, vehicle + 1, what) for time, vehicle, what in self.chain.world.crashes),
         )
-
-
-class FlightSetup(NamedTuple):
-    """What does not change during a flight, one that is flown or one that is replayed.
-
-    Attributes
-    ----------
-    parameters : FlightParameters
-    cameras : tuple of CameraModel
-        One per follower.
-    samples : tuple of Frame
-        The pictures from which each follower learned its colors.
-    """
-
-    parameters: FlightParameters
-    cameras: tuple[CameraModel, ...]
-    samples: tuple[Frame, ...]
-
-    @property
-    def followers(self) -> int:
-        """Number of followers: all vehicles but the last."""
-        return len(self.cameras)
-
-    @property
-    def radius(self) -> float:
-        """Radius of the balls, m."""
-        return self.parameters.pilot.target.radius
-
-
-def flight_setup(flight: Flight) -> FlightSetup:
-    """Return the setup of a flight."""
-    return FlightSetup(flight.parameters, tuple(pilot.camera.model for pilot in flight.pilots), flight.samples)

@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, Group, RenderResult
 from rich.table import Table
 from rich.text import Text
 
-from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.flight import ChainStep, FlightKind
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.flight.score import FlightCounters, FollowerCounters
 from matchset.app.flight_report.colors import PHASE_COLORS, as_hex
@@ -20,6 +20,7 @@ from matchset.app.flight_report.step_text import (
     distance_to_set_place,
     position_text,
     state_text,
+    unsent_text,
 )
 from matchset.app.progress import RedrawnDisplay, duration_text
 from matchset.control.follower import RelativeSetpoint
@@ -117,14 +118,17 @@ class FittingTable:
         yield table
 
 
-def text_line(chain_step: ChainStep, counters: FlightCounters) -> str:
-    """Write a step in one line: ``  5.0 s   1: flying, 1.51 m, side +0.01 ... m, 67 ms old, lost 0   2: ...``."""
+def text_line(chain_step: ChainStep, counters: FlightCounters, dry: bool = False) -> str:
+    """Write a step in one line: ``  5.0 s   1: flying, 1.51 m, side +0.01 ... m, 67 ms old, lost 0   2: ...``.
+
+    In a dry run with what would have been sent.
+    """
     parts = []
     for number, (step, each) in enumerate(zip(chain_step.steps, counters.followers, strict=True), 1):
         position = " ".join(position_text(step.control).split())
         parts.append(
             f"{number}: {state_text(step)}, {distance_text(step)}, {position}, {age_text(step.age)} old, "
-            f"lost {each.lost}"
+            f"lost {each.lost}" + (f", {unsent_text(step)}" if dry else "")
         )
     return f"{chain_step.time:6.1f} s   " + "   ".join(parts)
 
@@ -139,16 +143,24 @@ class LiveView(RedrawnDisplay):
         Length of the whole flight, s.
     quiet : bool
         Show nothing.
+    kind : FlightKind
+        A dry run shows what would have been sent, a simulated flight how fast it is.
     console : Console, optional
         Stderr by default.
     """
 
     def __init__(
-        self, place: RelativeSetpoint, duration: float, quiet: bool = False, console: Console | None = None
+        self,
+        place: RelativeSetpoint,
+        duration: float,
+        quiet: bool = False,
+        console: Console | None = None,
+        kind: FlightKind = "simulated",
     ) -> None:
         self._console = console or Console(stderr=True, highlight=False)
         super().__init__(self._console, REFRESHES, quiet)
-        self._place, self._duration, self._quiet = place, duration, quiet
+        self._place, self._duration, self._quiet, self._kind = place, duration, quiet, kind
+        self._dry = kind == "dry run"
         self._start: tuple[float, float] | None = None
         self._line_time, self._crashes, self._said_left = -math.inf, 0, False
 
@@ -159,10 +171,12 @@ class LiveView(RedrawnDisplay):
         self._crashes = len(chain_step.crashes)
         if self.visible:
             speed = self._speed(chain_step)
-            self.redraw(render_view(chain_step, counters, self._place, self._duration, speed))
+            view = render_view(chain_step, counters, self._place, self._duration, speed)
+            unsent = [f"{number} {unsent_text(step)}" for number, step in enumerate(chain_step.steps, 1)]
+            self.redraw(Group(view, *unsent) if self._dry else view)
         elif chain_step.time - self._line_time >= LINE_PERIOD:
             self._line_time = chain_step.time
-            self._print(text_line(chain_step, counters))
+            self._print(text_line(chain_step, counters, self._dry))
             speed = self._speed(chain_step)
             if speed is not None and not self._said_left:
                 self._said_left = True
@@ -182,7 +196,8 @@ class LiveView(RedrawnDisplay):
         if self._start is None:
             self._start = now, chain_step.time
         passed = now - self._start[0]
-        return (chain_step.time - self._start[1]) / passed if passed > SPEED_AFTER else None
+        known = passed > SPEED_AFTER and self._kind == "simulated"
+        return (chain_step.time - self._start[1]) / passed if known else None
 
 
 def _head(chain_step: ChainStep, duration: float, speed: float | None) -> Text:

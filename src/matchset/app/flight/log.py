@@ -94,6 +94,11 @@ class FollowerLog:
         return self._column("phase").astype(np.intp)
 
     @property
+    def has_flown(self) -> bool:
+        """Whether it took off."""
+        return bool((self.phase > PHASES.index("locked")).any())
+
+    @property
     def in_view(self) -> npt.NDArray[np.bool_]:
         """Whether the ball was inside the picture, by the truth, (n,)."""
         return self._column("in_view") > 0.0
@@ -164,10 +169,15 @@ class FlightLog:
         return np.array(self._balls_in_room, np.float64).reshape(-1, self.setup.followers + 1, 3)
 
     def position_error(self, number: int) -> Floats:
-        """Subtract the set place of a follower, from 0, from its true position, from `scored_from` on: (n, 3), m."""
+        """Subtract the set place of a follower, from 0, from its position, from `scored_from` on: (n, 3), m.
+
+        The position is the true one; where nobody knows that, the one that the follower acted on.
+        """
         log, place = self.followers[number], self.setup.parameters.pilot.place
-        error: Floats = log.true_position - (place.side, place.height, place.heading)
-        return error[log.time >= scored_from(self.setup.parameters, number)]
+        position = log.true_position if self.setup.has_truth else log.estimated_position
+        error: Floats = position - (place.side, place.height, place.heading)
+        counts = log.time >= self.setup.countdown + scored_from(self.setup.parameters, number)
+        return error[counts & np.isfinite(error).all(axis=1)]
 
     def spread(self, number: int) -> Floats:
         """Root mean square of `position_error` in each axis, (3,), m; empty if the flight was not that long."""
@@ -177,7 +187,8 @@ class FlightLog:
     def _row(self, chain_step: ChainStep, number: int, position: Floats | None) -> tuple[float, ...]:
         """Make a row of a step, in the order of `ROW`."""
         step, control = chain_step.steps[number], chain_step.steps[number].control
-        camera = camera_position(chain_step.truth_at_exposure[number])
+        sights = chain_step.truth_at_exposure
+        true_in_chain = room_to_chain_frame(camera_position(sights[number]), sights[-1]).tolist() if sights else UNKNOWN
         return (
             step.now,
             *(UNKNOWN if control is None else (control.side, control.height, control.heading)),
@@ -189,11 +200,11 @@ class FlightLog:
             float(PHASES.index(step.safety.phase)),
             float(chain_step.in_view[number]),
             *(UNKNOWN if position is None else position.tolist()),
-            *room_to_chain_frame(camera, chain_step.truth_at_exposure[-1]).tolist(),
+            *true_in_chain,
         )
 
     def _circle_error_px(self, chain_step: ChainStep, number: int, step: PilotStep) -> float:
-        if not isinstance(step.ball, Track):
+        if not isinstance(step.ball, Track) or not chain_step.truth_at_exposure:
             return math.nan
         me, other = chain_step.truth_at_exposure[number], chain_step.truth_at_exposure[number + 1]
         truth, found = true_circle(me, other, self.setup.cameras[number], self.setup.radius), step.ball.shape
@@ -227,6 +238,8 @@ EXPLANATIONS = (
     "phase of the safety filter",
 )
 """What each of `HEADINGS` means, where that does not say it."""
+UNTRUE = {EXPLANATIONS[2]: "of all of them", EXPLANATIONS[6]: f"{EXPLANATIONS[6]}, by its own eyes"}
+"""What some of them mean where nobody knows the truth."""
 
 
 def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
@@ -270,9 +283,12 @@ def flight_summary(log: FlightLog) -> str:
     if down:
         return f"{time}; vehicle {' and '.join(down)} came down along the safety path"
     spread = [value for k in range(len(log.followers)) for value in log.spread(k).tolist()]
+    if not log.setup.has_truth and not any(follower.has_flown for follower in log.followers):
+        return f"{time}; nobody took off"
     if not spread:
         return f"{time}, nobody crashed"
-    return f"{time}, nobody crashed; worst axis {100.0 * max(spread):.1f} cm rms off the set place"
+    by = "" if log.setup.has_truth else " by its own eyes"
+    return f"{time}, nobody crashed; worst axis {100.0 * max(spread):.1f} cm rms off the set place{by}"
 
 
 def _end(log: FlightLog, number: int) -> str:

@@ -22,7 +22,6 @@ from matchset.app.flight.score import FlightCounters
 from matchset.app.flight_report.picture import FlightPicture
 from matchset.app.flight_report.report import write_report
 from matchset.app.recording.writer import RecordingWriter
-from matchset.links.simulated import FPS
 
 Item = tuple[ChainStep, Sequence[bool]]
 """A step, and which pilots had been told to fly."""
@@ -87,7 +86,8 @@ class FlightOutputs(Closing):
         self._closed = False
         self._messages: deque[str] = deque()
         parameters, limits = setup.parameters, OutputParameters()
-        self._view = LiveView(parameters.pilot.place, parameters.duration, quiet)
+        length = setup.countdown + parameters.duration
+        self._view = LiveView(parameters.pilot.place, length, quiet, kind=setup.kind)
         self._say = self._messages.append
         self._writers: list[Background[Item]] = []
         recorder = RecorderParameters(space=self._files.space)
@@ -95,7 +95,7 @@ class FlightOutputs(Closing):
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:
                 picture = FlightPicture(setup)
-                video = stack.enter_context(Recorder(self._files.video, FPS, picture.size, parameters=recorder))
+                video = stack.enter_context(Recorder(self._files.video, setup.fps, picture.size, parameters=recorder))
                 opened.append(video)
                 draw = _telling("the video", video, lambda item: video.write(picture.draw(item[0])), self._say)
                 self._writers.append(stack.enter_context(self._writer("the video", draw, limits.least, real_time)))
@@ -108,7 +108,7 @@ class FlightOutputs(Closing):
                 write = _telling("the recording", recording, lambda item: recording.write(*item), self._say)
                 self._writers.append(stack.enter_context(self._writer("the recording", write, room, real_time)))
             if opened and not quiet:
-                print(f"note: {self._size_note(opened, parameters.duration)}", file=sys.stderr)
+                print(f"note: {self._size_note(opened, length)}", file=sys.stderr)
             stack.enter_context(self._view)
             newest = BackgroundParameters(waiting=2, drops=real_time)
             self._screen = stack.enter_context(Background("the screen", self._show, newest))

@@ -87,6 +87,8 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     stopped : str
         Why the motors were stopped in this step although the safety filter saw no reason: by `Pilot.cut`, or since the
         link refused. Empty if they were not.
+    landing : str
+        Why it descends by `Pilot.land`; empty if it does not.
     """
 
     now: float
@@ -100,6 +102,7 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
     age: float
     stage_times: tuple[float, ...]
     stopped: str = ""
+    landing: str = ""
 
     @property
     def processing(self) -> float:
@@ -195,6 +198,7 @@ class Pilot:
         """Know nothing, and be disarmed."""
         target = self.parameters.target
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
+        self._link_is_armed = False
         self._tracker = Tracker(Circle, self._colors.ball)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
@@ -218,12 +222,18 @@ class Pilot:
             self.camera, self.link = camera, link
             self._begin()
 
+    def arm_link(self) -> None:
+        """Arm the link alone, which may take a moment: the motors stay off until `arm`, which then takes none."""
+        self.link.arm()
+        self._link_is_armed = True
+
     def arm(self) -> None:
         """Fly from the next step on, as soon as the ball is seen; also after the motors were stopped."""
         self._safety, self.killed, self.landing, self._fault = SafetyState(), "", "", ""
         self._pictures = self._pictures._replace(went_back=False)
-        self.link.arm()
-        self.armed = True
+        if not self._link_is_armed or self.link.status().refusal:
+            self.link.arm()
+        self.armed, self._link_is_armed = True, False
 
     def cut(self, reason: str) -> None:
         """Stop the motors at once, until `arm`: the vehicle falls. May be called by another thread or a signal handler.
@@ -288,6 +298,7 @@ class Pilot:
             age=now - self._frame_time,
             stage_times=tuple(b - a for a, b in itertools.pairwise(stamps)),
             stopped=stopped,
+            landing=self.landing,
         )
 
     def _stop_reason(self) -> str:

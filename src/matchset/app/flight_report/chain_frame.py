@@ -10,8 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.flight.flight import FlightSetup
 from matchset.app.flight.pilot import PilotStep
 from matchset.localization.chain import FACING_AWAY, seen_from_last
+from matchset.localization.pose import Pose
 from matchset.sim.vehicle import BACKWARD, VehiclePose
 
 Floats = npt.NDArray[np.float64]
@@ -53,3 +55,22 @@ def camera_positions(steps: Sequence[PilotStep]) -> list[Floats | None]:
     """
     poses = seen_from_last([step.pose for step in steps])
     return [None if pose is None else pose.position for pose in poses]
+
+
+def set_places(setup: FlightSetup) -> list[Floats | None]:
+    """Return where the cameras are in the level frame of the last ball, each at its set place and looking straight on.
+
+    Parameters
+    ----------
+    setup : FlightSetup
+
+    Returns
+    -------
+    list of ndarray or None
+        Each (3,), m, in the order of the chain.
+    """
+    place = setup.parameters.pilot.place
+    position = np.array((place.side, place.height, place.heading))
+    pose = Pose(position=position, rotation_matrix=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
+    found = seen_from_last([pose] * setup.followers)
+    return [None if each is None else each.position for each in found]

@@ -10,6 +10,7 @@ from matchset.app.drawing.annotate import Caption, as_color, write_captions
 from matchset.app.drawing.text import draw_text
 from matchset.app.flight.flight import ChainStep, FlightSetup
 from matchset.app.flight.pilot import PilotStep
+from matchset.app.flight_report.measured_view import MeasuredView
 from matchset.app.flight_report.step_text import age_text, position_text, state_text
 from matchset.app.flight_report.top_view import TopView
 from matchset.app.locate.annotate_pose import draw_located
@@ -45,7 +46,7 @@ class FlightPicture:
         self._cell = width, round(width * camera.height / camera.width) // 2 * 2
         rows = math.ceil((setup.followers + 1) / self._columns)
         self.size = self._cell[0] * self._columns, self._cell[1] * rows
-        self._map = TopView(setup, self._cell)
+        self._map: TopView = (TopView if setup.has_truth else MeasuredView)(setup, self._cell)
 
     def draw(self, chain_step: ChainStep) -> Picture:
         """Draw a step, BGR; steps must come in their order, since the map shows paths."""

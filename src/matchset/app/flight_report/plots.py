@@ -24,9 +24,8 @@ from matchset.app.drawing.plot_style import (
 )
 from matchset.app.flight.log import FlightLog, FollowerLog
 from matchset.app.flight.score import SCORING
+from matchset.app.flight_report.chain_frame import set_places
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
-from matchset.localization.chain import FACING_AWAY, seen_from_last
-from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]
 
@@ -57,17 +56,20 @@ def chain_figure(log: FlightLog) -> Figure:
         estimated, true = follower.estimated_in_chain[::step], follower.true_in_chain[::step]
         axes.plot(estimated[:, 2], estimated[:, 0], ".", color=_color(number), markersize=3.5, alpha=0.5)
         axes.plot(true[:, 2], true[:, 0], color=INK, linewidth=0.8)
-        most = float(np.nanmax(np.append(estimated[:, 0], true[:, 0])))
-        _name(axes, str(number + 1), (float(np.nanmedian(true[:, 2])), most), number)
+        known = np.vstack((estimated, true))[:, ::2]
+        known = known[np.isfinite(known).all(axis=1)]
+        if len(known):
+            _name(axes, str(number + 1), (float(np.median(known[:, 1])), float(known[:, 0].max())), number)
     last = log.setup.followers
     axes.plot(0.0, 0.0, "o", color=_color(last), markersize=13)
     axes.annotate(str(last + 1), (0.0, 0.0), ha="center", va="center", color=PAPER, fontsize=TEXT, fontweight="bold")
-    for place in seen_from_last([_pose_at_set_place(log)] * len(log.followers)):
-        if place:
-            at = place.position[2], place.position[0]
+    for place in set_places(log.setup):
+        if place is not None:
+            at = place[2], place[0]
             axes.plot(*at, "+", color=PAPER, markersize=17, markeredgewidth=4.5, zorder=5)
             axes.plot(*at, "+", color=INK, markersize=15, markeredgewidth=1.8, zorder=6)
-    title(axes, "in the frame of the last ball, +: set places\ndots: as the chain estimates it; lines: the truth")
+    truth = "; lines: the truth" if log.setup.has_truth else ""
+    title(axes, f"in the frame of the last ball, +: set places\ndots: as the chain estimates it{truth}")
     figure = _from_above(axes, "before the last ball's marker, m", "to its right, m")
     axes.invert_xaxis()
     axes.invert_yaxis()
@@ -92,7 +94,8 @@ def coordinates_figure(log: FlightLog, number: int) -> Figure:
     title(rows[0], f"{number + 1} beside {number + 2}; ticks below: the ball was not found")
     first = rows[0].get_ylim()
     ends = (_last(follower.true_position[:, 0], place.side), _last(follower.estimated_position[:, 0], place.side))
-    labels = [LineLabel("set place", place.side, QUIET), LineLabel("truth", ends[0], INK)]
+    labels = [LineLabel("set place", place.side, QUIET)]
+    labels += [LineLabel("truth", ends[0], INK)] if log.setup.has_truth else []
     label_lines(rows[0], [*labels, LineLabel("acted on", ends[1], _color(number))])
     rows[0].set_ylim(first)
     return figure
@@ -215,13 +218,6 @@ def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) ->
     rows[-1].set_xlabel(f"{unit}; the last bar holds what is more")
     figure.supylabel("share of the pictures, %", color=INK, fontsize=TEXT)
     return figure
-
-
-def _pose_at_set_place(log: FlightLog) -> Pose:
-    """Pose that a follower measures at its set place, looking straight ahead."""
-    place = log.setup.parameters.pilot.place
-    position = np.array((place.side, place.height, place.heading))
-    return Pose(position=position, rotation_matrix=FACING_AWAY, covariance=np.zeros((6, 6)), observed="level", time=0.0)
 
 
 def _mark_losses(axes: Axes, follower: FollowerLog) -> None:

@@ -8,8 +8,8 @@ from typing import Any
 
 import cv2
 
-from matchset.app.flight.flight import ChainStep
-from matchset.app.flight.log import EXPLANATIONS, HEADINGS, FlightLog, flight_summary, follower_row
+from matchset.app.flight.flight import ChainStep, FlightSetup
+from matchset.app.flight.log import EXPLANATIONS, HEADINGS, UNTRUE, FlightLog, flight_summary, follower_row
 from matchset.app.flight_report.parameter_table import ParameterRow, parameter_rows
 from matchset.app.flight_report.picture import annotate_step
 from matchset.image.files.whole_file import write_whole
@@ -52,21 +52,30 @@ def write_report(log: FlightLog, path: Path) -> None:
 
 
 def _page(log: FlightLog) -> str:
-    world = log.setup.parameters.world
-    conditions = f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"
+    titles = {"simulated": "A flight of the chain", "flight": "A flight", "dry run": "A dry run: no throttle was sent"}
     parts = [
         "<!doctype html><html lang=en><meta charset=utf-8>",
         '<meta name=viewport content="width=device-width, initial-scale=1"><title>matchset: a flight</title>',
-        f"<style>{STYLE}</style><h1>A flight of the chain</h1>",
-        f"<p>{html.escape(flight_summary(log))}.<br><span class=quiet>{html.escape(conditions)}</span></p>",
+        f"<style>{STYLE}</style><h1>{titles[log.setup.kind]}</h1>",
+        f"<p>{html.escape(flight_summary(log))}.<br><span class=quiet>{html.escape(_conditions(log.setup))}</span></p>",
     ]
     if log.shown is not None:
         parts.append(_pictures(log, log.shown))
-    parts.append(_figures_table([follower_row(log, number) for number in range(len(log.followers))]))
+    meanings = EXPLANATIONS if log.setup.has_truth else [UNTRUE.get(each, each) for each in EXPLANATIONS]
+    parts.append(_figures_table([follower_row(log, number) for number in range(len(log.followers))], meanings))
     if log.counters.chain_steps:
         parts += _plots(log)
-    parts.append(_parameters(parameter_rows(log.setup.parameters)))
+    rows = parameter_rows(log.setup.parameters)
+    parts.append(_parameters([row for row in rows if log.setup.has_truth or not row.key.startswith("world.")]))
     return "\n".join([*parts, "</html>\n"])
+
+
+def _conditions(setup: FlightSetup) -> str:
+    """Say in which world it flew, or with which devices."""
+    world = setup.parameters.world
+    if not setup.has_truth:
+        return "; ".join(f"vehicle {number}: {words}" for number, words in enumerate(setup.devices, 1))
+    return f"{world.vehicles} vehicles, seed {world.seed}, {world.pal} link, latency {world.latency_ms:g} ms"
 
 
 def _pictures(log: FlightLog, shown: ChainStep) -> str:
@@ -91,13 +100,15 @@ def _plots(log: FlightLog) -> list[str]:
 
     numbers = range(len(log.followers))
     parts = [f"<style>{color_rules('figure > svg')}</style>"]
-    parts.append(_section("Paths from above", {"room": plots.room_figure(log), "chain": plots.chain_figure(log)}))
+    paths = {"room": plots.room_figure(log)} if log.setup.has_truth else {}
+    parts.append(_section("Paths from above", {**paths, "chain": plots.chain_figure(log)}))
     coordinates = {f"follower{k + 1}": plots.coordinates_figure(log, k) for k in numbers}
     parts.append(_section("Side, height and heading over time", coordinates))
-    errors = {"circle": plots.circle_error_figure(log)}
+    errors = {"circle": plots.circle_error_figure(log)} if log.setup.has_truth else {}
     if any(len(log.position_error(k)) for k in numbers):
         errors["place"] = plots.place_error_figure(log)
-    parts.append(_section("Errors", errors))
+    if errors:
+        parts.append(_section("Errors", errors))
     times = {"age": plots.age_figure(log), "computing": plots.computing_figure(log)}
     return [*parts, _section("Age, losses and computing time", times)]
 
@@ -113,9 +124,9 @@ def _section(title: str, figures: dict[str, Any]) -> str:
     return f"<h2>{title}</h2><div class=plots>{drawn}</div>"
 
 
-def _figures_table(rows: Sequence[Sequence[str]]) -> str:
+def _figures_table(rows: Sequence[Sequence[str]], meanings: Sequence[str]) -> str:
     """Write the figures of the followers: a column for each, so that few of them fit a phone."""
-    names, *lines = zip(HEADINGS, EXPLANATIONS, *rows, strict=True)
+    names, *lines = zip(HEADINGS, meanings, *rows, strict=True)
     head = "".join(f"<th>{html.escape(name)}</th>" for name in ("", *names[2:]))
     body = "".join(
         f"<tr><th>{html.escape(heading)}<small>{html.escape(explanation)}</small></th>"

@@ -30,6 +30,14 @@ def age_text(age: float) -> str:
     return f"{1000.0 * age:.0f} ms" if math.isfinite(age) else "-"
 
 
+def unsent_text(step: PilotStep) -> str:
+    """Say what a dry run would have sent: ``would send roll +0.02 pitch -0.10 yaw +0.00 throttle 0.59``."""
+    sticks = step.safety.command
+    return f"would send roll {sticks.roll:+z.2f} pitch {sticks.pitch:+z.2f} yaw {sticks.yaw:+z.2f} " + (
+        f"throttle {sticks.throttle:.2f}"
+    )
+
+
 def distance_to_set_place(control: ControlOutput | None, place: RelativeSetpoint) -> float | None:
     """Estimated distance of the follower from its set place, m; None where it is not known."""
     if control is None:

@@ -11,9 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.flight.flight import ChainStep
-from matchset.app.flight.pilot import PilotStep
-from matchset.app.recording.messages import Outcome, Picture, SightMessage, StepMessage, Triple, TruthMessage
+from matchset.app.flight.pilot import Colors, PilotStep
+from matchset.app.recording.messages import (
+    ColorsMessage,
+    Outcome,
+    Picture,
+    SightMessage,
+    StepMessage,
+    Triple,
+    TruthMessage,
+)
 from matchset.image.bags.ros_image import COMPRESSED_IMAGE, NANO, read_picture
+from matchset.image.color import ColorModel
 from matchset.image.files.picture import decode_picture
 from matchset.image.frame import Frame
 from matchset.sim.vehicle import VehiclePose
@@ -77,7 +86,25 @@ def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:
         spent=step.stage_times,
         outcome=msgspec.Raw(outcome_of(step)),
         stopped=step.stopped,
+        landing=step.landing,
     )
+
+
+def colors_message(colors: Colors) -> ColorsMessage:
+    """Make the message of what a follower looks for."""
+    return ColorsMessage(*(model.log_odds.astype("<f4").tobytes() for model in colors))
+
+
+def colors_of(message: ColorsMessage) -> Colors:
+    """Make what a follower looks for of its message.
+
+    Raises
+    ------
+    ValueError
+        If it holds no color models.
+    """
+    tables = message.ball, message.marker
+    return Colors(*(ColorModel(np.frombuffer(each[: len(each) // 4 * 4], "<f4")) for each in tables))
 
 
 def truth_message(chain_step: ChainStep) -> TruthMessage:

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.flight.flight import Crash, FlightParameters
+from matchset.app.flight.flight import Crash, FlightKind, FlightParameters
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 
@@ -15,6 +15,18 @@ FORMAT = 2  # format: version of a recording; another one is refused
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]
+
+
+class ColorsMessage(msgspec.Struct, frozen=True):
+    """Color models of the ball, with its marker, and of the marker: log-odds, float32, in the order of their tables.
+
+    Parameters
+    ----------
+    ball, marker : bytes
+    """
+
+    ball: bytes
+    marker: bytes
 
 
 class Configuration(msgspec.Struct, frozen=True, kw_only=True):
@@ -28,12 +40,22 @@ class Configuration(msgspec.Struct, frozen=True, kw_only=True):
     parameters : FlightParameters
     cameras : tuple of CameraModel
         One per follower.
+    kind : FlightKind
+    colors : tuple of ColorsMessage
+        What each follower looks for; empty: what it learns from its sample.
+    countdown, fps, devices
+        As in `FlightSetup`.
     """
 
     format: int
     matchset: str
     parameters: FlightParameters
     cameras: tuple[CameraModel, ...]
+    kind: FlightKind = "simulated"
+    colors: tuple[ColorsMessage, ...] = ()
+    countdown: float = 0.0
+    fps: float = 30.0
+    devices: tuple[str, ...] = ()
 
 
 class Picture(msgspec.Struct, frozen=True):
@@ -74,6 +96,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
         `Outcome`: everything else, as the bytes that a replay must reproduce.
     stopped : str
         Why the motors were stopped in this step from outside, `PilotStep.stopped`; empty if they were not.
+    landing : str
+        Why it was told to land, `PilotStep.landing`; empty if it was not.
     """
 
     tick: int
@@ -85,6 +109,7 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
     spent: tuple[float, ...]
     outcome: msgspec.Raw
     stopped: str = ""
+    landing: str = ""
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):

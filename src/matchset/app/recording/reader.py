@@ -8,7 +8,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.flight.flight import FlightSetup
-from matchset.app.recording.encoding import decode, frame_of, frame_of_image
+from matchset.app.recording.encoding import colors_of, decode, frame_of, frame_of_image
 from matchset.app.recording.mcap_file import McapReader, Message
 from matchset.app.recording.messages import (
     CONFIGURATION,
@@ -83,7 +83,19 @@ class RecordingReader:
         if len(configuration.cameras) != followers:
             raise ValueError(f"{path} is damaged: {len(configuration.cameras)} cameras for {followers} followers")
         samples = tuple(self._sample(number) for number in range(1, followers + 1))
-        self.setup = FlightSetup(configuration.parameters, configuration.cameras, samples)
+        with _naming(path):
+            self.setup = FlightSetup(
+                configuration.parameters,
+                configuration.cameras,
+                samples,
+                kind=configuration.kind,
+                colors=tuple(map(colors_of, configuration.colors)),
+                countdown=configuration.countdown,
+                fps=configuration.fps,
+                devices=configuration.devices,
+            )
+        if len(configuration.colors) not in (0, followers):
+            raise ValueError(f"{path} is damaged: {len(configuration.colors)} colors for {followers} followers")
 
     @property
     def cut_off(self) -> bool:
@@ -137,7 +149,8 @@ class RecordingReader:
             if step is None or step.tick != truth.index:
                 raise ValueError(f"tick {truth.index} lacks the step of follower {number}")
             frames.append(_frame(number, step, pictures.get(number)))
-        if not len(truth.shown) == len(truth.truth) == count + 1 or not len(truth.places) == len(truth.inside) == count:
+        known = count + 1 if self.setup.has_truth else 0
+        if not len(truth.shown) == len(truth.truth) == known or not len(truth.places) == len(truth.inside) == count:
             raise ValueError(f"the truth of tick {truth.index} is of another number of vehicles")
         return RecordedChainStep(tuple(steps[number] for number in range(1, count + 1)), tuple(frames), truth)
 

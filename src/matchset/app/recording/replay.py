@@ -55,7 +55,7 @@ class Replay:
         setup = recorded.setup
         self._cameras = [RecordedCamera(model) for model in setup.cameras]
         self._links = [RecordedLink(number) for number in range(1, setup.followers + 1)]
-        colors = [learn_colors(sample) for sample in setup.samples]
+        colors = setup.colors or [learn_colors(sample) for sample in setup.samples]
         pilot = setup.parameters.pilot
         self._pilots = [
             Pilot(camera, link, color, pilot)
@@ -88,6 +88,10 @@ class Replay:
         camera.frame, camera.time, link.confirmed = frame, message.now, message.command
         if message.armed and not pilot.armed:
             pilot.arm()
+        elif pilot.armed and not message.armed:  # a dry run that begins again
+            pilot.armed = False
+        if message.landing:
+            pilot.land(message.landing)
         if message.stopped:
             pilot.cut(message.stopped)
         step = pilot.step()

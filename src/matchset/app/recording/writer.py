@@ -12,7 +12,7 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.disk import MB, SPACE, FreeSpace, SpaceParameters, UnfinishedFileError
 from matchset.app.flight.flight import ChainStep, FlightSetup
-from matchset.app.recording.encoding import encode, step_message, to_png, truth_message
+from matchset.app.recording.encoding import colors_message, encode, step_message, to_png, truth_message
 from matchset.app.recording.mcap_file import PACKAGE, McapWriter, Message, Topic
 from matchset.app.recording.messages import (
     CONFIGURATION,
@@ -25,7 +25,6 @@ from matchset.app.recording.messages import (
     topics,
 )
 from matchset.app.recording.ros_messages import TF, TRANSFORMS, RosMessages, ros_topic
-from matchset.links.simulated import FPS
 
 COMPRESSORS = 2  # format: threads that compress pictures
 MAX_WAITING = 6  # format: steps that wait for their pictures to be compressed; lost if the program is killed
@@ -84,7 +83,7 @@ class RecordingWriter(Closing):
             self._pool.shutdown(cancel_futures=True)
             self._writer.close()
             raise
-        self.rate = FPS * sum(len(to_png(sample.image)) + STEP_BYTES for sample in setup.samples)
+        self.rate = setup.fps * sum(len(to_png(sample.image)) + STEP_BYTES for sample in setup.samples)
         minutes = max(self._space.left, 0.0) / self.rate / 60.0
         self.note = f"{path} takes {self.rate / MB:.0f} MB a second: its disk has room for {minutes:.3g} minutes"
 
@@ -125,7 +124,15 @@ class RecordingWriter(Closing):
 
     def _write_setup(self, setup: FlightSetup) -> None:
         configuration = Configuration(
-            format=FORMAT, matchset=_version(), parameters=setup.parameters, cameras=setup.cameras
+            format=FORMAT,
+            matchset=_version(),
+            parameters=setup.parameters,
+            cameras=setup.cameras,
+            kind=setup.kind,
+            colors=tuple(map(colors_message, setup.colors)),
+            countdown=setup.countdown,
+            fps=setup.fps,
+            devices=setup.devices,
         )
         self._writer.write(Message(CONFIGURATION, encode(configuration)), 0.0, 0)
         for number, sample in enumerate(setup.samples, 1):

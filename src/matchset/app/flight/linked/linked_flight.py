@@ -1,0 +1,125 @@
+"""A flight of real vehicles as an iterable of `ChainStep`s: `LinkedFlight`."""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from matchset.app.flight.flight import ChainFlight, ChainStep, FlightSetup
+from matchset.app.flight.linked.briefing import before, taken_off
+from matchset.app.flight.linked.followers import LinkedFollowers
+from matchset.app.flight.real_time.memory import steady_memory
+from matchset.app.flight.score import FlightScorer
+from matchset.image.errors import LinkError
+
+AIRBORNE = ("flying", "holding", "descending")
+"""Phases of the safety filter in which motors turn."""
+
+
+class LinkedFlight(ChainFlight):
+    """Real vehicles behind each other, each flown by its own camera and its own link; the order is that of the chain.
+
+    For `LinkedParameters.countdown` nobody is armed. Then everybody flies for the duration, or until one has come
+    down: then the others land too. Nothing of the truth is known. In a dry run a pilot that would have come down begins
+    again.
+
+    Parameters
+    ----------
+    followers : LinkedFollowers
+    setup : FlightSetup
+        Of kind "flight" or "dry run".
+
+    Attributes
+    ----------
+    longest : float
+        The longest time from one step's commands to the next, s: no link heard nothing for longer.
+    flown : set of int
+        Followers, from 0, whose phase was "flying" at least once.
+    """
+
+    def __init__(self, followers: LinkedFollowers, setup: FlightSetup) -> None:
+        self.parameters, self.pilots = setup.parameters, followers.pilots
+        self.setup = setup
+        self.longest, self.flown = 0.0, set[int]()
+        self._followers, self._index, self._last = followers, 0, 0.0
+
+    def __iter__(self) -> Iterator[ChainStep]:
+        """Count down, arm and fly; ends when the time is over, everybody is down, or a device is gone: `fault`."""
+        with steady_memory():
+            self._followers.begin(time.monotonic())
+            try:
+                while True:
+                    step = self._step()
+                    yield step
+                    if self._ends(step):
+                        return
+                    self._command(step)
+            except LinkError as error:
+                self.fault = str(error)
+
+    def briefing(self, keys: bool) -> Iterator[str]:
+        """Say what will be flown with what, what is assumed, and how to stop it."""
+        return before(self.setup, self._followers, keys)
+
+    def debriefing(self) -> Iterator[str]:
+        """Say how long a link heard nothing, and what a dry run showed."""
+        yield f"longest time between two commands: {1e3 * self.longest:.0f} ms"
+        if self.setup.kind == "dry run":
+            yield f"dry run: no throttle was sent; {taken_off(len(self.pilots), self.flown)}"
+
+    def succeeded(self, scorer: FlightScorer) -> bool:
+        """Whether everybody took off, and flew to the end; in a dry run, whether everybody would have taken off."""
+        everybody = len(self.flown) == len(self.pilots)
+        return everybody and (self.setup.kind == "dry run" or scorer.score().survived)
+
+    def close(self) -> None:
+        """Land everybody at once, close links and cameras."""
+        self._followers.close()
+
+    def _step(self) -> ChainStep:
+        self._index += 1
+        steps = self._followers.step()
+        now = max(step.now for step in steps)
+        if self._index > 1:
+            self.longest = max(self.longest, now - self._last)
+        self._last = now
+        self.flown |= {number for number, step in enumerate(steps) if step.safety.phase == "flying"}
+        count = len(steps)
+        return ChainStep(
+            index=self._index,
+            time=now,
+            steps=steps,
+            truth=(),
+            truth_at_exposure=(),
+            true_positions=np.full((count, 3), np.nan),
+            in_view=(True,) * count,
+            crashes=(),
+        )
+
+    def _ends(self, step: ChainStep) -> bool:
+        """Whether the flight is over after a step."""
+        if not any(each.safety.phase in AIRBORNE for each in step.steps):
+            self.fault = self._followers.fault
+        down = step.down and self.setup.kind == "flight"
+        return bool(self.fault) or down or step.time >= self.setup.countdown + self.parameters.duration
+
+    def _command(self, step: ChainStep) -> None:
+        """Arm who is due, and bring everybody down when one has come down."""
+        past = step.time - self.setup.countdown
+        if past < 0.0:
+            return
+        waiting = [(number, pilot) for number, pilot in enumerate(self.pilots) if not (pilot.armed or pilot.killed)]
+        if len(waiting) == len(self.pilots):
+            self._followers.arm_links()
+        self._followers.arm([pilot for number, pilot in waiting if past >= self.parameters.arming_time(number)])
+        for number, each in enumerate(step.steps):
+            if each.safety.phase == "cut" and not self.pilots[number].killed:
+                self._after_cut(number)
+
+    def _after_cut(self, number: int) -> None:
+        if self.setup.kind == "dry run":
+            self.pilots[number].armed = False  # and armed again after a step, so that a replay knows of it
+            return
+        for other, pilot in enumerate(self.pilots):
+            if other != number and not pilot.landing:
+                pilot.land(f"vehicle {number + 1} came down")

@@ -1,0 +1,155 @@
+"""A flight of links and cameras, step by step, on the clock of a simulated world: no test waits for a device."""
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import msgspec
+import pytest
+
+from matchset.app.flight.flight import FlightParameters, FlightSetup
+from matchset.app.flight.linked.dry_link import DryLink
+from matchset.app.flight.linked.followers import LinkedFollowers
+from matchset.app.flight.linked.linked_flight import LinkedFlight
+from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
+from matchset.app.flight.score import FlightScorer
+from matchset.control.command import Command
+from matchset.control.safety import SafetyState
+from matchset.image.errors import LinkError
+from matchset.links.simulated import SimulatedChain, SimulationParameters
+from matchset.tracking.track import Lost
+
+COUNTDOWN, DURATION = 0.5, 3.0
+WORLD = SimulationParameters(vehicles=2, seed=5, width=320, height=240)
+
+
+def made(chain: SimulatedChain, dry: bool = False) -> LinkedFlight:
+    """A flight of the first follower of a chain, which cannot tell it from a real one."""
+    camera, link = chain.cameras[0], chain.links[0]
+    sample = camera.sample()
+    parameters = FlightParameters(duration=DURATION, world=WORLD)
+    pilot = Pilot(camera, DryLink(link) if dry else link, learn_colors(sample))
+    kind, countdown = ("dry run", 0.0) if dry else ("flight", COUNTDOWN)
+    setup = FlightSetup(parameters, (camera.model,), (sample,), kind=kind, countdown=countdown)  # type: ignore[arg-type]
+    return LinkedFlight(LinkedFollowers([pilot]), setup)
+
+
+@pytest.fixture
+def chain() -> Iterator[SimulatedChain]:
+    opened = SimulatedChain(WORLD)
+    yield opened
+    opened.close()
+
+
+def test_it_counts_down_then_flies_and_ends_in_time(chain: SimulatedChain) -> None:
+    scorer = FlightScorer(FlightParameters(world=WORLD))
+    with made(chain) as flight:
+        steps = list(flight)
+        for step in steps:
+            scorer.add(step)
+            phase, throttle = step.steps[0].safety.phase, step.steps[0].command.throttle
+            assert step.truth == ()
+            assert phase == ("locked" if step.time <= COUNTDOWN + 0.1 else "flying") or step.time < COUNTDOWN + 0.2
+            assert (throttle > 0.0) == (phase == "flying")
+        assert steps[-1].time == pytest.approx(COUNTDOWN + DURATION, abs=0.05)
+        assert flight.succeeded(scorer)
+    assert chain.links[0]._state == "locked"
+    assert not flight.fault
+
+
+def test_a_dry_run_sends_zero_and_begins_again_after_a_cut(chain: SimulatedChain) -> None:
+    parameters = msgspec.structs.replace(WORLD, cable=0.5)
+    with made(chain, dry=True) as flight:
+        phases, wanted = [], []
+        for step in flight:
+            phases.append(step.steps[0].safety.phase)
+            wanted.append(step.steps[0].safety.command.throttle)
+            assert step.steps[0].command == Command()
+            if len(phases) == 20:
+                flight.pilots[0].land("a try")
+        assert {"flying", "descending", "cut", "locked"} <= set(phases)
+        assert phases[-1] == "flying"
+        assert max(wanted) > 0.3
+        assert flight.succeeded(FlightScorer(FlightParameters(world=parameters)))
+
+
+def test_a_link_that_breaks_ends_it_with_its_words(chain: SimulatedChain) -> None:
+    with made(chain) as flight:
+        for step in flight:
+            if step.time > COUNTDOWN + 0.5:
+                flight.pilots[0].link.send = _broken  # type: ignore[method-assign]
+        assert flight.fault == "the port has gone"
+
+
+def _broken(command: Command) -> Command:
+    raise LinkError("the port has gone")
+
+
+class ScriptedPilot:
+    """A pilot that flies until it is told to land, or comes down by itself at a step."""
+
+    def __init__(self, down_at: int = 10**9) -> None:
+        self.armed, self.killed, self.landing = False, "", ""
+        self.calls: list[str] = []
+        self.camera = SimpleNamespace(model=None)
+        self.link = SimpleNamespace(close=lambda: self.calls.append("close"))
+        self._count, self._down_at = 0, down_at
+
+    def arm_link(self) -> None:
+        self.calls.append("arm link")
+
+    def arm(self) -> None:
+        self.armed = True
+        self.calls.append(f"arm at {self._count}")
+
+    def land(self, reason: str) -> None:
+        self.landing = reason
+
+    def step(self) -> PilotStep:
+        self._count += 1
+        down = self._count >= self._down_at or self.landing
+        phase: Any = "locked" if not self.armed else "cut" if down else "flying"
+        now = self._count / 30.0
+        lost: Lost[Any] = Lost("", now)
+        state = SafetyState(phase, "", now)
+        return PilotStep(
+            now=now,
+            frame=None,
+            ball=lost,
+            markers=(),
+            pose=lost,
+            control=None,
+            command=Command(),
+            safety=state,
+            age=0.0,
+            stage_times=(0.0,) * 6,
+        )
+
+
+def scripted(*pilots: ScriptedPilot) -> LinkedFlight:
+    world = SimulationParameters(vehicles=len(pilots) + 1)
+    parameters = FlightParameters(duration=5.0, world=world)
+    setup = FlightSetup(parameters, (), (), kind="flight", countdown=0.2)
+    followers = LinkedFollowers(pilots)  # type: ignore[arg-type]
+    return LinkedFlight(followers, setup)
+
+
+def test_when_one_has_come_down_the_others_land() -> None:
+    first, second = ScriptedPilot(), ScriptedPilot(down_at=40)
+    with scripted(first, second) as flight:
+        steps = list(flight)
+    assert first.landing == "vehicle 2 came down"
+    assert steps[-1].down
+    assert len(steps) == 41
+    assert first.calls[-1] == second.calls[-1] == "close"
+
+
+def test_links_are_armed_together_and_pilots_one_after_the_other() -> None:
+    pilots = [ScriptedPilot() for _ in range(4)]
+    with scripted(*pilots) as flight:
+        for step in flight:
+            if step.time > 4.0:
+                break
+    assert [pilot.calls[0] for pilot in pilots] == ["arm link"] * 4
+    begun = [int(pilot.calls[1].split()[-1]) for pilot in pilots]
+    assert begun == pytest.approx([78, 42, 6, 6], abs=1)  # 0.2 s, and 1.2 s for each that waits

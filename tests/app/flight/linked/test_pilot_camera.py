@@ -1,0 +1,99 @@
+"""The camera of a real follower: it never makes the loop wait, and says what is wrong; a fake in place of a device."""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from cameras import Camera
+from matchset.app.flight.linked.live_camera import LiveCamera
+from matchset.app.flight.linked.parameters import LinkedParameters
+from matchset.camera.camera_model import CameraModel
+from matchset.image.video import Video
+
+MODEL = CameraModel.from_fov(8, 6, 1.0)
+PARAMETERS = LinkedParameters(wait=0.02, silence=0.1)
+
+
+@pytest.fixture
+def device(monkeypatch: pytest.MonkeyPatch) -> Iterator[Camera]:
+    fake = Camera()
+    fake._pictures.append(np.full((6, 8, 3), 1, np.uint8))
+    monkeypatch.setattr("matchset.image.camera_stream.open_capture", lambda *_: fake)
+    yield fake
+    fake.unplug()
+
+
+def opened(delay_ms: float = 0.0) -> LiveCamera:
+    return LiveCamera("camera 0", Video(0), MODEL, delay_ms, PARAMETERS)
+
+
+def close(camera: LiveCamera, device: Camera) -> None:
+    device.unplug()
+    camera.close()
+    assert device.released.is_set()
+
+
+def test_pictures_have_times_of_its_own_clock(device: Camera) -> None:
+    camera, late = opened(), 0.25
+    camera.begin(time.monotonic() - late)
+    device.show(2, 3)
+    frame = camera.read()
+    assert frame is not None
+    assert frame.image[0, 0, 0] == 3
+    assert 0.0 < frame.time <= camera.now()
+    assert camera.now() >= late
+    close(camera, device)
+
+
+def test_a_known_delay_makes_pictures_older(device: Camera) -> None:
+    camera = opened(delay_ms=80.0)
+    frame = camera.read()
+    assert frame is not None
+    assert camera.now() - frame.time >= 0.08
+    assert "80 ms are added" in camera.note
+    assert "from their arrival" in camera.note
+    close(camera, device)
+
+
+def test_it_never_waits_longer_than_it_was_told(device: Camera) -> None:
+    camera = opened()
+    assert camera.read() is not None
+    begin = time.monotonic()
+    assert camera.read() is None
+    assert PARAMETERS.wait <= time.monotonic() - begin < 1.0
+    assert not camera.fault or time.monotonic() - begin > PARAMETERS.silence
+    time.sleep(PARAMETERS.silence)
+    assert camera.read() is None
+    assert camera.fault.startswith("camera 0 has delivered no picture for 0.")
+    device.show(7)
+    while camera.read() is None:
+        pass
+    assert not camera.fault
+    close(camera, device)
+
+
+def test_a_camera_that_fails_is_one_without_pictures(device: Camera) -> None:
+    camera = opened()
+    assert camera.read() is not None
+    device.fail(RuntimeError("the driver has lost it"))
+    end = time.monotonic() + 20.0
+    while not camera.fault.endswith("the driver has lost it") and time.monotonic() < end:
+        begin = time.monotonic()
+        assert camera.read() is None
+    assert camera.fault == "camera 0 failed: the driver has lost it"
+    assert camera.read() is None
+    assert time.monotonic() - begin >= PARAMETERS.wait  # no loop that burns a core
+    close(camera, device)
+
+
+def test_pictures_of_another_size_are_none(device: Camera) -> None:
+    camera = opened()
+    assert camera.read() is not None
+    device.show(1, size=(3, 4, 3))
+    end = time.monotonic() + 20.0
+    while not camera.fault and time.monotonic() < end:
+        camera.read()
+    assert "frame" in camera.fault
+    close(camera, device)

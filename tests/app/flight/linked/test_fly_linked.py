@@ -161,7 +161,7 @@ def test_two_programs_do_not_share_a_port(
     with ArduinoLink(patient.path):
         code, out, err = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files).ended()
     assert (code, out) == (3, "")
-    assert errors(err) == [f"error: cannot open {patient.path}: another program has it"]
+    assert errors(err) == [f"error: cannot open {patient.path}: another program uses it"]
 
 
 def test_what_does_not_open_is_one_line(tmp_path: Path, camera: MjpegServer, files: list[str]) -> None:

@@ -36,6 +36,7 @@ ENDLESS = "runs until Ctrl-C; tests/app/live/test_live_command.py"
 NOT_RUN = {
     r"matchset (learn|track|calibrate) 0\b": HARDWARE,
     r"matchset radio ": HARDWARE,
+    r"matchset fly --camera ": HARDWARE,
     r"matchset live\b": ENDLESS,
     r"cd firmware/|make (flash|isp) ": HARDWARE,
     r"pip install|git clone|cd matchset$": NETWORK,

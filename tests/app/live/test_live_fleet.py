@@ -5,8 +5,10 @@ import itertools
 import pytest
 
 from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.pilot import learn_colors
-from matchset.app.live.piloting.fleet import FleetStep, linked_fleet
+from matchset.app.flight.linked.followers import LinkedFollowers
+from matchset.app.flight.pilot import Pilot, learn_colors
+from matchset.app.live.piloting.fleet import FleetStep
+from matchset.app.live.piloting.linked_fleet import LinkedFleet
 from matchset.app.live.piloting.simulated_fleet import SimulatedFleet
 from matchset.app.live.piloting.state import map_state
 from matchset.links.connect import connect
@@ -67,10 +69,7 @@ def test_a_fleet_of_links_is_flown_by_their_contracts_alone() -> None:
     link = connect(URI)
     camera = link.chain.cameras[0]  # type: ignore[attr-defined]
     colors = learn_colors(camera.sample())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("matchset.app.live.piloting.fleet.connect", lambda _: link)
-        fleet = linked_fleet(camera, URI, colors)
-    with fleet:
+    with LinkedFleet(LinkedFollowers([Pilot(camera, link, colors)])) as fleet:
         fleet.arm(fleet.pilots)
         for _ in range(60):
             step = fleet.step()

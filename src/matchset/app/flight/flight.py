@@ -115,8 +115,8 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
         True side, height and heading of each follower's camera in the level frame of its neighbor's ball, at `time`, m
         (Epstein & Feldman, Eq. 6-8). NaN where nobody knows.
     in_view : tuple of bool
-        Whether the middle of the neighbor's ball was inside each camera's picture, and nothing hid it on purpose. True
-        where nobody knows.
+        Whether the middle of the neighbor's ball was inside each camera's picture, and nothing hid it on purpose. Where
+        nobody knows: whether a picture came.
     crashes : tuple of Crash
         Of this flight so far.
     """

@@ -238,7 +238,7 @@ EXPLANATIONS = (
     "phase of the safety filter",
 )
 """What each of `HEADINGS` means, where that does not say it."""
-UNTRUE = {EXPLANATIONS[2]: "of all of them", EXPLANATIONS[6]: f"{EXPLANATIONS[6]}, by its own eyes"}
+UNTRUE = {EXPLANATIONS[2]: "of all pictures", EXPLANATIONS[6]: f"{EXPLANATIONS[6]}, by its own eyes"}
 """What some of them mean where nobody knows the truth."""
 
 

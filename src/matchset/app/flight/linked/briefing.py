@@ -20,7 +20,7 @@ def before(setup: FlightSetup, followers: LinkedFollowers, keys: bool) -> Iterat
         model, status = pilot.camera.model, pilot.link.status()
         yield f"vehicle {number}: {words}; {model.width} x {model.height} px; transmitter {status.version}"
         yield from (f"warning: {warning}" for warning in status.warnings)
-    yield from (f"note: {camera.note}" for camera in followers.cameras if camera.note)
+    yield from (f"note: {note}" for note in followers.notes)
     yield assumed(setup)
     if setup.kind == "dry run":
         yield "DRY RUN: no throttle is sent, nothing is armed. With --arm in its place the motors turn"

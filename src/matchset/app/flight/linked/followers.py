@@ -1,7 +1,7 @@
 """Several pilots with links of their own, stepped, armed and landed at the same time: `LinkedFollowers`."""
 
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -10,6 +10,8 @@ from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.pilot import Pilot, PilotStep
 
 T = TypeVar("T")
+AIRBORNE = ("flying", "holding", "descending")
+"""Phases of the safety filter in which motors turn."""
 
 
 class LinkedFollowers(Closing):
@@ -41,6 +43,11 @@ class LinkedFollowers(Closing):
         """Why pictures of a camera are no more to be expected, in words; empty as long as they are."""
         return next((camera.fault for camera in self.cameras if camera.fault), "")
 
+    @property
+    def notes(self) -> list[str]:
+        """What to know of the times of the pictures, in words."""
+        return [camera.note for camera in self.cameras if camera.note]
+
     def begin(self, start: float) -> None:
         """Let the clock of all cameras begin at a time, s, on the computer's own clock."""
         for camera in self.cameras:
@@ -56,13 +63,31 @@ class LinkedFollowers(Closing):
         """
         return tuple(self._each(lambda pilot: pilot.step(), self.pilots))
 
-    def arm_links(self) -> None:
-        """Arm all links at once, the motors off: one that hears nothing while another is armed would stop its own."""
-        self._each(lambda pilot: pilot.arm_link(), self.pilots)
+    def arm(self, pilots: Sequence[Pilot]) -> None:
+        """Arm pilots; with the first ones the links of all, the motors off.
 
-    def arm(self, pilots: Iterable[Pilot]) -> None:
-        """Arm pilots at once."""
-        self._each(lambda pilot: pilot.arm(), tuple(pilots))
+        To arm a link takes it a moment, and one that hears nothing meanwhile would stop its motors.
+
+        Raises
+        ------
+        LinkError
+            If a link refuses.
+        """
+        if pilots and not any(pilot.armed for pilot in self.pilots):
+            self._each(lambda pilot: pilot.arm_link(), self.pilots)
+        self._each(lambda pilot: pilot.arm(), pilots)
+
+    def land_with(self, steps: Sequence[PilotStep]) -> None:
+        """Let everybody land when one has come down: who flies on would follow him."""
+        for number, step in enumerate(steps):
+            if step.safety.phase == "cut" and not self.pilots[number].killed:
+                for pilot in self.pilots[:number] + self.pilots[number + 1 :]:
+                    if not pilot.landing:
+                        pilot.land(f"vehicle {number + 1} came down")
+
+    def fault_on_ground(self, steps: Sequence[PilotStep]) -> str:
+        """Why it makes no sense to go on, as `fault`; empty while a motor turns: safety brings that vehicle down."""
+        return "" if any(step.safety.phase in AIRBORNE for step in steps) else self.fault
 
     def close(self) -> None:
         """Land everybody at once, close the links, then the cameras; once more does no harm."""

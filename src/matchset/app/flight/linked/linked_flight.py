@@ -12,9 +12,6 @@ from matchset.app.flight.real_time.memory import steady_memory
 from matchset.app.flight.score import FlightScorer
 from matchset.image.errors import LinkError
 
-AIRBORNE = ("flying", "holding", "descending")
-"""Phases of the safety filter in which motors turn."""
-
 
 class LinkedFlight(ChainFlight):
     """Real vehicles behind each other, each flown by its own camera and its own link; the order is that of the chain.
@@ -92,14 +89,13 @@ class LinkedFlight(ChainFlight):
             truth=(),
             truth_at_exposure=(),
             true_positions=np.full((count, 3), np.nan),
-            in_view=(True,) * count,
+            in_view=tuple(step.frame is not None for step in steps),
             crashes=(),
         )
 
     def _ends(self, step: ChainStep) -> bool:
         """Whether the flight is over after a step."""
-        if not any(each.safety.phase in AIRBORNE for each in step.steps):
-            self.fault = self._followers.fault
+        self.fault = self._followers.fault_on_ground(step.steps)
         down = step.down and self.setup.kind == "flight"
         return bool(self.fault) or down or step.time >= self.setup.countdown + self.parameters.duration
 
@@ -109,17 +105,10 @@ class LinkedFlight(ChainFlight):
         if past < 0.0:
             return
         waiting = [(number, pilot) for number, pilot in enumerate(self.pilots) if not (pilot.armed or pilot.killed)]
-        if len(waiting) == len(self.pilots):
-            self._followers.arm_links()
         self._followers.arm([pilot for number, pilot in waiting if past >= self.parameters.arming_time(number)])
-        for number, each in enumerate(step.steps):
-            if each.safety.phase == "cut" and not self.pilots[number].killed:
-                self._after_cut(number)
-
-    def _after_cut(self, number: int) -> None:
-        if self.setup.kind == "dry run":
-            self.pilots[number].armed = False  # and armed again after a step, so that a replay knows of it
+        if self.setup.kind == "flight":
+            self._followers.land_with(step.steps)
             return
-        for other, pilot in enumerate(self.pilots):
-            if other != number and not pilot.landing:
-                pilot.land(f"vehicle {number + 1} came down")
+        for pilot, each in zip(self.pilots, step.steps, strict=True):
+            if each.safety.phase == "cut" and not pilot.killed:
+                pilot.armed = False  # and armed again after a step, so that a replay knows of it

@@ -17,8 +17,8 @@ class LinkedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         whether each of them sees its ball; less is a shorter start. Chosen by hand.
     wait : float
         Longest wait for a picture, s: then a command leaves without one. More leaves the transmitter alone, which holds
-        the sticks after 0.1 s; less sends commands that rest on no new picture. Chosen by hand: 1.5 periods of a camera
-        with 30 pictures a second.
+        the sticks after 0.1 s; less sends commands that rest on no new picture. Chosen by hand: more than a period of a
+        camera with 15 pictures a second.
     silence : float
         Time without a picture after which a camera is gone, s; a flight ends when its vehicles are down. More waits
         longer for a camera that comes back, less gives up at a hiccup. Chosen by hand: longer than the safety filter
@@ -26,7 +26,7 @@ class LinkedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     """
 
     countdown: float = 5.0
-    wait: float = 0.05
+    wait: float = 0.08
     silence: float = 2.0
 
     def __post_init__(self) -> None:

@@ -1,13 +1,11 @@
-"""What is flown: the contract `Fleet`, and real vehicles by their cameras and links, `LinkedFleet`."""
+"""What is flown: the contract `Fleet`, and its steps."""
 
 import abc
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 from matchset.app.closing import Closing
-from matchset.app.flight.pilot import Camera, Colors, Pilot, PilotParameters, PilotStep
-from matchset.links.connect import connect
+from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.sim.vehicle import VehiclePose
 
 
@@ -72,52 +70,3 @@ class Fleet(Closing):
         """Stop all motors at once; never waits, in any thread."""
         for pilot in self.pilots:
             pilot.cut(reason)
-
-
-class LinkedFleet(Fleet):
-    """Vehicles with a camera and a link each, as `Pilot` knows them: each pilot steps in a thread of its own.
-
-    Parameters
-    ----------
-    pilots : sequence of Pilot
-    """
-
-    def __init__(self, pilots: Sequence[Pilot]) -> None:
-        self.pilots = tuple(pilots)
-        self._threads = ThreadPoolExecutor(len(self.pilots), "matchset pilot")
-
-    def step(self) -> FleetStep:
-        """Take a step with everybody at once, at the rate of the slowest camera."""
-        steps = tuple(self._threads.map(Pilot.step, self.pilots))
-        return FleetStep(max(step.now for step in steps), steps)
-
-    def arm(self, pilots: Sequence[Pilot]) -> None:
-        """Arm pilots at once: a link that hears nothing while another one is armed would stop its motors."""
-        list(self._threads.map(Pilot.arm, pilots))
-
-    def close(self) -> None:
-        """Land everybody at once, and close the links."""
-        landing = [self._threads.submit(pilot.link.close) for pilot in self.pilots]
-        self._threads.shutdown()
-        for each in landing:
-            each.result()
-
-
-def linked_fleet(camera: Camera, uri: str, colors: Colors, parameters: PilotParameters | None = None) -> LinkedFleet:
-    """Make a fleet of one follower.
-
-    Parameters
-    ----------
-    camera : Camera
-    uri : str
-        Of its link, as `matchset.links.connect.connect` opens it.
-    colors : Colors
-        Of the ball that it follows, and of the marker.
-    parameters : PilotParameters, optional
-
-    Raises
-    ------
-    ValueError, LinkError
-        If the link cannot be opened.
-    """
-    return LinkedFleet([Pilot(camera, connect(uri), colors, parameters)])

@@ -1,6 +1,7 @@
-"""A flight as a feed: `FlightFeed`; that of the simulated chain: `simulated_flight`."""
+"""A flight as a feed: `FlightFeed`; of the simulated chain: `simulated_flight`; of real vehicles: `linked_flight`."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 from matchset.app.live.feed import Feed, News
 from matchset.app.live.piloting.commander import IN_FLIGHT
@@ -62,3 +63,41 @@ def simulated_flight(uri: str, news: News) -> FlightFeed:
 
     parameters = with_uri(uri, FlightParameters())
     return FlightFeed(uri, parameters.world.vehicles - 1, lambda: SimulatedFleet(parameters), news)
+
+
+def linked_flight(path: Path, news: News, note: Callable[[str], None]) -> FlightFeed:
+    """Make the feed of real vehicles.
+
+    Parameters
+    ----------
+    path : Path
+        Settings that name them, as ``[[follower]]``.
+    news : callable
+        Told of each picture.
+    note : callable
+        Told what a person should know.
+
+    Raises
+    ------
+    ValueError
+        If the file names no vehicles, or one of the files that it names is not what it should be.
+    """
+    from matchset.app.flight.config import read_flight, read_followers
+    from matchset.app.flight.linked.opening import check_followers, open_followers, read_files
+    from matchset.app.live.piloting.linked_fleet import LinkedFleet
+
+    followers = read_followers(path)
+    if not followers:
+        raise ValueError(f"{path} names no real vehicle: it has no [[follower]] (docs/flight.md)")
+    check_followers(followers)
+    for follower in followers:
+        read_files(follower)
+    parameters = read_flight(path)
+
+    def open_fleet() -> Fleet:
+        opened, setup = open_followers(parameters, followers, dry=False)
+        for words in opened.notes:
+            note(words)
+        return LinkedFleet(opened, setup.parameters)
+
+    return FlightFeed("; ".join(follower.words for follower in followers), len(followers), open_fleet, news)

@@ -9,7 +9,7 @@ from matchset.app.live.camera.device import CameraDevice
 from matchset.app.live.feed import Feed, News
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.frame_list import StampedVideo
-from matchset.app.live.piloting.flight_feed import simulated_flight
+from matchset.app.live.piloting.flight_feed import linked_flight, simulated_flight
 from matchset.app.live.sources.demo_clip import demo_clip
 from matchset.app.live.sources.found_sources import CHAIN, DEMO, Source
 from matchset.app.live.vision.camera_feed import CameraFeed
@@ -50,6 +50,8 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     """
     if source.origin.partition("?")[0] == CHAIN:
         return simulated_flight(source.origin, opening.news)
+    if source.kind == "given" and Path(source.origin).suffix.lower() == ".toml":
+        return linked_flight(Path(source.origin), opening.news, opening.note)
     if source.origin == DEMO:
         return _video(source.name, str(demo_clip(stopped=opening.stopped)), opening)
     if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():

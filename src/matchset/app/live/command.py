@@ -24,7 +24,7 @@ Exit codes: 0 ended by Ctrl-C or SIGTERM (files are whole), 2 bad input or optio
 
 Source = Annotated[
     str | None,
-    typer.Argument(help="Camera number, video file, URL of a stream, or flight.toml of real vehicles; none: a menu."),
+    typer.Argument(help="Camera number, video file, URL, or flight.toml of real vehicles. None: a menu."),
 ]
 Port = Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; where it is in use, the next one.")]
 Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")]

@@ -6,7 +6,8 @@ import pytest
 from blue_ball import Matchset
 
 from matchset.app.flight.config import default_toml, read_followers
-from matchset.app.flight.linked.opening import check_followers
+from matchset.app.flight.flight import FlightParameters
+from matchset.app.flight.linked.opening import check_followers, open_camera, open_link
 from matchset.app.flight.linked.options import LinkedOptions
 from matchset.app.flight.linked.parameters import LinkedFollower, LinkedParameters
 
@@ -16,10 +17,7 @@ LINK = "serial:///dev/ttyUSB0"
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        (
-            "serial:///dev/ttyUSB0",
-            "it needs a camera: matchset fly --camera 0 --link serial:///dev/ttyUSB0 --camera-file",
-        ),
+        (LINK, f"it needs a camera: matchset fly --camera 0 --link {LINK} --camera-file"),
         ("--arm", "say whom to fly: --camera 0 --link"),
         ("--link serial:///dev/ttyUSB0", "--camera 0 is missing"),
         ("--camera 0", "--link serial:///dev/ttyUSB0 is missing"),
@@ -45,12 +43,9 @@ def test_what_is_missing_is_one_line(
     assert words in err
 
 
-def test_a_file_is_not_flown_by(matchset: Matchset, capsys: pytest.CaptureFixture[str], ball_video: Path) -> None:
+def test_a_file_is_not_flown_by(ball_video: Path) -> None:
     follower = LinkedFollower(camera=str(ball_video), link=LINK, fov_deg=60.0, color=("a",), marker_color=("b",))
     follower.check()
-    from matchset.app.flight.flight import FlightParameters
-    from matchset.app.flight.linked.opening import open_camera, open_link
-
     with pytest.raises(ValueError, match="is a file: nobody can fly by the past"):
         open_camera(follower, None, FlightParameters())
     with pytest.raises(ValueError, match="type: matchset fly sim://chain"):

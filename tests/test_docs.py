@@ -25,8 +25,9 @@ from matchset.camera.board import Board
 from matchset.sim.clips.clip import Clip
 
 ROOT = Path(__file__).resolve().parents[1]
-# tests/shapes/families.py, tests/app/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py, mavlink
-CHECKED_ELSEWHERE = {"add_a_shape.md", "crsf.md", "live.md", "mavlink.md", "radio.md"}
+# tests/shapes/families.py, tests/app/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py
+# tests/links/mavlink/test_mavlink_docs.py, tests/links/tello/test_tello_docs.py
+CHECKED_ELSEWHERE = {"add_a_shape.md", "crsf.md", "live.md", "mavlink.md", "radio.md", "tello.md"}
 BLOCKS = re.compile(r"```python\n(.*?)```", re.DOTALL)
 FOLDERS = (".", "docs", "docs/decisions")
 BALL = (200, 60, 30)

@@ -26,6 +26,7 @@ GUIDES = (
     "radio",
     "crsf",
     "mavlink",
+    "tello",
     "clips",
     "simulation",
 )

@@ -10,8 +10,8 @@ def connect(uri: str) -> Link:
     ----------
     uri : str
         ``serial:///dev/ttyUSB0``: an Arduino with a radio on that port. ``crsf:///dev/ttyUSB0``: an ExpressLRS or
-        Crossfire module. ``mavlink:udpin:0.0.0.0:14550``: an autopilot. ``sim://chain``: the first vehicle of a
-        simulated chain; its camera is ``link.chain.cameras[0]``.
+        Crossfire module. ``mavlink:udpin:0.0.0.0:14550``: an autopilot. ``tello:``: a Tello in its own
+        Wi-Fi. ``sim://chain``: the first vehicle of a simulated chain; its camera is ``link.chain.cameras[0]``.
 
     Raises
     ------
@@ -24,6 +24,10 @@ def connect(uri: str) -> Link:
         from matchset.links.mavlink.mavlink_link import MavlinkLink
 
         return MavlinkLink(uri)
+    if uri.startswith("tello:"):
+        from matchset.links.tello.tello_link import TelloLink
+
+        return TelloLink(uri)
     scheme, mark, _ = uri.partition("://")
     if mark and scheme == "serial":
         from matchset.links.arduino.arduino_link import ArduinoLink

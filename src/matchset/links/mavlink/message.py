@@ -132,7 +132,11 @@ class Message(msgspec.Struct, frozen=True, dict=True):
         flat: list[Any] = []
         for field in self.wire_fields:
             flat += self._elements(field, values.get(field.name))
-        return self.layout.pack(*flat).rstrip(b"\0") or b"\0"
+        try:
+            payload = self.layout.pack(*flat)
+        except (struct.error, OverflowError):
+            raise ValueError(self._misfit(values)) from None
+        return payload.rstrip(b"\0") or b"\0"
 
     def unpack(self, payload: bytes) -> Values:
         """Return the values of a payload, by name; bytes that were left out are zero, bytes beyond are ignored."""
@@ -147,7 +151,7 @@ class Message(msgspec.Struct, frozen=True, dict=True):
         return values
 
     def _elements(self, field: Field, value: Any) -> Sequence[Any]:
-        """Check a value and return the elements that it takes in the payload."""
+        """Return the elements that a value takes in the payload."""
         if field.is_text:
             text = (value or "").encode()
             if len(text) > field.count:
@@ -158,8 +162,14 @@ class Message(msgspec.Struct, frozen=True, dict=True):
         elements = list(value) if field.count else [value]
         if field.count and len(elements) != field.count:
             raise ValueError(f"{self.name}.{field.name} has {field.count} elements, got {len(elements)}")
-        try:
-            struct.pack(f"<{len(elements)}{SIZES[field.base][1]}", *elements)
-        except (struct.error, OverflowError):
-            raise ValueError(f"{self.name}.{field.name} is of type {field.kind}, got {value!r}") from None
         return elements
+
+    def _misfit(self, values: Values) -> str:
+        """Say which value does not fit into its field."""
+        for field in self.wire_fields:
+            elements = self._elements(field, values.get(field.name))
+            try:
+                struct.pack(f"<{field.count or 1}{SIZES[field.base][1]}", *elements)
+            except (struct.error, OverflowError):
+                return f"{self.name}.{field.name} is of type {field.kind}, got {values[field.name]!r}"
+        return f"{self.name} cannot be packed"

@@ -11,7 +11,7 @@ from matchset.links.simulated import SimulationParameters
 
 CHAIN = "sim://chain?vehicles=2&seed=5&width=320&height=240"  # small pictures: little work for a busy computer
 RADIO = SimulationParameters().vehicle.radio_delay  # s, from a command to the motors
-WAIT = 30.0  # s
+WAIT = 60.0  # s, at most
 ATTEMPTS = 3
 SILENT = "was silent"
 

@@ -15,7 +15,7 @@ from matchset.app.live.wire.packet import unpack
 from matchset.app.live.wire.state import State
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
-WAIT = 30_000  # ms
+WAIT = 60_000  # ms, at most: a busy computer is slow
 
 
 def on_screen(page: Any, x: float, y: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from live_clips import filmed, going_around, leaving
-from live_pages import Servers, Shared
+from live_pages import WAIT, Servers, Shared
 from matchset.app.live.compiling import compile_needed
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from mjpeg_server import MjpegServer
@@ -54,6 +54,7 @@ def new_page(browser) -> Iterator[Callable[..., Any]]:
     def open_page(**options: Any) -> Any:
         usual = {"viewport": {"width": 1280, "height": 900}, "accept_downloads": True}
         context = browser.new_context(**usual | options)
+        context.set_default_timeout(WAIT)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))

@@ -12,13 +12,12 @@ import pytest
 
 import matchset as ms
 from boards import BoardCamera, poses
-from live_pages import on_screen, wait_until, wait_until_compiled
+from live_pages import WAIT, on_screen, wait_until, wait_until_compiled
 from matchset.camera.board import Board
 
 CAMERA = ms.CameraModel.from_fov(320, 240, math.radians(60.0))
 BOARD = Board(columns=7, rows=5, square=0.03)
 RATE = 8.0  # pictures per second: in each the board is held otherwise
-WAIT = 30_000  # ms
 
 
 @pytest.fixture(scope="session")
@@ -48,7 +47,7 @@ def test_a_board_calibrates_the_camera(film: Any, serve: Any, page: Any, board_p
     page.get_by_label("side of a square").fill("30 mm")
     page.get_by_role("button", name="start").click()
     page.locator("#board img").wait_for(timeout=WAIT)
-    wait_until(page, "parseInt(document.querySelector('#board .soft.count').textContent) >= 9", 40)
+    wait_until(page, "parseInt(document.querySelector('#board .soft.count').textContent) >= 9")
     page.get_by_role("button", name="that is all").click(timeout=WAIT)
     page.get_by_text(re.compile("The calibration is (good|usable|poor)")).wait_for(timeout=WAIT)
     assert page.locator("#board .verdict div").count() == 5

@@ -7,9 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from live_pages import on_screen, wait_until, wait_until_compiled
-
-WAIT = 20_000  # ms
+from live_pages import WAIT, on_screen, wait_until, wait_until_compiled
 
 
 def picture(number: int) -> npt.NDArray[np.uint8]:

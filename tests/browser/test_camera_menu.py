@@ -6,11 +6,10 @@ from typing import Any
 
 import pytest
 
-from live_pages import on_screen, wait_until, wait_until_compiled
+from live_pages import WAIT, on_screen, wait_until, wait_until_compiled
 from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
 from matchset.camera.camera_model import CameraModel
 
-WAIT = 20_000  # ms
 SHORT = DemoParameters(frames=300)
 
 

@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 
-from live_pages import wait_until
+from live_pages import WAIT, wait_until
 
-WAIT = 20_000  # ms
 PROGRAM = Path(__file__).resolve().parents[1] / "fake_camera_live.py"
 
 

@@ -8,12 +8,11 @@ from typing import Any
 import pytest
 
 from live_clips import FRAMES, LAST, PERIOD
-from live_pages import on_screen, wait_until
+from live_pages import WAIT, on_screen, wait_until
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
-WAIT = 20_000  # ms
 Clip = tuple[Path, BallFlightClip]
 
 

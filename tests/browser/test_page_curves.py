@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live_pages import on_screen, wait_until
+from live_pages import WAIT, on_screen, wait_until
 from mjpeg_server import MjpegServer
 
-WAIT = 20_000  # ms
 DRAWING = 8.0  # ms, half of a frame at 60 frames/s; taken in 0.3 ms on an idle machine
 
 KEPT = """import('/curves/samples.js').then(({ Samples }) => {

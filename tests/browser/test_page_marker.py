@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 import matchset as ms
-from live_pages import on_screen, state_of, wait_until
+from live_pages import WAIT, on_screen, state_of, wait_until
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
-WAIT = 20_000  # ms
 PLACE = np.array((0.05, -0.05, 1.2))
 
 

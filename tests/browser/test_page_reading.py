@@ -7,10 +7,9 @@ from typing import Any
 
 import pytest
 
-from live_pages import on_screen, rows, state_of, wait_until
+from live_pages import WAIT, on_screen, rows, state_of, wait_until
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
-WAIT = 20_000  # ms
 Clip = tuple[Path, BallFlightClip]
 
 
@@ -60,7 +59,7 @@ def test_a_server_that_is_silent_is_asked_again(serve: Any, page: Any, clip: Cli
     (server,) = serve.processes
     server.send_signal(signal.SIGSTOP)
     try:
-        page.locator("#link").get_by_text(re.compile("no connection|connecting again")).wait_for(timeout=6_000)
+        page.locator("#link").get_by_text(re.compile("no connection|connecting again")).wait_for(timeout=WAIT)
     finally:
         server.send_signal(signal.SIGCONT)
     wait_until(page, "document.querySelector('#link').textContent === ''")

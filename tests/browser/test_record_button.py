@@ -6,11 +6,9 @@ from typing import Any
 
 import pytest
 
-from live_pages import on_screen, wait_until
+from live_pages import WAIT, on_screen, wait_until
 from matchset.app.track.rows import read_tracks
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
-
-WAIT = 20_000  # ms
 
 
 def test_a_recording_is_loaded_when_it_has_ended(

@@ -12,6 +12,13 @@ export function parseLength(text) {
   return meters;
 }
 
+// Decimal points below each other: those with fewer digits end with spaces as wide as digits.
+export function aligned(words, decimals) {
+  const [, found = ""] = words.split(".");
+  if (!words || found.length >= decimals) return words;
+  return words + (found ? "" : "\u2008") + "\u2007".repeat(decimals - found.length);
+}
+
 // As many digits as the standard deviation makes sense of: up to its leading one, and four at most.
 export function measured(value, sigma) {
   if (!(sigma > 0)) return [value.toFixed(2), ""];

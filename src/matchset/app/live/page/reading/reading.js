@@ -2,7 +2,7 @@
 // nothing jumps and the page has little to lay out.
 
 import { colorOf } from "../colors.js";
-import { measured } from "../units.js";
+import { aligned, measured } from "../units.js";
 
 const PIXELS = { angle: "rad", scale: "" }; // units of shapes' parameters that are no lengths
 
@@ -19,10 +19,20 @@ export class Reading {
     this.dot.style.background = colorOf(target.id);
     this.head.hidden = !several;
     set(this.name, target.name);
-    if (target.found) for (const [name, parts] of this.rows) showNumber(parts, ...valuesOf(target)[name]);
-    else {
+    if (target.found) this.showNumbers(valuesOf(target)); else {
       set(this.words, target.reason);
       set(this.since, target.lost_for ? `for ${target.lost_for.toFixed(1)} s` : "not found yet");
+    }
+  }
+
+  showNumbers(values) {
+    const words = new Map([...this.rows.keys()].map((name) => [name, measured(...values[name])]));
+    const below = [...words].filter(([name]) => name !== "distance").map(([, [number]]) => (number.split(".")[1] || "").length);
+    const decimals = Math.max(0, ...below);
+    for (const [name, { value, sigma }] of this.rows) {
+      const [number, spread] = words.get(name);
+      set(value, name === "distance" ? number : aligned(number, decimals));
+      set(sigma, name === "distance" ? spread : aligned(spread, decimals));
     }
   }
 
@@ -68,12 +78,6 @@ function valuesOf(target) {
 }
 
 const kindOf = (target) => (target.found ? Object.keys(valuesOf(target)).join() + isPlaced(target) : "lost");
-
-function showNumber({ value, sigma }, number, spread) {
-  const [words, deviation] = measured(number, spread);
-  set(value, words);
-  set(sigma, deviation);
-}
 
 function set(node, words) {
   if (node.textContent !== words) node.textContent = words;

@@ -142,10 +142,14 @@ def test_when_the_autopilot_takes_over_it_is_left_to_it() -> None:
     assert pilot.armed
 
 
-def test_but_the_motors_can_still_be_stopped() -> None:
+@pytest.mark.parametrize("landed_first", [False, True])
+def test_but_the_motors_can_still_be_stopped(landed_first: bool) -> None:
     link, pilot = armed(flying=True)
     pilot.mode = RTL
     fly(link, pilot, 1.2)
+    if landed_first:
+        link.land()
+    assert pilot.armed
     link.cut()
     assert not pilot.armed
 

@@ -154,7 +154,8 @@ class MavlinkLink(NotCopied, Link):
             self._sleep(self.parameters.frame_period)
         if self._armed or (self._cut and self._ours):
             self._disarm(by_force=duration == 0 or self._cut)
-        self._armed = self._ours = False
+            self._ours = False
+        self._armed = False
 
     def cut(self) -> None:
         """Disarm by force, by one message that is sent at once; never waits for an answer.

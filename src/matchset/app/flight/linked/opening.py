@@ -96,12 +96,16 @@ def open_link(uri: str, dry: bool) -> Link:
     Raises
     ------
     ValueError
-        If no link has this scheme, or it is a simulated one.
+        If no link has this scheme, it is a simulated one, or the vehicle is told speeds.
     LinkError
         If the device cannot be opened, or does not answer.
     """
     if uri.startswith("sim:"):
         raise ValueError(f"--link {uri}: a simulated chain has cameras of its own; type: matchset fly {uri}")
+    if uri.startswith("tello:"):
+        raise ValueError(
+            f"--link {uri}: a Tello is told speeds, a follower commands angles and thrust; see docs/tello.md"
+        )
     link = connect(uri)
     return DryLink(link) if dry else link
 

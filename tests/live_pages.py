@@ -153,12 +153,15 @@ class Heard:
         Those of the pictures, in the order in which they came.
     painted : State or None
         That of the picture on the screen, the last one that the page acknowledged.
+    acknowledged : list of int
+        Numbers of the pictures that the page acknowledged.
     """
 
     def __init__(self, page: Any) -> None:
         self.page = page
         self.states: list[State] = []
         self.painted: State | None = None
+        self.acknowledged: list[int] = []
         self._read = msgspec.json.Decoder(State).decode
         page.on("websocket", self._listen)
 
@@ -175,6 +178,7 @@ class Heard:
     def _note(self, data: bytes | str) -> None:
         message = json.loads(data)
         if message["type"] == "ack":
+            self.acknowledged.append(message["sequence"])
             self.painted = next((each for each in self.states[:-9:-1] if each.sequence == message["sequence"]), None)
 
 

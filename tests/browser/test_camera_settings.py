@@ -1,5 +1,6 @@
 """The camera's settings in the page; the camera is a fake in the place of OpenCV's capture."""
 
+import contextlib
 import os
 import re
 import subprocess
@@ -18,16 +19,39 @@ PROGRAM = Path(__file__).resolve().parents[1] / "fake_camera_live.py"
 @pytest.fixture
 def camera(tmp_path: Path, warm: None) -> Iterator[tuple[str, Path]]:
     """`matchset live 0` with a camera that is there while a file is: its address, that file."""
+    (tmp_path / "plug").touch()
+    with shown(tmp_path) as address:
+        yield address, tmp_path / "plug"
+
+
+@pytest.fixture
+def taken(tmp_path: Path, warm: None) -> Iterator[tuple[str, Path]]:
+    """The same with a camera that cannot be opened."""
+    with shown(tmp_path) as address:
+        yield address, tmp_path / "plug"
+
+
+@contextlib.contextmanager
+def shown(tmp_path: Path) -> Iterator[str]:
+    """Run `matchset live 0`; returns its address."""
     plug = tmp_path / "plug"
-    plug.touch()
     command = [sys.executable, str(PROGRAM), "live", "0", "--no-browser", "--port", "0"]
     environment = {**os.environ, "MATCHSET_FAKE_CAMERA": str(plug)}
     server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)
     assert server.stdout is not None
-    yield server.stdout.readline().strip(), plug
+    yield server.stdout.readline().strip()
     server.terminate()
     server.wait(10)
     server.stdout.close()
+
+
+def test_a_camera_that_cannot_be_opened_is_said_and_picked_up_when_it_can(taken: Any, page: Any) -> None:
+    address, plug = taken
+    page.goto(address)
+    said = page.locator("#veil").get_by_text(re.compile("cannot open camera 0.*tried again every 1 s"))
+    said.wait_for(timeout=WAIT)
+    plug.touch()  # as when another program lets go of it
+    wait_until(page, "veil.hidden && picture.width === 320")
 
 
 def test_settings_are_shown_set_and_refused(camera: tuple[str, Path], page: Any) -> None:

@@ -1,11 +1,13 @@
-"""A page that is open for long: its memory does not grow with the pictures that it was sent."""
+"""A page that is open for long: its memory does not grow with the pictures that it was sent, nor is a week too long."""
 
 from typing import Any
 
-from live_pages import wait_for_picture
+from live_pages import Heard, click_ball, hold, wait_for_picture, wait_until
 
 BEGIN, END = 800, 1800  # pictures; the heap grows by 0.1 MB up to 800, and by 6 kB in 1,500 more
 LARGEST = 3e5  # bytes that the page's heap may grow from one to the other: 300 a picture
+
+WEEK = 7 * 24 * 3600 * 30  # pictures
 
 REPLAY = """(() => {
   const Real = window.WebSocket;
@@ -50,3 +52,20 @@ def test_memory_does_not_grow_with_pictures(served: str, page: Any) -> None:
     page.evaluate("(count) => window.feedPage(count)", END - BEGIN)
     assert heap(page) - before < LARGEST
     assert page.evaluate("window.number") >= END
+
+
+def test_a_page_that_is_open_for_a_week_shows_follows_and_draws(served: str, page: Any, clip: Any) -> None:
+    heard = Heard(page)
+    page.add_init_script(REPLAY)
+    page.goto(served)
+    click_ball(heard, clip[1])
+    wait_until(page, "!document.getElementById('hint').checkVisibility()")
+    hold(heard)
+    page.evaluate("(number) => { window.sample = undefined; window.number = number; }", WEEK)
+    page.locator("#file button.forward").click()
+    wait_until(page, "window.sample !== undefined")
+    page.evaluate("(count) => window.feedPage(count)", 200)
+    assert page.evaluate("window.number") == WEEK + 200
+    wait_until(page, lambda: any(number > WEEK for number in heard.acknowledged))
+    assert page.locator("#reading .number").count() >= 3
+    page.locator("#targets .drop").click()

@@ -87,6 +87,19 @@ def frames(state: Any) -> int:
     return int(state["session"]["panels"]["record"].get("frames", 0))
 
 
+def test_a_pick_outside_of_the_picture_is_said(clip: Path, tmp_path: Path) -> None:
+    running = Running(tmp_path, str(clip), "--port", "0", "--pick", "9000,9000")
+    try:
+        running.wait_for(
+            lambda state: any("outside of the picture" in note for note in state["session"].get("notes", []))
+        )
+        running.process.terminate()
+        _, errors = running.process.communicate(timeout=20.0)
+    finally:
+        running.process.kill()
+    assert "note: --pick: (9000, 9000) is outside of the picture of 160 x 120 px" in errors
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_pick_is_followed_and_a_signal_ends_it_at_once_with_all_files(
     running: Running, tmp_path: Path, number: signal.Signals

@@ -26,6 +26,19 @@ def test_its_addresses_are_those_of_the_server() -> None:
     assert documented == routes
 
 
+def test_what_can_go_wrong_has_tests_that_are_there() -> None:
+    rows = TEXT.partition("## When something is wrong")[2].partition("\n## ")[0].splitlines()
+    cells = [row.split("|")[3] for row in rows if row.startswith("|")][2:]
+    folder = Path(__file__).resolve().parents[2]
+    there = {
+        name for path in folder.rglob("test_*.py") for name in re.findall(r"def (test_\w+)", path.read_text("utf-8"))
+    }
+    assert len(cells) >= 11
+    for cell in cells:
+        assert (named := set(re.findall(r"`(test_\w+)`", cell)))
+        assert named <= there
+
+
 def test_its_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
     with showing() as server, Recorder() as recorder:

@@ -169,6 +169,16 @@ def test_a_picture_in_which_somebody_draws_is_kept_for_longer() -> None:
         kept.hold(20)
 
 
+def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:
+    loop = Loop()
+    for x, y in ((-1.0, 20.0), (260.0, 20.0), (20.0, -0.6), (20.0, 119.6)):
+        loop.followed.do(Pick(loop.number, x, y))
+        loop.until(lambda: loop.notes)
+        assert loop.notes.pop() == f"({x:g}, {y:g}) is outside of the picture of 260 x 120 px"
+        assert not loop.states
+    loop.followed.close()
+
+
 def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
     loop = Loop()
     x, y, radius = BLUE

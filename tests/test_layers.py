@@ -55,6 +55,7 @@ MAY_PLOT = {
     "app/drawing/plot_style.py",
     "app/flight_report/plots.py",
     "app/locate/path_picture.py",
+    "app/simulate/picture.py",
 }
 LONGEST = 400  # lines
 

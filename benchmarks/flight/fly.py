@@ -25,7 +25,7 @@ from benchmarks.workers import one_thread
 from matchset.app.exit_codes import StopRequest
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore
-from matchset.app.simulate.command import fly_all
+from matchset.app.simulate.flights import fly_all
 from matchset.app.simulate.table import Limits, SweepRow, centimeters
 from matchset.links.simulated import FPS, SimulationParameters
 
@@ -168,7 +168,7 @@ def fly_case(
             file.write(msgspec.msgpack.encode((key, score)).hex().encode() + b"\n")
             file.flush()
             progress.advance(task)
-    return SweepRow(value=0.0, scores=tuple(scores[key] for key in keys.values() if key in scores))
+    return SweepRow(scores=tuple(scores[key] for key in keys.values() if key in scores))
 
 
 def sources() -> str:

@@ -16,7 +16,7 @@ from matchset.app.exit_codes import compiling_announced
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.progress import duration_text
-from matchset.app.simulate.command import work_text
+from matchset.app.simulate.flights import work_text
 from matchset.image.camera_stream import _hint
 from matchset.image.video import Video
 from matchset.links.simulated import parse_uri

@@ -148,6 +148,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         ):
             if not low <= getattr(self, name) <= high:
                 raise ValueError(f"{name} must be within {low:g} ... {high:g}, got {getattr(self, name)}")
+        self.conditions.rope(RopeParameters(swing=self.swing))  # refuses one that is too short for its swing
         if self.pal not in PRESETS:
             raise ValueError(f"pal must be one of {', '.join(PRESETS)}, got {self.pal!r}")
         model, size = self.model, f"{self.width} x {self.height}"

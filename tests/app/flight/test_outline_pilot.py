@@ -8,7 +8,7 @@ import pytest
 
 from matchset.app.flight.config import with_conditions, with_uri
 from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.simulate.command import fly_once
+from matchset.app.simulate.flights import fly_once
 from matchset.control.command import Command
 from matchset.links.simulated import SimulatedChain, SimulationParameters
 from matchset.localization.pose import Pose

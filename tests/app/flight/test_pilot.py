@@ -8,7 +8,7 @@ import pytest
 
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScorer
-from matchset.app.simulate.command import fly_once
+from matchset.app.simulate.flights import fly_once
 from matchset.control.command import Command
 from matchset.control.repeated_picture import RepeatedPictureParameters
 from matchset.links.simulated import SimulationParameters

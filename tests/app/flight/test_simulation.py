@@ -7,12 +7,13 @@ import msgspec
 import numpy as np
 import pytest
 from blue_ball import Matchset
-from chain_flight import Flown, with_crash
+from chain_flight import Flown as Steps
+from chain_flight import with_crash
 
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore, FlightScorer, settling_time
-from matchset.app.simulate.command import parse_sweep
-from matchset.app.simulate.table import Limits, markdown_table, rows_by_value, sweep_verdict
+from matchset.app.simulate.table import Flown, Limits, markdown_table, rows_of, sweep_verdict
+from matchset.app.simulate.variation import Axis, Case, parse_sweep
 from matchset.links.simulated import SimulationParameters
 
 GOOD = FlightScore(
@@ -30,6 +31,10 @@ GOOD = FlightScore(
     processing=2e-4,
     age=0.067,
 )
+
+
+def of(latency: float, score: FlightScore = GOOD) -> Flown:
+    return Flown(Case("latency_ms", {"latency_ms": latency}, score.seed), score)
 
 
 def test_who_comes_near_and_leaves_again_has_not_settled() -> None:
@@ -65,7 +70,7 @@ def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
     assert min(throttles[-1]) > 0.3
 
 
-def test_a_flight_is_scored_by_its_steps(flown: Flown) -> None:
+def test_a_flight_is_scored_by_its_steps(flown: Steps) -> None:
     scorer = FlightScorer(flown.setup.parameters)
     for chain_step in flown.chain_steps:
         scorer.add(chain_step)
@@ -92,27 +97,28 @@ def test_a_flight_is_scored_by_its_steps(flown: Flown) -> None:
 )
 def test_the_verdict_says_what_breaks_first(change: dict[str, object], words: str) -> None:
     bad = msgspec.structs.replace(GOOD, **change)
-    rows = rows_by_value([67.0, 133.0], [(67.0, GOOD), (67.0, GOOD), (133.0, GOOD), (133.0, bad)])
-    holds, sentence = sweep_verdict("latency_ms", rows, FlightParameters(), Limits())
+    rows = rows_of([of(67.0), of(67.0), of(133.0), of(133.0, bad)])
+    holds, sentence = sweep_verdict(rows, FlightParameters(), Limits())
     assert not holds
-    assert "at latency 133 ms" in sentence
+    assert "with latency_ms 133" in sentence
     assert words in sentence
 
 
 def test_the_verdict_is_good_when_all_limits_hold() -> None:
-    rows = rows_by_value([67.0, 133.0], [(67.0, GOOD), (133.0, GOOD)])
-    holds, sentence = sweep_verdict("latency_ms", rows, FlightParameters(), Limits())
+    rows = rows_of([of(67.0), of(133.0)])
+    holds, sentence = sweep_verdict(rows, FlightParameters(), Limits())
     assert holds
     assert "\n" not in sentence
     assert "2 flights of 60 s" in sentence
-    table = markdown_table("latency_ms", rows)
-    assert "| 133 | 1 of 1 | 100.0 % |" in table
-    assert not sweep_verdict("latency_ms", [], FlightParameters(), Limits())[0]
+    table = markdown_table(rows)
+    assert "| latency_ms | 133 | 1 of 1 | 100.0 % |" in table
+    assert not sweep_verdict([], FlightParameters(), Limits())[0]
 
 
 def test_a_sweep_is_a_name_and_numbers() -> None:
-    assert parse_sweep("latency_ms=0,33") == ("latency_ms", [0.0, 33.0])
-    assert parse_sweep("vehicles=3,10") == ("vehicles", [3.0, 10.0])
+    assert parse_sweep("latency_ms=0,33") == Axis("latency_ms", 0.0, 33.0, (0.0, 33.0), told=True)
+    assert parse_sweep("vehicles=3,10").values == (3.0, 10.0)
+    assert parse_sweep("thrust=0.8,1").values == (0.8, 1.0)
     for wrong in ("latency_ms", "colour=1", "swing=a", "pal=1"):
         with pytest.raises(ValueError, match="--sweep"):
             parse_sweep(wrong)

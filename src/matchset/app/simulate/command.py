@@ -1,12 +1,14 @@
-"""`matchset simulate`: many flights at several values of one parameter, a table, and a last line with the verdict.
+"""`matchset simulate`: many flights under changed conditions, a table, a picture, and a last line with the verdict.
 
 Imports that take long stand inside the functions, so that `matchset --help` answers at once.
 """
 
 import contextlib
+import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import msgspec
@@ -19,31 +21,47 @@ from matchset.app.flight.output_files import Quiet
 
 if TYPE_CHECKING:
     from matchset.app.flight.flight import FlightParameters
-    from matchset.app.flight.score import FlightScore
-    from matchset.app.simulate.table import Limits
+    from matchset.app.simulate.table import Flown, Limits, SweepRow
+    from matchset.app.simulate.variation import Axis, Case
 
 SIMULATE_EPILOG = """
 [bold]Examples[/bold]
 
   matchset simulate
 
+  matchset simulate --vary thrust=0.8..1.2,latency_ms=33..200,gust_m_s=0..0.5 --quick --seeds 50
+
+  matchset simulate --vary mass=0.8..1.2,yaw_trim_deg_s=-10..10 --grid 5 --quick --fly-at-least 0.95
+
   matchset simulate --sweep hidden=0.5,1.0 --seeds 20 --pal bad
 
-  matchset simulate --sweep vehicles=3,5,10 --seeds 2 --duration 20
+  matchset simulate --print-names
 
-The last line is the verdict. Latency is from the middle of a picture's exposure to the command leaving the laptop; the
-radio's delay comes on top.
+--vary changes the simulated side alone: nobody who flies is told. A latency that is swept is told by the time stamps. \
+The last line is the verdict. Latency is from the middle of a picture's exposure to the command leaving the laptop; \
+the radio's delay comes on top.
 
 Exit codes: 0 the limits hold in every row, 1 they do not, 2 bad input or options, 130 stopped by Ctrl-C.
 """
 
 World = Annotated[str, typer.Option("--world", help="What is simulated: chain.")]
-Sweep = Annotated[str, typer.Option(metavar="NAME=VALUES", help="What to change, and to which values.")]
+Sweep = Annotated[str | None, typer.Option(metavar="NAME=VALUES", help="What to change, and to which values.")]
+Vary = Annotated[
+    str | None, typer.Option(metavar="NAME=LOW..HIGH,...", help="What differs, untold; drawn at random, all at once.")
+]
+Grid = Annotated[int, typer.Option(min=0, max=101, help="With --vary: each alone at so many values, too.")]
 Seeds = Annotated[int, typer.Option(min=1, max=10_000, help="Flights at each value.")]
 FirstSeed = Annotated[int, typer.Option(min=0, help="The first of their seeds.")]
-Survival = Annotated[float, typer.Option(help="Limit: least share of flights that survive.")]
-InView = Annotated[float, typer.Option(help="Limit: least share of pictures with the ball in view.")]
-Spread = Annotated[float, typer.Option(metavar="M", help="Limit: largest rms off the set place, m.")]
+Survival = Annotated[
+    float, typer.Option("--survival", "--fly-at-least", help="Limit: least share of flights that survive.")
+]
+InView = Annotated[
+    float | None, typer.Option(help="Limit: least share of pictures with the ball in view; 0.99, none with --vary.")
+]
+Spread = Annotated[
+    float | None, typer.Option(metavar="M", help="Limit: largest rms off the set place, m; 0.1, none with --vary.")
+]
+PrintNames = Annotated[bool, typer.Option("--print-names", help="Print what can be varied, and do not fly.")]
 Quick = Annotated[bool, typer.Option("--quick", help="Without pictures: outlines from the truth, with noise.")]
 Jobs = Annotated[int, typer.Option(min=0, max=256, help="Flights at once; 0: one for every core.")]
 
@@ -57,14 +75,17 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
     duration: Duration = None
     pal: Pal = None
     latency_ms: Latency = None
-    sweep: Sweep = "latency_ms=0,33,67,100,133"
+    sweep: Sweep = None
+    vary: Vary = None
+    grid: Grid = 0
     seeds: Seeds = 5
     first_seed: FirstSeed = 100
     survival: Survival = 1.0
-    in_view: InView = 0.99
-    spread: Spread = 0.10
+    in_view: InView = None
+    spread: Spread = None
     quick: Quick = False
     jobs: Jobs = 0
+    print_names: PrintNames = False
     out: Folder = None
     quiet: Quiet = False
     force: Force = False
@@ -80,196 +101,119 @@ class SimulateOptions(msgspec.Struct, frozen=True, kw_only=True):
         named["quick"] = self.quick or flight.world.quick
         return with_world(flight, **{name: value for name, value in named.items() if value is not None})
 
+    def axes(self) -> "list[Axis]":
+        """Read what is varied: by default the latency, told."""
+        from matchset.app.simulate.variation import parse_sweep, parse_vary
+
+        if self.vary is not None and self.sweep is not None:
+            raise ValueError("--vary and --sweep cannot go together")
+        if self.grid and self.vary is None:
+            raise ValueError("--grid needs --vary")
+        return [parse_sweep(self.sweep or "latency_ms=0,33,67,100,133")] if self.vary is None else parse_vary(self.vary)
+
     def limits(self) -> "Limits":
-        """Make the limits that every row of the table must reach."""
+        """Make the limits that every row of the table must reach: where all is varied, those alone that are given."""
         from matchset.app.simulate.table import Limits
 
-        return Limits(survival=self.survival, in_view=self.in_view, spread=self.spread)
+        usual = Limits() if self.vary is None else Limits(in_view=0.0, spread=math.inf)
+        in_view = usual.in_view if self.in_view is None else self.in_view
+        return Limits(
+            survival=self.survival, in_view=in_view, spread=usual.spread if self.spread is None else self.spread
+        )
 
 
 def simulate(options: SimulateOptions) -> int:
     """Fly many simulated flights under changed conditions and judge them by limits."""
+    if options.print_names:
+        from matchset.app.simulate.variation import names_table
+
+        print(names_table())
+        return FOUND
     from matchset.app.run_folder import check_run, output_folder
 
-    check_run(options.out, ("flights.csv", "table.md"), [], [options.config], options.force)
-    from matchset.app.disk import WholeFile
-    from matchset.app.simulate import table
-    from matchset.image.files.whole_file import write_whole
+    check_run(options.out, ("flights.csv", "table.md", "flights.svg"), [], [options.config], options.force)
+    from matchset.app.simulate.table import rows_of, sweep_verdict
 
-    flight, limits = options.flight(), options.limits()
-    name, values = parse_sweep(options.sweep)
-    cases = [(value, options.first_seed + k) for value in values for k in range(options.seeds)]
-    flights = _flights(flight, name, cases)
+    axes, flight, limits = options.axes(), options.flight(), options.limits()
+    cases = _cases(axes, flight, options)
     folder = output_folder(options.out, "simulate", options.force)
-    jobs = options.jobs or os.cpu_count() or 1
-    if not options.quiet:
-        print(work_text(flights, jobs), file=sys.stderr)
-    done: list[tuple[float, FlightScore]] = []
-    with StopRequest() as stop, WholeFile(folder / "flights.csv") as file:
-        file.append(f"{name},{table.HEADER}\n".encode())
-        with _progress_bar(len(cases), options.quiet) as advance:
-            for number, score in fly_all(flights, jobs, lambda: bool(stop)):
-                value = cases[number][0]
-                done.append((value, score))
-                file.append(f"{value:g},{table.csv_line(score)}\n".encode())
-                advance()
-    rows = table.rows_by_value(values, done)
-    text = table.markdown_table(name, rows)
-    write_whole(folder / "table.md", f"{text}\n".encode())
-    print(text)
-    print(f"  {folder / 'flights.csv'}")
-    holds, sentence = table.sweep_verdict(name, rows, flight, limits)
+    with StopRequest() as stop:
+        flown = _fly(axes, flight, cases, folder, options, stop)
+    rows = rows_of(flown, axes)
+    _show(axes, flown, rows, folder)
+    holds, sentence = sweep_verdict(rows, flight, limits)
     if stop:
-        print(f"Stopped after {len(done)} of {len(cases)} flights: no verdict.")
+        print(f"Stopped after {len(flown)} of {len(cases)} flights: no verdict.")
         return stop.code
     print(sentence)
     return FOUND if holds else NOT_FOUND
 
 
-class WorkParameters(msgspec.Struct, frozen=True, kw_only=True):
-    """What a simulated flight costs, to say beforehand how long many will take.
+def _cases(axes: "list[Axis]", flight: "FlightParameters", options: SimulateOptions) -> "list[Case]":
+    """List the flights; the ends of all ranges are checked before the first one begins."""
+    from matchset.app.simulate.variation import changed, plan
 
-    Parameters
-    ----------
-    seconds : float
-        Processor time for one follower and one second of a flight, s. Chosen by: an hour for 100 flights of 60 s with
-        two followers each.
-    """
-
-    seconds: float = 0.3
+    for axis in axes:
+        for end in (axis.low, axis.high):
+            changed(flight, {axis.name: end}, axis.told)
+    return plan(axes, options.grid, range(options.first_seed, options.first_seed + options.seeds))
 
 
-def work_text(flights: "Sequence[FlightParameters]", jobs: int) -> str:
-    """Say how long flights will take, so many at once: they are told apart by their vehicles only."""
-    from matchset.app.progress import duration_text
-
-    work = sum(each.duration * (each.world.vehicles - 1) for each in flights) * WorkParameters().seconds
-    at_once = min(jobs, len(flights))
-    total = duration_text(work / at_once)
-    return f"{len(flights)} flights of {flights[0].duration:g} s, {at_once} at once: about {total} of computing"
-
-
-def parse_sweep(sweep: str) -> tuple[str, list[float]]:
-    """Read NAME=VALUE,VALUE,...
-
-    Raises
-    ------
-    ValueError
-        If the name is no number of `SimulationParameters`, or a value is no number.
-    """
-    from matchset.links.simulated import SimulationParameters
-
-    name, mark, values = sweep.partition("=")
-    known = SimulationParameters()
-    numbers = [
-        each for each in known.__struct_fields__ if isinstance(getattr(known, each), float) or each == "vehicles"
-    ]
-    if not mark or name not in numbers:
-        raise ValueError(f"--sweep is NAME=VALUE,VALUE,... with one of {', '.join(numbers)}, got {sweep!r}")
-    try:
-        read = [float(value) for value in values.split(",")]
-    except ValueError:
-        raise ValueError(f"--sweep {name} needs numbers with commas between, got {values!r}") from None
-    return name, read
-
-
-def fly_once(parameters: "FlightParameters", stopped: Callable[[], bool] | None = None) -> "FlightScore":
-    """Fly to the end, or to the first crash, and score the flight.
-
-    Parameters
-    ----------
-    parameters : FlightParameters
-    stopped : callable, optional
-        Asked at every step; if it answers True the flight ends there.
-    """
-    from matchset.app.flight.flight import Flight
-    from matchset.app.flight.score import FlightScorer
-
-    scorer = FlightScorer(parameters)
-    with Flight(parameters) as flight:
-        for chain_step in flight:
-            scorer.add(chain_step)
-            if scorer.crashed or (stopped is not None and stopped()):
-                break
-    return scorer.score()
-
-
-def fly_all(
-    flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool] | None = None
-) -> "Iterator[tuple[int, FlightScore]]":
-    """Fly many flights.
-
-    Parameters
-    ----------
-    flights : sequence of FlightParameters
-    jobs : int
-        How many at once, each in a process of its own; 1: in this process, one after the other.
-    stop : callable, optional
-        Asked now and then; after True no further flight begins and unfinished ones are dropped.
-
-    Yields
-    ------
-    (int, FlightScore)
-        Index into `flights` and score, in the order in which they end.
-    """
-    asked = stop or (lambda: False)
-    if jobs > 1:
-        yield from _fly_in_processes(flights, jobs, asked)
-        return
-    for number, parameters in enumerate(flights):
-        if asked():
-            return
-        score = fly_once(parameters, asked)
-        if asked():
-            return
-        yield number, score
-
-
-def _fly_in_processes(
-    flights: "Sequence[FlightParameters]", jobs: int, asked: Callable[[], bool]
-) -> "Iterator[tuple[int, FlightScore]]":
-    import multiprocessing
-    from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-
-    poll_time = 0.3  # s, between two looks at `asked`
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_ignore_interrupts) as pool:
-        waiting = {pool.submit(fly_once, parameters): number for number, parameters in enumerate(flights)}
-        try:
-            while waiting and not asked():
-                done, _ = wait(waiting, timeout=poll_time, return_when=FIRST_COMPLETED)
-                for future in done:
-                    yield waiting.pop(future), future.result()
-        finally:
-            for future in waiting:
-                future.cancel()
-            if waiting:
-                for process in list((pool._processes or {}).values()):
-                    process.terminate()
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that started this one."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _flights(flight: "FlightParameters", name: str, cases: Sequence[tuple[float, int]]) -> "list[FlightParameters]":
-    """Make the parameters of all flights, which checks them before the first one begins.
-
-    Parameters
-    ----------
-    flight : FlightParameters
-    name : str
-        The swept parameter.
-    cases : sequence of (float, int)
-        Its value, and the seed.
-    """
+def _fly(
+    axes: "list[Axis]",
+    flight: "FlightParameters",
+    cases: "list[Case]",
+    folder: Path,
+    options: SimulateOptions,
+    stop: StopRequest,
+) -> "list[Flown]":
+    """Fly all cases and write a line of ``flights.csv`` as each ends."""
+    from matchset.app.disk import WholeFile
     from matchset.app.flight.config import with_world
+    from matchset.app.simulate.flights import fly_all, work_text
+    from matchset.app.simulate.table import Flown, csv_header, csv_line
+    from matchset.app.simulate.variation import changed
 
-    whole = isinstance(getattr(flight.world, name), int)
-    return [with_world(flight, **{name: int(value) if whole else value, "seed": seed}) for value, seed in cases]
+    told = any(axis.told for axis in axes)
+    flights = [with_world(changed(flight, case.values, told), seed=case.seed) for case in cases]
+    jobs = options.jobs or os.cpu_count() or 1
+    if not options.quiet:
+        print(work_text(flights, jobs), file=sys.stderr)
+    flown: list[Flown] = []
+    with WholeFile(folder / "flights.csv") as file, _progress_bar(len(cases), options.quiet) as advance:
+        file.append(f"{csv_header(axes)}\n".encode())
+        for number, score in fly_all(flights, jobs, lambda: bool(stop)):
+            flown.append(Flown(cases[number], score))
+            file.append(f"{csv_line(axes, flown[-1])}\n".encode())
+            advance()
+    return flown
+
+
+def _show(axes: "list[Axis]", flown: "list[Flown]", rows: "list[SweepRow]", folder: Path) -> None:
+    """Print the table; write it, and a picture of where it flies."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from matchset.app.drawing.plot_style import write_svg
+    from matchset.app.simulate.picture import survival_figure
+    from matchset.app.simulate.table import TERMINAL_HEADINGS, markdown_table, terminal_cells
+    from matchset.image.files.whole_file import write_whole
+
+    write_whole(folder / "table.md", f"{markdown_table(rows)}\n".encode())
+    shown, before = Table(box=box.SIMPLE_HEAD), ""
+    for number, heading in enumerate(TERMINAL_HEADINGS):
+        shown.add_column(heading, justify="right" if number > 1 else "left", no_wrap=True)
+    for row in rows:
+        if row.name != before:
+            shown.add_section()
+        before = row.name
+        shown.add_row(*terminal_cells(row), style="bold" if row.name == "all at once" else None)
+    Console().print(shown)
+    if flown:
+        write_svg(survival_figure(axes, flown), folder / "flights.svg")
+        print(f"  {folder / 'flights.svg'}")
+    print(f"  {folder / 'flights.csv'}")
 
 
 @contextlib.contextmanager

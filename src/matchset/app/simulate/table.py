@@ -1,21 +1,43 @@
-"""Scores of many flights in rows, one row for each value of the swept parameter; the rows as a table; the verdict."""
+"""Scores of many flights in rows, one row for each value of a constant; the rows as a table; the verdict."""
 
+import itertools
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
 
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
+from matchset.app.simulate.variation import Axis, Case, quantity
 
-HEADER = "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us"
-"""Columns of ``flights.csv`` after the swept value; `csv_line` writes them."""
-UNITS = {"latency_ms": "ms", "swing": "m", "yaw_deg": "degrees", "bias_deg": "degrees", "hidden": "s", "start_off": "m"}
-UNITS |= dict.fromkeys(
-    ("cable", "freeze", "freeze_for", "stale", "stale_for", "stale_age", "silent", "silent_for"), "s"
+HEADER = ",".join(
+    (
+        *(
+            "seed",
+            "end",
+            "survived",
+            "reason",
+            "in_view",
+            "found",
+            "losses",
+            "worst_spread",
+            "settled",
+            "processing_us",
+        ),
+        *("side_rms", "height_rms", "heading_rms", "varied"),
+    )
 )
-"""Units of the parameters that can be swept, where they have one."""
+"""Columns of ``flights.csv`` after the constants: of the worst follower, s, m; what was varied alone, or all."""
+HEADINGS = [
+    *("constant", "value", "survived", "in view, least", "losses"),
+    *("side", "height", "heading", "worst axis", "settled, worst"),
+]
+"""Columns of the table."""
+TERMINAL_HEADINGS = ["constant", "value", "survived", "side", "height", "heading", "worst, cm"]
+ALL = "all at once"
+THIRDS = 3  # format: parts of a range that have a row each
 
 
 class Limits(msgspec.Struct, frozen=True, kw_only=True):
@@ -43,17 +65,31 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"spread must be positive, got {self.spread}")
 
 
+class Flown(NamedTuple):
+    """One flight: what was varied, and its score."""
+
+    case: Case
+    score: FlightScore
+
+
 class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
-    """All flights at one value of the swept parameter.
+    """All flights at one value of a constant, or with all constants drawn at random.
 
     Parameters
     ----------
-    value : float
     scores : tuple of FlightScore
+    name : str
+        The constant, or what else they have in common.
+    value : str
+        Its value in words.
+    judged : bool
+        Whether limits count: not for a part of another row's flights.
     """
 
-    value: float
     scores: tuple[FlightScore, ...]
+    name: str = ""
+    value: str = ""
+    judged: bool = True
 
     @property
     def survived(self) -> int:
@@ -92,39 +128,93 @@ class SweepRow(msgspec.Struct, frozen=True, kw_only=True):
         return ""
 
 
-def rows_by_value(values: Sequence[float], done: Sequence[tuple[float, FlightScore]]) -> list[SweepRow]:
-    """Group scores by the swept value; values without a flight are left out."""
-    groups = [(value, tuple(score for at, score in done if at == value)) for value in values]
-    return [SweepRow(value=value, scores=scores) for value, scores in groups if scores]
+def rows_of(flown: Sequence[Flown], axes: Sequence[Axis] = ()) -> list[SweepRow]:
+    """Group flights: a row for each value of each constant alone, one for those with all of them drawn at random.
+
+    Parameters
+    ----------
+    flown : sequence of Flown
+    axes : sequence of Axis
+        What was drawn: of each, the flights in each third of its range are a row too, if none was flown alone.
+    """
+    alone = sorted({(each.case.alone, each.case.values[each.case.alone]) for each in flown if each.case.alone})
+    rows = [
+        SweepRow(
+            name=name,
+            value=f"{value:.4g}",
+            scores=tuple(score for case, score in flown if case.alone == name and case.values[name] == value),
+        )
+        for name, value in alone
+    ]
+    drawn = [each for each in flown if not each.case.alone]
+    if not drawn:
+        return rows
+    for axis in [] if alone else axes:
+        ends = np.linspace(axis.low, axis.high, 1 + THIRDS) if axis.low < axis.high else np.array([])
+        places = [int(np.searchsorted(ends[1:-1], each.case.values[axis.name])) for each in drawn]
+        for k, (low, high) in enumerate(itertools.pairwise(ends)):
+            part = tuple(each.score for each, place in zip(drawn, places, strict=True) if place == k)
+            if part:
+                rows.append(SweepRow(name=axis.name, value=f"{low:.3g} to {high:.3g}", scores=part, judged=False))
+    return [*rows, SweepRow(name=ALL, value="drawn", scores=tuple(each.score for each in drawn))]
 
 
-def csv_line(score: FlightScore) -> str:
-    """Write one flight as a line of CSV, with the columns of `HEADER`."""
+def csv_header(axes: Sequence[Axis]) -> str:
+    """Write the columns of ``flights.csv``."""
+    return ",".join([*(axis.name for axis in axes), HEADER])
+
+
+def csv_line(axes: Sequence[Axis], flown: Flown) -> str:
+    """Write one flight as a line of CSV, with the columns of `csv_header`; a constant left alone is nominal."""
+    score, values = flown.score, flown.case.values
     reason = (score.crash or score.landing_reason).replace(",", ";")
     spread = f"{score.worst_spread:.4f}" if math.isfinite(score.worst_spread) else ""
     settled = f"{score.settling_time:.2f}" if math.isfinite(score.settling_time) else ""
-    return (
-        f"{score.seed},{score.end:.2f},{int(score.survived)},{reason},{min(score.in_view):.4f},{min(score.found):.4f},"
-        f"{sum(score.losses)},{spread},{settled},{1e6 * score.processing:.0f}"
+    rms = [f"{max(each[axis] for each in score.spread):.4f}" if score.spread else "" for axis in range(3)]
+    varied = [f"{values[axis.name]:.6g}" if axis.name in values else _nominal(axis.name) for axis in axes]
+    return ",".join(
+        [
+            *varied,
+            f"{score.seed},{score.end:.2f},{int(score.survived)},{reason},{min(score.in_view):.4f},{min(score.found):.4f}",
+            f"{sum(score.losses)},{spread},{settled},{1e6 * score.processing:.0f}",
+            *rms,
+            flown.case.alone or "all",
+        ]
     )
 
 
-def markdown_table(name: str, rows: Sequence[SweepRow]) -> str:
-    """Write rows as a Markdown table; `name` is the swept parameter."""
-    heading = _without_unit(name) + (f", {UNITS[name]}" if name in UNITS else "")
-    lines = [
-        f"| {heading} | survived | in view, least | losses | side | height | heading | worst axis | settled, worst |",
-        "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
+def _nominal(name: str) -> str:
+    """Write what a constant is when it is not varied; empty if it is what it is told to be."""
+    default = quantity(name).default
+    return "" if default is None else f"{default:.6g}"
+
+
+def cells(row: SweepRow) -> list[str]:
+    """Write a row, one text for each of `HEADINGS`; accuracy and settling are those of the flights that survived."""
+    whole = SweepRow(scores=tuple(score for score in row.scores if score.survived))
+    slowest = max((score.settling_time for score in whole.scores), default=math.inf)
+    return [
+        row.name,
+        row.value,
+        f"{row.survived} of {len(row.scores)}",
+        f"{100.0 * row.in_view:.1f} %",
+        f"{row.losses}",
+        *(centimeters(whole.median_spread(axis)) for axis in range(3)),
+        centimeters(whole.spread),
+        f"{slowest:.1f} s" if math.isfinite(slowest) else "never",
     ]
-    for row in rows:
-        axes = " | ".join(centimeters(row.median_spread(axis)) for axis in range(3))
-        slowest = max(score.settling_time for score in row.scores)
-        when = f"{slowest:.1f} s" if math.isfinite(slowest) else "never"
-        lines.append(
-            f"| {row.value:g} | {row.survived} of {len(row.scores)} | {100.0 * row.in_view:.1f} % | {row.losses} "
-            f"| {axes} | {centimeters(row.spread)} | {when} |"
-        )
-    return "\n".join(lines)
+
+
+def terminal_cells(row: SweepRow) -> list[str]:
+    """Write the part of a row that fits a terminal, one text for each of `TERMINAL_HEADINGS`."""
+    every = cells(row)
+    return [*every[:3], *(each.removesuffix(" cm") for each in every[5:9])]
+
+
+def markdown_table(rows: Sequence[SweepRow]) -> str:
+    """Write rows as a Markdown table."""
+    lines = [" | ".join(each) for each in (HEADINGS, ["---", *["---:"] * (len(HEADINGS) - 1)], *map(cells, rows))]
+    return "\n".join(f"| {line} |" for line in lines)
 
 
 def centimeters(value: float) -> str:
@@ -132,16 +222,14 @@ def centimeters(value: float) -> str:
     return f"{100.0 * value:.1f} cm" if math.isfinite(value) else "-"
 
 
-def sweep_verdict(name: str, rows: Sequence[SweepRow], flight: FlightParameters, limits: Limits) -> tuple[bool, str]:
-    """Compare all rows with the limits.
+def sweep_verdict(rows: Sequence[SweepRow], flight: FlightParameters, limits: Limits) -> tuple[bool, str]:
+    """Compare all rows that are judged with the limits.
 
     Parameters
     ----------
-    name : str
-        The swept parameter.
     rows : sequence of SweepRow
     flight : FlightParameters
-        Of all flights, but for seed and swept value.
+        Of all flights, but for seed and what is varied.
     limits : Limits
 
     Returns
@@ -151,23 +239,22 @@ def sweep_verdict(name: str, rows: Sequence[SweepRow], flight: FlightParameters,
     str
         One sentence.
     """
-    world, label, unit = flight.world, _without_unit(name), UNITS.get(name, "")
-    flown = sum(len(row.scores) for row in rows)
-    what = f"{flown} flights of {flight.duration:g} s, a chain of {world.vehicles} with {world.pal} PAL"
-    violations = [(row, row.violation(limits)) for row in rows if row.violation(limits)]
-    if not rows:
+    judged = [row for row in rows if row.judged]
+    if not judged:
         return False, "No flight was flown, so there is no verdict."
+    flown, world = sum(len(row.scores) for row in judged), flight.world
+    seen = "without pictures" if world.quick else f"with {world.pal} PAL"
+    what = f"{flown} flights of {flight.duration:g} s, a chain of {world.vehicles} {seen}"
+    violations = [(row, row.violation(limits)) for row in judged if row.violation(limits)]
     if violations:
         row, text = violations[0]
         more = f" (and the limits break in {len(violations) - 1} more rows)" if len(violations) > 1 else ""
-        return False, f"Limits do not hold: in {what}, at {label} {row.value:g} {unit}".rstrip() + f" {text}{more}."
-    worst, least = max(row.spread for row in rows), min(row.in_view for row in rows)
+        return False, f"Limits do not hold: in {what}, with {row.name} {row.value}: {text}{more}."
+    worst, least = max(row.spread for row in judged), min(row.in_view for row in judged)
+    alive = sum(row.survived for row in judged)
+    first, last = (f"{row.name} {row.value}" for row in (judged[0], judged[-1]))
+    where = first if len(judged) == 1 else f"{first} to {last}"
     return True, (
-        f"Limits hold: all {what}, survive at {label} {rows[0].value:g} to {rows[-1].value:g} {unit}".rstrip()
-        + f", with the ball in view for at least {100.0 * least:.1f} % and places held to {centimeters(worst)} rms."
+        f"Limits hold: of {what}, {alive} survive, {where}, with the ball in view for at least {100.0 * least:.1f} % "
+        f"and places held to {centimeters(worst)} rms."
     )
-
-
-def _without_unit(name: str) -> str:
-    """Return a parameter's name without its unit."""
-    return name.removesuffix("_ms").removesuffix("_deg")

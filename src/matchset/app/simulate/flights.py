@@ -1,0 +1,122 @@
+"""Many flights, each in a process of its own, and how long they will take: `fly_all`.
+
+Imports that take long stand inside the functions, so that `matchset --help` answers at once.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import msgspec
+
+if TYPE_CHECKING:
+    from matchset.app.flight.flight import FlightParameters
+    from matchset.app.flight.score import FlightScore
+
+
+class WorkParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What a simulated flight costs, to say beforehand how long many will take.
+
+    Parameters
+    ----------
+    seconds : float
+        Processor time for one follower and one second of a flight, s. Chosen by: an hour for 100 flights of 60 s with
+        two followers each.
+    quick : float
+        The same without pictures, s. Chosen by: a minute for 20 flights of 60 s with two followers each.
+    """
+
+    seconds: float = 0.3
+    quick: float = 0.025
+
+
+def work_text(flights: "Sequence[FlightParameters]", jobs: int) -> str:
+    """Say how long flights will take, so many at once: they are told apart by their vehicles only."""
+    from matchset.app.progress import duration_text
+
+    of_one = WorkParameters().quick if flights[0].world.quick else WorkParameters().seconds
+    work = sum(each.duration * (each.world.vehicles - 1) for each in flights) * of_one
+    at_once = min(jobs, len(flights))
+    total = duration_text(work / at_once)
+    return f"{len(flights)} flights of {flights[0].duration:g} s, {at_once} at once: about {total} of computing"
+
+
+def fly_once(parameters: "FlightParameters", stopped: Callable[[], bool] | None = None) -> "FlightScore":
+    """Fly to the end, or to the first crash, and score the flight.
+
+    Parameters
+    ----------
+    parameters : FlightParameters
+    stopped : callable, optional
+        Asked at every step; if it answers True the flight ends there.
+    """
+    from matchset.app.flight.flight import Flight
+    from matchset.app.flight.score import FlightScorer
+
+    scorer = FlightScorer(parameters)
+    with Flight(parameters) as flight:
+        for chain_step in flight:
+            scorer.add(chain_step)
+            if scorer.crashed or (stopped is not None and stopped()):
+                break
+    return scorer.score()
+
+
+def fly_all(
+    flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool] | None = None
+) -> "Iterator[tuple[int, FlightScore]]":
+    """Fly many flights.
+
+    Parameters
+    ----------
+    flights : sequence of FlightParameters
+    jobs : int
+        How many at once, each in a process of its own; 1: in this process, one after the other.
+    stop : callable, optional
+        Asked now and then; after True no further flight begins and unfinished ones are dropped.
+
+    Yields
+    ------
+    (int, FlightScore)
+        Index into `flights` and score, in the order in which they end.
+    """
+    asked = stop or (lambda: False)
+    if jobs > 1:
+        yield from _fly_in_processes(flights, jobs, asked)
+        return
+    for number, parameters in enumerate(flights):
+        if asked():
+            return
+        score = fly_once(parameters, asked)
+        if asked():
+            return
+        yield number, score
+
+
+def _fly_in_processes(
+    flights: "Sequence[FlightParameters]", jobs: int, asked: Callable[[], bool]
+) -> "Iterator[tuple[int, FlightScore]]":
+    import multiprocessing
+    from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+
+    poll_time = 0.3  # s, between two looks at `asked`
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_ignore_interrupts) as pool:
+        waiting = {pool.submit(fly_once, parameters): number for number, parameters in enumerate(flights)}
+        try:
+            while waiting and not asked():
+                done, _ = wait(waiting, timeout=poll_time, return_when=FIRST_COMPLETED)
+                for future in done:
+                    yield waiting.pop(future), future.result()
+        finally:
+            for future in waiting:
+                future.cancel()
+            if waiting:
+                for process in list((pool._processes or {}).values()):
+                    process.terminate()
+
+
+def _ignore_interrupts() -> None:
+    """Leave Ctrl-C to the process that started this one."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

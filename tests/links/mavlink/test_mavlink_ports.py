@@ -12,6 +12,7 @@ import pytest
 from matchset.image.errors import LinkError
 from matchset.links.connect import connect
 from matchset.links.mavlink.address import Address, parse_address
+from matchset.links.mavlink.checksum import accumulate
 from matchset.links.mavlink.mavlink_link import MavlinkLink
 from matchset.links.mavlink.packet import Writer
 from matchset.links.mavlink.ports import UdpPort, open_port
@@ -103,6 +104,8 @@ def test_only_the_sender_that_was_chosen_is_heard_and_spoken_to(vehicle: socket.
     vehicle.sendto(b"a", ("127.0.0.1", number))
     ((sender, data),) = read_all(port, 1)
     assert data == b"a"
+    port.write(b"all")  # who speaks is answered, before one is chosen
+    assert vehicle.recvfrom(300)[0] == b"all"
     port.choose(sender)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.sendto(b"b", ("127.0.0.1", number))
@@ -112,6 +115,33 @@ def test_only_the_sender_that_was_chosen_is_heard_and_spoken_to(vehicle: socket.
     port.write(HEART)
     assert vehicle.recvfrom(300)[0] == HEART
     port.close()
+
+
+def test_one_that_speaks_the_old_version_until_it_hears_the_new_one_is_found(vehicle: socket.socket) -> None:
+    number, done = free_port(), threading.Event()
+    body = bytes.fromhex("09000101000000000002035104") + b"\x03"
+    old = b"\xfe" + body + accumulate(b"\x32", accumulate(body)).to_bytes(2, "little")
+    vehicle.settimeout(0.1)
+
+    def speak() -> None:
+        said = old
+        while not done.is_set():
+            vehicle.sendto(said, ("127.0.0.1", number))
+            try:
+                if vehicle.recvfrom(300)[0][0] == 0xFD:
+                    said = HEART
+            except TimeoutError:
+                pass
+
+    thread = threading.Thread(target=speak)
+    thread.start()
+    try:
+        link = MavlinkLink(f"mavlink:udpin:127.0.0.1:{number}")
+    finally:
+        done.set()
+        thread.join()
+    assert link.client.system == 1
+    link.close()
 
 
 def test_who_does_not_listen_yet_is_only_silent() -> None:

@@ -19,7 +19,7 @@ class Port(Protocol):
     """The contract of a port. `write` and `read` raise `OSError` when the device is gone."""
 
     def write(self, data: bytes) -> None:
-        """Send bytes to the sender that was chosen; without one, to whom the port was opened, if to anyone."""
+        """Send bytes to the sender that was chosen; without one, to whom the port was opened or who was heard."""
 
     def read(self) -> list[tuple[str, bytes]]:
         """Return who sent what, since the last time; never waits. A sender that was not chosen is left out."""
@@ -71,17 +71,20 @@ class UdpPort(NotCopied):
         self._connected = address.kind == "udpout"
 
     def write(self, data: bytes) -> None:
-        """Send bytes to the sender that was chosen, or whom the port was opened for; to nobody otherwise."""
-        if self._chosen is None:
-            return
-        try:
-            if self._connected:
-                self._socket.send(data)
-            else:
-                self._socket.sendto(data, self._chosen)
-        except OSError as error:
-            if error.errno not in QUIET:
-                raise
+        """Send bytes to the sender that was chosen, or whom the port was opened for.
+
+        Before one is chosen, to all that were heard: some autopilots speak MAVLink 1 until they hear MAVLink 2.
+        """
+        receivers = list(self._senders.values()) if self._chosen is None else [self._chosen]
+        for receiver in receivers:
+            try:
+                if self._connected:
+                    self._socket.send(data)
+                else:
+                    self._socket.sendto(data, receiver)
+            except OSError as error:
+                if error.errno not in QUIET:
+                    raise
 
     def read(self) -> list[tuple[str, bytes]]:
         """Return the datagrams that have arrived, each with its sender; never waits."""

@@ -157,7 +157,7 @@ def run_flight(flight: "ChainFlight", options: FlyOptions, pacer: "Pacer | None"
             outputs.add(chain_step, [pilot.armed for pilot in flight.pilots])
             if kill.reason and not chain_step.down:
                 flight.cut(kill.reason)  # once more, for one that was just being armed
-            elif stop or scorer.crashed or kill.reason:
+            elif scorer.crashed or kill.reason or (stop and not flight.land("stopped")):
                 break
             if pacer is not None:
                 pacer.wait()

@@ -208,6 +208,10 @@ class ChainFlight(Closing):
     def __iter__(self) -> Iterator[ChainStep]:
         """Arm, and fly for the duration."""
 
+    def land(self, reason: str) -> bool:  # noqa: ARG002 - closing the simulated world lands
+        """Bring everybody down by the safety filter's descent; False where closing the flight is what lands."""
+        return False
+
     def briefing(self, keys: bool) -> Iterable[str]:
         """Say what a person must know before it begins, a line each; `keys`: whether the space key is read."""
         return ["space stops all motors at once"] if keys else []

@@ -132,6 +132,8 @@ class FlightLog:
         pictures where there is none such.
     stops : dict of int to str
         Why the motors of a follower, from 0, were stopped from outside, see `PilotStep.stopped`.
+    landings : dict of int to str
+        Why a follower, from 0, was told to land, see `PilotStep.landing`.
     """
 
     def __init__(self, setup: FlightSetup) -> None:
@@ -140,6 +142,7 @@ class FlightLog:
         self.counters = FlightCounters(setup.followers)
         self.crashes: tuple[Crash, ...] = ()
         self.stops: dict[int, str] = {}
+        self.landings: dict[int, str] = {}
         self.shown: ChainStep | None = None
         self._balls_in_room = array("d")
 
@@ -151,6 +154,7 @@ class FlightLog:
         for sight in chain_step.truth_at_exposure:
             self._balls_in_room.extend(sight.ball.tolist())
         self.stops |= {number: step.stopped for number, step in enumerate(chain_step.steps) if step.stopped}
+        self.landings |= {number: step.landing for number, step in enumerate(chain_step.steps) if step.landing}
         for number, position in enumerate(camera_positions(chain_step.steps)):
             self.followers[number].add(self._row(chain_step, number, position))
 
@@ -177,7 +181,9 @@ class FlightLog:
         position = log.true_position if self.setup.has_truth else log.estimated_position
         error: Floats = position - (place.side, place.height, place.heading)
         counts = log.time >= self.setup.countdown + scored_from(self.setup.parameters, number)
-        return error[counts & np.isfinite(error).all(axis=1)]
+        if not self.setup.has_truth:
+            counts &= (log.phase <= PHASES.index("holding")) & np.isfinite(error).all(axis=1)
+        return error[counts]
 
     def spread(self, number: int) -> Floats:
         """Root mean square of `position_error` in each axis, (3,), m; empty if the flight was not that long."""
@@ -279,7 +285,11 @@ def flight_summary(log: FlightLog) -> str:
         return "nothing was flown"
     if log.stops:
         return f"{time}; " + "; ".join(f"vehicle {k + 1} was cut: {reason}" for k, reason in sorted(log.stops.items()))
-    down = [str(k + 1) for k, follower in enumerate(log.followers) if PHASES[follower.phase[-1]] == "cut"]
+    down = [
+        str(k + 1)
+        for k, follower in enumerate(log.followers)
+        if PHASES[follower.phase[-1]] == "cut" and k not in log.landings
+    ]
     if down:
         return f"{time}; vehicle {' and '.join(down)} came down along the safety path"
     spread = [value for k in range(len(log.followers)) for value in log.spread(k).tolist()]
@@ -298,4 +308,6 @@ def _end(log: FlightLog, number: int) -> str:
     phase = log.followers[number].phase
     if number in log.stops:
         return f"cut: {log.stops[number]}"
+    if number in log.landings:
+        return f"landed: {log.landings[number]}"
     return PHASES[phase[-1]] if len(phase) else "-"

@@ -19,7 +19,9 @@ from matchset.image.errors import LinkError
 from matchset.links.simulated import SimulatedChain, SimulationParameters
 from matchset.tracking.track import Lost
 
-COUNTDOWN, DURATION = 0.5, 3.0
+COUNTDOWN, DURATION, DESCENT = 0.5, 3.0, 2.0
+END = COUNTDOWN + DURATION
+PHASES = (COUNTDOWN, "flying"), (END, "descending"), (END + DESCENT, "cut")
 WORLD = SimulationParameters(vehicles=2, seed=5, width=320, height=240)
 
 
@@ -49,12 +51,34 @@ def test_it_counts_down_then_flies_and_ends_in_time(chain: SimulatedChain) -> No
             scorer.add(step)
             phase, throttle = step.steps[0].safety.phase, step.steps[0].command.throttle
             assert step.truth == ()
-            assert phase == ("locked" if step.time <= COUNTDOWN + 0.1 else "flying") or step.time < COUNTDOWN + 0.2
-            assert (throttle > 0.0) == (phase == "flying")
-        assert steps[-1].time == pytest.approx(COUNTDOWN + DURATION, abs=0.05)
+            assert any(phase == _phase_at(step.time + slack) for slack in (-0.1, 0.1))
+            assert (throttle > 0.0) == (phase in ("flying", "descending"))
+        assert steps[-1].time == pytest.approx(COUNTDOWN + DURATION + DESCENT, abs=0.1)
+        assert steps[-1].steps[0].safety.phase == "cut"
+        assert flight.in_time
         assert flight.succeeded(scorer)
     assert chain.links[0]._state == "locked"
     assert not flight.fault
+
+
+def _phase_at(time: float) -> str:
+    begun = [phase for begin, phase in PHASES if begin <= time]
+    return begun[-1] if begun else "locked"
+
+
+def test_being_stopped_is_a_descent(chain: SimulatedChain) -> None:
+    with made(chain) as flight:
+        throttles = []
+        for step in flight:
+            if step.time > COUNTDOWN + 1.0:
+                throttles.append(step.steps[0].command.throttle)
+                if not flight.land("stopped"):
+                    break
+        assert throttles[0] > 0.3
+        assert throttles[1:] == sorted(throttles[1:], reverse=True)
+        assert len(throttles) == pytest.approx(30 * DESCENT, abs=3)
+        assert throttles[-1] == 0.0
+        assert not flight.succeeded(FlightScorer(flight.parameters))
 
 
 def test_a_dry_run_sends_zero_and_begins_again_after_a_cut(chain: SimulatedChain) -> None:

@@ -7,18 +7,19 @@ import numpy as np
 
 from matchset.app.flight.flight import ChainFlight, ChainStep, FlightSetup
 from matchset.app.flight.linked.briefing import before, taken_off
-from matchset.app.flight.linked.followers import LinkedFollowers
+from matchset.app.flight.linked.followers import AIRBORNE, LinkedFollowers
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.app.flight.score import FlightScorer
+from matchset.control.safety import Phase
 from matchset.image.errors import LinkError
 
 
 class LinkedFlight(ChainFlight):
     """Real vehicles behind each other, each flown by its own camera and its own link; the order is that of the chain.
 
-    For `LinkedParameters.countdown` nobody is armed. Then everybody flies for the duration, or until one has come
-    down: then the others land too. Nothing of the truth is known. In a dry run a pilot that would have come down begins
-    again.
+    For `LinkedParameters.countdown` nobody is armed. Then everybody flies for the duration, and lands; when one comes
+    down before, the others land too. Nothing of the truth is known. In a dry run a pilot that would have come down
+    begins again.
 
     Parameters
     ----------
@@ -32,13 +33,16 @@ class LinkedFlight(ChainFlight):
         The longest time from one step's commands to the next, s: no link heard nothing for longer.
     flown : set of int
         Followers, from 0, whose phase was "flying" at least once.
+    in_time : bool
+        Whether it landed since its time was over.
     """
 
     def __init__(self, followers: LinkedFollowers, setup: FlightSetup) -> None:
         self.parameters, self.pilots = setup.parameters, followers.pilots
         self.setup = setup
-        self.longest, self.flown = 0.0, set[int]()
+        self.longest, self.flown, self.in_time = 0.0, set[int](), False
         self._followers, self._index, self._last = followers, 0, 0.0
+        self._phases: tuple[Phase, ...] = ()
 
     def __iter__(self) -> Iterator[ChainStep]:
         """Count down, arm and fly; ends when the time is over, everybody is down, or a device is gone: `fault`."""
@@ -64,10 +68,18 @@ class LinkedFlight(ChainFlight):
         if self.setup.kind == "dry run":
             yield f"dry run: no throttle was sent; {taken_off(len(self.pilots), self.flown)}"
 
-    def succeeded(self, scorer: FlightScorer) -> bool:
+    def succeeded(self, scorer: FlightScorer) -> bool:  # noqa: ARG002 - it counts landings as failures
         """Whether everybody took off, and flew to the end; in a dry run, whether everybody would have taken off."""
-        everybody = len(self.flown) == len(self.pilots)
-        return everybody and (self.setup.kind == "dry run" or scorer.score().survived)
+        return len(self.flown) == len(self.pilots) and (self.setup.kind == "dry run" or self.in_time)
+
+    def land(self, reason: str) -> bool:
+        """Bring everybody down by the safety filter's descent; False when nobody is in the air."""
+        if self.setup.kind == "dry run":
+            return False
+        for pilot in self.pilots:
+            if not pilot.landing:
+                pilot.land(reason)
+        return any(phase in AIRBORNE for phase in self._phases)
 
     def close(self) -> None:
         """Land everybody at once, close links and cameras."""
@@ -80,6 +92,7 @@ class LinkedFlight(ChainFlight):
         if self._index > 1:
             self.longest = max(self.longest, now - self._last)
         self._last = now
+        self._phases = tuple(step.safety.phase for step in steps)
         self.flown |= {number for number, step in enumerate(steps) if step.safety.phase == "flying"}
         count = len(steps)
         return ChainStep(
@@ -96,8 +109,12 @@ class LinkedFlight(ChainFlight):
     def _ends(self, step: ChainStep) -> bool:
         """Whether the flight is over after a step."""
         self.fault = self._followers.fault_on_ground(step.steps)
-        down = step.down and self.setup.kind == "flight"
-        return bool(self.fault) or down or step.time >= self.setup.countdown + self.parameters.duration
+        if self.fault or (step.down and self.setup.kind == "flight"):
+            return True
+        if step.time < self.setup.countdown + self.parameters.duration:
+            return False
+        self.in_time |= not any(pilot.landing or pilot.killed for pilot in self.pilots)
+        return not self.land("its time is over")
 
     def _command(self, step: ChainStep) -> None:
         """Arm who is due, and bring everybody down when one has come down."""

@@ -4,8 +4,9 @@ import math
 from typing import NamedTuple
 
 import msgspec
+import numpy as np
 
-from matchset.app.flight.flight import ChainStep, Crash, Flight, FlightParameters, FlightSetup
+from matchset.app.flight.flight import ChainStep, Crash, Flight, FlightKind, FlightParameters, FlightSetup
 from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import Command
 from matchset.control.safety import SafetyState
@@ -29,6 +30,23 @@ def fly() -> Flown:
     world = SimulationParameters(vehicles=3, seed=SEED, cable=CABLE)
     with Flight(FlightParameters(duration=DURATION, world=world)) as flight:
         return Flown(flight.setup, tuple(flight))
+
+
+def without_truth(flown: Flown, kind: FlightKind = "flight") -> Flown:
+    """Make the same flight one of real vehicles, of which nobody knows where they are."""
+    count = flown.setup.followers
+    steps = tuple(
+        msgspec.structs.replace(
+            chain_step,
+            truth=(),
+            truth_at_exposure=(),
+            true_positions=np.full((count, 3), np.nan),
+            in_view=tuple(step.frame is not None for step in chain_step.steps),
+        )
+        for chain_step in flown.chain_steps
+    )
+    devices = tuple(f"camera {k}, serial:///dev/ttyUSB{k}" for k in range(count))
+    return Flown(flown.setup._replace(kind=kind, devices=devices), steps)
 
 
 def lost(step: PilotStep, reason: str = "covered") -> PilotStep:

@@ -161,6 +161,32 @@ def test_time_is_the_arrival_where_the_stamp_is_of_another_clock(
     shut(video, camera)
 
 
+def test_the_newest_frame_or_none_without_waiting_long(camera: Camera) -> None:
+    video = Video(0, timeout=PATIENCE)
+    first = video.newest(0.02)
+    assert first is not None
+    begin = time.monotonic()
+    assert video.newest(0.02) is None
+    assert time.monotonic() - begin < PATIENCE / 2
+    camera.stamp = lambda: 1000.0 * (time.monotonic() - 0.001)
+    assert not video.stamped
+    camera.show(2, 3)
+    frame = video.newest(0.02)
+    assert frame is not None
+    assert frame.image[0, 0, 0] == 3
+    assert video.stamped
+    camera.show(4, size=(12, 16, 3))
+    with pytest.raises(ValueError, match="those before it are 8 x 6"):
+        video.newest(0.02)
+    camera.fail(RuntimeError("out of memory"))
+    assert camera.released.wait(PATIENCE)
+    with pytest.raises(LinkError, match="out of memory"):
+        video.newest(0.02)
+    shut(video, camera)
+    with pytest.raises(ValueError, match="camera 0 is closed"):
+        video.newest(0.02)
+
+
 def test_settings_are_set_read_back_and_reported(camera: Camera) -> None:
     camera.fixed = {cv2.CAP_PROP_EXPOSURE: 156.0}
     video = Video(0, exposure=20, white_balance=4600, fps=30)

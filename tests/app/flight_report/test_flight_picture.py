@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 import pytest
-from chain_flight import Flown, descending, lost, with_step
+from chain_flight import Flown, descending, lost, with_step, without_truth
 
 from matchset.app.drawing.annotate import OUTLINE
 from matchset.app.flight_report.colors import as_hex, bgr, vehicle_rgb
@@ -94,3 +94,15 @@ def test_a_gap_in_the_chain_takes_the_rings_of_those_before_it(flown: Flown) -> 
 def test_colors_are_written_as_the_web_does() -> None:
     assert as_hex((213, 94, 0)) == "#d55e00"
     assert vehicle_rgb(0) == vehicle_rgb(6)
+
+
+def test_the_map_of_a_real_flight_is_that_of_the_poses(flown: Flown) -> None:
+    """The last ball stands to the right; each camera is where the chain sees it, about its set place."""
+    setup, steps = without_truth(flown)
+    picture = FlightPicture(setup)
+    for chain_step in steps[:10]:
+        whole = picture.draw(chain_step)
+    width = setup.cameras[0].width * picture.size[0] // (2 * setup.cameras[0].width) if picture.size[0] < 1000 else 480
+    plan = whole[:, 2 * width : 3 * width]
+    middle = {number: near(plan, bgr(vehicle_rgb(number)))[:, 0] for number in range(3)}
+    assert np.median(middle[0]) < np.median(middle[1]) < np.median(middle[2])

@@ -8,15 +8,17 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
-from chain_flight import Flown, descending, lost, with_crash, with_step
+from chain_flight import Flown, descending, lost, with_crash, with_step, without_truth
 
 from matchset.app.flight.log import EXPLANATIONS, HEADINGS, PHASES, FlightLog, flight_summary, follower_row
 from matchset.app.flight.output_files import check_report
 from matchset.app.flight_report import plots
 from matchset.app.flight_report.parameter_table import parameter_rows
 from matchset.app.flight_report.report import write_report
+from matchset.control.safety import SafetyState
 from plot_layout import faults
 
 
@@ -196,3 +198,34 @@ def test_other_names_are_refused() -> None:
     check_report(Path("a.HTML"))
     with pytest.raises(ValueError, match=r"must end in \.html, got 'flight\.pdf'"):
         check_report(Path("flight.pdf"))
+
+
+def test_a_real_flight_has_a_report_without_a_truth(flown: Flown, tmp_path: Path) -> None:
+    log = log_of(without_truth(flown))
+    path = tmp_path / "flight.html"
+    write_report(log, path)
+    page = path.read_text(encoding="utf-8")
+    assert "<h1>A flight</h1>" in page
+    assert "vehicle 1: camera 0, serial:///dev/ttyUSB0; vehicle 2: camera 1" in page
+    assert "of all pictures" in page
+    assert "by its own eyes" in page
+    assert "world.seed" not in page
+    assert "truth" not in re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL)
+    figures = dict(zip(HEADINGS, follower_row(log, 0), strict=True))
+    assert figures["circle error, px"] == "-"
+    assert np.isnan(log.followers[0].true_position).all()
+
+
+def test_a_dry_run_says_so(flown: Flown, tmp_path: Path) -> None:
+    write_report(log_of(without_truth(flown, "dry run")), tmp_path / "dry.html")
+    assert "<h1>A dry run: no throttle was sent</h1>" in (tmp_path / "dry.html").read_text(encoding="utf-8")
+
+
+def test_nobody_who_stayed_on_the_ground_has_flown(flown: Flown) -> None:
+    real = without_truth(flown)
+    locked = SafetyState()
+    log = FlightLog(real.setup)
+    for chain_step in real.chain_steps:
+        steps = tuple(msgspec.structs.replace(step, safety=locked) for step in chain_step.steps)
+        log.add(msgspec.structs.replace(chain_step, steps=steps))
+    assert flight_summary(log).endswith("; nobody took off")

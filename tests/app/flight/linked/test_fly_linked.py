@@ -28,14 +28,27 @@ countdown = 0.5
 [flight.pilot.safety]
 fresh = 1.0
 """
+FOLLOWER = """
+[[follower]]
+camera = "{camera}"
+link = "serial://{link}"
+camera_file = "camera.toml"
+color = ["ball.npz"]
+marker_color = ["marker.npz"]
+"""
+
+
+def devices(folder: Path, camera: str, link: str) -> list[str]:
+    """Options that name them, and a file of settings."""
+    (folder / "short.toml").write_text(SHORT)
+    return ["--camera", camera, "--link", link, "--config", str(folder / "short.toml")]
 
 
 class Flown:
     """A real flight as a process."""
 
-    def __init__(self, folder: Path, camera: str, link: str, *words: str) -> None:
-        (folder / "short.toml").write_text(SHORT)
-        line = ["fly", "--camera", camera, "--link", link, "--config", str(folder / "short.toml"), *words]
+    def __init__(self, folder: Path, *words: str) -> None:
+        line = ["fly", *words]
         self.process = subprocess.Popen(
             [sys.executable, str(PROGRAM), *line],
             cwd=folder,
@@ -44,6 +57,14 @@ class Flown:
             stderr=subprocess.PIPE,
             text=True,
         )
+
+    def flies(self, transmitter: PtyTransmitter) -> None:
+        """Wait until motors turn."""
+        end = time.monotonic() + 300.0
+        while transmitter.port.throttle < FLIES:
+            assert self.process.poll() is None, self.process.communicate()
+            assert time.monotonic() < end
+            time.sleep(0.01)
 
     def ended(self) -> tuple[int, str, str]:
         out, err = self.process.communicate(timeout=300)
@@ -77,10 +98,16 @@ def files(neighbor: ServedNeighbor, tmp_path: Path) -> list[str]:
     return neighbor.write_files(tmp_path)
 
 
+@pytest.fixture
+def line(tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str]) -> list[str]:
+    """Options of a flight with all that it needs."""
+    return [*devices(tmp_path, camera.url, f"serial://{patient.path}"), *files]
+
+
 def test_a_dry_run_sends_no_throttle_and_says_what_it_would_send(
-    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str]
+    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, line: list[str]
 ) -> None:
-    code, out, err = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files, "--duration", "7").ended()
+    code, out, err = Flown(tmp_path, *line, "--duration", "7").ended()
     assert code == 0, out + err
     assert {moment.throttle for moment in patient.moments} == {0}
     assert "armed" not in {moment.state for moment in patient.moments}
@@ -92,10 +119,10 @@ def test_a_dry_run_sends_no_throttle_and_says_what_it_would_send(
 
 
 def test_a_camera_that_is_gone_brings_it_down_by_the_pilots_safety(
-    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str]
+    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, line: list[str]
 ) -> None:
-    flown = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files, "--arm")
-    patient.wait_for(FLIES, 300.0)
+    flown = Flown(tmp_path, *line, "--arm")
+    flown.flies(patient)
     camera.stop()
     code, out, err = flown.ended()
     assert code == 3, out + err
@@ -108,10 +135,10 @@ def test_a_camera_that_is_gone_brings_it_down_by_the_pilots_safety(
 
 @pytest.mark.parametrize("number", [signal.SIGUSR1, signal.SIGINT, signal.SIGTERM])
 def test_signals_stop_the_motors(
-    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str], number: signal.Signals
+    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, line: list[str], number: signal.Signals
 ) -> None:
-    flown = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files, "--arm", "--report", "flight.html")
-    patient.wait_for(FLIES, 300.0)
+    flown = Flown(tmp_path, *line, "--arm", "--report", "flight.html")
+    flown.flies(patient)
     begin = time.monotonic()
     flown.process.send_signal(number)
     code, out, err = flown.ended()
@@ -128,11 +155,32 @@ def test_signals_stop_the_motors(
         assert "note: stopped; everyone landed" in err
 
 
-def test_a_port_that_vanishes_is_one_line(
-    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str]
+def test_two_followers_of_a_file_and_one_camera_that_is_gone(
+    tmp_path: Path, neighbor: ServedNeighbor, camera: MjpegServer, patient: PtyTransmitter, files: list[str]
 ) -> None:
-    flown = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files, "--arm")
-    patient.wait_for(FLIES, 300.0)
+    assert files
+    with MjpegServer(neighbor) as other, PtyTransmitter(PACE) as second:
+        pairs = ((camera.url, patient.path), (other.url, second.path))
+        text = SHORT + "".join(FOLLOWER.format(camera=url, link=path) for url, path in pairs)
+        (tmp_path / "two.toml").write_text(text)
+        flown = Flown(tmp_path, "--config", "two.toml", "--arm")
+        for each in (patient, second):
+            flown.flies(each)
+        other.stop()
+        code, out, err = flown.ended()
+        assert code == 3, out + err
+        assert len(errors(err)) == 1
+        assert f"{other.url} has delivered no picture" in errors(err)[0]
+        for each in (patient, second):
+            assert (each.port.throttle, each.port.state) == (0, "locked")
+        assert "vehicle 2 came down along the safety path" in out
+
+
+def test_a_port_that_vanishes_is_one_line(
+    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, line: list[str]
+) -> None:
+    flown = Flown(tmp_path, *line, "--arm")
+    flown.flies(patient)
     patient.unplug()
     code, out, err = flown.ended()
     assert code == 3, out + err
@@ -141,10 +189,10 @@ def test_a_port_that_vanishes_is_one_line(
 
 
 def test_one_that_answers_garbage_is_one_line(
-    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str]
+    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, line: list[str]
 ) -> None:
-    flown = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files, "--arm")
-    patient.wait_for(FLIES, 300.0)
+    flown = Flown(tmp_path, *line, "--arm")
+    flown.flies(patient)
     patient.babble = True
     code, out, err = flown.ended()
     assert code == 3, out + err
@@ -154,20 +202,22 @@ def test_one_that_answers_garbage_is_one_line(
 
 
 def test_two_programs_do_not_share_a_port(
-    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, files: list[str]
+    tmp_path: Path, camera: MjpegServer, patient: PtyTransmitter, line: list[str]
 ) -> None:
     from matchset.links.arduino.arduino_link import ArduinoLink
 
     with ArduinoLink(patient.path):
-        code, out, err = Flown(tmp_path, camera.url, f"serial://{patient.path}", *files).ended()
+        code, out, err = Flown(tmp_path, *line).ended()
     assert (code, out) == (3, "")
     assert errors(err) == [f"error: cannot open {patient.path}: another program uses it"]
 
 
 def test_what_does_not_open_is_one_line(tmp_path: Path, camera: MjpegServer, files: list[str]) -> None:
-    code, out, err = Flown(tmp_path, camera.url, "serial:///dev/ttyNONE", *files).ended()
+    code, out, err = Flown(tmp_path, *devices(tmp_path, camera.url, "serial:///dev/ttyNONE"), *files).ended()
     assert (code, out, len(errors(err))) == (3, "", 1)
     assert "/dev/ttyNONE" in errors(err)[0]
-    code, out, err = Flown(tmp_path, f"http://127.0.0.1:{camera.port}/", "serial:///dev/ttyNONE").ended()
+    code, out, err = Flown(
+        tmp_path, *devices(tmp_path, f"http://127.0.0.1:{camera.port}/", "serial:///dev/ttyNONE")
+    ).ended()
     assert (code, out, len(errors(err))) == (2, "", 1)
     assert "matchset calibrate" in errors(err)[0]

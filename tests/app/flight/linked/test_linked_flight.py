@@ -1,6 +1,7 @@
 """A flight of links and cameras, step by step, on the clock of a simulated world: no test waits for a device."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +14,9 @@ from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.linked.linked_flight import LinkedFlight
 from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
 from matchset.app.flight.score import FlightScorer
+from matchset.app.recording.reader import RecordingReader
+from matchset.app.recording.replay import Replay
+from matchset.app.recording.writer import RecordingWriter
 from matchset.control.command import Command
 from matchset.control.safety import SafetyState
 from matchset.image.errors import LinkError
@@ -30,9 +34,10 @@ def made(chain: SimulatedChain, dry: bool = False) -> LinkedFlight:
     camera, link = chain.cameras[0], chain.links[0]
     sample = camera.sample()
     parameters = FlightParameters(duration=DURATION, world=WORLD)
-    pilot = Pilot(camera, DryLink(link) if dry else link, learn_colors(sample))
+    colors = learn_colors(sample)
+    pilot = Pilot(camera, DryLink(link) if dry else link, colors)
     kind, countdown = ("dry run", 0.0) if dry else ("flight", COUNTDOWN)
-    setup = FlightSetup(parameters, (camera.model,), (sample,), kind=kind, countdown=countdown)  # type: ignore[arg-type]
+    setup = FlightSetup(parameters, (camera.model,), (sample,), kind=kind, countdown=countdown, colors=(colors,))  # type: ignore[arg-type]
     return LinkedFlight(LinkedFollowers([pilot]), setup)
 
 
@@ -95,6 +100,23 @@ def test_a_dry_run_sends_zero_and_begins_again_after_a_cut(chain: SimulatedChain
         assert phases[-1] == "flying"
         assert max(wanted) > 0.3
         assert flight.succeeded(FlightScorer(FlightParameters(world=parameters)))
+
+
+@pytest.mark.parametrize("dry", [False, True])
+def test_its_recording_comes_out_bit_for_bit(chain: SimulatedChain, tmp_path: Path, dry: bool) -> None:
+    path = tmp_path / "flight.mcap"
+    with made(chain, dry) as flight, RecordingWriter(path, flight.setup) as recording:
+        for step in flight:
+            recording.write(step, [pilot.armed for pilot in flight.pilots])
+            if step.time > 1.5 and not flight.pilots[0].landing and not dry:
+                flight.land("enough")
+            if step.index == 30 and dry:
+                flight.pilots[0].land("a try")
+    replay = Replay(RecordingReader(path))
+    phases = [step.steps[0].safety.phase for step in replay]
+    assert not replay.differences
+    assert replay.steps == len(phases) > 80
+    assert "cut" in phases
 
 
 def test_a_link_that_breaks_ends_it_with_its_words(chain: SimulatedChain) -> None:

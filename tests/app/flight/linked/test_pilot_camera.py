@@ -52,8 +52,8 @@ def test_a_known_delay_makes_pictures_older(device: Camera) -> None:
     frame = camera.read()
     assert frame is not None
     assert camera.now() - frame.time >= 0.08
-    assert "80 ms are added" in camera.note
-    assert "from their arrival" in camera.note
+    assert "80 ms are added" in camera.notes[0]
+    assert "from their arrival" in camera.notes[0]
     close(camera, device)
 
 
@@ -96,4 +96,25 @@ def test_pictures_of_another_size_are_none(device: Camera) -> None:
     while not camera.fault and time.monotonic() < end:
         camera.read()
     assert "frame" in camera.fault
+    close(camera, device)
+
+
+def test_stamps_of_the_driver_are_the_times_of_capture(device: Camera) -> None:
+    camera = opened()
+    time.sleep(0.05)  # a stamp before the last picture came would be no time of capture
+    taken = time.monotonic() - 0.02
+    device.stamp = lambda: 1000.0 * taken
+    device.show(5)
+    frame = camera.read()
+    assert frame is not None
+    assert frame.time == pytest.approx(camera.now() - (time.monotonic() - taken), abs=0.01)
+    assert camera.video.stamped
+    assert camera.notes == []
+    close(camera, device)
+
+
+def test_what_a_camera_does_not_do_as_asked_is_said(device: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(device, "set", lambda *_: False)
+    camera = LiveCamera("camera 0", Video(0, exposure=20), MODEL, 0.0, PARAMETERS)
+    assert camera.notes[1] == "camera 0: exposure: asked for 20, but this source has no such setting"
     close(camera, device)

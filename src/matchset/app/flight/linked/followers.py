@@ -45,8 +45,8 @@ class LinkedFollowers(Closing):
 
     @property
     def notes(self) -> list[str]:
-        """What to know of the times of the pictures, in words."""
-        return [camera.note for camera in self.cameras if camera.note]
+        """What to know of the pictures, in words."""
+        return [note for camera in self.cameras for note in camera.notes]
 
     def begin(self, start: float) -> None:
         """Let the clock of all cameras begin at a time, s, on the computer's own clock."""

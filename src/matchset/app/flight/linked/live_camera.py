@@ -95,15 +95,17 @@ class LiveCamera:
         return f"{self.name} has delivered no picture for {silent:.1f} s"
 
     @property
-    def note(self) -> str:
-        """What to know of the times of the pictures, in words; empty where the driver stamps them."""
+    def notes(self) -> list[str]:
+        """What to know of its pictures, in words: what their times are worth, and what it does not do as asked."""
+        words = [f"{self.name}: {warning}" for warning in self.video.warnings]
         if self.video.stamped:
-            return ""
+            return words
         way = f"{self._delay / MILLI:.0f} ms are added" if self._delay else "nothing is added"
-        return (
+        stamps = (
             f"{self.name} gives no time of capture: the age of its pictures counts from their arrival; {way} for the "
             "way before that (--delay-ms, delay_ms)"
         )
+        return [stamps, *words]
 
     def close(self) -> None:
         """Let go of the device."""

@@ -79,7 +79,7 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
     source = str(follower.camera)
     if Path(source).exists() and not Path(source).is_char_device():
         raise ValueError(f"--camera must be a camera or a stream, and {source} is a file: nobody can fly by the past")
-    video = Video(source)
+    video = Video(source, exposure=follower.exposure, white_balance=follower.white_balance, fps=follower.fps)
     try:
         size = video.width, video.height
         model = model or CameraModel.from_fov(*size, math.radians(follower.fov_deg or 0.0))

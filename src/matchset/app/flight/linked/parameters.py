@@ -56,6 +56,9 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     delay_ms : float
         Time that a picture takes from its exposure to the time stamp that it gets here, ms: of a stream without stamps
         that is the way of the picture. It counts as part of the picture's age.
+    exposure, white_balance, fps : float or None
+        What to ask of the camera, as of `matchset.image.video.Video`. An exposure held short keeps the ball's outline
+        sharp in flight; None: what the camera does.
     """
 
     camera: int | str
@@ -65,6 +68,9 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     color: tuple[str, ...] = ()
     marker_color: tuple[str, ...] = ()
     delay_ms: float = 0.0
+    exposure: float | None = None
+    white_balance: float | None = None
+    fps: float | None = None
 
     def __post_init__(self) -> None:
         if self.fov_deg is not None and not 0.0 < self.fov_deg < 180.0:

@@ -20,7 +20,7 @@ import matchset.app.live
 
 PAGE = Path(matchset.app.live.__file__).parent / "page"
 SECONDS = 8  # of measurement
-BLANK = "<!doctype html><link rel=stylesheet href=style.css><link rel=stylesheet href=curves.css>"
+BLANK = "<!doctype html><link rel=stylesheet href=style.css><link rel=stylesheet href=curves/curves.css>"
 SECTION = """<section id=curves><canvas></canvas><canvas></canvas><canvas></canvas><canvas></canvas><p></p></section>"""
 
 # Calls draw() once a frame and returns, in ms, the times between the frames and those of draw() itself.
@@ -57,6 +57,8 @@ const add = (time) => {
 };
 window.result = measure(add, () => curves.draw(1), SECONDS);
 """
+
+NOTHING = "window.result = measure(() => {}, () => {}, SECONDS);"  # what the machine leaves to any page
 
 UPLOT = """
 const section = document.getElementById("curves");
@@ -134,6 +136,7 @@ def main() -> None:
         page.on("pageerror", lambda error: print("error:", error))
         seconds = json.dumps(SECONDS)
         print(row("matchset", run(page, address, OURS.replace("SECONDS", seconds))), flush=True)
+        print(row("nothing", run(page, address, NOTHING.replace("SECONDS", seconds))), flush=True)
         if options.uplot is not None:
             library = options.uplot.read_text()
             print(row("uPlot", run(page, address, UPLOT.replace("SECONDS", seconds), library)), flush=True)

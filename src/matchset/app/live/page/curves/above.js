@@ -55,18 +55,22 @@ function drawCamera(context, [x, y], text) {
   context.fillText("camera", x + 0.9 * text, y + 0.95 * text);
 }
 
-// Older thirds are paler.
+// Older thirds are paler. What is nearer than a pixel to what was drawn is left out.
 function drawPath(context, path, color, place, ratio, text) {
   const newest = path[path.length - 1];
   context.lineWidth = 2 * ratio;
   for (let part = 0; part < 3; part++) {
     const [from, to] = [newest[0] - SECONDS * (3 - part) / 3, newest[0] - SECONDS * (2 - part) / 3];
     context.beginPath();
-    let last = -Infinity;
+    let [last, before] = [-Infinity, [NaN, NaN]];
     for (const [time, x, z] of path) {
       if (time < from || time > to + 0.1) continue;
-      context[time - last > 0.5 ? "moveTo" : "lineTo"](...place(x, z));
+      const at = place(x, z);
+      const begins = time - last > 0.5;
       last = time;
+      if (!begins && Math.hypot(at[0] - before[0], at[1] - before[1]) < ratio) continue;
+      context[begins ? "moveTo" : "lineTo"](...at);
+      before = at;
     }
     context.globalAlpha = 0.3 + 0.35 * part;
     context.strokeStyle = color;

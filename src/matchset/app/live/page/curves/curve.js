@@ -35,11 +35,19 @@ export class Curve {
   }
 }
 
+// One point for each pixel across: more cannot be seen, and each costs the browser time after the script has ended.
 function collect(samples, frame) {
   const points = [];
   samples.each((ago, low, high, sigma, lost) => {
     const x = frame.right - ago / SECONDS * (frame.right - frame.left);
-    if (x >= frame.left) points.push({ ago, x, low, high, sigma, lost });
+    const last = points[points.length - 1];
+    if (last && Math.floor(last.x) === Math.floor(x) && Number.isNaN(last.low) === Number.isNaN(low)) {
+      last.low = Math.min(last.low, low);
+      last.high = Math.max(last.high, high);
+      last.sigma = Math.max(last.sigma, sigma);
+      last.ago = ago;
+      last.lost ||= lost;
+    } else if (x >= frame.left) points.push({ ago, x, low, high, sigma, lost });
   });
   return points;
 }

@@ -4,6 +4,7 @@
 """
 
 import errno
+import struct
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,6 +50,9 @@ class FakeAutopilot:
     unplugged: bool = False
     closed: bool = False
     offset: float = 1000.0
+    settings: dict[str, float] = field(
+        default_factory=lambda: {"RC_OVERRIDE_TIME": 0.5, "FS_THR_ENABLE": 3, "FS_GCS_ENABLE": 5, "COM_RC_LOSS_T": 0.5}
+    )
     sticks: list[tuple[int, int, int, int]] = field(default_factory=list)
     asked: list[tuple[int, tuple[float, ...]]] = field(default_factory=list)
     heard: list[str] = field(default_factory=list)
@@ -105,12 +109,22 @@ class FakeAutopilot:
             self.sticks.append((values["x"], values["y"], values["z"], values["r"]))
         elif name == "TIMESYNC" and values["tc1"] == 0:
             self.say("TIMESYNC", tc1=round(1e9 * (self.clock() + self.offset)), ts1=values["ts1"])
+        elif name == "PARAM_REQUEST_READ" and values["param_id"] in self.settings:
+            self._tell_setting(values["param_id"])
         elif name == "COMMAND_LONG" and values["target_system"] == self.system:
             parameters = tuple(values[f"param{k}"] for k in range(1, 8))
             self.asked.append((values["command"], parameters))
             result = self._do(values["command"], *parameters[:3])
             if result is not None:
                 self.say("COMMAND_ACK", command=values["command"], result=result, target_system=255)
+
+    def _tell_setting(self, name: str) -> None:
+        """ArduPilot sends every number as a float, PX4 integers as their bytes."""
+        value = self.settings[name]
+        kind = 6 if isinstance(value, int) else 9
+        if self.autopilot == PX4 and kind == 6:
+            (value,) = struct.unpack("<f", struct.pack("<i", value))
+        self.say("PARAM_VALUE", param_id=name, param_value=value, param_type=kind)
 
     def _do(self, command: int, first: float, second: float, third: float) -> int | None:
         if command == 511:

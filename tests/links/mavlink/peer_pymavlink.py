@@ -20,6 +20,8 @@ from pymavlink.generator import mavgen, mavparse
 NAMES = [
     "HEARTBEAT",
     "SYS_STATUS",
+    "PARAM_REQUEST_READ",
+    "PARAM_VALUE",
     "ATTITUDE",
     "MANUAL_CONTROL",
     "COMMAND_LONG",

@@ -257,6 +257,31 @@ def test_attitudes_that_stop_are_said() -> None:
     assert warning.startswith("no attitude for 1.")
 
 
+@pytest.mark.parametrize(
+    ("autopilot", "settings", "words"),
+    [
+        (3, {"RC_OVERRIDE_TIME": 3.0}, ["RC_OVERRIDE_TIME is 3: when sticks stop it flies on"]),
+        (3, {"RC_OVERRIDE_TIME": -1.0}, ["RC_OVERRIDE_TIME is -1: "]),
+        (3, {"FS_THR_ENABLE": 0, "FS_GCS_ENABLE": 0}, ["FS_THR_ENABLE is 0: it does nothing", "FS_GCS_ENABLE is 0: "]),
+        (PX4, {"NAV_RCL_ACT": 0, "COM_RC_LOSS_T": 5.0}, ["COM_RC_LOSS_T is 5: ", "NAV_RCL_ACT is 0: it does nothing"]),
+        (PX4, {"NAV_RCL_ACT": 3, "COM_RC_LOSS_T": 0.5}, []),
+        (3, {}, []),
+    ],
+)
+def test_a_failsafe_that_is_off_is_said(autopilot: int, settings: dict[str, float], words: list[str]) -> None:
+    pilot = FakeAutopilot(autopilot=autopilot)
+    pilot.settings |= settings
+    link, _ = opened(pilot)
+    warnings = link.status().warnings
+    assert len(warnings) == len(words)
+    assert all(warning.startswith(word) for warning, word in zip(warnings, words, strict=True))
+    if words:
+        pilot.settings.clear()
+        pilot.settings |= dict.fromkeys(link.client.telemetry.settings, 1)
+        link.arm()
+        assert link.status().warnings == ()
+
+
 def test_battery_and_health_are_said() -> None:
     link, pilot = armed()
     pilot.say("SYS_STATUS", voltage_battery=3512, battery_remaining=55)

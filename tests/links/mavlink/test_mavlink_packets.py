@@ -245,4 +245,5 @@ def test_numbers_go_on_from_zero_after_255() -> None:
 
 def test_a_packet_is_a_value() -> None:
     assert Packet(1, 1, MESSAGES[0], {}).signed is False
-    assert math.isnan(MESSAGES[2].unpack(MESSAGES[2].pack({"roll": math.nan}))["roll"])
+    attitude = BY_NAME["ATTITUDE"]
+    assert math.isnan(attitude.unpack(attitude.pack({"roll": math.nan}))["roll"])

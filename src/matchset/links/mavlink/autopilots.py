@@ -12,6 +12,28 @@ PX4_MAIN, PX4_SUB = 16, 24  # format: bits below the main mode and the sub-mode 
 PX4_AUTO = 4 << PX4_MAIN  # format: PX4's number of its automatic modes, without the sub-mode
 
 
+class SilenceSetting(msgspec.Struct, frozen=True):
+    """A parameter of an autopilot that decides what silence does.
+
+    Attributes
+    ----------
+    name : str
+    least, most : float
+        Between these it does what it should.
+    otherwise : str
+        What it means when it is not, in words.
+    """
+
+    name: str
+    least: float
+    most: float
+    otherwise: str
+
+    def complaint(self, value: float) -> str:
+        """Say what a value means; empty if it does what it should."""
+        return "" if self.least <= value <= self.most else f"{self.name} is {value:g}: {self.otherwise}"
+
+
 class Autopilot(msgspec.Struct, frozen=True):
     """An autopilot and its modes.
 
@@ -24,12 +46,15 @@ class Autopilot(msgspec.Struct, frozen=True):
         The mode that is flown in; None where nobody knows.
     packed : bool
         Its number of a mode holds a main mode and a sub-mode.
+    silence : tuple of SilenceSetting
+        What decides what it does when nothing is heard from us.
     """
 
     name: str
     modes: Mapping[int, str]
     stick_mode: int | None
     packed: bool = False
+    silence: tuple[SilenceSetting, ...] = ()
 
     def mode_name(self, mode: int) -> str:
         """Return the name of a mode, or its number in words."""
@@ -79,9 +104,24 @@ _PX4_MODES = {  # format: PX4's numbers of its modes
     },
 }
 
+_MANY = 1e9  # format: larger than any value of a parameter that counts kinds
+_FOR_LONG = "when sticks stop it flies on by the last ones for so long, s; set 0.5 (0: it takes none from here)"
+_NO_STICKS = "it does nothing when sticks stop"
+
+# format: their names and meanings in ArduPilot's and PX4's lists of parameters; half a second and a bit is soon enough
+_ARDUPILOT_SILENCE = (
+    SilenceSetting("RC_OVERRIDE_TIME", 0.1, 1.0, _FOR_LONG),
+    SilenceSetting("FS_THR_ENABLE", 1.0, _MANY, _NO_STICKS),
+    SilenceSetting("FS_GCS_ENABLE", 1.0, _MANY, "it does nothing when this program is silent"),
+)
+_PX4_SILENCE = (
+    SilenceSetting("COM_RC_LOSS_T", 0.0, 1.0, _FOR_LONG),
+    SilenceSetting("NAV_RCL_ACT", 1.0, _MANY, _NO_STICKS),
+)
+
 AUTOPILOTS = {  # format: MAV_AUTOPILOT
-    3: Autopilot("ArduPilot", _ARDUPILOT_MODES, 0),
-    12: Autopilot("PX4", _PX4_MODES, 7 << PX4_MAIN, packed=True),
+    3: Autopilot("ArduPilot", _ARDUPILOT_MODES, 0, silence=_ARDUPILOT_SILENCE),
+    12: Autopilot("PX4", _PX4_MODES, 7 << PX4_MAIN, packed=True, silence=_PX4_SILENCE),
 }
 
 

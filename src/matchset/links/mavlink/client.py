@@ -171,8 +171,10 @@ class AutopilotClient:
         self._port.choose(sender)
         self.autopilot, self.kind = autopilot_of(heart["autopilot"]), heart["type"]
         self.telemetry.note("HEARTBEAT", heart, self._clock())
+        self.telemetry.integers_as_bytes = self.autopilot.packed
         for message, period in ASKED.items():
             self.ask(SET_INTERVAL, (message, 1e6 * period))
+        self.ask_settings()
 
     def receive(self) -> None:
         """Read what has arrived, and send a heartbeat when it is time; never waits.
@@ -230,6 +232,12 @@ class AutopilotClient:
         values: Values = {"target_system": self.system, "target_component": self.component, "command": command}
         values |= {f"param{k}": value for k, value in enumerate(parameters, 1)}
         self.write("COMMAND_LONG", values | {"confirmation": repetition % 256})
+
+    def ask_settings(self) -> None:
+        """Ask for the autopilot's parameters that decide what silence does, without waiting for the answers."""
+        for setting in self.autopilot.silence:
+            whom = {"target_system": self.system, "target_component": self.component, "param_index": -1}
+            self.write("PARAM_REQUEST_READ", whom | {"param_id": setting.name})
 
     def command(self, command: int, parameters: Sequence[float], what: str, during: Callable[[], None]) -> None:
         """Send a command until it is answered.

@@ -122,6 +122,7 @@ class MavlinkLink(NotCopied, Link):
         told, name = self.client.check(), self.uri
         if told.armed and not self._ours:
             raise LinkError(f"{name}: vehicle {self.client.system} is armed already: somebody else flies it")
+        self.client.ask_settings()  # what was asked for at first may be lost, or changed since
         self._armed = self._cut = False
         self._arming, self._ours, self._end = True, True, ""
         try:
@@ -212,6 +213,9 @@ class MavlinkLink(NotCopied, Link):
         low = told.charge is not None and told.charge < LOW
         if told.battery_state or low:
             found.append(f"battery {told.battery_state or 'low'}: {100 * (told.charge or 0.0):.0f} %")
+        for setting in self.client.autopilot.silence:
+            complaint = setting.complaint(told.settings[setting.name]) if setting.name in told.settings else ""
+            found += [complaint] if complaint else []
         if told.emergency:
             found.append(f"the autopilot's state is {told.emergency}")
         if told.attitude is not None and now - told.attitude.time > p.telemetry_timeout:

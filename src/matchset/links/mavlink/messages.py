@@ -43,6 +43,31 @@ SYS_STATUS = Message(
     ),
 )
 
+PARAM_REQUEST_READ = Message(
+    20,
+    "PARAM_REQUEST_READ",
+    "asks for the settings that decide what silence does",
+    (
+        Field("target_system", "uint8_t"),
+        Field("target_component", "uint8_t", what="1: the autopilot"),
+        Field("param_id", "char[16]"),
+        Field("param_index", "int16_t", what="-1: by its name"),
+    ),
+)
+
+PARAM_VALUE = Message(
+    22,
+    "PARAM_VALUE",
+    "the answer",
+    (
+        Field("param_id", "char[16]"),
+        Field("param_value", "float", what="PX4 puts the bytes of an integer here"),
+        Field("param_type", "uint8_t", what="9: float, otherwise an integer"),
+        Field("param_count", "uint16_t"),
+        Field("param_index", "uint16_t"),
+    ),
+)
+
 ATTITUDE = Message(
     30,
     "ATTITUDE",
@@ -247,6 +272,8 @@ TARGET_RELATIVE = Message(
 MESSAGES = (
     HEARTBEAT,
     SYS_STATUS,
+    PARAM_REQUEST_READ,
+    PARAM_VALUE,
     ATTITUDE,
     MANUAL_CONTROL,
     COMMAND_LONG,

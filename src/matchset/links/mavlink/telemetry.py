@@ -1,6 +1,7 @@
 """What an autopilot says, kept: `Telemetry`. It knows no port; a packet and the time go in."""
 
 import itertools
+import struct
 from collections import deque
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ ARMED = 128  # format: flag of `HEARTBEAT.base_mode`
 WARNING = 4  # format: largest `STATUSTEXT.severity` that a pilot must read
 PIECE = 50  # format: bytes of a piece of a long text that is not the last
 UNKNOWN_VOLTAGE, UNKNOWN_SHARE = 65_535, -1  # format: of SYS_STATUS and BATTERY_STATUS
+REAL = 9  # format: MAV_PARAM_TYPE_REAL32
 KEPT = 20  # format: texts that are kept, and pieces of a text
 BATTERY_STATES = {
     2: "low",
@@ -52,10 +54,14 @@ class Telemetry:
     acks : dict of int to tuple
         Number of a command: when its last answer came, s, and the answer.
     attitude : Attitude or None
+    integers_as_bytes : bool
+        Whether a parameter that is an integer comes as its bytes, as PX4 sends it.
     voltage : float or None
         Of the battery, V.
     charge : float or None
         Of the battery, 0 ... 1.
+    settings : dict of str to float
+        The autopilot's parameters that it was asked for.
     battery_state : str
         What the autopilot thinks of its battery, in words; empty if it is well.
     """
@@ -70,6 +76,8 @@ class Telemetry:
         self.voltage: float | None = None
         self.charge: float | None = None
         self.battery_state = ""
+        self.settings: dict[str, float] = {}
+        self.integers_as_bytes = False
         self._pieces: dict[int, dict[int, str]] = {}
 
     @property
@@ -97,6 +105,8 @@ class Telemetry:
                 self._note_text(values, now)
             case "COMMAND_ACK":
                 self.acks[values["command"]] = now, values["result"]
+            case "PARAM_VALUE":
+                self.settings[values["param_id"]] = self._setting(values)
             case "ATTITUDE":
                 self.attitude = Attitude(now, values["roll"], values["pitch"], values["yaw"])
             case "SYS_STATUS":
@@ -111,6 +121,13 @@ class Telemetry:
         """Return the warnings and worse since a time, s, each once, oldest first."""
         words = (text.words for text in self.texts if text.time >= time and text.severity <= WARNING)
         return tuple(dict.fromkeys(words))
+
+    def _setting(self, values: Values) -> float:
+        """Return the number of a parameter."""
+        number: float = values["param_value"]
+        if self.integers_as_bytes and values["param_type"] != REAL:
+            (number,) = struct.unpack("<i", struct.pack("<f", number))
+        return number
 
     def _note_charge(self, percent: int) -> None:
         if percent != UNKNOWN_SHARE:

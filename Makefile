@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
-    soak wheel-check release-check first-picture clean
+    soak wheel-check release-check first-picture link-peers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
@@ -46,6 +46,8 @@ tree: $(READY)  ## print every file with its purpose (ARGS="src/matchset/trackin
 
 picture: $(READY)  ## fly the chain of three and draw the README's animated picture (some minutes)
 	$(BIN)/python docs/pictures/chain.py
+
+link-peers: .mavlink/ready .tello/ready  ## programs of others that the links are tested against: pymavlink, MAVSDK, djitellopy
 
 bench: $(PEERS) $(VISP)  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
@@ -96,7 +98,7 @@ first-picture: $(PACKAGE)  ## the README's commands from `git clone` on, in an e
 	$(BIN)/python .ci/first_picture.py
 
 clean:  ## remove everything that was made, the virtual environment included
-	rm -rf .venv .bench $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
+	rm -rf .venv .bench .mavlink .tello $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(PACKAGE): pyproject.toml .ci/setup .ci/package.lock
@@ -108,6 +110,9 @@ $(READY): $(PACKAGE) .ci/tools .ci/requirements.lock
 $(SITE_TOOLS): pyproject.toml | $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group docs
 	touch $@
+
+.mavlink/ready .tello/ready: .%/ready: .ci/setup-% | $(READY)
+	$<
 
 $(PEERS): pyproject.toml .ci/setup-bench | $(READY)
 	.ci/setup-bench

@@ -118,8 +118,9 @@ def test_it_arms_flies_and_lands(flown: tuple[MavlinkLink, Vehicle]) -> None:
     assert link.status().state == "armed"
     assert link.status().version == "PX4, vehicle 1"
     assert {"arm": True, "force": False} in vehicle.told
-    until(link, lambda: len(vehicle.received("MANUAL_CONTROL")) > 50, Command(0.25, -0.5, 0.75, 0.6))
-    sticks = vehicle.received("MANUAL_CONTROL")[-1]
+    command = Command(0.25, -0.5, 0.75, 0.6)
+    until(link, lambda: any(each["z"] == 600 for each in vehicle.received("MANUAL_CONTROL")), command)
+    sticks = next(each for each in vehicle.received("MANUAL_CONTROL") if each["z"])
     assert {name: sticks[name] for name in ("target", "x", "y", "z", "r")} == {
         "target": 1,
         "x": -500,

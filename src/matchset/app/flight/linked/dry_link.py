@@ -34,7 +34,7 @@ class DryLink(Link):
 
     def status(self) -> LinkStatus:
         """Return the status of the real link, as if it were armed."""
-        return msgspec.structs.replace(self._link.status(), state="armed")
+        return msgspec.structs.replace(self._link.status(), state="armed", reason="")
 
     def land(self, duration: float = 1.5) -> None:
         """Do nothing."""

@@ -110,7 +110,7 @@ def test_its_recording_comes_out_bit_for_bit(chain: SimulatedChain, tmp_path: Pa
             recording.write(step, [pilot.armed for pilot in flight.pilots])
             if step.time > 1.5 and not flight.pilots[0].landing and not dry:
                 flight.land("enough")
-            if step.index == 30 and dry:
+            if step.index == 20 and dry:
                 flight.pilots[0].land("a try")
     replay = Replay(RecordingReader(path))
     phases = [step.steps[0].safety.phase for step in replay]

@@ -161,6 +161,7 @@ def test_weighed_evidence_decides_and_more_is_needed_where_less_is_known() -> No
         Prior.ASKED: EVIDENCE.asked,
         Prior.PRESENT: EVIDENCE.present,
         Prior.HERE: EVIDENCE.here,
+        Prior.FOLLOWED: EVIDENCE.followed,
         Prior.CLICKED: EVIDENCE.clicked,
     }
     dull = GOOD._replace(color_score=0.0)
@@ -188,10 +189,11 @@ def test_weighed_evidence_does_not_excuse_another_shape_or_an_empty_inside() -> 
 
 
 def test_where_nothing_is_known_either_of_two_strict_rules_is_enough() -> None:
-    between = 0.5 * (EVIDENCE.present + EVIDENCE.unknown)
+    between = 0.5 * (EVIDENCE.clear + EVIDENCE.unknown)
     assert detected(GOOD, Prior.NONE, between) is Rejection.NONE
     assert detected(GOOD._replace(color_score=0.1), Prior.NONE, between) is Rejection.LOW_COLOR_SCORE
-    assert detected(GOOD, Prior.NONE, EVIDENCE.present - 1e-6) is Rejection.LOW_COLOR_SCORE
+    assert detected(GOOD, Prior.NONE, EVIDENCE.clear + 1e-6) is Rejection.NONE
+    assert detected(GOOD, Prior.NONE, EVIDENCE.clear - 1e-6) is Rejection.LOW_COLOR_SCORE
 
 
 def test_ambiguous_are_weak_fits_of_large_visible_shapes_that_were_fitted() -> None:

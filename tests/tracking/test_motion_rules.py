@@ -99,6 +99,18 @@ def test_what_can_be_reached_grows_with_the_frames_missed() -> None:
             assert Gate(0.0, 0.0, half_width).reachable(here, missed, REACH) is expected
 
 
+def test_alone_is_what_is_far_or_of_another_size() -> None:
+    here, far, larger = Gate(0.0, 0.0, 10.0), REACH.alone * 15.0, REACH.alone_growth * 10.0
+    for there, expected in (
+        (Gate(0.0, far - 0.01, 15.0), False),
+        (Gate(0.0, far + 0.01, 15.0), True),
+        (Gate(0.0, 0.0, larger - 0.01), False),
+        (Gate(0.0, 0.0, larger + 0.01), True),
+    ):
+        assert here.alone(there, REACH) is expected
+        assert there.alone(here, REACH) is expected
+
+
 def test_near_is_near_in_place_and_in_size() -> None:
     here, near = Gate(0.0, 0.0, 10.0), REACH.near * 10.0
     assert here.near(Gate(0.0, 0.99 * near, 10.0), REACH)

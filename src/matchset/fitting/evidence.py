@@ -53,6 +53,15 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     unknown, present, here : float
         Least log-odds of a shape that may be anywhere, of one that somebody clicked at or that was tracked until now,
         and of one that is expected about here. Less finds more, and more that is not there.
+    followed : float
+        The same of the fit that began at the prediction and ended outside the gate, where a search found nothing
+        better: only one place was tried. On a thrown ball of r = 8 px such fits had -0.6 to 4 (docs/log.md).
+    clear : float
+        Least log-odds with which a high color score may speak for a shape that may be anywhere. Less finds more, and
+        more that is not there: rings of the target's color, most of them before dark things, had 1.6 to 4.4 in
+        `python -m benchmarks --only false_locks`; of half-hidden balls among clutter half have more (docs/log.md).
+    faint : float
+        Log-odds below which a shape that is tracked with a low color score is seen faintly. More gives it up sooner.
     clicked : float
         The same of the circle that was found around a click, in the picture that was clicked: the color did not find
         it. Three clicks on balls of r = 7 gave fits 0.5 px off with -0.9 to -0.2.
@@ -92,6 +101,9 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     asked_msac: float = 0.4
     present: float = 1.0
     here: float = 0.0
+    followed: float = -1.0
+    clear: float = 4.5
+    faint: float = 1.0
     clicked: float = -3.0
     hidden: float = 6.0
     way: float = 0.2

@@ -77,9 +77,11 @@ class Prior(enum.Enum):
         Nothing, but somebody asks for this one picture.
     CLICKED
         Somebody clicked at it in this very picture, and this is the circle that was found around the click.
+    FOLLOWED
+        It was tracked until now, this is where the fit that began at its prediction ended, and a search found nothing.
     """
 
-    NONE, PRESENT, HERE, ASKED, CLICKED = range(5)
+    NONE, PRESENT, HERE, ASKED, CLICKED, FOLLOWED = range(6)
 
 
 class ValidationParameters(msgspec.Struct, frozen=True):
@@ -260,7 +262,7 @@ class Validator:
         """
         if evidence is not None:
             weighed = self._validate_weighed(fit, prior, evidence)
-            if prior is not Prior.NONE or not weighed or evidence < self.evidence.present:
+            if prior is not Prior.NONE or not weighed or evidence < self.evidence.clear:
                 return weighed
         limits, unknown = self.limits, prior in (Prior.NONE, Prior.ASKED)
         if fit.visible < limits.min_visible * self.lines:
@@ -268,7 +270,7 @@ class Validator:
         if fit.color_score < self._least_color_score(fit, prior):
             return Rejection.LOW_COLOR_SCORE
         unfilled = unknown and fit.hollowness < -limits.detection_rim
-        leeway = limits.hint_leeway if prior is Prior.PRESENT else 1.0
+        leeway = limits.hint_leeway if prior in (Prior.PRESENT, Prior.FOLLOWED) else 1.0
         if unfilled or _is_wrong_shape(fit, limits, leeway):
             return Rejection.WRONG_SHAPE
         if fit.interior_share < limits.detection_interior or fit.core_share < limits.detection_core:
@@ -287,13 +289,14 @@ class Validator:
             Prior.HERE: asked.here,
             Prior.ASKED: asked.asked,
             Prior.CLICKED: asked.clicked,
+            Prior.FOLLOWED: asked.followed,
         }[prior]
         least_msac = {Prior.NONE: asked.unknown_msac, Prior.ASKED: asked.asked_msac}.get(prior, 0.0)
         if evidence < least + asked.hidden * hidden:
             return Rejection.LOW_COLOR_SCORE
         if fit.msac_score < least_msac:
             return Rejection.WRONG_SHAPE
-        leeway = limits.hint_leeway if prior is Prior.PRESENT else 1.0
+        leeway = limits.hint_leeway if prior in (Prior.PRESENT, Prior.FOLLOWED) else 1.0
         if fit.ellipticity > limits.max_ellipticity * leeway or fit.hollowness > limits.max_hollowness * leeway:
             return Rejection.WRONG_SHAPE
         if fit.interior_share < limits.detection_interior or fit.core_share < limits.detection_core:

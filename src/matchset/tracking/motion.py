@@ -37,8 +37,10 @@ class ReachParameters(msgspec.Struct, frozen=True):
     remembered_s, remembered, remembered_growth : float
         For how long after it was seen last, within how many half-widths of that place, and by which factor of size
         changed at most, a shape is taken for the one that was lost: it was in the picture there.
-    alone : float
-        Distance from the prediction beyond which nothing speaks for a detection but itself, in half-widths.
+    alone, alone_growth : float
+        Distance from the prediction, in half-widths, and factor of size, from which on nothing speaks for a detection
+        but itself. The factor was 2.6 to 7 in four rendered false locks after a ball had left, where more was allowed;
+        more finds again what was followed at a wrong size, and things that are not the target.
     """
 
     jump: float = 2.0
@@ -51,6 +53,7 @@ class ReachParameters(msgspec.Struct, frozen=True):
     remembered: float = 1.5
     remembered_growth: float = 1.4
     alone: float = 3.0
+    alone_growth: float = 2.0
 
 
 class Gate(NamedTuple):
@@ -63,6 +66,11 @@ class Gate(NamedTuple):
     def distance(self, other: "Gate") -> float:
         """Distance of the centers, px."""
         return math.hypot(other.x - self.x, other.y - self.y)
+
+    def alone(self, other: "Gate", limits: ReachParameters) -> bool:
+        """Whether nothing of this prediction speaks for a shape at `other`: too far, or of too different a size."""
+        larger, smaller = max(self.half_width, other.half_width), min(self.half_width, other.half_width)
+        return self.distance(other) > limits.alone * larger or larger > limits.alone_growth * smaller
 
     def near(self, other: "Gate", limits: ReachParameters) -> bool:
         """Whether a shape found again at `other` is about where this prediction has it."""

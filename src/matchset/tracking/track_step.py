@@ -21,6 +21,7 @@ from matchset.image.color import ColorModel
 from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import collection_paused, interpreted
+from matchset.numeric.record import Block
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
@@ -59,13 +60,14 @@ class TrackStep(Copied, Generic[S]):
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.spread: Floats | None = None
+        self._spare: tuple[Block, Floats | None] | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
         self._filter = HypothesisFilter(parameters.hypothesis_filter)
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint, self.spread, self.given = 0, None, False
+        self.faint, self.spread, self._spare, self.given = 0, None, None, False
         self._filter.forget()
         self._make_derived()
 
@@ -86,7 +88,7 @@ class TrackStep(Copied, Generic[S]):
         index : int
             Number of the frame.
         """
-        fitter, self.spread = self.fitter, None
+        fitter, self.spread, self._spare = self.fitter, None, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
             return None
@@ -147,8 +149,10 @@ class TrackStep(Copied, Generic[S]):
         if interpreted(in_gate)(self.fitter.work, there.half_width, here.half_width):
             return Rejection.NONE
         rejection = self.fitter.validate_detection(estimate)
-        if not rejection and not here.reachable(there, missed, self.parameters.reach):
-            return Rejection.UNREACHABLE
+        if not here.reachable(there, missed, self.parameters.reach):
+            return rejection or Rejection.UNREACHABLE
+        if rejection and not self.given and not self.fitter.validate_detection(estimate, Prior.FOLLOWED):
+            self._spare = self.fitter.block.copy(), self.spread
         return rejection
 
     def _confidence_lost(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
@@ -156,7 +160,7 @@ class TrackStep(Copied, Generic[S]):
         limits, fit = self.parameters.confidence, estimate.fit
         if fit.color_score < limits.faint_score:
             weighed = self.fitter.weigh(estimate, image, color)
-            if weighed.evidence is None or weighed.evidence < self.parameters.evidence.present:
+            if weighed.evidence is None or weighed.evidence < self.parameters.evidence.faint:
                 self.faint += 1
             if weighed.evidence is not None and fit.pixel_noise > limits.noise:  # chance has edge points, too
                 rejection = self.fitter.validate_detection(weighed, Prior.HERE)
@@ -235,9 +239,20 @@ class TrackStep(Copied, Generic[S]):
                 best, most = other.state, score
         return fitter.fit(image, color, best, SearchWindow(limits.final_range, speed, limits.final_sigma))
 
+    def accept_spare(self, time: float) -> bool:
+        """Accept the fit outside the gate that was refused at a time, s, if a little speaks for it; whether one was.
+
+        For when a search found nothing: what it finds has more evidence.
+        """
+        if self._spare is None:
+            return False
+        self.fitter.block[:], self.spread = self._spare
+        self.accept(time)
+        return True
+
     def accept(self, time: float) -> None:
         """Correct the motion with the last fit, which was accepted at a time, s."""
-        self.given = False
+        self.given, self._spare = False, None
         self._accept(self.fitter.block, time)
 
     def missed(self, time: float, interval: float) -> float:

@@ -267,7 +267,8 @@ class Tracker(Copied, Generic[S]):
             if rejection is None:
                 return None
             reason = rejection or reason
-        return Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
+        lost = Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
+        return None if self._step.accept_spare(self._time) else lost
 
     def _coast(self) -> Floats | None:
         """State expected while the shape is not seen; None once that has lasted too long."""
@@ -343,8 +344,7 @@ class Tracker(Copied, Generic[S]):
         here, there = gate_of(self._family, predicted), gate_of(self._family, estimate.state)
         if here.near(there, limits):
             return True
-        alone = here.distance(there) > limits.alone * max(here.half_width, there.half_width)
-        prior = Prior.NONE if alone else Prior.PRESENT
+        prior = Prior.NONE if here.alone(there, limits) else Prior.PRESENT
         valid = not self._fitter.validate_detection(estimate, prior)
         return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
 

@@ -14,12 +14,16 @@ from hypothesis import strategies as st
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
 from matchset.app.live.targets.followed import Followed, FollowedParameters
+from matchset.app.live.targets.marked_ball import around_marker, meant_target
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
+from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.shapes.rectangle import Rectangle
+from matchset.sim.clips.ball_flight_clip import BallFlightClip
+from matchset.sim.clips.balloon import Balloon
 
 PATIENCE = 20.0  # s; only ever spent where a test fails
 BLUE, RED = (60, 60, 20), (200, 60, 16)
@@ -167,6 +171,34 @@ def test_a_picture_in_which_somebody_draws_is_kept_for_longer() -> None:
             kept.since(gone)
     with pytest.raises(ValueError, match="not kept"):
         kept.hold(20)
+
+
+def marked(seed: int, marker: float) -> tuple[Frame, tuple[float, float], float]:
+    """A balloon somewhere with a marker of some radius, m, where its middle is, px, and its radius, px."""
+    camera, draw = CameraModel.from_fov(320, 240, math.radians(60.0)), np.random.default_rng(seed)
+    place = draw.uniform((-0.2, -0.2, 0.6), (0.2, 0.2, 1.4))
+    clip = BallFlightClip(
+        camera=camera, place=lambda _: place, balloon=Balloon(marker_radius=marker), frames=1, seed=seed
+    )
+    x, y = camera.project(place[None])[0].tolist()
+    return next(iter(clip)), (x, y), camera.fx * 0.14 / float(place[2])
+
+
+@pytest.mark.parametrize("marker", [0.0, 0.03, 0.045])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_click_on_the_marker_of_a_ball_follows_the_ball(seed: int, marker: float) -> None:
+    frame, (x, y), radius = marked(seed, marker)
+    click = Pick(1, x, y)
+    assert (around_marker(click, frame) is click) == (marker == 0.0)
+    target = meant_target(1, click, frame)
+    assert ("marker" in target.note) == (marker > 0.0)
+    assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
+
+
+def test_what_is_drawn_and_other_shapes_are_meant_as_they_are() -> None:
+    frame, (x, y), _ = marked(0, 0.03)
+    for begin in (Outline(1, arc(x, y, 8.0, 0, 5).ravel().tolist()), Pick(1, x, y, "ellipse"), Pick(1, -9.0, y)):
+        assert around_marker(begin, frame) is begin
 
 
 def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:

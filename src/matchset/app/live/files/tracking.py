@@ -14,6 +14,7 @@ from matchset.app.live.files.exact_reader import ExactReader
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
+from matchset.app.live.targets.marked_ball import around_marker
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
 from matchset.camera.camera_model import CameraModel
@@ -259,7 +260,9 @@ class FileTracking(Closing):
         if len(self.targets) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         place = self._place_of(wish.sequence)
-        made = Target(self._numbers + 1, wish, self._reader.frame(place))
+        frame = self._reader.frame(place)
+        wish = around_marker(wish, frame)
+        made = Target(self._numbers + 1, wish, frame)
         self._numbers += 1
         target = FileTarget(made.number, wish, place)
         target.locate(self.camera, None)

@@ -1,13 +1,14 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
-.PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly weights evidence bench-radio toolchain \
-    soak wheel-check release-check first-picture link-peers clean
+.PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights evidence bench-radio \
+    toolchain soak wheel-check release-check first-picture link-peers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
 READY := .venv/ready
 PEERS := .bench/ready
 VISP := .bench/visp
+BETAFLIGHT := .bench/betaflight/betaflight
 SITE_TOOLS := .venv/site-tools
 TOOLCHAIN := .venv/toolchain
 BROWSER := .venv/browser
@@ -67,6 +68,9 @@ evidence: $(READY)  ## fit the weights of the evidence for a detection again (so
 bench-fly: $(READY)  ## fly rows of twenty simulated flights (about two hours on two cores)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.fly $(ARGS)
 
+fly-betaflight: $(READY) $(BETAFLIGHT)  ## build Betaflight and fly a follower on it, pictures and all (an hour; ARGS="--only crsf --seeds 110")
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.betaflight.fly $(ARGS)
+
 bench-radio: $(READY) $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
 	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
 	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)
@@ -120,6 +124,9 @@ $(PEERS): pyproject.toml .ci/setup-bench | $(READY)
 $(VISP): benchmarks/peers/visp_driver.cpp .ci/setup-visp $(PEERS)
 	.ci/setup-visp
 	touch $@
+
+$(BETAFLIGHT): .ci/setup-betaflight benchmarks/flight/betaflight/clock.c | $(READY)
+	.ci/setup-betaflight
 
 # Made only where everything is there; otherwise looked at again next time.
 $(TOOLCHAIN): $(READY) .ci/toolchain tests/emu/avr8js/package-lock.json

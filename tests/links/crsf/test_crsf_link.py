@@ -146,7 +146,7 @@ def test_after_a_silence_only_arming_helps() -> None:
     bench = flying()
     bench.sleep(1.5)
     assert bench.link.status().state == "failsafe"
-    assert "heard nothing" in bench.link.status().refusal
+    assert bench.link.status().refusal == "no command came for 0.24 s, so the motors were stopped"
     assert bench.fly(1.0) == Command()
     assert not bench.module.armed
     bench.link.arm()
@@ -221,6 +221,7 @@ def test_a_flight_controller_that_disarms_ends_the_flight() -> None:
     bench.module.armed, bench.module.stubborn = False, True
     bench.fly(1.5)
     assert bench.link.status().state == "locked"
+    assert bench.link.status().refusal == "the flight controller disarmed: its mode is 'ANGL*'"
     assert bench.fly(0.1) == Command()
 
 
@@ -237,6 +238,7 @@ def test_a_receiver_in_failsafe_is_said() -> None:
     bench.module.mode = "!FS!"
     bench.fly(1.5)
     assert bench.link.status().state == "failsafe"
+    assert "the receiver hears nothing" in bench.link.status().refusal
 
 
 # ---- what cannot be armed ----

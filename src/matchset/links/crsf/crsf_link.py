@@ -89,7 +89,8 @@ class CrsfLink(NotCopied, Link):
         self._check()
         news, module = self.news, self.module
         version = f"{news.module.name} {news.module.version}" if news.module else "unknown module"
-        return LinkStatus(self._state(), version, module.bad, module.sent_age, tuple(self._warnings(news)))
+        warnings = tuple(self._warnings(news))
+        return LinkStatus(self._state(), version, module.bad, module.sent_age, warnings, self._reason())
 
     def send(self, command: Command) -> Command:
         """Send a command; returns what the channels carry, all zero unless armed.
@@ -196,6 +197,16 @@ class CrsfLink(NotCopied, Link):
         if not self._armed or self.module.stopped:
             return "locked"
         return "holding" if self.module.sent_age > self.parameters.hold_after else "armed"
+
+    def _reason(self) -> str:
+        """Say what has ended the flight, in words; empty if nothing has."""
+        mode = self.news.mode
+        if self.module.silent:
+            return f"no command came for {self.parameters.cut_after:g} s, so the motors were stopped"
+        if self.module.ended and mode is not None:
+            what = "the receiver hears nothing" if self.module.ended == "failsafe" else "the flight controller disarmed"
+            return f"{what}: its mode is {mode.text!r}"
+        return ""
 
     def _warnings(self, news: Telemetry) -> list[str]:
         words = []

@@ -145,7 +145,8 @@ def turn(angles: Floats) -> Floats:
     if angle < 1e-12:
         return np.eye(3)
     k = _cross_matrix(angles / angle)
-    return np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k)
+    turned: Floats = np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k)
+    return turned
 
 
 def _orthonormal(m: Floats) -> Floats:

@@ -19,18 +19,22 @@ Floats = npt.NDArray[np.float64]
 class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far outlines and markers are off: normal deviates, new in every picture.
 
-    Chosen by: what the tracker does to rendered pictures of the same flights, docs/log.md, 2026-11-23.
+    Chosen by: errors and claimed covariances of poses in rendered flights, docs/log.md, 2026-11-23. All together a
+    center is 0.2 px off along each axis and a range 0.5 %; what consecutive pictures share in that is left out.
 
     Parameters
     ----------
+    point_px : float
+        Standard deviation of each point across the outline, px. A localizer estimates from it how sure it is: less
+        makes it claim too much, and a gate after it closes too early.
     size : float
-        Standard deviation of the size, as a share: as much is the range off.
+        Standard deviation of the size besides, as a share: as much is the range off.
     center_px : float
-        Standard deviation of the center along each axis, px.
+        Standard deviation of the center along each axis besides, px.
     marker_deg : float
         Standard deviation of the marker's direction on the ball, about each axis, degree.
     points : int
-        Points of an outline. More are slower and no more accurate: all of them share one error.
+        Points of an outline. More are slower, and need more noise each.
     marker_cosine : float
         Least cosine between the marker's direction and that to the camera at which it is found.
     inside : float
@@ -39,8 +43,9 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Across a marker, as a share of the ball's diameter; its size decides nothing.
     """
 
-    size: float = 0.006
-    center_px: float = 0.35
+    point_px: float = 0.3
+    size: float = 0.0045
+    center_px: float = 0.18
     marker_deg: float = 0.6
     points: int = 24
     marker_cosine: float = 0.3
@@ -48,7 +53,7 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     marker_diameter: float = 0.2
 
     def __post_init__(self) -> None:
-        for name in ("size", "center_px", "marker_deg"):
+        for name in ("point_px", "size", "center_px", "marker_deg"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must be 0 or more, got {getattr(self, name)}")
         if not 5 <= self.points <= 64:
@@ -136,7 +141,8 @@ class OutlineCameras(WorldViews):
         middle = points.mean(axis=0)
         size = math.sqrt(((points - middle) ** 2).sum(axis=1).mean())
         moved, grown = self.noise.center_px * rng.standard_normal(2), 1.0 + self.noise.size * rng.standard_normal()
-        points = middle + grown * (points - middle) + moved
+        off = grown + self.noise.point_px / size * rng.standard_normal((len(points), 1))
+        points = middle + off * (points - middle) + moved
         return Outline(points, middle + moved, grown * size, None if marker is None else marker + moved)
 
     def _edge(self, ball: Floats, radius: float) -> Floats:

@@ -117,6 +117,41 @@ def test_two_balls_a_click_on_one_again_and_a_drop() -> None:
     loop.followed.close()
 
 
+def crossing(way: float, front: int, number: int) -> tuple[Frame, list[tuple[float, float]]]:
+    """Two equal balls that pass each other, one before the other, at a share of their way; and where they are, px."""
+    places = [(60.0 + 140.0 * way, 58.0), (200.0 - 140.0 * way, 62.0)]
+    image = np.random.default_rng(number).normal(90.0, 2.0, (120, 260, 3))
+    for x, y in (places[1 - front], places[front]):
+        cv2.circle(image, (round(16 * x), round(16 * y)), 18 * 16, (210, 90, 30), cv2.FILLED, cv2.LINE_AA, 4)
+    blurred = cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.7)
+    return Frame(blurred.astype(np.uint8), number / 30.0, number), places
+
+
+@pytest.mark.parametrize("front", [0, 1])
+def test_two_balls_of_one_color_that_cross_keep_their_names(front: int) -> None:
+    kept, notes = KeptFrames(), list[str]()
+    followed = Followed(kept, notes.append)
+    frame, places = crossing(0.0, front, 0)
+    kept.add(1, frame)
+    for place in places:
+        followed.do(Pick(1, *place))
+    states, end, begun = list[TargetState](), time.monotonic() + PATIENCE, 0
+    while len(states) < 2 or not all(state.found for state in states):
+        assert time.monotonic() < end, (states, notes)
+        begun += 1
+        states = followed.update(crossing(0.0, front, begun)[0])
+        time.sleep(0.002)
+    for number in range(1, 31):
+        frame, places = crossing(number / 30.0, front, begun + number)
+        states = followed.update(frame)
+        found = [(state.values["x"][0], state.values["y"][0]) for state in states if state.found]
+        assert len(found) < 2 or math.dist(*found) > 4.0  # never both on one ball
+    assert [state.found for state in states] == [True, True]
+    for state, place in zip(states, places, strict=True):
+        assert (state.values["x"][0], state.values["y"][0]) == pytest.approx(place, abs=2.0)
+    followed.close()
+
+
 def test_clicks_on_nothing_end_and_the_next_one_counts() -> None:
     loop = Loop()
     for k in range(200):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.closing import Closing
+from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
 from matchset.app.live.targets.marked_ball import meant_target
 from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Wish
@@ -73,6 +74,7 @@ class Followed(Closing):
         self._trials: dict[int, float] = {}
         self._making: deque[_Making] = deque()
         self._numbers = 0
+        self._crossing = Crossing()
         self._maker: Maker[Target] = Maker()
         self.camera: CameraModel | None = None
 
@@ -147,7 +149,15 @@ class Followed(Closing):
         states = {number: target.update(frame) for number, target in self._targets.items()}
         for number in list(self._trials):
             self._judge(number, frame, states)
+        self._part(frame, states)
         return [states[number] for number in self._targets]
+
+    def _part(self, frame: Frame, states: dict[int, TargetState]) -> None:
+        """Of two targets that were found on one ball one is hidden; it is looked for where it should come out."""
+        known = {number: state for number, state in states.items() if number not in self._trials}
+        for number, stays in self._crossing.hidden(known, frame.time).items():
+            lost_for, at = self._crossing.since(number, frame.time), self._crossing.expected(number, frame.time)
+            states[number] = self._targets[number].hidden_behind(self._targets[stays].name, lost_for, at)
 
     def _view(self, angle: float) -> None:
         newest = self._kept.newest

@@ -1,5 +1,6 @@
 """Something that was clicked and is followed since: `Target`."""
 
+import math
 from typing import Any
 
 import cv2
@@ -148,6 +149,16 @@ class Target:
             return self._lost(answer)
         self.seen = answer.time
         return found_state(self._about, answer, place)
+
+    def hidden_behind(self, name: str, lost_for: float, expected: tuple[float, float] | None) -> TargetState:
+        """Say that it is lost behind another target of its color; look for it where it is expected, px, from now on."""
+        self.pose = None
+        if isinstance(self.answer, Track) and expected is not None:
+            shape = self.answer.shape
+            x, y, _ = center_of(outline(shape))
+            if math.hypot(x - expected[0], y - expected[1]) > float(self._family.half_width(shape.state)):
+                self.tracker.restart(expected)  # nearer, it cannot be seen yet
+        return lost_state(self._about, f"hidden by {name}, which has its color", lost_for)
 
     def without_picture(self, reason: str) -> TargetState:
         """Say that it is lost because there is no picture."""

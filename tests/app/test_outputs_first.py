@@ -45,6 +45,8 @@ BOTH = {
     "demo": ("DIR/sheet.png", "demo --shape DIR/sheet.png -o DIR"),
     "fly": ("c.toml", "fly --config c.toml --report OUT.html"),
     "fly's film": ("c.toml", "fly --config c.toml --video OUT.webm"),
+    "fly's camera": ("c.toml", "fly --camera 0 --link serial:///dev/x --camera-file c.toml --report OUT.html"),
+    "fly's color": ("c.npz", "fly --camera 0 --link serial:///dev/x --color c.npz --video OUT.webm"),
     "simulate": ("DIR/table.md", "simulate --config DIR/table.md -o DIR"),
     "replay": ("film.avi", "replay film.avi --report OUT.html"),
 }

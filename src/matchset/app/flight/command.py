@@ -95,8 +95,8 @@ def fly(options: FlyOptions) -> int:
 
         print(default_toml(), end="")
         return FOUND
-    followers = options.linked.followers(options.uri, options.config)
     options.files.check(options.force, [options.config, *options.linked.inputs])
+    followers = options.linked.followers(options.uri, options.config)
     if followers:
         from matchset.app.flight.linked.run import fly_linked
 

@@ -39,7 +39,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.numeric.jit import interpreted
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, channels_last
-from matchset.tracking.voting import Searcher, SearchParameters, stride_for
+from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]

@@ -17,7 +17,7 @@ from matchset.image.color_adaptation import AdaptationParameters, adapt_table, a
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Record, fields, new_block, store
 from matchset.shapes.circle import Circle
-from matchset.tracking import peak_circles, voting
+from matchset.tracking.search import peak_circles, voting
 
 WORK = workspace_dtype(MAX_LINES, STATE, PLACE_COLUMNS)
 Floats = npt.NDArray[np.float64]

@@ -16,7 +16,7 @@ from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters
-from matchset.tracking.voting import Searcher
+from matchset.tracking.search.voting import Searcher
 
 SAME_CENTER, SAME_SIZE = 0.5, 1.7
 """A candidate is at the true place within half a radius, if the radii differ by less than this factor."""

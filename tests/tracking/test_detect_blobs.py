@@ -11,7 +11,7 @@ import matchset as ms
 from matchset.fitting.validation import Prior
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector
-from matchset.tracking.voting import Searcher, SearchParameters
+from matchset.tracking.search.voting import Searcher, SearchParameters
 
 Picture = npt.NDArray[np.uint8]
 GREEN = (110.0, 170.0, 70.0)

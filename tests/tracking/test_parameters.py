@@ -10,7 +10,7 @@ from matchset.fitting.fit_quality import QualityParameters
 from matchset.fitting.match_set import MatchParameters
 from matchset.fitting.validation import ValidationParameters
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.voting import SearchParameters
+from matchset.tracking.search.voting import SearchParameters
 
 BALL = 150.0, 110.0, 30.0
 

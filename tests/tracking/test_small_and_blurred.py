@@ -9,7 +9,7 @@ import matchset as ms
 from matchset.fitting.validation import Prior
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, track_of
-from matchset.tracking.voting import Searcher, SearchParameters, stride_for
+from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 
 SIZE = 480, 848, 3
 ORANGE = 30.0, 120.0, 230.0

@@ -6,7 +6,8 @@ import pytest
 
 from kernels import grid_edges, votes_for_centers
 from matchset.image.color import ColorModel
-from matchset.tracking import peak_circles, voting
+from matchset.tracking.search import blobs as places
+from matchset.tracking.search import peak_circles, voting
 
 
 def grid_of_a_disc(x: float, y: float, radius: float) -> npt.NDArray[np.int16]:
@@ -99,19 +100,19 @@ def test_blobs_find_a_disc_in_parts_on_speckled_ground(radius: float) -> None:
     white |= inside
     white &= ~(inside & (np.abs(rows - 50) < 2))  # a dark seam
     grid = np.where(white, 254, -254).astype(np.int16)
-    blobs = peak_circles.blobs_of(grid, 5.0, 0.25, 5)
+    blobs = places.blobs_of(grid, 5.0, 0.25, 5)
     assert len(blobs) <= 5
     assert [len(each) for each in blobs] == [3] * len(blobs)
     apart = np.hypot(blobs[0][:, 0] - 70.0, blobs[0][:, 1] - 50.0)
     assert (apart < 1.5 * blobs[0][:, 2]).all()
     assert apart.min() < 0.4 * radius
-    np.testing.assert_allclose(blobs[0][:, 2], 5.0 * np.array(peak_circles.BLOB_SIZES))
+    np.testing.assert_allclose(blobs[0][:, 2], 5.0 * np.array(places.BLOB_SIZES))
     assert all(each[:, 3].max() > 0.25 for each in blobs)
 
 
 def test_blobs_of_a_picture_without_the_color_or_too_small_for_them() -> None:
-    assert peak_circles.blobs_of(np.full((60, 80), -254, np.int16), 4.0, 0.25, 5) == []
-    assert peak_circles.blobs_of(np.full((6, 6), 254, np.int16), 4.0, 0.25, 5) == []
+    assert places.blobs_of(np.full((60, 80), -254, np.int16), 4.0, 0.25, 5) == []
+    assert places.blobs_of(np.full((6, 6), 254, np.int16), 4.0, 0.25, 5) == []
 
 
 def test_blobs_are_places_in_the_picture_where_a_size_is_expected() -> None:

@@ -20,8 +20,8 @@ from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
+from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 from matchset.tracking.track import Track
-from matchset.tracking.voting import Searcher, SearchParameters, stride_for
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]

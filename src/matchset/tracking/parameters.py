@@ -11,7 +11,8 @@ from matchset.tracking.hypotheses import HypothesisParameters
 from matchset.tracking.hypothesis_filter import HypothesisFilterParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
-from matchset.tracking.voting import SearchParameters
+from matchset.tracking.search.prominence import ProminenceParameters
+from matchset.tracking.search.voting import SearchParameters
 
 
 class ConfidenceParameters(msgspec.Struct, frozen=True):
@@ -60,6 +61,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How the whole frame is searched.
     detection : DetectionParameters
         How the candidates of a search are fitted.
+    prominence : ProminenceParameters
+        When a lost shape is known again by its color alone being there.
     adaptation : AdaptationParameters
         How the color follows the light.
     brightness : BrightnessParameters
@@ -77,6 +80,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
+    prominence: ProminenceParameters = ProminenceParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     brightness: BrightnessParameters = BrightnessParameters()
     coast: float = 0.35

@@ -1,5 +1,6 @@
 """What a tracker answers: `Track` where this frame's pixels confirm the shape, `Lost` where they do not."""
 
+import enum
 import html
 import math
 from typing import Any, Generic, TypeVar
@@ -12,6 +13,22 @@ from matchset.numeric.words import measured, one_line, short, table_of
 from matchset.shapes.described import drawing_of, unit_of
 
 S = TypeVar("S")
+
+
+class Mode(enum.Enum):
+    """What a tracker is doing.
+
+    Attributes
+    ----------
+    SEARCHING
+        It looks for the shape in the whole frame.
+    TRACKING
+        It expects the shape near its prediction.
+    COASTING
+        The same, but the shape was not seen in the last frame.
+    """
+
+    SEARCHING, TRACKING, COASTING = range(3)
 
 
 class Track(msgspec.Struct, Generic[S], frozen=True):

@@ -30,7 +30,7 @@ from matchset.tracking.hypothesis_filter import HypothesisFilter
 from matchset.tracking.initialization import noise_in
 from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.voting import Searcher
+from matchset.tracking.search.voting import Searcher
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]

@@ -1,6 +1,5 @@
 """Track a shape from frame to frame: `Tracker` (Epstein & Feldman, Alg. 1 and 3)."""
 
-import enum
 import math
 from typing import Generic, TypeVar
 
@@ -22,31 +21,16 @@ from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.track import Lost, Track
+from matchset.tracking.search.prominence import Prominence
+from matchset.tracking.search.voting import Searcher, stride_for
+from matchset.tracking.track import Lost, Mode, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
-from matchset.tracking.voting import Searcher, stride_for
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 MIN_POINTS, MAX_POINTS = 16, MAX_LINES  # format: capacity of the workspace
-
-
-class Mode(enum.Enum):
-    """What a tracker is doing.
-
-    Attributes
-    ----------
-    SEARCHING
-        It looks for the shape in the whole frame.
-    TRACKING
-        It expects the shape near its prediction.
-    COASTING
-        The same, but the shape was not seen in the last frame.
-    """
-
-    SEARCHING, TRACKING, COASTING = range(3)
 
 
 NO_FIT = FitStatistics(*(0,) * len(FitStatistics._fields))
@@ -111,6 +95,7 @@ class Tracker(Copied, Generic[S]):
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._adaptation = adaptation_block(self.parameters.adaptation)
+        self._prominence = Prominence(self.parameters.prominence, self.parameters.search)
         self._detectors: dict[int, Detector[S]]
         self._format: tuple[int, ...] | None
         self._initial: S | None
@@ -190,6 +175,7 @@ class Tracker(Copied, Generic[S]):
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
         self._step.forget()
+        self._prominence.forget()
 
     def update(self, frame: Picture) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.
@@ -228,6 +214,8 @@ class Tracker(Copied, Generic[S]):
         self.mode = Mode.TRACKING
         track = track_of(self._fitter, self._last, self._time, self._step.spread)
         self._last = track.shape
+        if (rejected is not None or self._prominence.is_due(self._frames)) and self._fitter.weighs(self.color):
+            self._prominence.measure(image, self.color, gate_of(self._family, track.shape.state))
         self._adapt_color(image)
         return track
 
@@ -286,14 +274,15 @@ class Tracker(Copied, Generic[S]):
         best, most, first = None, 0.0, self._clicked() if predicted is None else None
         detector = self._detector(image, predicted)
         for estimate, merit in detector.detections(image, self.color, self._prior(predicted), first):
-            if predicted is not None and not self._passes_gate(estimate, predicted):
-                continue
-            if predicted is None and self._hint is not None:
+            if predicted is not None:
+                if not (self._passes_gate(estimate, predicted) or self._is_alone(image, estimate)):
+                    continue
+            elif self._hint is not None:
                 if self._holds_hint(estimate.state):
                     merit += self.parameters.detection.hint_bonus
                 elif self._fitter.validate_detection(estimate, Prior.NONE if self._frames == 1 else Prior.PRESENT):
                     continue
-            elif predicted is None and not self._is_expected(estimate):
+            elif not (self._is_expected(estimate) or self._is_alone(image, estimate)):
                 continue
             if merit > most:
                 best, most = estimate.state, merit
@@ -332,6 +321,13 @@ class Tracker(Copied, Generic[S]):
             if recent and near and ratio < limits.remembered_growth:
                 return True
         return not self._fitter.validate_detection(estimate, Prior.NONE)
+
+    def _is_alone(self, image: Image, estimate: Estimate) -> bool:
+        """Whether a detection is the lost shape because nothing else in the picture has or had its color so clearly."""
+        if self._last is None or estimate.evidence is None or self._fitter.validate_detection(estimate, Prior.ASKED):
+            return False
+        last, found = self._family.half_width(self._last.state), gate_of(self._family, estimate.state)
+        return self._prominence.recognizes(image, self.color, float(last), found)
 
     def _holds_hint(self, state: Floats) -> bool:
         """Whether a shape holds the point that was given."""

@@ -16,7 +16,7 @@ from matchset.image.color import ColorModel
 from matchset.shapes.shape import finds_itself, from_hull
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, channels_last
-from matchset.tracking.voting import Searcher
+from matchset.tracking.search.voting import Searcher
 
 Floats = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.uint8]

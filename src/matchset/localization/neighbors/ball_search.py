@@ -12,8 +12,8 @@ from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import channels_last
+from matchset.tracking.search.voting import Searcher, SearchParameters
 from matchset.tracking.track_step import precompile_search
-from matchset.tracking.voting import Searcher, SearchParameters
 
 STRIPS = 3  # geometry: each half as high as the image, each overlapping the next by half
 

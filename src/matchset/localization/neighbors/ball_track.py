@@ -15,9 +15,9 @@ from matchset.localization.markers.marker_workspace import MarkerParameters
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.voting import SearchParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
-from matchset.tracking.voting import SearchParameters
 
 WITHOUT_SEARCH = TrackerParameters(search=SearchParameters(whole_frame=False))
 

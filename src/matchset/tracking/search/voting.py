@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.numeric.jit import kernel
-from matchset.tracking.peak_circles import RADIUS, SHARE, X, Y, blobs_of, find_radii, fit_circles, pick_peaks, sum_votes
+from matchset.tracking.search.blobs import blobs_of
+from matchset.tracking.search.peak_circles import RADIUS, SHARE, X, Y, find_radii, fit_circles, pick_peaks, sum_votes
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

@@ -3,8 +3,7 @@
 The paper tries every circle and keeps the one with the largest match-set. Here each boundary point of the coarse grid
 votes for the centers it could belong to, along its inward normal, with weight 1/distance, so that every full circle
 collects about 2 pi whatever its size; only the winners are then matched in the picture itself. Other shapes begin at
-the regions of the grid instead. Filters and small matrices are left to OpenCV and NumPy; what goes from cell to
-cell or from point to point is compiled, since NumPy takes several times as long for it (decision 081).
+the regions of the grid instead. What goes from cell to cell or from point to point is compiled (decision 081).
 """
 
 import math

@@ -20,6 +20,7 @@ from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.mavlink.address import Address
 from matchset.links.mavlink.axes import CameraMount
+from matchset.links.mavlink.client import MavlinkParameters
 from matchset.links.mavlink.estimates import landing_target, odometry_of_ball
 from matchset.links.mavlink.mavlink_link import MavlinkLink
 from matchset.links.mavlink.packet import Parser, Writer
@@ -94,7 +95,8 @@ def flown() -> Iterator[tuple[MavlinkLink, Vehicle]]:
     vehicle = Vehicle(number)
     link = None
     try:
-        link = MavlinkLink(f"mavlink:udpin:127.0.0.1:{number}", port)
+        patient = MavlinkParameters(startup_timeout=60.0)  # a program that starts on a busy computer
+        link = MavlinkLink(f"mavlink:udpin:127.0.0.1:{number}", port, patient)
         yield link, vehicle
     finally:
         if link is not None:

@@ -48,6 +48,10 @@ def test_a_reading_in_pixels_then_in_meters(show: Any, page: Any, clip: Clip) ->
 def test_a_ball_that_leaves_is_lost_with_a_reason_and_a_time(show: Any, page: Any, leaving_clip: Clip) -> None:
     page.goto(show(str(leaving_clip[0])))
     begin(page, leaving_clip)
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    line = page.locator("#file .timeline")
+    box = line.bounding_box()
+    line.click(position={"x": 0.25 * box["width"], "y": 0.5 * box["height"]})  # 2 s: the ball is gone
     page.locator("#reading .lost").get_by_text(re.compile(r"Lost for \d+\.\d s")).wait_for(timeout=WAIT)
     assert len(page.locator("#reading .why").inner_text()) > 5
     assert "lost" in page.locator("#targets .state").inner_text()

@@ -38,6 +38,21 @@ class _Seen(NamedTuple):
     y: float
 
 
+class Meeting(NamedTuple):
+    """What became of targets that met.
+
+    Attributes
+    ----------
+    hidden : dict of int to int
+        Targets that are hidden, each with the number of the one on whose ball it was found.
+    exchanged : list of (int, int)
+        Targets that came out as each other.
+    """
+
+    hidden: dict[int, int]
+    exchanged: list[tuple[int, int]]
+
+
 class Crossing:
     """Tells which of two targets that are found on one ball is that ball, by how both moved before they met.
 
@@ -49,9 +64,10 @@ class Crossing:
     def __init__(self, parameters: CrossingParameters | None = None) -> None:
         self._parameters = parameters or CrossingParameters()
         self._past: dict[int, deque[_Seen]] = {}
+        self._twins: set[tuple[int, int]] = set()
 
-    def hidden(self, states: Mapping[int, TargetState], time: float) -> dict[int, int]:
-        """Return the targets that are hidden, each with the number of the one on whose ball it was found.
+    def meet(self, states: Mapping[int, TargetState], time: float) -> Meeting:
+        """Return which targets are hidden, and which were exchanged; only those that were found on one ball can be.
 
         Parameters
         ----------
@@ -62,20 +78,31 @@ class Crossing:
         """
         self._past = {number: past for number, past in self._past.items() if number in states}
         balls = {number: state for number, state in states.items() if state.found and "radius" in state.values}
-        met, hidden = set[int](), dict[int, int]()
-        for one, other in itertools.combinations(balls, 2):
-            a, b = _circle(balls[one]), _circle(balls[other])
-            distance = math.hypot(a[0] - b[0], a[1] - b[1])
-            if distance > a[2] + b[2]:
-                continue
-            met |= {one, other}
-            near, far = min(a[2], b[2]), max(a[2], b[2])
-            if distance < self._parameters.apart * near and far < self._parameters.alike * near:
-                lost, stays = sorted((one, other), key=lambda number: -self._error(number, balls[number], time))
-                hidden[lost] = stays
-        for number in balls.keys() - met:
+        met, meeting = set[int](), Meeting({}, [])
+        for pair in itertools.combinations(balls, 2):
+            one, other = pair
+            a, b = balls[one], balls[other]
+            apart = math.dist(_circle(a)[:2], _circle(b)[:2]) > _circle(a)[2] + _circle(b)[2]
+            if self._is_one(a, b):
+                self._twins.add(pair)
+                lost, stays = sorted(pair, key=lambda number: -self._error(number, balls[number], time))
+                meeting.hidden[lost] = stays
+            elif pair in self._twins:
+                direct = self._error(one, a, time) + self._error(other, b, time)
+                if self._error(one, b, time) + self._error(other, a, time) < direct:
+                    meeting.exchanged.append(pair)
+            if apart:
+                self._twins.discard(pair)
+            else:
+                met |= {one, other}
+        for number in balls.keys() - met - {each for pair in meeting.exchanged for each in pair}:
             self._note(number, balls[number], time)
-        return hidden
+        return meeting
+
+    def _is_one(self, a: TargetState, b: TargetState) -> bool:
+        near, far = sorted((_circle(a)[2], _circle(b)[2]))
+        distance = math.dist(_circle(a)[:2], _circle(b)[:2])
+        return distance < self._parameters.apart * near and far < self._parameters.alike * near
 
     def expected(self, number: int, time: float) -> tuple[float, float] | None:
         """Return where a target should be by its motion before it met another one, px; None if that is not known."""

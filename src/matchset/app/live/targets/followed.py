@@ -13,7 +13,7 @@ from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
 from matchset.app.live.targets.marked_ball import meant_target
 from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Wish
-from matchset.app.live.targets.target import Target, catch_up, same_place
+from matchset.app.live.targets.target import Target, catch_up, exchange, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
@@ -155,7 +155,10 @@ class Followed(Closing):
     def _part(self, frame: Frame, states: dict[int, TargetState]) -> None:
         """Of two targets that were found on one ball one is hidden; it is looked for where it should come out."""
         known = {number: state for number, state in states.items() if number not in self._trials}
-        for number, stays in self._crossing.hidden(known, frame.time).items():
+        meeting = self._crossing.meet(known, frame.time)
+        for one, other in meeting.exchanged:
+            states[one], states[other] = exchange(self._targets[one], self._targets[other], frame)
+        for number, stays in meeting.hidden.items():
             lost_for, at = self._crossing.since(number, frame.time), self._crossing.expected(number, frame.time)
             states[number] = self._targets[number].hidden_behind(self._targets[stays].name, lost_for, at)
 

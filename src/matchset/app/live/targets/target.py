@@ -143,8 +143,16 @@ class Target:
         except ValueError:  # another size of the pictures, or a time that runs anew: begin anew
             self.tracker.restart()
             answer = self.tracker.update(frame)
+        self.answer = answer
+        return self.told(frame)
+
+    def told(self, frame: Frame) -> TargetState:
+        """Place what was found in a frame, and say it."""
+        answer = self.answer
+        if answer is None:
+            return lost_state(self._about, "not looked for yet")
         place = Place() if self._placing is None else self._placing.place(frame, answer)
-        self.answer, self.pose = answer, place.pose
+        self.pose = place.pose
         if isinstance(answer, Lost):
             return self._lost(answer)
         self.seen = answer.time
@@ -178,6 +186,13 @@ def catch_up(target: Target, frames: list[Frame]) -> None:
     """Follow a target through the frames since the click, so that it is where the newest one is."""
     for frame in frames:
         target.update(frame)
+
+
+def exchange(one: Target, other: Target, frame: Frame) -> tuple[TargetState, TargetState]:
+    """Give each of two targets what the other one followed; returns what is told of them in the same frame."""
+    one.tracker, other.tracker = other.tracker, one.tracker
+    one.answer, other.answer = other.answer, one.answer
+    return one.told(frame), other.told(frame)
 
 
 def color_within(given: Shape, frame: Frame) -> ColorModel:

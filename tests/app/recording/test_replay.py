@@ -79,10 +79,12 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
             continue
         messages.setdefault(topic, msgspec.msgpack.decode(data))
     step, truth = messages["/follower_1/step"], messages["/truth"]
-    assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras"]
-    assert list(messages["/configuration"]["parameters"]) == ["duration", "together", "stagger", "world", "pilot"]
+    real = ["kind", "colors", "countdown", "fps", "devices"]
+    assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras", *real]
+    parameters = ["duration", "together", "stagger", "world", "pilot", "linked"]
+    assert list(messages["/configuration"]["parameters"]) == parameters
     assert list(messages["/follower_1/sample"]) == ["index", "time", "png"]
-    assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped"]
+    assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped", "landing"]
     assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
     assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
     assert list(step["outcome"]["ball"]) == ["shape", "covariance", "support", "match_set", "time"]

@@ -50,7 +50,7 @@ def _explained(text: str, section: str) -> Iterator[tuple[str, tuple[str, str]]]
     for line in text.splitlines():
         if head := re.match(r"\[([\w.]+)\]", line):
             section = head[1].removeprefix("flight").removeprefix(".")
-        elif found := re.match(r"(\w+) *= .*?# ([^,]+), (.*)", line):
+        elif found := re.match(r"(?:# )?(\w+) *= .*?# ([^,]+), (.*)", line):
             unit = "" if found[2] == "no unit" else found[2]
             yield f"{section}.{found[1]}" if section else found[1], (unit, found[3].partition(";")[0].strip())
 

@@ -22,6 +22,7 @@ from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_not_negative, require_positive
 from matchset.control.pid import Pid, PidParameters, PidTerms
 from matchset.control.safety import DesiredCommand
+from matchset.control.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -60,6 +61,7 @@ class FollowerParameters(
         "ego_motion": "own",
         "neighbor": "motion",
         "motion_consistency": "answer",
+        "thrust_estimator": "thrust",
         "max_extrapolation": "reach",
         "pose_timeout": "memory",
     },
@@ -78,9 +80,10 @@ class FollowerParameters(
         From m to m/s^2, upward (``rise``).
     yaw : PidParameters
         From the bearing of the ball, rad, to a yaw rate, rad/s. Slow, since a vehicle that turns its own ball fast
-        disturbs the one that watches it.
+        disturbs the one that watches it. Its integral learns a trim; the lead is the lag of this loop and a little more, so
+        that a turn which the proportional term answers is not mistaken for one.
     hover_throttle : float
-        Throttle that hovers, roughly; the integral finds the rest. Estimate (``hover``).
+        Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate (``hover``).
     horizontal_lead : float
         Time from the first to the full effect of a command, s: the level axes are controlled by what is predicted for
         then. More is calmer, until the prediction fails. Chosen by: decision 074; about tilt_lag + tilt_time
@@ -100,6 +103,8 @@ class FollowerParameters(
         Filter of the neighbor's poses (``motion``).
     motion_consistency : MotionConsistencyParameters
         When the motion of the ball does not answer to the commands (``answer``).
+    thrust_estimator : ThrustEstimatorParameters
+        Estimate of the throttle that hovers (``thrust``).
     max_extrapolation : float
         How far the neighbor's drift is extrapolated past its last pose, s; after that it stands still. Estimate
         (``reach``).
@@ -127,17 +132,13 @@ class FollowerParameters(
     )
     vertical: PidParameters = PidParameters(
         proportional=5.5,
-        integral=2.6,
         derivative=7.5,
         derivative_filter_time=0.023,
         output_limit=4.0,
-        integral_limit=3.0,
-        integral_zone=0.6,
-        integral_lead=1.36,
-        integral_decay_time=5.5,
-        integral_floor=0.12,
     )
-    yaw: PidParameters = PidParameters(proportional=0.3, output_limit=1.0)
+    yaw: PidParameters = PidParameters(
+        proportional=0.3, integral=0.03, output_limit=1.0, integral_limit=0.4, integral_lead=3.8
+    )
     hover_throttle: float = 0.59
     horizontal_lead: float = 0.074
     vertical_lead: float = 0.038
@@ -148,6 +149,7 @@ class FollowerParameters(
     ego_motion: EgoMotionParameters = EgoMotionParameters()
     neighbor: NeighborFilterParameters = NeighborFilterParameters()
     motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
+    thrust_estimator: ThrustEstimatorParameters = ThrustEstimatorParameters()
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
     min_step: float = 1e-3
@@ -217,12 +219,21 @@ class Follower:
         self.ego_motion = EgoMotion(self.parameters.ego_motion)
         self.neighbor = NeighborFilter(self.parameters.neighbor)
         self.consistency = MotionConsistency(self.parameters.motion_consistency)
+        model = self.parameters.ego_motion
+        self.thrust = ThrustEstimator(
+            self.parameters.hover_throttle,
+            GRAVITY / model.effective_mass_ratio,
+            model.delay,
+            model.lift_lag,
+            self.parameters.thrust_estimator,
+        )
         self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
         self._up, self._yaw = Pid(self.parameters.vertical), Pid(self.parameters.yaw)
         self._speed_x = SpeedFeedforward(self.parameters.horizontal_speed)
         self._speed_y = SpeedFeedforward(self.parameters.vertical_speed)
         self._speed_z = SpeedFeedforward(self.parameters.horizontal_speed)
         self._pose_time = self._time = -math.inf
+        self._upright = 1.0  # cosine of the tilt at which the last command acts
 
     def update(self, pose: "Pose | Lost[Pose]", now: float) -> ControlOutput | None:
         """Compute the command for a pose.
@@ -246,6 +257,8 @@ class Follower:
             own = self.ego_motion.at(pose.time)
             if self.neighbor.update(pose, own):
                 self.consistency.update(pose, own)
+                upright = math.cos(own.roll) * math.cos(own.pitch)
+                self.thrust.update(float(own.rotation[1] @ pose.position), upright, pose.time)
         step, self._time = min(max(now - self._time, parameters.min_step), parameters.max_step), now
         acts = now + parameters.ego_motion.delay
         if not acts - self.neighbor.time <= parameters.pose_timeout or self.neighbor.yaw_time == -math.inf:
@@ -265,16 +278,23 @@ class Follower:
             for pid in (self._right, self._forward, self._up, self._yaw):
                 pid.reset()
             self.consistency.reset()
+            self.thrust.reset()
         model = self.parameters.ego_motion
         gravity = GRAVITY / model.effective_mass_ratio
-        right, forward, up = (pid.terms.integral for pid in (self._right, self._forward, self._up))
+        right, forward = self._right.terms.integral, self._forward.terms.integral
+        self.thrust.sent(command.throttle, now)
         attitude = AttitudeCommand(
             model.full_tilt * command.roll - math.atan(right / gravity),
             model.full_tilt * command.pitch - math.atan(forward / gravity),
-            model.full_yaw_rate * command.yaw,
-            gravity * (command.throttle / self.parameters.hover_throttle - 1.0) - up,
+            model.full_yaw_rate * command.yaw - self._yaw.terms.integral,
+            gravity * (command.throttle * self._upright / self.hover_throttle - 1.0),
         )
         self.ego_motion.update(attitude if command.throttle > 0.0 else AttitudeCommand(), now)
+
+    @property
+    def hover_throttle(self) -> float:
+        """Throttle that hovers, as far as it is known now."""
+        return self.parameters.hover_throttle / self.thrust.gain
 
     def expected(self, time: float) -> Floats | None:
         """Predict the ball in the camera frame at a time.
@@ -313,12 +333,12 @@ class Follower:
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         yaw_rate = self._yaw.update(0.0, -bearing, step)
         gravity = GRAVITY / model.effective_mass_ratio
-        tilt = 1.0 / max(math.cos(own.roll) * math.cos(own.pitch), parameters.min_tilt_cosine)
+        self._upright = max(math.cos(own.roll) * math.cos(own.pitch), parameters.min_tilt_cosine)
         desired = DesiredCommand(
             math.atan(right / gravity) / model.full_tilt,
             math.atan(forward / gravity) / model.full_tilt,
             yaw_rate / model.full_yaw_rate,
-            parameters.hover_throttle * (1.0 + up / gravity) * tilt,
+            self.hover_throttle * (1.0 + up / gravity) / self._upright,
         )
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
         terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms

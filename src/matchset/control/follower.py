@@ -80,8 +80,8 @@ class FollowerParameters(
         From m to m/s^2, upward (``rise``).
     yaw : PidParameters
         From the bearing of the ball, rad, to a yaw rate, rad/s. Slow, since a vehicle that turns its own ball fast
-        disturbs the one that watches it. Its integral learns a trim; the lead is the lag of this loop and a little more, so
-        that a turn which the proportional term answers is not mistaken for one.
+        disturbs the one that watches it. Its integral learns a trim; the lead is the lag of this loop and a little
+        more, so that a turn which the proportional term answers is not mistaken for one.
     hover_throttle : float
         Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate (``hover``).
     horizontal_lead : float

@@ -41,16 +41,16 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         Times of a real flight.
     together : int
         Number of followers that are armed at once, those next to the rope. Each learns in its first second the throttle
-        that hovers, from how it moves beside its neighbor; one that does so together with its neighbor learns from it
-        what is wrong. Chosen by: flights without pictures of seeds 100 to 102 with the mass 20 % off, docs/log.md,
-        2026-11-23.
+        that hovers, from how it moves beside its neighbor; three and more that do so at once enlarge each other's
+        oscillation. Chosen by: `python -m benchmarks.flight.fly --only ten`, see decision 074. With 1, a start half a
+        meter off the set place ended in a collision (docs/log.md, 2026-11-23).
     stagger : float
         How much later each of the others is armed than the one that it watches, s. More lets each come to rest first;
         less is a shorter start. Chosen by: flights of ten with 0.3 to 2.5 s, see decision 074.
     """
 
     duration: float = 60.0
-    together: int = 1
+    together: int = 2
     stagger: float = 1.2
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()

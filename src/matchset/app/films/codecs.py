@@ -58,12 +58,15 @@ class Film(msgspec.Struct, frozen=True):
         Width and height of the pictures, px.
     live : bool
         Whether the pictures come from a camera, which does not wait.
+    small : bool
+        Whether the noise of the pictures may be smoothed, for a file that can be sent to others.
     """
 
     path: Path
     fps: float
     size: tuple[int, int]
     live: bool = False
+    small: bool = False
 
 
 class Encoder(Protocol):

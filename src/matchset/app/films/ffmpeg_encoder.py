@@ -62,7 +62,7 @@ class FfmpegEncoder:
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the film
         width, height = film.size
         read = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", f"{film.fps}", "-i", "pipe:0"]
-        pack = ["-an", "-c:v", encoder, *PACKING.words(encoder), "-pix_fmt", "yuv420p", "-threads", "1"]
+        pack = ["-an", "-c:v", encoder, *PACKING.words(encoder, film.small), "-pix_fmt", "yuv420p", "-threads", "1"]
         even = ["-vf", f"pad=ceil(iw/{EVEN})*{EVEN}:ceil(ih/{EVEN})*{EVEN}"] if width % EVEN or height % EVEN else []
         pieces = ["-movflags", "frag_keyframe+empty_moov+default_base_moof", "-flush_packets", "1"]
         pieces += ["-frag_duration", f"{1e6 * PACKING.piece:.0f}"]

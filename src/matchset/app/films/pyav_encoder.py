@@ -34,6 +34,13 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
         files smaller by a fifth.
     vp8_rate : int
         Most bits per second of VP8. Chosen by: the same, with the noise of an analog link.
+    h264_small : int
+        Quality of H.264 of a small film. More smooths more. Chosen by: a flight of 20 s below 5 MB, docs/log.md,
+        2026-11-23.
+    vp8_small : int
+        Quantizer of VP8 of a small film. Chosen by: the same.
+    vp8_small_rate : int
+        Most bits per second of VP8 of a small film. Chosen by: the same.
     jpeg : int
         Quantizer of Motion JPEG, 2 ... 31. Chosen by: error as OpenCV's film, the same.
     """
@@ -44,22 +51,27 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
     h264: int = 20
     preset: str = "ultrafast"
     vp8_rate: int = 16_000_000
+    h264_small: int = 31
+    vp8_small: int = 30
+    vp8_small_rate: int = 1_900_000
     jpeg: int = 2
 
-    def options(self, codec: str) -> dict[str, str]:
+    def options(self, codec: str, small: bool = False) -> dict[str, str]:
         """Options of FFmpeg's encoder of a codec."""
         if codec == "mjpeg":
             return {"qmin": str(self.jpeg), "qmax": str(self.jpeg)}
         if codec == "libx264":
-            return {"preset": self.preset, "tune": "zerolatency", "crf": str(self.h264)}
+            return {"preset": self.preset, "tune": "zerolatency", "crf": str(self.h264_small if small else self.h264)}
         if codec != "libvpx":
             return {}
         fast = {"deadline": "realtime", "cpu-used": str(self.effort), "lag-in-frames": "0"}
+        if small:
+            return fast | {"crf": str(self.vp8_small), "b": str(self.vp8_small_rate)}
         return fast | {"crf": str(self.vp8), "b": str(self.vp8_rate)}
 
-    def words(self, codec: str) -> list[str]:
+    def words(self, codec: str, small: bool = False) -> list[str]:
         """Options of a codec as words of the command line of `ffmpeg`."""
-        return [word for name, value in self.options(codec).items() for word in (f"-{name}", value)]
+        return [word for name, value in self.options(codec, small).items() for word in (f"-{name}", value)]
 
 
 PACKING = PackingParameters()
@@ -117,7 +129,7 @@ class PyavEncoder:
         self._file = WholeFile(film.path, beside=False)  # the recorder's own
         try:
             self._container: Any = av.open(self._file, "w", format=container, options=_pieces(container))
-            stream: Any = self._container.add_stream(codec, rate=rate, options=PACKING.options(codec))
+            stream: Any = self._container.add_stream(codec, rate=rate, options=PACKING.options(codec, film.small))
             stream.width, stream.height = (side + side % EVEN if container == "mp4" else side for side in film.size)
             stream.pix_fmt, stream.codec_context.thread_count = pixels, 1
             self._container.start_encoding()

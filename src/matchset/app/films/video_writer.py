@@ -31,10 +31,13 @@ class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
         make the tracker wait. Chosen by: `python -m benchmarks.lost.killed`, decision 092.
     space : SpaceParameters
         How much of the disk is left free.
+    small : bool
+        See `Film`.
     """
 
     waiting: int = 4
     space: SpaceParameters = SPACE
+    small: bool = False
 
 
 class Recorder(NotCopied, Closing):
@@ -84,7 +87,7 @@ class Recorder(NotCopied, Closing):
             self._space = FreeSpace(path, parameters.space)
         except OSError as error:
             raise ValueError(f"cannot write {path}: {error.strerror}") from error
-        self._encoder = _encoder(Film(self._beside, fps, size, live))
+        self._encoder = _encoder(Film(self._beside, fps, size, live, parameters.small))
         self.note = self._encoder.note
         self._error: Exception | None = None
         self._offered, self._closed = 0, False

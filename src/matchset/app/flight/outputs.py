@@ -40,13 +40,13 @@ class OutputParameters(msgspec.Struct, frozen=True, kw_only=True):
     least : int
         Steps that wait for the recording at least, and for the video. Chosen by hand.
     film_rate : float
-        What the video is said to take at the start, MB for a second of the flight. Chosen by: 231 MB for 60 s of two
-        followers, measured.
+        What the video is said to take at the start, MB for a second of the flight. Chosen by: 5 MB for 20 s of two
+        followers, packed by PyAV or `ffmpeg`; OpenCV alone takes 3.9.
     """
 
     pictures: int = 128
     least: int = 8
-    film_rate: float = 3.9
+    film_rate: float = 0.25
 
 
 class _Shown(NamedTuple):
@@ -90,7 +90,7 @@ class FlightOutputs(Closing):
         self._view = LiveView(parameters.pilot.place, length, quiet, kind=setup.kind)
         self._say = self._messages.append
         self._writers: list[Background[Item]] = []
-        recorder = RecorderParameters(space=self._files.space)
+        recorder = RecorderParameters(space=self._files.space, small=True)
         opened: list[Closing] = []
         with ExitStack() as stack:  # what is open is closed if the next cannot be opened
             if self._files.video is not None:

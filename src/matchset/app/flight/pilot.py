@@ -35,6 +35,8 @@ from matchset.tracking.tracker import Tracker
 BALL_BESIDE_MARKER = 0.0625
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
 """Of a step, in their order; `PilotStep.stage_times` has their computing times."""
+Outlines = tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...]]
+"""What was seen in a picture: the ball, and its markers."""
 
 
 class Camera(Protocol):
@@ -317,9 +319,7 @@ class Pilot:
             self._fault = "the picture stood still for so long that those that come next may be old"
         return self._fault or ("the picture stands still" if again else "")
 
-    def _locate(
-        self, frame: Frame | None, now: float, stamps: list[float]
-    ) -> tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...], Pose | Lost[Pose]]:
+    def _locate(self, frame: Frame | None, now: float, stamps: list[float]) -> tuple[*Outlines, Pose | Lost[Pose]]:
         """Track and localize, with a time stamp after each stage."""
         if frame is not None:
             self._pictures = note_picture(frame.image, self._pictures, self.parameters.repeated)
@@ -327,17 +327,23 @@ class Pilot:
             why = "no picture came" if frame is None else "a picture came again"
             stamps.extend([stamps[-1]] * 3)
             return Lost(why, now), (), Lost(why, now)
+        ball, markers = self._outlines(frame, stamps)
+        pose = self._localizer.update(ball, markers)
+        stamps.append(time.perf_counter())
+        self._frame_time = frame.time
+        return ball, markers, pose
+
+    def _outlines(self, frame: Frame, stamps: list[float]) -> Outlines:
+        """Track the ball and its markers, with a time stamp after each."""
+        ball: Track[Circle] | Lost[Circle]
         if self._is_initialized(frame):
-            ball: Track[Circle] | Lost[Circle] = self._tracker.update(frame)
+            ball = self._tracker.update(frame)
         else:
             ball = Lost("no ball is near the place where the neighbor should be", frame.time)
         stamps.append(time.perf_counter())
         markers = self._markers.update(frame, ball)
         stamps.append(time.perf_counter())
-        pose = self._localizer.update(ball, markers)
-        stamps.append(time.perf_counter())
-        self._frame_time = frame.time
-        return ball, markers, pose
+        return ball, markers
 
     def _is_initialized(self, frame: Frame) -> bool:
         """Whether there is a ball to track; before the follower has accepted one, start with the nearest candidate."""

@@ -12,12 +12,13 @@ from urllib.parse import parse_qsl
 
 import msgspec
 
+from matchset.links.datagrams import LAST_PORT
+
 SCHEME = "mavlink:"
 FORMS = "mavlink:udpin:0.0.0.0:14550, mavlink:udpout:10.0.0.2:14550 or mavlink:serial:/dev/ttyACM0:57600"
 BAUD = 57_600  # format: baud rate of a serial port that names none: that of telemetry radios
 GROUND_STATION = 255  # format: customary number of a ground station
 LARGEST = {"vehicle": 255, "system": 255, "mode": 2**32 - 1}  # format: of the numbers after the question mark
-PORTS = 65_535  # format: largest number of a UDP port
 
 Kind = Literal["udpin", "udpout", "serial"]
 
@@ -62,7 +63,7 @@ def parse_address(uri: str) -> Address:
     if kind == "serial" and not digits.isdecimal():
         place, digits = rest, str(BAUD)
     right = kind in ("udpin", "udpout", "serial") and place and digits.isascii() and digits.isdecimal()
-    if not uri.startswith(SCHEME) or not right or not 0 < int(digits) <= (2**32 if kind == "serial" else PORTS):
+    if not uri.startswith(SCHEME) or not right or not 0 < int(digits) <= (2**32 if kind == "serial" else LAST_PORT):
         raise ValueError(f"an autopilot is named like {FORMS}, got {uri!r}")
     numbers = {name: _number(uri, name, text) for name, text in parse_qsl(question, keep_blank_values=True)}
     return Address(kind, place, int(digits), **numbers)  # type: ignore[arg-type]

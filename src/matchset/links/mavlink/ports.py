@@ -7,12 +7,9 @@ from typing import Protocol
 
 from matchset.image.errors import LinkError
 from matchset.links.arduino.serial_port import SerialPort
+from matchset.links.datagrams import arrived, quiet
 from matchset.links.mavlink.address import Address
 from matchset.numeric.copies import NotCopied
-
-DATAGRAM = 65_535  # format: largest number of bytes of a UDP packet
-QUIET = (errno.EAGAIN, errno.EWOULDBLOCK, errno.ECONNREFUSED, errno.ECONNRESET, errno.ENOBUFS)
-"""Errors of a socket that mean silence: nothing is there, nobody listens yet, no room for now."""
 
 
 class Port(Protocol):
@@ -77,33 +74,23 @@ class UdpPort(NotCopied):
         """
         receivers = list(self._senders.values()) if self._chosen is None else [self._chosen]
         for receiver in receivers:
-            try:
+            with quiet():
                 if self._connected:
                     self._socket.send(data)
                 else:
                     self._socket.sendto(data, receiver)
-            except OSError as error:
-                if error.errno not in QUIET:
-                    raise
 
     def read(self) -> list[tuple[str, bytes]]:
         """Return the datagrams that have arrived, each with its sender; never waits."""
         found: list[tuple[str, bytes]] = []
-        while True:
-            try:
-                data, sender = self._socket.recvfrom(DATAGRAM)
-            except OSError as error:
-                if error.errno in (errno.EAGAIN, errno.EWOULDBLOCK):
-                    return found
-                if error.errno not in QUIET:
-                    raise
-                continue
+        for data, sender in arrived(self._socket):
             if self._chosen not in (None, sender):
                 self.strangers += 1
                 continue
             name = f"{sender[0]}:{sender[1]}"
             self._senders[name] = sender
             found.append((name, data))
+        return found
 
     def choose(self, sender: str) -> None:
         """Hear and speak to this sender alone from now on."""

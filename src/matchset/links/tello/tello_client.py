@@ -4,26 +4,22 @@ Commands are words, answered by ``ok``, ``error`` with or without a reason, or a
 not answered. Answers are not numbered, so one is asked for at a time.
 """
 
-import contextlib
 import errno
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Protocol
 from urllib.parse import parse_qsl
 
 import msgspec
 
 from matchset.image.errors import LinkError
+from matchset.links.datagrams import LAST_PORT, arrived, quiet
 from matchset.links.tello.tello_state import TelloState, parse_state
 from matchset.numeric.copies import NotCopied
 
 SCHEME = "tello:"
 HOST = "192.168.10.1"  # format: of a Tello in its own Wi-Fi
 COMMANDS, STATES, VIDEO = 8889, 8890, 11111  # format: UDP ports
-PORTS = 65_535  # format: largest number of a UDP port
-DATAGRAM = 2048  # format: largest number of bytes of an answer or a state
-QUIET = (errno.EAGAIN, errno.EWOULDBLOCK, errno.ECONNREFUSED, errno.ECONNRESET, errno.ENOBUFS)
-"""Errors of a socket that mean silence."""
 
 
 class TelloAddress(msgspec.Struct, frozen=True):
@@ -54,7 +50,9 @@ def parse_tello(uri: str) -> TelloAddress:
     ports = dict(parse_qsl(question, keep_blank_values=True))
     known = set(TelloAddress.__struct_fields__) - {"host"}
     right = uri.startswith(SCHEME) and ":" not in host and "/" not in host and ports.keys() <= known
-    if not right or not all(text.isascii() and text.isdecimal() and 0 < int(text) <= PORTS for text in ports.values()):
+    if not right or not all(
+        text.isascii() and text.isdecimal() and 0 < int(text) <= LAST_PORT for text in ports.values()
+    ):
         raise ValueError(f"a Tello is named like tello:, tello:192.168.1.23 or tello:?states=8891, got {uri!r}")
     return TelloAddress(host or HOST, **{name: int(text) for name, text in ports.items()})
 
@@ -105,47 +103,24 @@ class UdpSockets(NotCopied):
 
     def send(self, data: bytes) -> None:
         """Send a command."""
-        with _silence():
+        with quiet():
             self._commands.send(data)
 
     def answers(self) -> list[bytes]:
         """Return the answers since the last time; never waits."""
-        return _read(self._commands, self._host)
+        return self._from_it(self._commands)
 
     def states(self) -> list[bytes]:
         """Return the states since the last time; never waits."""
-        return _read(self._states, self._host)
+        return self._from_it(self._states)
 
     def close(self) -> None:
         """Close both."""
         self._commands.close()
         self._states.close()
 
-
-@contextlib.contextmanager
-def _silence() -> Iterator[None]:
-    """Pass over errors that mean silence."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno not in QUIET:
-            raise
-
-
-def _read(there: socket.socket, host: str) -> list[bytes]:
-    """Return the packets that came from a host."""
-    found: list[bytes] = []
-    while True:
-        try:
-            data, sender = there.recvfrom(DATAGRAM)
-        except OSError as error:
-            if error.errno in (errno.EAGAIN, errno.EWOULDBLOCK):
-                return found
-            if error.errno not in QUIET:
-                raise
-            continue
-        if sender[0] == host:
-            found.append(data)
+    def _from_it(self, there: socket.socket) -> list[bytes]:
+        return [data for data, sender in arrived(there) if sender[0] == self._host]
 
 
 class TelloParameters(msgspec.Struct, frozen=True, kw_only=True):

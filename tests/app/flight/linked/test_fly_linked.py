@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -60,8 +60,12 @@ class Flown:
 
     def flies(self, transmitter: PtyTransmitter) -> None:
         """Wait until motors turn."""
+        self.waits_for(lambda: transmitter.port.throttle >= FLIES)
+
+    def waits_for(self, happens: Callable[[], bool]) -> None:
+        """Wait until something happens, which a process that has ended does not do."""
         end = time.monotonic() + 300.0
-        while transmitter.port.throttle < FLIES:
+        while not happens():
             assert self.process.poll() is None, self.process.communicate()
             assert time.monotonic() < end
             time.sleep(0.01)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from fake_autopilot import RTL, STABILIZE
-from test_fly_linked import Flown, errors
+from test_fly_linked import Flown, devices, errors
 
 from mjpeg_server import MjpegServer
 from served_autopilot import ServedAutopilot
@@ -41,7 +41,9 @@ def files(neighbor: ServedNeighbor, tmp_path: Path) -> list[str]:
 def test_it_is_armed_flown_and_landed(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
-    code, out, err = Flown(tmp_path, camera.url, served.uri, *files, "--arm", "--duration", "8").ended()
+    code, out, err = Flown(
+        tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm", "--duration", "8"
+    ).ended()
     pilot = served.pilot
     assert code in (0, 1), out + err
     assert errors(err) == []
@@ -55,7 +57,7 @@ def test_its_refusal_is_one_line_with_its_reason(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
     served.pilot.refusal = "PreArm: Compass not calibrated"
-    code, out, err = Flown(tmp_path, camera.url, served.uri, *files, "--arm").ended()
+    code, out, err = Flown(tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm").ended()
     assert code == 3, out + err
     assert len(errors(err)) == 1
     assert "arming refused by ArduPilot (failed): PreArm: Compass not calibrated" in errors(err)[0]
@@ -65,8 +67,8 @@ def test_its_refusal_is_one_line_with_its_reason(
 def test_when_it_takes_over_the_flight_ends_and_it_is_left_alone(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
-    flown = Flown(tmp_path, camera.url, served.uri, *files, "--arm")
-    served.wait_for(FLIES, 300.0)
+    flown = Flown(tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm")
+    flown.waits_for(lambda: served.has_flown(FLIES))
     served.pilot.say_text("Battery failsafe", 3)
     served.pilot.mode = RTL
     code, out, err = flown.ended()
@@ -78,8 +80,8 @@ def test_when_it_takes_over_the_flight_ends_and_it_is_left_alone(
 def test_one_that_falls_silent_is_one_line(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
-    flown = Flown(tmp_path, camera.url, served.uri, *files, "--arm")
-    served.wait_for(FLIES, 300.0)
+    flown = Flown(tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm")
+    flown.waits_for(lambda: served.has_flown(FLIES))
     served.pilot.mute = True
     code, out, err = flown.ended()
     assert code == 3, out + err

@@ -41,4 +41,5 @@ def connect(uri: str) -> Link:
         from matchset.links.simulated import SimulatedChain, parse_uri
 
         return SimulatedChain(parse_uri(uri)).links[0]
-    raise ValueError(f"a link is named like serial:///dev/ttyUSB0, crsf:///dev/ttyUSB0 or sim://chain, got {uri!r}")
+    forms = "serial:///dev/ttyUSB0, crsf:///dev/ttyUSB0, mavlink:udpin:0.0.0.0:14550, tello: or sim://chain"
+    raise ValueError(f"a link is named like {forms}, got {uri!r}")

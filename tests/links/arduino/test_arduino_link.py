@@ -249,7 +249,7 @@ def test_noise_between_frames_is_survived(link: ArduinoLink, port: FakePort) -> 
     assert link.status().state == "armed"
 
 
-@pytest.mark.parametrize("uri", ["tello://", "/dev/ttyUSB0", ""])
+@pytest.mark.parametrize("uri", ["zigbee://", "/dev/ttyUSB0", ""])
 def test_an_unknown_scheme_is_refused(uri: str) -> None:
     with pytest.raises(ValueError, match="serial:///dev/ttyUSB0"):
         connect(uri)

@@ -313,10 +313,10 @@ class Pilot:
         again = self._pictures.repeats >= self.parameters.repeated.max_repeats
         if again and self._pictures.went_back:
             self._fault = "pictures come that came before"
-        elif not self._follower.consistency.holds:
-            self._fault = "the motion seen does not answer to the commands: old pictures, or commands that got lost"
         elif self._safety.phase == "descending" and self._pictures.repeats >= self.parameters.repeated.final_repeats:
             self._fault = "the picture stood still for so long that those that come next may be old"
+        elif not self._follower.consistency.holds and not self._fault:  # what is known exactly stays said
+            self._fault = "the motion seen does not answer to the commands: old pictures, or commands that got lost"
         return self._fault or ("the picture stands still" if again else "")
 
     def _locate(self, frame: Frame | None, now: float, stamps: list[float]) -> tuple[*Outlines, Pose | Lost[Pose]]:

@@ -1,10 +1,20 @@
 """What tests of real processes share: a transmitter behind a pseudo-terminal, and signals as a shell leaves them."""
 
+import os
 import signal
 from collections.abc import Iterator
 
 import pytest
 from pty_transmitter import PtyTransmitter
+
+
+def pytest_configure() -> None:
+    """Run as a user does, where all was started with real-time priority: what tests start inherits it.
+
+    One that computes then lets no other run, and none of the kernel's threads that carry a pseudo-terminal's bytes.
+    """
+    if hasattr(os, "sched_setscheduler"):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 @pytest.fixture

@@ -18,18 +18,6 @@ from mjpeg_server import MjpegServer
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
-@pytest.fixture(scope="session", autouse=True)
-def ordinary() -> Iterator[None]:
-    """Tests may be run with real-time priority, which a browser's many processes must not have: they inherit it."""
-    if not hasattr(os, "sched_setscheduler"):
-        yield
-        return
-    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    yield
-    os.sched_setscheduler(0, policy, parameters)
-
-
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     """Chromium, one for all tests of a worker; in CI it must be there, elsewhere the tests are skipped without it."""

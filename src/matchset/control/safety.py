@@ -16,6 +16,8 @@ from matchset.control.parameter_checks import require, require_positive
 
 Phase = Literal["locked", "flying", "holding", "descending", "cut"]
 """``holding``: flying on the prediction, the ball is not seen. ``cut``: motors off until armed again."""
+AIRBORNE: tuple[Phase, ...] = ("flying", "holding", "descending")
+"""Phases in which motors turn."""
 
 
 class SafetyParameters(

@@ -258,7 +258,8 @@ class Validator:
             What is known of the shape before.
         evidence : float, optional
             Log-odds of being the target, if they were weighed; otherwise the color score decides. For a shape that may
-            be anywhere either is enough: two strict rules find more than one that is less strict.
+            be anywhere either is enough, the color score with `EvidenceParameters.clear` beside it: two strict rules
+            find more than one that is less strict.
         """
         if evidence is not None:
             weighed = self._validate_weighed(fit, prior, evidence)
@@ -270,12 +271,16 @@ class Validator:
         if fit.color_score < self._least_color_score(fit, prior):
             return Rejection.LOW_COLOR_SCORE
         unfilled = unknown and fit.hollowness < -limits.detection_rim
-        leeway = limits.hint_leeway if prior in (Prior.PRESENT, Prior.FOLLOWED) else 1.0
+        leeway = self._leeway_of(prior)
         if unfilled or _is_wrong_shape(fit, limits, leeway):
             return Rejection.WRONG_SHAPE
         if fit.interior_share < limits.detection_interior or fit.core_share < limits.detection_core:
             return Rejection.WRONG_INTERIOR
         return Rejection.NONE
+
+    def _leeway_of(self, prior: Prior) -> float:
+        """Factor on the limits of a shape: more for one that was there, or is said to be."""
+        return self.limits.hint_leeway if prior in (Prior.PRESENT, Prior.FOLLOWED) else 1.0
 
     def _validate_weighed(self, fit: Statistics, prior: Prior, evidence: float) -> Rejection:
         """Say why a detection is rejected of which the evidence was weighed."""
@@ -296,7 +301,7 @@ class Validator:
             return Rejection.LOW_COLOR_SCORE
         if fit.msac_score < least_msac:
             return Rejection.WRONG_SHAPE
-        leeway = limits.hint_leeway if prior in (Prior.PRESENT, Prior.FOLLOWED) else 1.0
+        leeway = self._leeway_of(prior)
         if fit.ellipticity > limits.max_ellipticity * leeway or fit.hollowness > limits.max_hollowness * leeway:
             return Rejection.WRONG_SHAPE
         if fit.interior_share < limits.detection_interior or fit.core_share < limits.detection_core:

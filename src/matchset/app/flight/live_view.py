@@ -172,8 +172,8 @@ class LiveView(RedrawnDisplay):
         if self.visible:
             speed = self._speed(chain_step)
             view = render_view(chain_step, counters, self._place, self._duration, speed)
-            unsent = [f"{number} {unsent_text(step)}" for number, step in enumerate(chain_step.steps, 1)]
-            self.redraw(Group(view, *unsent) if self._dry else view)
+            steps = enumerate(chain_step.steps if self._dry else (), 1)
+            self.redraw(Group(view, *(f"{number} {unsent_text(step)}" for number, step in steps)))
         elif chain_step.time - self._line_time >= LINE_PERIOD:
             self._line_time = chain_step.time
             self._print(text_line(chain_step, counters, self._dry))

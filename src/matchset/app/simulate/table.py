@@ -12,22 +12,9 @@ from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
 from matchset.app.simulate.variation import Axis, Case, quantity
 
-HEADER = ",".join(
-    (
-        *(
-            "seed",
-            "end",
-            "survived",
-            "reason",
-            "in_view",
-            "found",
-            "losses",
-            "worst_spread",
-            "settled",
-            "processing_us",
-        ),
-        *("side_rms", "height_rms", "heading_rms", "varied"),
-    )
+HEADER = (
+    "seed,end,survived,reason,in_view,found,losses,worst_spread,settled,processing_us,"
+    "side_rms,height_rms,heading_rms,varied"
 )
 """Columns of ``flights.csv`` after the constants: of the worst follower, s, m; what was varied alone, or all."""
 HEADINGS = [

@@ -112,9 +112,9 @@ def parse_vary(text: str) -> list[Axis]:
         If it is something else, a name is unknown or comes twice, or a range is none.
     """
     axes: list[Axis] = []
+    known = [*variable(), *(OF_VEHICLE + key for key in VehicleParameters.__struct_fields__)]
     for part in text.split(","):
         name, mark, ends = (each.strip() for each in part.partition("="))
-        known = [*variable(), *(OF_VEHICLE + key for key in VehicleParameters.__struct_fields__)]
         if not mark:
             raise ValueError(f"--vary is NAME=LOW..HIGH,NAME=LOW..HIGH,..., got {part!r}")
         if name not in known:

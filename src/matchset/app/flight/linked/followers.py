@@ -8,10 +8,9 @@ from typing import TypeVar
 from matchset.app.closing import Closing, close_all
 from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.pilot import Pilot, PilotStep
+from matchset.control.safety import AIRBORNE
 
 T = TypeVar("T")
-AIRBORNE = ("flying", "holding", "descending")
-"""Phases of the safety filter in which motors turn."""
 
 
 class LinkedFollowers(Closing):

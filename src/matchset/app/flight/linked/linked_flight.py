@@ -7,10 +7,10 @@ import numpy as np
 
 from matchset.app.flight.flight import ChainFlight, ChainStep, FlightSetup
 from matchset.app.flight.linked.briefing import before, taken_off
-from matchset.app.flight.linked.followers import AIRBORNE, LinkedFollowers
+from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.app.flight.score import FlightScorer
-from matchset.control.safety import Phase
+from matchset.control.safety import AIRBORNE, Phase
 from matchset.image.errors import LinkError
 
 

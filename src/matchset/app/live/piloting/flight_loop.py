@@ -16,11 +16,10 @@ from matchset.app.live.piloting.fleet import Fleet, FleetStep
 from matchset.app.live.piloting.follower_stream import FollowerStream
 from matchset.app.live.piloting.helm import Helm
 from matchset.app.live.piloting.state import FlightState, follower_states, map_state
+from matchset.control.safety import AIRBORNE
 from matchset.image.errors import LinkError
 
 KEPT = 64  # format: pictures whose time is remembered, two seconds: what a page painted before that is old
-AIRBORNE = ("flying", "holding", "descending")
-"""Phases of the safety filter in which motors turn."""
 
 
 class Stopping(msgspec.Struct):

@@ -236,6 +236,29 @@ def test_a_cut_while_it_is_being_armed_ends_that() -> None:
     assert not pilot.armed
 
 
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_cut_while_it_is_being_armed_is_repeated_where_it_gets_lost(closed: bool) -> None:
+    link, pilot = opened()
+    pass_time = pilot.clock.sleep
+
+    def lose_what_follows_arming(seconds: float) -> None:
+        pass_time(seconds)
+        if pilot.armed and not pilot.deaf:
+            pilot.deaf = True
+            link.cut()
+
+    link._sleep = link.client._sleep = lose_what_follows_arming
+    with pytest.raises(LinkError, match="stopped while it was being armed"):
+        link.arm()
+    assert pilot.armed
+    pilot.deaf, link._sleep = False, pass_time
+    if closed:
+        link.close()
+    else:
+        fly(link, pilot, 0.1)
+    assert not pilot.armed
+
+
 def test_silence_breaks_the_link_in_two_and_a_half_seconds() -> None:
     link, pilot = armed()
     pilot.mute = True

@@ -177,6 +177,19 @@ def test_silence_of_the_program_holds_then_lands() -> None:
     assert link.send(HOLD) == Command()
 
 
+def test_silence_while_it_takes_off_lands_too() -> None:
+    link, tello = opened()
+    link.arm()
+    link.send(HOLD)
+    assert tello.heard[-1] == "takeoff"
+    for _ in range(80):
+        tello.clock.sleep(0.1)
+        link.watch()
+        tello.move()
+    assert tello.heard[-2:] == ["rc 0 0 0 0", "land"]
+    assert not tello.motors
+
+
 def test_without_the_link_s_thread_it_lands_by_itself_after_15_s() -> None:
     link, tello = flying()
     for _ in range(200):

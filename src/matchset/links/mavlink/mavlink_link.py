@@ -77,6 +77,7 @@ class MavlinkLink(NotCopied, Link):
         self._clock, self._sleep = clock, sleep
         self._armed = self._arming = self._ours = self._cut = False
         self._open, self._throttle, self._sent_at, self._end = True, 0.0, clock(), ""
+        self._changed_at = clock()  # what heartbeats said before does not tell what became of arming or a cut
         address = parse_address(uri)
         port = open_port(address) if port is None else port
         self.client = AutopilotClient(uri, address, port, self.parameters, clock, sleep)
@@ -103,7 +104,7 @@ class MavlinkLink(NotCopied, Link):
         """
         told = self.client.check()
         self._follow(told)
-        if self._cut and told.armed:
+        if self._cut:
             self._disarm_by_force()
         if not self._armed:
             self._throttle = 0.0
@@ -137,10 +138,10 @@ class MavlinkLink(NotCopied, Link):
         except BaseException:
             with contextlib.suppress(LinkError):
                 self.client.ask(ARM_DISARM, (0.0,))  # it may have armed, and its answer got lost
-            self._ours = False
+            self._ours = self._cut
             raise
         finally:
-            self._arming = False
+            self._arming, self._changed_at = False, self._clock()
         self._armed = True
 
     def land(self, duration: float = 1.5) -> None:
@@ -163,7 +164,7 @@ class MavlinkLink(NotCopied, Link):
 
         Another thread or a signal handler may call it. `send` repeats it until the heartbeat says that it is disarmed.
         """
-        self._cut, self._armed = True, False
+        self._cut, self._armed, self._changed_at = True, False, self._clock()
         with contextlib.suppress(LinkError):  # the next `send` raises it
             self._disarm_by_force()
 
@@ -197,7 +198,7 @@ class MavlinkLink(NotCopied, Link):
             said = told.said_since(self._clock() - self.parameters.timeout)
             self._end = f"{self.client.autopilot.name} {'; '.join((what, *said))}"
             self._armed = False
-        if not told.armed and not self._arming:
+        if self._is_disarmed(told) and not self._arming:
             self._ours = self._cut = False
 
     def _state(self, told: Telemetry) -> State:
@@ -258,7 +259,7 @@ class MavlinkLink(NotCopied, Link):
         """Disarm until the heartbeat shows it; by force at last."""
         start, told, p = self._clock(), self.client.telemetry, self.parameters
         asked_at = -p.repeat_period
-        while self.client.check().armed:
+        while not self._is_disarmed(self.client.check()):
             past = self._clock() - start
             if past > 2.0 * p.arm_timeout:
                 said = "; ".join(told.said_since(start)) or "it does not say why"
@@ -270,6 +271,10 @@ class MavlinkLink(NotCopied, Link):
             if told.mode == self._mode:
                 self._send(Command())
             self._sleep(p.frame_period)
+
+    def _is_disarmed(self, told: Telemetry) -> bool:
+        """Whether a heartbeat says so that came since the last change."""
+        return not told.armed and (told.heart_at or 0.0) >= self._changed_at
 
     def _disarm_by_force(self) -> None:
         if self._ours:

@@ -200,6 +200,7 @@ class TelloLink(NotCopied, Link):
     def watch(self) -> None:
         """Make the sticks neutral, then land, if no command came for too long; the link's thread calls it."""
         with self._lock:
+            self._follow()
             silence, p = self._clock() - self._sent_at, self.parameters
             if self._phase != "flying" or silence <= p.hold_time:
                 return

@@ -17,6 +17,7 @@ from matchset.control.command import Command
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
+from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_not_negative, require_positive
@@ -105,6 +106,8 @@ class FollowerParameters(
         When the motion of the ball does not answer to the commands (``answer``).
     thrust_estimator : ThrustEstimatorParameters
         Estimate of the throttle that hovers (``thrust``).
+    mount : MountParameters
+        How camera and marker are mounted.
     max_extrapolation : float
         How far the neighbor's drift is extrapolated past its last pose, s; after that it stands still. Estimate
         (``reach``).
@@ -150,6 +153,7 @@ class FollowerParameters(
     neighbor: NeighborFilterParameters = NeighborFilterParameters()
     motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
     thrust_estimator: ThrustEstimatorParameters = ThrustEstimatorParameters()
+    mount: MountParameters = MountParameters()
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
     min_step: float = 1e-3
@@ -211,6 +215,8 @@ class Follower:
     neighbor : NeighborFilter
     consistency : MotionConsistency
         Whether the ball moves in the pictures as the commands say.
+    mount : CameraMount
+        How the camera is turned on the vehicle.
     """
 
     def __init__(self, setpoint: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
@@ -227,6 +233,7 @@ class Follower:
             model.lift_lag,
             self.parameters.thrust_estimator,
         )
+        self.mount = CameraMount(self.parameters.mount)
         self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
         self._up, self._yaw = Pid(self.parameters.vertical), Pid(self.parameters.yaw)
         self._speed_x = SpeedFeedforward(self.parameters.horizontal_speed)
@@ -254,11 +261,14 @@ class Follower:
         parameters = self.parameters
         if isinstance(pose, Pose) and pose.time > self._pose_time:
             self._pose_time = pose.time
-            own = self.ego_motion.at(pose.time)
+            own, seen = self.ego_motion.at(pose.time), pose
+            pose = self.mount.turn(pose)
             if self.neighbor.update(pose, own):
                 self.consistency.update(pose, own)
                 upright = math.cos(own.roll) * math.cos(own.pitch)
                 self.thrust.update(float(own.rotation[1] @ pose.position), upright, pose.time)
+                if self.thrust.airborne:
+                    self.mount.learn(seen, own)
         step, self._time = min(max(now - self._time, parameters.min_step), parameters.max_step), now
         acts = now + parameters.ego_motion.delay
         if not acts - self.neighbor.time <= parameters.pose_timeout or self.neighbor.yaw_time == -math.inf:
@@ -313,7 +323,8 @@ class Follower:
             return None
         own = self.ego_motion.at(time)
         ball = self.neighbor.at(time, self.parameters.max_extrapolation)
-        position: Floats = own.rotation.T @ (np.array((ball.x.value, ball.y.value, ball.z.value)) - own.position)
+        turn = own.rotation @ self.mount.from_camera
+        position: Floats = turn.T @ (np.array((ball.x.value, ball.y.value, ball.z.value)) - own.position)
         return position
 
     def _control(self, acts: float, step: float) -> ControlOutput:

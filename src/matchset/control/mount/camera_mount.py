@@ -1,0 +1,178 @@
+"""The rotation from a camera to its vehicle, told and corrected in flight: `CameraMount`.
+
+Two vehicles that hold their places are level in the mean, whatever their flight controllers take for level: one that is
+not accelerates. So the neighbor's marker, on the equator of its ball, is seen level in the mean. If its mean elevation,
+in a frame that dead reckoning keeps level, is e, then the camera is mounted higher than was told by d, or the marker is
+m too high, and ``e = d + m``. No flight separates the two: a camera that is turned about the axis about which the
+vehicle pitches shows nothing else of that, and how the height looks when the distance changes is lost in the motion of
+the neighbor (decision 099). With standard deviations known before, s_d and s_m, the best estimate is
+
+    d = s_d^2 / (s_d^2 + s_m^2) e,
+
+e by a scalar Kalman filter of a constant in white noise, which stands for the tilts of both vehicles.
+"""
+
+import math
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.control.ego_motion import EgoState
+from matchset.control.parameter_checks import require, require_not_negative, require_positive
+from matchset.localization.pose import Pose
+
+Floats = npt.NDArray[np.float64]
+
+
+class MountParameters(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    rename={"pitch_sigma": "doubt", "marker_sigma": "marker_doubt", "max_correction": "most", "max_rate": "rate"},
+):
+    """How camera and marker are mounted; the key in a file is in parentheses where it is another one.
+
+    Parameters
+    ----------
+    yaw, pitch, roll : float
+        The camera on its vehicle: turned to the right, then up, then clockwise, rad. `matchset calibrate --mount`
+        measures them.
+    marker_yaw : float
+        How far the neighbor's marker is to the right of its back, as seen from behind, rad. Nothing in a flight shows
+        it; `matchset calibrate --mount` measures it.
+    pitch_sigma : float
+        Standard deviation of `pitch`, rad. More learns more of a wrong one, and takes more of a marker that is not on
+        the equator for it; 0 learns nothing (``doubt``). Estimate: 5 degrees for a mount by eye.
+    marker_sigma : float
+        Standard deviation of the elevation of the marker on its ball, rad (``marker_doubt``). Estimate: 5 mm on a ball
+        of 28 cm.
+    tilt_noise : float
+        Root of the spectral density of both vehicles' tilts about their means, rad per root of Hz. More learns later,
+        and is disturbed less. Chosen by: `python -m benchmarks.flight.mismatch --only pitched`, seeds 0 to 9.
+    change : float
+        How fast the mean elevation may change, rad per root of s: a ball that was touched.
+    max_correction : float
+        Limit of the correction, rad (``most``).
+    max_rate : float
+        Limit of its rate, rad/s: the set place moves with it (``rate``). Estimate: 4 cm/s at 1.5 m.
+    nearest : float
+        Least cosine between the marker's direction, level, and that to the vehicle's back at which it counts.
+    """
+
+    yaw: float = 0.0
+    pitch: float = 0.0
+    roll: float = 0.0
+    marker_yaw: float = 0.0
+    pitch_sigma: float = 0.09
+    marker_sigma: float = 0.03
+    tilt_noise: float = 0.05
+    change: float = 0.0005
+    max_correction: float = 0.2
+    max_rate: float = 0.03
+    nearest: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("yaw", "pitch", "roll", "marker_yaw"):
+            require(self, (name,), lambda value: abs(value) < 0.5 * math.pi, "less than a quarter turn, in rad")
+        require_not_negative(self, ("pitch_sigma", "change", "max_correction"))
+        require_positive(self, ("marker_sigma", "tilt_noise", "max_rate", "nearest"))
+
+
+class CameraMount:
+    """Turns poses from the camera to the vehicle, and learns the camera's pitch.
+
+    Parameters
+    ----------
+    parameters : MountParameters, optional
+
+    Attributes
+    ----------
+    correction : float
+        By how much the camera is taken to look higher than was told, rad.
+    from_camera : ndarray of shape (3, 3)
+        Rotation from the camera to the vehicle, as it is now taken to be.
+    """
+
+    def __init__(self, parameters: MountParameters | None = None) -> None:
+        self.parameters = parameters or MountParameters()
+        told = self.parameters
+        self._told = mounting(told.yaw, told.pitch, told.roll)
+        self._marker = turn_about_down(told.marker_yaw)
+        prior = told.pitch_sigma**2
+        self._share = prior / (prior + told.marker_sigma**2)
+        self._elevation, self._variance = 0.0, prior + told.marker_sigma**2
+        self._time = math.inf
+        self.correction, self.from_camera = 0.0, self._told
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the camera's pitch as it is now taken to be, rad."""
+        told = self.parameters
+        return math.sqrt(self._share * told.marker_sigma**2 + self._share**2 * self._variance)
+
+    def turn(self, pose: Pose) -> Pose:
+        """Turn a pose in the camera frame into the vehicle's: x right, y down, z forward, where its sticks say so.
+
+        Parameters
+        ----------
+        pose : Pose
+        """
+        turn, covariance = self.from_camera, pose.covariance
+        turned = np.empty((6, 6))
+        for row in (0, 3):
+            for column in (0, 3):
+                block = covariance[row : row + 3, column : column + 3]
+                turned[row : row + 3, column : column + 3] = turn @ block @ turn.T
+        rotation = pose.rotation_matrix
+        return Pose(
+            position=turn @ pose.position,
+            rotation_matrix=None if rotation is None else turn @ rotation @ self._marker,
+            covariance=turned,
+            observed=pose.observed,
+            time=pose.time,
+        )
+
+    def learn(self, pose: Pose, own: EgoState) -> None:
+        """Correct the mean elevation of the marker by a pose in flight, and the camera's pitch by that.
+
+        Parameters
+        ----------
+        pose : Pose
+            In the camera frame.
+        own : EgoState
+            The vehicle by dead reckoning when the picture was taken.
+        """
+        step, self._time = pose.time - self._time, pose.time
+        if pose.rotation_matrix is None or not 0.0 < step < math.inf or self._share == 0.0:
+            return
+        parameters, level = self.parameters, own.rotation
+        right, down, forward = (level @ (self._told @ pose.rotation_matrix[:, 2])).tolist()
+        back = -(right * math.sin(own.yaw) + forward * math.cos(own.yaw))
+        if not back >= parameters.nearest:
+            return
+        self._variance += parameters.change**2 * step
+        gain = self._variance / (self._variance + parameters.tilt_noise**2 / step)
+        self._elevation += gain * (math.atan2(-down, back) - self._elevation)
+        self._variance *= 1.0 - gain
+        best = self._share * self._elevation
+        best = min(max(best, -parameters.max_correction), parameters.max_correction)
+        farthest = parameters.max_rate * step
+        self.correction += min(max(best - self.correction, -farthest), farthest)
+        self.from_camera = mounting(parameters.yaw, parameters.pitch + self.correction, parameters.roll)
+
+
+def turn_about_down(angle: float) -> Floats:
+    """Rotation about the y axis, which points down, by an angle, rad, that takes z to the right, (3, 3)."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.array(((cosine, 0.0, sine), (0.0, 1.0, 0.0), (-sine, 0.0, cosine)))
+
+
+def mounting(yaw: float, pitch: float, roll: float) -> Floats:
+    """Rotation from a camera to its vehicle, (3, 3): turned to the right, then up, then clockwise, rad."""
+    up, over = math.cos(pitch), math.cos(roll)
+    pitched = np.array(((1.0, 0.0, 0.0), (0.0, up, -math.sin(pitch)), (0.0, math.sin(pitch), up)))
+    rolled = np.array(((over, -math.sin(roll), 0.0), (math.sin(roll), over, 0.0), (0.0, 0.0, 1.0)))
+    mount: Floats = turn_about_down(yaw) @ pitched @ rolled
+    return mount

@@ -11,7 +11,7 @@ from matchset.links.crsf.crsf_link import CrsfLink
 from matchset.links.crsf.parameters import CrsfParameters, parse_uri
 from matchset.links.crsf.sticks import channels
 from matchset.links.link import Link
-from radio_modules import Module
+from radio_modules import Module, link_statistics
 
 HOVER = Command(roll=0.1, pitch=-0.2, yaw=0.3, throttle=0.5)
 LOW, HIGH = 172, 1811
@@ -93,6 +93,20 @@ def test_arming_begins_with_the_switch_low_and_the_throttle_zero() -> None:
     assert set(switch[:first]) == {LOW}
     assert bench.module.heard[first][0] - bench.module.heard[0][0] > 0.29
     assert {values[2] for _, values in bench.module.heard} == {LOW}
+
+
+def test_the_switch_is_low_for_a_while_where_nothing_says_what_became_of_it() -> None:
+    bench = Bench(says_mode=False)
+    bench.sleep(1.0)
+    begin = bench.module.now
+    bench.link.arm()
+    assert next(now for now, values in bench.module.heard if values[4] == HIGH) - begin > 0.29
+
+
+def test_sticks_turn_the_right_way() -> None:
+    values = channels(Command(roll=1.0, pitch=-1.0, yaw=0.5, throttle=1.0), True, 5)
+    assert values[:5] == [HIGH, 173, HIGH, 1402, HIGH]
+    assert channels(Command(throttle=1.0), False, 5)[2:5] == [LOW, 992, LOW]
 
 
 def test_another_channel_arms() -> None:
@@ -184,6 +198,7 @@ def test_landing_lowers_the_throttle_then_disarms() -> None:
     frames = bench.since(begin)
     up = [values[2] for _, values in frames if values[4] == HIGH]
     assert sorted(up, reverse=True) == up
+    assert len(set(up)) > 30
     assert {tuple(values[:2]) for now, values in frames if now > begin + 0.05} == {(992, 992)}
     assert next(now for now, values in frames if values[4] == LOW) - begin == pytest.approx(1.5, abs=0.05)
     assert not bench.module.armed
@@ -419,6 +434,14 @@ def test_telemetry_that_stops_breaks_the_link_which_lands() -> None:
         fly()
     assert not bench.module.armed
     assert bench.module.heard[-2][1][4] == LOW
+
+
+def test_a_module_that_alone_speaks_is_no_vehicle() -> None:
+    bench = flying()
+    bench.module.telemetry = False
+    bench.module.garbage = link_statistics(quality=0)
+    with pytest.raises(LinkError, match="nothing has been heard of the vehicle"):
+        bench.fly(5.0)
 
 
 def test_poor_quality_and_a_refusal_are_warnings() -> None:

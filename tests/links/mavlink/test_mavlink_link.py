@@ -176,6 +176,7 @@ def test_landing_is_a_ramp_then_it_disarms() -> None:
     link.land(1.0)
     throttles = [z for _, _, z, _ in pilot.sticks[before:]]
     assert throttles == sorted(throttles, reverse=True)
+    assert len(set(throttles)) > 10
     assert throttles[0] > 500
     assert throttles[-1] == 0
     assert {(x, y, r) for x, y, _, r in pilot.sticks[before:]} == {(0, 0, 0)}
@@ -257,6 +258,43 @@ def test_a_cut_while_it_is_being_armed_is_repeated_where_it_gets_lost(closed: bo
     else:
         fly(link, pilot, 0.1)
     assert not pilot.armed
+
+
+def test_one_that_is_asked_for_its_state_while_it_arms_stays_ours() -> None:
+    link, pilot = opened()
+    pass_time = pilot.clock.sleep
+    link._sleep = link.client._sleep = lambda seconds: (pass_time(seconds), link.status())[0]
+    link.arm()
+    link.cut()
+    assert not pilot.armed
+
+
+def test_a_vehicle_in_another_mode_gets_no_sticks_when_it_is_disarmed() -> None:
+    link, pilot = armed(flying=True)
+    pilot.mode = RTL
+    fly(link, pilot, 1.2)
+    pilot.deaf = True
+    link.cut()
+    pilot.deaf, sticks = False, len(pilot.sticks)
+    link.land()
+    assert not pilot.armed
+    assert len(pilot.sticks) == sticks
+
+
+def test_another_part_of_the_vehicle_does_not_speak_for_it() -> None:
+    link, pilot = armed()
+    heart = {"type": pilot.kind, "autopilot": pilot.autopilot, "base_mode": 1, "custom_mode": RTL, "mavlink_version": 3}
+    pilot._out += Writer(pilot.system, 7).write("HEARTBEAT", heart)
+    assert link.send(FLIGHT).throttle == 0.57
+    assert link.status().state == "armed"
+
+
+def test_an_answer_to_an_earlier_question_is_none() -> None:
+    link, pilot = armed()
+    link.land()
+    pilot.deaf = True
+    with pytest.raises(LinkError, match=r"arming refused by ArduPilot .it does not answer"):
+        link.arm()
 
 
 def test_silence_breaks_the_link_in_two_and_a_half_seconds() -> None:
@@ -347,6 +385,13 @@ def test_heartbeats_leave_once_a_second_and_clocks_are_compared() -> None:
     assert link.client.clock_offset == pytest.approx(1000.0, abs=0.04)
     assert link.client.round_trip is not None
     assert 0.0 <= link.client.round_trip < 0.05
+    known = link.client.clock_offset
+    link.client.receive()
+    for pause in (1.1, 0.8):  # an answer that comes late tells less
+        pilot.clock.sleep(pause)
+        link.client.receive()
+    assert link.client.round_trip == pytest.approx(0.8)
+    assert link.client.clock_offset == known
 
 
 def test_the_autopilot_s_questions_for_the_clock_are_answered() -> None:

@@ -136,6 +136,40 @@ def test_a_landing_while_it_takes_off_is_repeated() -> None:
     assert not tello.motors
 
 
+def test_a_landing_right_after_the_take_off_began_waits_for_the_floor() -> None:
+    link, tello = opened()
+    link.arm()
+    fly(link, tello, 3.0, Command())  # on the floor all the time
+    fly(link, tello, 0.2)
+    link.land()
+    assert not tello.motors
+
+
+def test_a_landing_that_gets_lost_is_repeated() -> None:
+    link, tello = flying()
+    heard, tello.send = tello.send, lambda data: None if data == b"land" else heard(data)  # type: ignore[method-assign]
+    pass_time = tello.clock.sleep
+
+    def hear_again(seconds: float) -> None:
+        pass_time(seconds)
+        if tello.clock() > until:
+            tello.send = heard  # type: ignore[method-assign]
+
+    until, link._sleep = tello.clock() + 0.5, hear_again
+    link.land()
+    assert not tello.motors
+
+
+def test_a_late_answer_is_not_that_of_the_landing() -> None:
+    link, tello = flying()
+    link.send(Command())
+    tello.out.append(b"ok")  # of a command before
+    tello.clock.sleep(0.2)
+    assert link.status().state == "armed"
+    tello.clock.sleep(3.0)
+    assert link.status().state == "locked"
+
+
 def test_one_that_does_not_land_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     link, tello = flying()
     monkeypatch.setattr(tello, "_do", lambda _: "error Not joystick")

@@ -35,6 +35,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         As for `matchset simulate --vary`; empty for nothing.
     told : dict
         Fields of `FollowerParameters` that are told wrong.
+    mount : dict
+        Fields of `MountParameters` that were measured before, as `matchset calibrate --mount` does.
     survive : int
         The bar: how many of 20 flights survive.
     rms : float
@@ -44,6 +46,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     words: str
     vary: str = ""
     told: dict[str, float] = {}
+    mount: dict[str, float] = {}
     survive: int = 19
     rms: float = 10.0
 
@@ -51,6 +54,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         """Make the flight of a seed."""
         flight = with_world(FlightParameters(duration=duration), seed=seed, quick=not rendered)
         follower = msgspec.structs.replace(flight.pilot.follower, **self.told)
+        follower = msgspec.structs.replace(follower, mount=msgspec.structs.replace(follower.mount, **self.mount))
         flight = msgspec.structs.replace(flight, pilot=msgspec.structs.replace(flight.pilot, follower=follower))
         return changed(flight, {axis.name: axis.drawn(seed) for axis in parse_vary(self.vary)} if self.vary else {})
 

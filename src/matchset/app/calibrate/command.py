@@ -22,8 +22,11 @@ CALIBRATE_EPILOG = """
 
   matchset calibrate ball.mp4 --ball-diameter 0.28 --at 0.5,1.0,1.5 --color ball.npz
 
+  matchset calibrate 0 --mount --place 0,0.19,1.5 --place 0.5,0,1.2 --camera-file camera.toml --color ball.npz
+
 The board is moved all over the picture and tilted, 20 to 40 degrees, each time differently. Distances of the ball are
 from the lens to its nearest point; give one video in which it is held still at all of them in turn, or one for each.
+For --mount the vehicle stands level; with --marker-color the ball is on its own vehicle, level, its back to the camera.
 
 Exit codes: 0 done, 1 no board or ball found or the views do not suffice, 2 bad input or options, 3 camera or stream
 broke, 130 stopped by Ctrl-C.
@@ -50,6 +53,25 @@ class BoardOptions(msgspec.Struct, frozen=True, kw_only=True):
     ] = None
 
 
+class MountOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that ask how a camera is turned on its vehicle."""
+
+    mount: Annotated[
+        bool, typer.Option("--mount", help="Measure how the camera is turned on its vehicle, by a ball.")
+    ] = False
+    place: Annotated[
+        list[str] | None,
+        typer.Option(metavar="RIGHT,UP,AHEAD", help="Of the ball's center from the lens, m; one for each place."),
+    ] = None
+    camera_file: Annotated[
+        Path | None, typer.Option("--camera-file", metavar="FILE.toml", help="The camera, for --mount.")
+    ] = None
+    marker_color: Annotated[
+        list[Path] | None,
+        typer.Option("--marker-color", metavar="FILE", help="Of the neighbor's marker: where on its ball is it?"),
+    ] = None
+
+
 class CalibrateOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options of `matchset calibrate`."""
 
@@ -65,13 +87,16 @@ class CalibrateOptions(msgspec.Struct, frozen=True, kw_only=True):
     at: Annotated[
         str | None, typer.Option(metavar="M,M,...", help="From the lens to the ball's nearest point, in turn, m.")
     ] = None
+    mount: MountOptions = MountOptions()
     target: TargetOptions = TargetOptions()
     out: Annotated[Path | None, typer.Option("-o", metavar="FILE.toml", help="The camera file.")] = None
     force: Force = False
 
 
 def calibrate(options: CalibrateOptions) -> int:
-    """Find a camera's focal length and lens distortion, from a board or from the ball itself."""
+    """Find a camera's focal length and lens distortion, from a board or from the ball itself; or its mount."""
+    if options.mount != MountOptions():
+        return _with_mount(options)
     if (options.printed_board.board is None) == (options.ball_diameter is None):
         raise ValueError("give --board 9x6 --square 0.025, or --ball-diameter 0.28 --at 0.5,1.0,1.5, and not both")
     _check_outputs(options)
@@ -93,14 +118,15 @@ def _check_outputs(options: CalibrateOptions) -> None:
     """Check the outputs before anything is opened or loaded."""
     from matchset.app.run_folder import check_outputs, check_run
 
-    inputs = [*(options.sources or ()), *(options.target.color or ())]
+    inputs = [*(options.sources or ()), *(options.target.color or ()), *(options.mount.marker_color or ())]
     drawn, out = options.printed_board.board_picture, options.out
     if drawn is not None:
         check_outputs([drawn], inputs, options.force)
         return
     if out is not None and out.suffix.lower() != ".toml":
-        raise ValueError(f"a camera file's name must end in .toml, got {str(out)!r}")
-    coverage = out.with_name(out.stem + "-coverage.png") if out is not None and options.ball_diameter is None else None
+        raise ValueError(f"the file's name must end in .toml, got {str(out)!r}")
+    board = options.printed_board.board is not None
+    coverage = out.with_name(out.stem + "-coverage.png") if out is not None and board else None
     check_run(None, (), [out, coverage], inputs, options.force)
 
 
@@ -121,3 +147,25 @@ def _with_board(options: CalibrateOptions) -> int:
     if len(sources) != 1:
         raise ValueError(f"give one video, folder of pictures or camera that sees the board, got {len(sources)}")
     return calibrate_board(sources[0], board, options.out, options.force, options.topic)
+
+
+def _with_mount(options: CalibrateOptions) -> int:
+    """Check the options of a mount, and measure it."""
+    mount, count = options.mount, len(options.sources or ())
+    if not mount.mount:
+        raise ValueError("--place, --camera-file and --marker-color belong to --mount")
+    if options.printed_board != BoardOptions() or options.at is not None:
+        raise ValueError("--mount takes neither a board nor --at")
+    if mount.camera_file is None:
+        raise ValueError("--mount needs --camera-file camera.toml, made by 'matchset calibrate --board ...'")
+    if not mount.place:
+        raise ValueError("--mount needs --place RIGHT,UP,AHEAD: the ball's center from the lens, m; one for each place")
+    if options.target != TargetOptions(color=options.target.color) or not options.target.color:
+        raise ValueError("--mount needs --color ball.npz, made by 'matchset learn', and takes no other way to say it")
+    if count not in (1, len(mount.place)):
+        raise ValueError(f"give a camera, or one video for each of the {len(mount.place)} places, got {count} sources")
+    _check_outputs(options)
+    unit_note("--ball-diameter", options.ball_diameter, LARGE_BALL)
+    from matchset.app.calibrate.mount_command import calibrate_mount
+
+    return calibrate_mount(options)

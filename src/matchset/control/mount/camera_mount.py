@@ -42,6 +42,8 @@ class MountParameters(
     marker_yaw : float
         How far the neighbor's marker is to the right of its back, as seen from behind, rad. Nothing in a flight shows
         it; `matchset calibrate --mount` measures it.
+    marker_elevation : float
+        How far that marker is above the equator of its ball, rad; `matchset calibrate --mount` measures it.
     pitch_sigma : float
         Standard deviation of `pitch`, rad. More learns more of a wrong one, and takes more of a marker that is not on
         the equator for it; 0 learns nothing (``doubt``). Estimate: 5 degrees for a mount by eye.
@@ -65,6 +67,7 @@ class MountParameters(
     pitch: float = 0.0
     roll: float = 0.0
     marker_yaw: float = 0.0
+    marker_elevation: float = 0.0
     pitch_sigma: float = 0.09
     marker_sigma: float = 0.03
     tilt_noise: float = 0.05
@@ -74,7 +77,7 @@ class MountParameters(
     nearest: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("yaw", "pitch", "roll", "marker_yaw"):
+        for name in ("yaw", "pitch", "roll", "marker_yaw", "marker_elevation"):
             require(self, (name,), lambda value: abs(value) < 0.5 * math.pi, "less than a quarter turn, in rad")
         require_not_negative(self, ("pitch_sigma", "change", "max_correction"))
         require_positive(self, ("marker_sigma", "tilt_noise", "max_rate", "nearest"))
@@ -154,7 +157,7 @@ class CameraMount:
             return
         self._variance += parameters.change**2 * step
         gain = self._variance / (self._variance + parameters.tilt_noise**2 / step)
-        self._elevation += gain * (math.atan2(-down, back) - self._elevation)
+        self._elevation += gain * (math.atan2(-down, back) - parameters.marker_elevation - self._elevation)
         self._variance *= 1.0 - gain
         best = self._share * self._elevation
         best = min(max(best, -parameters.max_correction), parameters.max_correction)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import matchset as ms
+from matchset.image.candidates import NearParameters, circle_near
 from matchset.image.click_region import circle_at, disc_mask, regions_at_click
 from matchset.image.color_learning import ClickParameters, ColorParameters, RegionParameters
 
@@ -181,8 +182,29 @@ def test_how_a_click_is_understood_can_be_said() -> None:
     assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == circle
     no_circle = ColorParameters(click=ClickParameters(min_score=1.0))
     assert regions_at_click(image, X + 5.0, Y, no_circle)[1] is None
-    with pytest.raises(ValueError, match="no background is left to learn from"):
-        ms.ColorModel.pick(image, X + 5.0, Y, no_circle)
+    nothing = ColorParameters(click=ClickParameters(min_score=1.0, near=NearParameters(min_rim=1.1)))
+    with pytest.raises(ValueError, match=r"no background is left to learn from, nor is an outline .* click elsewhere"):
+        ms.ColorModel.pick(image, X + 5.0, Y, nothing)
+
+
+@pytest.mark.parametrize("radius", [5.0, 7.0, 10.0])
+def test_a_small_ball_between_blocks_is_not_refused(radius: float) -> None:
+    """Gray blocks of a coarse picture about as different from each other as the ball is from them."""
+    rng = np.random.default_rng(7)
+    blocks = np.repeat(np.repeat(rng.integers(110, 150, (15, 20)), 16, axis=0), 16, axis=1)
+    image = np.repeat(blocks[:, :, np.newaxis], 3, axis=2).astype(np.uint8)
+    rows, columns = np.indices(image.shape[:2])
+    image[np.hypot(columns - 160.0, rows - 120.0) < radius] = (150, 120, 95)
+    image = np.asarray(cv2.imdecode(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 40])[1], cv2.IMREAD_COLOR))
+    for parameters in (ColorParameters(), ColorParameters(least_hits=1.1)):  # its color told, and refused
+        circle = ms.ColorModel.pick(image, 160.0 + 0.4 * radius, 120.0, parameters).circle
+        assert circle is not None
+        assert math.hypot(circle[0] - 160.0, circle[1] - 120.0) < 0.5 * radius
+        assert 0.6 < circle[2] / radius < 1.7
+
+
+def test_a_picture_without_edges_has_no_circle_near_a_point() -> None:
+    assert circle_near(np.full((60, 80, 3), 90, np.uint8), 40.0, 30.0, NearParameters()) is None
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (160, 80), (90, 140)])

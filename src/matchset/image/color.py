@@ -17,15 +17,9 @@ import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
+from matchset.image.candidates import circle_near
 from matchset.image.click_region import background_mask, circle_around, disc_mask, grow_region, regions_at_click, tells
-from matchset.image.color_learning import (
-    DEFAULT,
-    ColorParameters,
-    bin_centers,
-    cells_of,
-    features,
-    log_odds_between,
-)
+from matchset.image.color_learning import DEFAULT, ColorParameters, bin_centers, cells_of, features, log_odds_between
 from matchset.image.display.png import png_of
 from matchset.image.display.swatch import colors_in_words, swatch_of
 from matchset.image.errors import MissingFileError
@@ -153,19 +147,24 @@ class ColorModel(Copied):
         if not (-0.5 <= x < image.shape[1] - 0.5 and -0.5 <= y < image.shape[0] - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {image.shape[1]} x {image.shape[0]} picture")
         targets, circle = regions_at_click(image, x, y, parameters)
-        refusals: list[str] = []
+        if circle is None:
+            model = cls._told_apart(image, targets[0], background_mask(targets[0], parameters), parameters)
+            if isinstance(model, ColorModel):
+                model.circle = circle_around(targets[0])
+                return model
+            circle = circle_near(image, x, y, parameters.click.near)
+            if circle is None:
+                raise ValueError(f"pick ({x:g}, {y:g}): {model}, nor is an outline around it closed: click elsewhere")
+            targets = [disc_mask(image.shape, circle, parameters.region.rim)]
         found: list[ColorModel] = []
         for target in targets:
             model = cls._told_apart(image, target, background_mask(target, parameters), parameters)
             if isinstance(model, str):
-                refusals.append(model)
                 continue
-            model.circle = circle or circle_around(target)
+            model.circle = circle
             found.append(model)
-            if circle is None or tells(model, image, target, circle, parameters.region):
+            if tells(model, image, target, circle, parameters.region):
                 return model
-        if circle is None:
-            raise ValueError(f"pick ({x:g}, {y:g}): {refusals[0]}")
         return found[0] if found else cls._in_its_surroundings(image, targets[-1], circle, parameters)
 
     @classmethod

@@ -19,6 +19,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.candidates import NearParameters
+
 Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
@@ -112,6 +114,8 @@ class ClickParameters(msgspec.Struct, frozen=True):
         or painted part of a ball. More than 0.75 leaves such parts; less than 0.65 takes in the ground of some balls.
     around_least : float
         Radius from which a circle is one around another and not the same, in radii.
+    near : NearParameters
+        Which circles are compared where neither a region nor its color stands out.
     """
 
     half_widths: tuple[float, ...] = (140.0, 36.0)
@@ -126,6 +130,7 @@ class ClickParameters(msgspec.Struct, frozen=True):
     around_rim: float = 0.7
     around_score: float = 0.7
     around_least: float = 1.25
+    near: NearParameters = NearParameters()
 
 
 class ColorParameters(msgspec.Struct, frozen=True):

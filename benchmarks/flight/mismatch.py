@@ -37,6 +37,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
         Fields of `FollowerParameters` that are told wrong.
     mount : dict
         Fields of `MountParameters` that were measured before, as `matchset calibrate --mount` does.
+    pictures : bool
+        Whether it is flown with pictures even without `--rendered`: without them it is a nominal flight.
     survive : int
         The bar: how many of 20 flights survive.
     rms : float
@@ -47,12 +49,13 @@ class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     vary: str = ""
     told: dict[str, float] = {}
     mount: dict[str, float] = {}
+    pictures: bool = False
     survive: int = 19
     rms: float = 10.0
 
     def flight(self, seed: int, duration: float, rendered: bool) -> FlightParameters:
         """Make the flight of a seed."""
-        flight = with_world(FlightParameters(duration=duration), seed=seed, quick=not rendered)
+        flight = with_world(FlightParameters(duration=duration), seed=seed, quick=not (rendered or self.pictures))
         follower = msgspec.structs.replace(flight.pilot.follower, **self.told)
         follower = msgspec.structs.replace(follower, mount=msgspec.structs.replace(follower.mount, **self.mount))
         flight = msgspec.structs.replace(flight, pilot=msgspec.structs.replace(flight.pilot, follower=follower))

@@ -64,6 +64,8 @@ class PictureTimes(msgspec.Struct, frozen=True, kw_only=True):
     lost : float
         Share of the pictures that do not come.
     seed : int
+    exposed : int
+        Steps of the world from the middle of a picture to the end of its exposure: no picture comes before.
     """
 
     fps: int
@@ -72,11 +74,12 @@ class PictureTimes(msgspec.Struct, frozen=True, kw_only=True):
     jitter: float = 0.0
     lost: float = 0.0
     seed: int = 0
+    exposed: int = FIELD
 
     def delivered(self, index: int) -> int:
-        """Step of the world at which a picture has been processed; after its second field at the earliest."""
+        """Step of the world at which a picture has been processed; after its exposure at the earliest."""
         latency = self.latency + self._late(index)
-        return RATE // self.fps * index + max(round(latency * RATE), FIELD)
+        return RATE // self.fps * index + max(round(latency * RATE), self.exposed)
 
     def stamp(self, index: int) -> float:
         """Time that a picture is stamped with, s."""

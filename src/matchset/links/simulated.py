@@ -23,6 +23,7 @@ from matchset.shapes.circle import Circle
 from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.conditions.conditions import Conditions
+from matchset.sim.conditions.exposures import half_exposure
 from matchset.sim.conditions.outlines import Outline, OutlineCameras, OutlineNoise
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehicleParameters, VehiclePose, toy
@@ -195,6 +196,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             jitter=1e-3 * conditions.jitter_ms,
             lost=conditions.frames_lost,
             seed=self.seed,
+            exposed=FIELD + half_exposure(conditions.blur_ms, RATE),
         )
 
     @property
@@ -264,7 +266,7 @@ class SimulatedChain:
         """
         taken = STEPS_PER_FRAME * index
         self.world.advance(self._times.delivered(index))
-        newest = (self.world.step - FIELD) // STEPS_PER_FRAME  # rendered ahead by the threads
+        newest = (self.world.step - self._times.exposed) // STEPS_PER_FRAME  # rendered ahead by the threads
         for wanted in range(index, max(newest, index) + 1):
             if wanted * STEPS_PER_FRAME / RATE >= self.parameters.cable:
                 break

@@ -7,6 +7,8 @@ from matchset.camera.camera_model import CameraModel
 from matchset.sim.airframe import airframe
 from matchset.sim.analog_link import PRESETS, degrade
 from matchset.sim.clips.balloon import Balloon
+from matchset.sim.conditions.exposures import Exposures
+from matchset.sim.conditions.shade import Shade
 from matchset.sim.rendering.background import FastScene
 from matchset.sim.rendering.surface import Surface
 from matchset.sim.scene.scene import Scene
@@ -19,6 +21,7 @@ Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
 FIELD = 4  # format: steps from the middle of a frame to that of a field
+FLOOR = 3  # format: number of the floor among the surfaces of a room
 
 
 class WorldCameras(WorldViews):
@@ -52,7 +55,10 @@ class WorldCameras(WorldViews):
             for each in surfaces
         ]
         balloon = Balloon(radius=vehicle.ball_radius)
-        self._camera = VehicleCamera(self.model, FastScene(room), balloon, self._link.interlaced)
+        conditions = world.parameters.conditions
+        shade = Shade(conditions.shadow, _mean_color(surfaces[FLOOR]), world.seed) if conditions.shadow else None
+        self._camera = VehicleCamera(self.model, FastScene(room), balloon, self._link.interlaced, shade)
+        self._exposures = Exposures(conditions, RATE, world.seed)
         flying = Appearance(FastScene(airframe(vehicle)), turn=self._marker)
         hanging = Appearance(FastScene(airframe(vehicle, rope=1.0)), above=1.2, turn=self._marker)
         self._appearances = [flying] * (chain.vehicles - 1) + [hanging]
@@ -67,7 +73,8 @@ class WorldCameras(WorldViews):
         who : int
             Whose, from 0.
         step : int
-            Of the last second; interlaced fields are exposed 4 steps before and after it, so at most 4 before now.
+            Of the last second; interlaced fields are exposed 4 steps before and after it, so at most 4 before now, and
+            half of `Conditions.blur_ms` more.
 
         Returns
         -------
@@ -81,9 +88,9 @@ class WorldCameras(WorldViews):
         """
         frame, fields = self._camera.frame(), self._camera.fields
         for field in range(fields):
-            self._expose(field, who, step + FIELD * (2 * field - 1) * (fields - 1), frame)
+            self._expose_field(field, who, step + FIELD * (2 * field - 1) * (fields - 1), frame)
         seed = (self.world.seed * 64 + who) * 1_000_003 + step
-        return degrade(frame, self._link, seed, work=self._camera.planes())
+        return degrade(frame, self._link, seed, self._exposures.gain(step), self._camera.planes())
 
     def held_ball(self, who: int) -> Bytes:
         """Take a picture of a ball that is held 1 m before a camera, the marker toward it."""
@@ -96,6 +103,22 @@ class WorldCameras(WorldViews):
             self._camera.expose(field, position, me.rotation, [(held, Appearance())], frame)
         return degrade(frame, self._link, self.world.seed * 64 + who)
 
+    def _expose_field(self, field: int, who: int, middle: int, frame: Bytes) -> None:
+        """Draw a field of a camera whose exposure has its middle at a step: the mean of its sub-exposures, lit."""
+        steps, gain, lines = (
+            self._exposures.steps(middle),
+            self._exposures.field_gain(middle),
+            frame[field :: self._camera.fields],
+        )
+        self._expose(field, who, steps[0], frame)
+        if len(steps) == 1 and gain == 1.0:
+            return
+        total = lines.astype(np.float32)
+        for step in steps[1:]:
+            self._expose(field, who, step, frame)
+            total += lines
+        lines[:] = np.clip(total * (gain / len(steps)) + 0.5, 0.0, 255.0)
+
     def _expose(self, field: int, who: int, step: int, frame: Bytes) -> None:
         """Draw a field of a camera as it is at a step."""
         poses = self.world.poses(step)
@@ -105,6 +128,12 @@ class WorldCameras(WorldViews):
             middle = position + 0.5 * (poses[who + 1].ball - position)
             others.append((VehiclePose(middle, me.rotation, middle), self._board))
         self._camera.expose(field, position, self.viewpoint(me).from_room.T, others, frame)
+
+
+def _mean_color(surface: Surface) -> Floats:
+    """Mean of the colors of a surface, BGR."""
+    mean: Floats = surface.texture[..., :3].reshape(-1, 3).mean(axis=0)
+    return mean
 
 
 def _board() -> Appearance:

@@ -17,6 +17,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Block
 from matchset.sim.clips.balloon import Balloon
+from matchset.sim.conditions.shade import Shade
 from matchset.sim.rendering.background import FastScene
 from matchset.sim.rendering.coverage import SHADING, PackedPixels, Pinhole, draw_sphere_fast
 from matchset.sim.rendering.lens_warp import FastLensWarp, widen
@@ -86,6 +87,8 @@ class VehicleCamera:
         What the balls look like.
     interlaced : bool
         Two fields a frame.
+    shade : Shade, optional
+        What throws shadows; nothing does by default.
 
     Attributes
     ----------
@@ -93,8 +96,10 @@ class VehicleCamera:
         Fields of a frame: 1 or 2.
     """
 
-    def __init__(self, camera: CameraModel, room: FastScene, balloon: Balloon, interlaced: bool) -> None:
-        self.camera, self.room, self.balloon = camera, room, balloon
+    def __init__(
+        self, camera: CameraModel, room: FastScene, balloon: Balloon, interlaced: bool, shade: Shade | None = None
+    ) -> None:
+        self.camera, self.room, self.balloon, self.shade = camera, room, balloon, shade
         self._kept = threading.local()
         self.fields = 2 if interlaced else 1
         self._lenses = [FastLensWarp(camera, self.fields, k) for k in range(self.fields)]
@@ -127,7 +132,11 @@ class VehicleCamera:
         shape = lens.height, lens.width // 2
         room, spread = self._buffer("room", shape, np.uint32), self._buffer("spread", shape, np.uint64)
         room[:] = 0
-        self.room.draw(room, lens.half, view.from_room, -view.from_room @ position, lens.columns)
+        nearest = self.room.draw(room, lens.half, view.from_room, -view.from_room @ position, lens.columns)
+        if self.shade is not None:
+            for pose, _ in others:
+                spot = view.from_room @ (self.shade.below(pose.ball) - position)
+                self.shade.spot.draw(room, lens.half, view.from_room, spot, lens.columns, nearest)
         lens.warp(room, spread, frame)
         left, top, right, bottom = self._window(lens, others, view)
         if right > left:
@@ -184,7 +193,9 @@ class VehicleCamera:
                 back = view.from_room
                 parts.draw(window, pinhole, back @ rotation, back @ (position - view.position))
             else:
-                _draw_ball(window, pinhole, view, position, rotation, self._shading)
+                shade, lit = self.shade, self._shading
+                lit = lit if shade is None else shade.ball(lit, position, view.from_room)
+                _draw_ball(window, pinhole, view, position, rotation, lit)
 
 
 @kernel

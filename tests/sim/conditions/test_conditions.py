@@ -63,6 +63,7 @@ def test_by_default_the_flight_is_the_one_without_conditions() -> None:
 def test_every_name_changes_something_and_says_what_it_is() -> None:
     steady = {"told_latency_ms", "jitter_ms", "frames_lost", "commands_lost", "marker_yaw_deg", "focal_length"}
     steady |= {"camera_pitch_deg", "camera_yaw_deg", "camera_roll_deg", "gust_time_s"}  # cameras, links, or with gusts
+    steady |= {"blur_ms", "flicker", "exposure_swing", "shadow"}  # pictures alone
     sticks = Command(0.2, -0.3, 0.5, 0.62)
     nominal = flown(0.7, sticks)
     for each in quantities():

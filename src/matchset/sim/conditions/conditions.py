@@ -87,6 +87,16 @@ class Conditions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     camera_roll_deg: Annotated[float, _within(-45.0, 45.0, "degree", "the camera is mounted turned clockwise")] = 0.0
     focal_length: Annotated[float, _within(0.5, 2.0, "x", "focal length of the lens")] = 1.0
     marker_yaw_deg: Annotated[float, _within(-90.0, 90.0, "degree", "the marker is glued so far to the right")] = 0.0
+    blur_ms: Annotated[
+        float, _within(0.0, 33.0, "ms", "how long a picture or a field is exposed: what moves is blurred")
+    ] = 0.0
+    flicker: Annotated[float, _within(0.0, 1.0, "", "share of the light that goes and comes 100 times a second")] = 0.0
+    exposure_swing: Annotated[
+        float, _within(1.0, 8.0, "x", "brightest over darkest picture: automatic exposure that swings in 4 s")
+    ] = 1.0
+    shadow: Annotated[
+        float, _within(0.0, 1.0, "", "share of the light lost in shadows: on balls, in patches of the room, below")
+    ] = 0.0
     ball_diameter: Annotated[float, _within(0.5, 2.0, "x", "diameter of the balls")] = 1.0
     rope_length_m: Annotated[float | None, _within(0.2, 5.0, "m", "length of the rope; 1.2")] = None
 

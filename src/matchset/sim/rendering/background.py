@@ -70,7 +70,8 @@ class FastScene:
         rotation: Floats,
         translation: Floats,
         columns: Ints | None = None,
-    ) -> None:
+        nearest: Depth | None = None,
+    ) -> Depth:
         """Draw what a camera sees over a picture, in place.
 
         Parameters
@@ -85,13 +86,21 @@ class FastScene:
             Origin of the surfaces' frame in that of the camera, m.
         columns : ndarray of shape (h, 2), int64, optional
             First and last column of each row that is wanted; all by default.
+        nearest : ndarray of shape (h, w), float32, optional
+            1/depth of what the picture shows already, changed; nothing by default.
+
+        Returns
+        -------
+        ndarray of shape (h, w), float32
+            1/depth of what it shows now; valid until the next picture of this thread.
         """
-        nearest = self._depth(picture.shape)
+        nearest = self._depth(picture.shape) if nearest is None else nearest
         pose = np.ascontiguousarray(rotation), translation
         if columns is None:
             columns = np.zeros((picture.shape[0], 2), np.int64)
             columns[:, 1] = picture.shape[1] - 1
         draw_surfaces_fast(picture, nearest, self._surfaces, pose, pinhole, columns)
+        return nearest
 
     def _depth(self, shape: tuple[int, ...]) -> Depth:
         """Depth buffer that each thread keeps: fresh pages cost more than drawing on them."""

@@ -16,6 +16,7 @@ from matchset.app.cli_options import command_of
 from matchset.app.exit_codes import EXIT_CODES, errors_in_one_line, print_error
 from matchset.app.flight.command import FLY_EPILOG, fly
 from matchset.app.help_printer import NARROW, load_help_printer, plain_help
+from matchset.app.identify.command import IDENTIFY_EPILOG, identify
 from matchset.app.live.command import LIVE_EPILOG, live
 from matchset.app.locate.command import LOCATE_EPILOG, locate
 from matchset.app.radio.command import radio
@@ -64,6 +65,7 @@ app.command(epilog=CALIBRATE_EPILOG)(command_of(calibrate))
 app.command(epilog=LOCATE_EPILOG)(command_of(locate))
 app.command(epilog=LIVE_EPILOG)(command_of(live))
 app.command(epilog=FLY_EPILOG)(command_of(fly))
+app.command(epilog=IDENTIFY_EPILOG)(command_of(identify))
 app.command(epilog=SIMULATE_EPILOG)(command_of(simulate))
 app.command(epilog=REPLAY_EPILOG)(command_of(replay))
 app.command(epilog=SCORE_EPILOG)(command_of(score))

@@ -1,5 +1,6 @@
 """The parameters of a flight from a TOML file, from a URI and from options; `flight.toml` has the defaults."""
 
+import datetime
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,29 @@ from matchset.sim.toml_settings import read_settings
 TEMPLATE = "flight.toml"
 
 
+class Identified(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A number of a vehicle as `matchset identify` found it, for people and programs: a flight does not read it.
+
+    Parameters
+    ----------
+    name : str
+    value, sigma : float
+        In its unit, and its standard deviation.
+    unit : str
+        Empty for none.
+    found : bool
+        Whether the flight told it.
+    date : date
+    """
+
+    name: str
+    value: float
+    sigma: float
+    unit: str
+    found: bool
+    date: datetime.date
+
+
 class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What a TOML file of a flight holds.
 
@@ -29,11 +53,14 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         to the TOML file.
     follower : tuple of LinkedFollower
         Real followers, in the order of the chain: ``[[follower]]``. Paths are relative to the TOML file.
+    identified : tuple of Identified
+        Where the numbers of a vehicle come from: ``[[identified]]``.
     """
 
     flight: FlightParameters = FlightParameters()
     camera: str = ""
     follower: tuple[LinkedFollower, ...] = ()
+    identified: tuple[Identified, ...] = ()
 
 
 def default_toml() -> str:

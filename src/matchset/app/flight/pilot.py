@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.flight.excitation import Excitation, ExcitationParameters
 from matchset.app.flight.real_time.rehearsal import RehearsalCamera, RehearsalLink
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
@@ -151,6 +152,8 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     follower : FollowerParameters
     repeated : RepeatedPictureParameters
     safety : SafetyParameters
+    excitation : ExcitationParameters or None
+        Known motions that are added to the sticks, to identify the vehicle by; None for none.
     """
 
     target: BallTarget = BallTarget()
@@ -160,6 +163,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     follower: FollowerParameters = FollowerParameters()
     repeated: RepeatedPictureParameters = RepeatedPictureParameters()
     safety: SafetyParameters = SafetyParameters()
+    excitation: ExcitationParameters | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near < math.inf:
@@ -205,7 +209,8 @@ class Pilot:
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
-        self._safety = SafetyState()
+        self._safety, shaken = SafetyState(), self.parameters.excitation
+        self._excitation = None if shaken is None else Excitation(self.parameters.place, shaken)
         self._pictures, self._fault = PicturesSeen(), ""
         self._frame_time = self._seen_time = -math.inf
 
@@ -280,7 +285,8 @@ class Pilot:
         fault = self._picture_fault()
         doubt = self._follower.neighbor.doubt if isinstance(pose, Pose) else ""
         inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self.landing or fault, doubt)
-        wanted, self._safety = safety_filter(control and control.desired, inputs, self._safety, self.parameters.safety)
+        desired = control and (self._excitation(control, self._safety, now) if self._excitation else control.desired)
+        wanted, self._safety = safety_filter(desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()
         if stopped:
             wanted, self._safety = Command(), SafetyState("cut", stopped, now)

@@ -1,0 +1,118 @@
+"""`matchset identify`: a short flight, and what a controller must know of the vehicle, written as settings.
+
+Imports that take long stand inside the functions, so that `matchset --help` answers at once.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import msgspec
+import typer
+
+from matchset.app.cli_options import Force
+from matchset.app.flight.command import Config, FlyOptions, Seed
+from matchset.app.flight.linked.options import LinkedOptions
+from matchset.app.flight.output_files import FlightFiles, Quiet
+
+if TYPE_CHECKING:
+    from matchset.app.flight.flight import FlightParameters
+    from matchset.app.identify.parameters import IdentifyParameters
+
+IDENTIFY_EPILOG = """
+[bold]Examples[/bold]
+
+  matchset identify "sim://chain?thrust=0.85&latency_ms=133" -o vehicle.toml
+
+  matchset identify serial:///dev/ttyUSB0 --camera 0 --camera-file camera.toml --color ball.npz --marker-color \
+marker.npz -o vehicle.toml
+
+  matchset fly --config vehicle.toml
+
+Hang the ball up so that it does not move, its marker toward the camera, and put the vehicle at its set place. A real \
+one is a dry run: no throttle is sent without --arm. docs/flight.md has the way there.
+
+Exit codes: 0 found all that a flight needs, 1 not, 2 bad input or options, 3 a device broke, 130 stopped by Ctrl-C.
+
+The space key, and SIGUSR1, stop the motors at once: the vehicle falls.
+"""
+
+Whom = Annotated[
+    str | None,
+    typer.Argument(metavar="LINK", help="Whom to identify: serial:///dev/ttyUSB0, or sim://chain?seed=7."),
+]
+Output = Annotated[Path, typer.Option("-o", metavar="FILE.toml", help="Settings to write, for 'fly --config'.")]
+Duration = Annotated[float | None, typer.Option("--duration", metavar="S", help="How long it flies, s; 10 without it.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Of a simulated one: without pictures, outlines with noise.")]
+
+
+class IdentifyOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `matchset identify`; each is explained where its type is defined."""
+
+    whom: Whom = None
+    out: Output = Path("vehicle.toml")
+    config: Config = None
+    seed: Seed = None
+    duration: Duration = None
+    linked: LinkedOptions = LinkedOptions()
+    files: FlightFiles = FlightFiles()
+    quick: Quick = False
+    quiet: Quiet = False
+    force: Force = False
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether a simulated vehicle is meant."""
+        return self.whom is None or self.whom.startswith("sim:")
+
+    def fly_options(self) -> FlyOptions:
+        """Return the options of the flight.
+
+        Raises
+        ------
+        ValueError
+            If the link is named twice.
+        """
+        linked, uri = self.linked, self.whom
+        if not self.is_simulated:
+            if linked.link is not None:
+                raise ValueError(f"the link is named twice: {self.whom} and --link {linked.link}")
+            linked, uri = msgspec.structs.replace(linked, link=self.whom), None
+        elif self.whom is None and linked.given:
+            uri = None
+        return FlyOptions(
+            uri=uri,
+            config=self.config,
+            seed=self.seed,
+            linked=linked,
+            files=self.files,
+            quiet=self.quiet,
+            force=self.force,
+        )
+
+    def flight(self, parameters: "IdentifyParameters") -> "FlightParameters":
+        """Read the settings: one follower before a ball that hangs still, unless they say otherwise, flown carefully.
+
+        Raises
+        ------
+        ValueError
+            If a setting is refused, or names several followers.
+        """
+        from matchset.app.flight.config import flight_parameters, with_uri, with_world
+        from matchset.app.identify.parameters import careful
+
+        flight = flight_parameters(self.config, self.duration or parameters.duration)
+        if self.config is None:
+            flight = with_world(flight, swing=0.0, yaw_deg=0.0)
+        flight = with_uri(self.whom, with_world(flight, vehicles=2)) if self.is_simulated and self.whom else flight
+        if self.is_simulated and self.whom and flight.world.vehicles != 2:
+            raise ValueError(f"one vehicle is identified at a time: vehicles is 2, got {flight.world.vehicles}")
+        if self.seed is not None:
+            flight = with_world(flight, seed=self.seed)
+        return careful(with_world(flight, quick=self.quick), parameters)
+
+
+def identify(options: IdentifyOptions) -> int:
+    """Find what a controller must know of a vehicle, by some seconds of flight: hover, delay, gains, lags."""
+    from matchset.app.identify.run import run
+
+    return run(options)

@@ -1,0 +1,143 @@
+"""Flies, identifies, shows and writes: `run`."""
+
+import datetime
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.flight.command import run_flight
+from matchset.app.flight.flight import ChainFlight, ChainStep, Flight
+from matchset.app.flight.linked.opening import open_flight
+from matchset.app.flight.score import FlightScorer
+from matchset.app.identify.command import IdentifyOptions
+from matchset.app.identify.estimate import estimate
+from matchset.app.identify.flight_log import FlightLog, LoggedStep
+from matchset.app.identify.parameters import IdentifyParameters
+from matchset.app.identify.vehicle_file import vehicle_toml
+from matchset.app.identify.verdict import NEEDED, Finding, findings
+from matchset.app.progress import announce_if_slow
+from matchset.app.run_folder import check_outputs, output_file
+from matchset.image.files.whole_file import write_whole
+
+
+class LoggedFlight(ChainFlight):
+    """A flight that keeps what counts of the steps of its first follower; all else is the flight's.
+
+    Parameters
+    ----------
+    flight : ChainFlight
+
+    Attributes
+    ----------
+    logged : list of LoggedStep
+    """
+
+    def __init__(self, flight: ChainFlight) -> None:
+        self._flight, self.logged = flight, list[LoggedStep]()
+        self.parameters, self.pilots, self.setup = flight.parameters, flight.pilots, flight.setup
+
+    def __iter__(self) -> Iterator[ChainStep]:
+        """Fly, and keep."""
+        for chain_step in self._flight:
+            self.logged.append(LoggedStep.of(chain_step.steps[0]))
+            yield chain_step
+        self.fault = self._flight.fault
+
+    def land(self, reason: str) -> bool:
+        """Bring it down, as the flight does."""
+        return self._flight.land(reason)
+
+    def briefing(self, keys: bool) -> Iterable[str]:
+        """Say what the flight says."""
+        return self._flight.briefing(keys)
+
+    def debriefing(self) -> Iterable[str]:
+        """Say what the flight says."""
+        return self._flight.debriefing()
+
+    def succeeded(self, scorer: FlightScorer) -> bool:
+        """Whether it flew to the end."""
+        return self._flight.succeeded(scorer)
+
+    def close(self) -> None:
+        """Land, and close the devices."""
+        self._flight.close()
+
+
+def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) -> int:
+    """Fly and identify; returns the exit code.
+
+    Parameters
+    ----------
+    options : IdentifyOptions
+    parameters : IdentifyParameters, optional
+
+    Raises
+    ------
+    ValueError
+        If options do not belong together, a file cannot be written, or the flight was too short.
+    LinkError
+        If a device was to blame for the end.
+    """
+    parameters = parameters or IdentifyParameters()
+    fly_options = options.fly_options()
+    check_outputs([options.out], [options.config], options.force)
+    options.files.check(options.force, [options.config, options.out, *fly_options.linked.inputs])
+    with announce_if_slow("getting ready ..."):
+        flight = LoggedFlight(_opened(options, parameters))
+    options.files.make_folders(options.force)
+    code = _flown_quickly(flight) if options.quick else run_flight(flight, fly_options)
+    if flight.setup.kind == "dry run":
+        print("dry run: without throttle nothing can be identified; --arm flies")
+        return code
+    if code not in (FOUND, NOT_FOUND):
+        return code
+    log = FlightLog.of(flight.logged, parameters.airborne)
+    found = findings(estimate(log, parameters=parameters.estimate), log, parameters)
+    words = f"{options.whom or fly_options.linked.link}, {log.duration:.1f} s of flight"
+    path = output_file(options.out, options.force)
+    write_whole(path, vehicle_toml(found, words, datetime.date.today(), parameters).encode())
+    _show(found, log)
+    print(f"  {path}")
+    if code == NOT_FOUND:
+        print("note: it came down before its time; what was found until then is written", file=sys.stderr)
+    return code if not any(each.missing for each in found if each.name in NEEDED) else NOT_FOUND
+
+
+def _opened(options: IdentifyOptions, parameters: IdentifyParameters) -> ChainFlight:
+    """Make the flight, simulated or real."""
+    fly_options = options.fly_options()
+    followers = fly_options.linked.followers(fly_options.uri, options.config)
+    flight = options.flight(parameters)
+    if not followers:
+        return Flight(flight)
+    if len(followers) > 1:
+        raise ValueError(f"one vehicle is identified at a time: {options.config} names {len(followers)} followers")
+    if options.quick:
+        raise ValueError("--quick is for a simulated vehicle")
+    return open_flight(fly_options.linked.flight(flight), followers, dry=not fly_options.linked.arm)
+
+
+def _flown_quickly(flight: LoggedFlight) -> int:
+    """Fly a simulated vehicle without pictures, tables and files; returns the exit code."""
+    scorer = FlightScorer(flight.parameters)
+    with StopRequest() as stop, flight:
+        for chain_step in flight:
+            scorer.add(chain_step)
+            if scorer.crashed or stop:
+                break
+    return stop.code if stop else FOUND if flight.succeeded(scorer) else NOT_FOUND
+
+
+def _show(found: Sequence[Finding], log: FlightLog) -> None:
+    """Print a line for each number."""
+    for each in found:
+        value = each.words if not each.missing else f"not found: {each.missing}"
+        print(f"  {each.name:14} {value:28} {each.meaning}")
+    whole = 1e3 * (next(each.value for each in found if each.name == "delay") + log.age)
+    if np.isfinite(whole):
+        print(
+            f"  from a picture to the first effect of its command: {whole:.0f} ms, {1e3 * log.age:.0f} of them its age"
+        )

@@ -37,6 +37,7 @@ NOT_RUN = {
     r"matchset (learn|track|calibrate|locate) 0\b": HARDWARE,
     r"matchset radio ": HARDWARE,
     r"matchset fly --camera ": HARDWARE,
+    r"matchset identify serial:": HARDWARE,
     r"matchset live\b": ENDLESS,
     r"cd firmware/|make (flash|isp) ": HARDWARE,
     r"pip install|git clone|cd matchset$": NETWORK,
@@ -46,6 +47,8 @@ NOT_RUN = {
 }
 SHORTER = {
     "--duration 10": "--duration 0.4",
+    'matchset identify "sim://': 'matchset identify --quick "sim://',
+    "matchset fly --config vehicle.toml": "matchset fly --config vehicle.toml --duration 0.2",
     "matchset fly sim://chain ": "matchset fly sim://chain --duration 0.2 ",
     'matchset fly "sim://chain?vehicles=5&seed=7"': 'matchset fly "sim://chain?vehicles=3&seed=7" --duration 0.2',
 }

@@ -4,6 +4,7 @@ import msgspec
 
 from matchset.fitting.consensus import ConsensusParameters
 from matchset.fitting.fitter import FittingParameters
+from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color_adaptation import AdaptationParameters
 from matchset.tracking.detector import DetectionParameters
@@ -55,6 +56,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         Which outlines are drawn from edge points where a fit is ambiguous.
     hypothesis_filter : HypothesisFilterParameters
         How those are weighed against the frames before.
+    soft_region : SoftRegionParameters
+        How the region of a blurred target is found, and what it is worth among those.
     initialization : InitializationParameters
         How tracking begins at a given shape.
     search : SearchParameters
@@ -77,6 +80,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     hypotheses: HypothesisParameters = HypothesisParameters()
     consensus: ConsensusParameters = ConsensusParameters()
     hypothesis_filter: HypothesisFilterParameters = HypothesisFilterParameters()
+    soft_region: SoftRegionParameters = SoftRegionParameters()
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from matchset.fitting.consensus import Consensus
 from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.soft_region import find_soft_region
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
@@ -206,8 +207,13 @@ class TrackStep(Copied, Generic[S]):
         traced, predicted, last = estimate.state[:p] - step, motion.predicted[:p].copy(), motion.last_state.copy()
         if self._filter.time < float(motion.time):
             self._filter.begin(last[:2], float(fitter.family.half_width(last)), float(motion.time))
-        given, size = np.array([step, predicted - traced]), estimate.fit.half_width
+        size = estimate.fit.half_width
+        region, worth = self._soft_region(image, estimate.state)
+        given = np.array([step, predicted - traced, *([region[:p] - traced] if worth else [])])
         found = self._consensus.propose(image, color, fitter.outline, size, given)
+        scores = found.scores.copy()
+        if worth:
+            found.scores[2] = max(float(scores[2]), 0.0) + worth
         places, preferred = (traced + found.steps)[:, :2], not estimate.rejection
         which = self._filter.choose(found, places, predicted[:2] - last[:2], frame, preferred)
         state, reach = estimate.state.copy(), max(limits.range_share * size, limits.min_range_px)
@@ -218,13 +224,48 @@ class TrackStep(Copied, Generic[S]):
         rejection = fitted.rejection
         if not rejection and estimate.rejection:
             unseen = fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
-            if unseen or found.scores[which] < limits.least_score:
+            if unseen or scores[which] < limits.least_score:
                 rejection = estimate.rejection
         self.spread = self._filter.spread(found.steps, which)
         if rejection:
             self._filter.forget()
             self.spread = None
         return fitted._replace(rejection=rejection)
+
+    def _soft_region(self, image: Image, state: Floats) -> tuple[Floats, float]:
+        """State of the region of a blurred target around a fit, and what it is worth; 0 where its rim is sharp."""
+        limits, family = self.parameters.soft_region, self.fitter.family
+        here = float(state[0]), float(state[1]), float(family.half_width(state))
+        region = find_soft_region(image, here, limits)
+        worth = region.worth(limits) if region else 0.0
+        return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
+
+    def on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
+        """Fit a detection anew from the region of a blurred target, if it is one and that is a detection too.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        estimate : Estimate
+            The last fit, which was confirmed.
+        prior : Prior
+            What was known of it beforehand.
+        """
+        fitter, limits = self.fitter, self.parameters.hypothesis_filter
+        if not self._draws_outlines(color):
+            return estimate
+        state, worth = self._soft_region(image, estimate.state)
+        if worth <= self.parameters.soft_region.sure * self.parameters.soft_region.worth:
+            return estimate
+        made = fitter.block.copy()
+        reach = max(limits.range_share * float(fitter.family.half_width(state)), limits.min_range_px)
+        window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=True)
+        fitted = fitter.weigh(fitter.fit(image, color, state, window), image, color)
+        if fitter.validate_detection(fitted, prior):
+            fitter.block[:] = made
+            return estimate
+        return fitted
 
     def _test_hypotheses(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate:
         """Fit the hypotheses around an ambiguous fit; the best of all, fitted once more."""

@@ -1,0 +1,69 @@
+"""Regions of blurred discs: center and size whatever blurs them, and no worth where the rim is sharp or cut."""
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
+
+Image = npt.NDArray[np.uint8]
+LIMITS = SoftRegionParameters()
+X, Y, RADIUS = 151.0, 118.0, 30.0
+
+
+def streak(length: float, defocus: float = 0.0, radius: float = RADIUS) -> Image:
+    """Disc that moved along x while it was seen, before a wall of stripes."""
+    rows, columns = np.mgrid[0:240, 0:300].astype(np.float64)
+    wall = np.where((columns // 9 + rows // 14) % 2 > 0, 150.0, 90.0)[:, :, np.newaxis] * np.ones(3)
+    places = np.linspace(-0.5, 0.5, 41) * length
+    covers = [np.clip(radius - np.hypot(columns - X - place, rows - Y) + 0.5, 0.0, 1.0) for place in places]
+    cover = np.mean(covers, axis=0)
+    if defocus:
+        cover = cv2.GaussianBlur(cover, (0, 0), defocus)
+    picture = wall + cover[:, :, np.newaxis] * (np.array([40.0, 190.0, 210.0]) - wall)
+    noise = np.random.default_rng(0).normal(0.0, 3.0, picture.shape)
+    return np.clip(picture + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("length", "defocus"), [(20.0, 3.0), (30.0, 4.0), (0.0, 6.0)])
+def test_blurred_disc_is_found_from_beside_it(length: float, defocus: float) -> None:
+    found = find_soft_region(streak(length, defocus), (X + 6.0, Y - 5.0, 1.1 * RADIUS), LIMITS)
+    assert found is not None
+    assert abs(found.x - X) < 1.0
+    assert abs(found.y - Y) < 1.0
+    assert found.half_width == pytest.approx(RADIUS, abs=2.5)
+    assert found.worth(LIMITS) > 0.0
+
+
+def test_sharp_disc_needs_no_region() -> None:
+    found = find_soft_region(streak(0.0, 1.0), (X + 3.0, Y, RADIUS), LIMITS)
+    assert found is not None
+    assert found.rim < LIMITS.soft
+    assert found.worth(LIMITS) == 0.0
+
+
+def test_half_a_disc_is_worth_nothing() -> None:
+    """A sheet of paper hides the half of a blurred disc: its center and area are those of the part that is seen."""
+    picture = streak(20.0, 3.0)
+    picture[:, 152:] = 235
+    found = find_soft_region(picture, (X, Y, RADIUS), LIMITS)
+    assert found is None or found.worth(LIMITS) == 0.0
+
+
+def test_disc_cut_by_the_border_and_plain_wall_have_none() -> None:
+    picture = streak(20.0, 3.0)
+    assert find_soft_region(np.ascontiguousarray(picture[:, 140:]), (X - 140.0, Y, RADIUS), LIMITS) is None
+    assert find_soft_region(np.full((240, 300, 3), 120, np.uint8), (X, Y, RADIUS), LIMITS) is None
+    assert find_soft_region(picture, (X, Y, 3.0), LIMITS) is None
+
+
+def test_gray_pictures_have_regions_too() -> None:
+    plain = np.full((240, 300), 60.0)
+    rows, columns = np.mgrid[0:240, 0:300]
+    plain[np.hypot(columns - X, rows - Y) < RADIUS] = 200.0
+    gray = cv2.GaussianBlur(plain, (0, 0), 6.0).astype(np.uint8)[:, :, np.newaxis]
+    found = find_soft_region(gray, (X + 4.0, Y, RADIUS), LIMITS)
+    assert found is not None
+    assert found.half_width == pytest.approx(RADIUS, abs=2.5)
+    assert found.worth(LIMITS) > 0.0

@@ -23,7 +23,7 @@ def streak(length: float, defocus: float = 0.0, radius: float = RADIUS) -> Image
         cover = cv2.GaussianBlur(cover, (0, 0), defocus)
     picture = wall + cover[:, :, np.newaxis] * (np.array([40.0, 190.0, 210.0]) - wall)
     noise = np.random.default_rng(0).normal(0.0, 3.0, picture.shape)
-    return np.clip(picture + noise, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(picture + noise, 0, 255), np.uint8)
 
 
 @pytest.mark.parametrize(("length", "defocus"), [(20.0, 3.0), (30.0, 4.0), (0.0, 6.0)])

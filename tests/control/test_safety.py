@@ -55,6 +55,19 @@ def test_sticks_are_limited_and_change_gradually() -> None:
     assert command == Command(-LIMITS.max_tilt, LIMITS.max_tilt, -LIMITS.max_yaw, LIMITS.min_throttle)
 
 
+def test_a_descent_out_of_a_climb_begins_with_no_more_than_what_hovers() -> None:
+    for hover, first in ((0.6, 0.6), (0.95, 0.9)):
+        state, now = SafetyState(), 0.0
+        for _ in range(30):
+            now += STEP
+            climb = DesiredCommand(0.0, 0.0, 0.0, 0.9)
+            _, state = safety_filter(climb, SafetyInputs(now, now, now, True, hover=hover), state)
+        assert state.command.throttle == pytest.approx(0.9)
+        inputs = SafetyInputs(now + STEP, now + STEP, now + STEP, True, "old pictures", hover=hover)
+        command, _ = safety_filter(climb, inputs, state)
+        assert command.throttle == pytest.approx(LIMITS.initial_throttle_ratio * first)
+
+
 def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() -> None:
     state, start = fly()
     phases: list[tuple[float, str, Command]] = []

@@ -10,7 +10,6 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 
 from benchmarks.flight.betaflight.sitl import configure, is_built, settings
@@ -23,7 +22,6 @@ from matchset.links.simulated import FPS, SimulationParameters
 from matchset.localization.pose import Pose
 
 RADIO_DELAY = 0.03  # s, as that of the simulated toy
-ANSWER = 1.0  # what the follower is told in place of 0.4, the limit of the disagreement of motion and commands
 
 
 class Case(NamedTuple):
@@ -36,14 +34,11 @@ class Case(NamedTuple):
     p_yaw, i_yaw : int
         Betaflight's gains of the yaw rate: 45 and 80 are its defaults, with 80 this airframe's yaw oscillates; 8 and 2
         are sluggish.
-    answer : float or None
-        What the follower is told; None: nothing, all its parameters are the defaults.
     """
 
     link: str = "udp"
     p_yaw: int = 45
     i_yaw: int = 20
-    answer: float | None = ANSWER
 
 
 class Result(NamedTuple):
@@ -60,20 +55,14 @@ CASES = {
     "udp": Case(),
     "crsf": Case(link="crsf"),
     "slow-yaw": Case(p_yaw=8, i_yaw=2),
-    "told-nothing": Case(answer=None),
 }
 
 
 def fly(case: Case, seed: int, duration: float) -> Result:
-    """Fly one seed."""
+    """Fly one seed; the follower is told nothing, all its parameters are the defaults."""
     begin = time.perf_counter()
     world_parameters = SimulationParameters(vehicles=2, seed=seed)
     pilot_parameters = FlightParameters().pilot
-    if case.answer is not None:
-        follower, limits = pilot_parameters.follower, pilot_parameters.follower.motion_consistency
-        limits = msgspec.structs.replace(limits, max_inconsistency=case.answer)
-        follower = msgspec.structs.replace(follower, motion_consistency=limits)
-        pilot_parameters = msgspec.structs.replace(pilot_parameters, follower=follower)
     place = np.array((pilot_parameters.place.side, pilot_parameters.place.height, pilot_parameters.place.heading))
     with tempfile.TemporaryDirectory() as name:
         extra = list(CRSF_SETTINGS) if case.link == "crsf" else []

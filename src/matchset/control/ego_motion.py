@@ -27,7 +27,7 @@ Floats = npt.NDArray[np.float64]
 
 GRAVITY = 9.81  # theorem: standard gravity, m/s^2 (ISO 80000-3: 9.80665), rounded
 TINY = 1e-9  # s, shortest step: a loop over time ends
-CAPACITY = 128  # format: states that are kept
+CAPACITY = 160  # format: states that are kept
 
 
 class EgoMotionParameters(
@@ -213,7 +213,7 @@ class EgoMotion(Copied):
         self._command[:] = command
 
     def at(self, time: float) -> EgoState:
-        """State at a time, from a second back to `delay` from now; later: the last command goes on.
+        """State at a time, from 1.2 s back to `delay` from now; later: the last command goes on.
 
         Parameters
         ----------
@@ -230,10 +230,25 @@ class EgoMotion(Copied):
         times : sequence of float
             s.
         """
+        return [EgoState(block) for block in self.states_at(times)]
+
+    def states_at(self, times: Sequence[float] | Floats) -> Floats:
+        """States at several times as rows of one array, for kernels; see `at`.
+
+        Parameters
+        ----------
+        times : sequence of float
+            s.
+
+        Returns
+        -------
+        ndarray of shape (n, STATE_SIZE)
+            The fields of `STATE` in each row.
+        """
         states = np.empty((len(times), STATE_SIZE))
         states[:, TIME] = times
         interpolate_all(self._block, states)
-        return [EgoState(block) for block in states]
+        return states
 
 
 @helper
@@ -317,7 +332,9 @@ def interpolate(work: Any, time: float, state: Block) -> None:
         copy_state(work.ring[last % CAPACITY], state)
         extrapolate(work, state, time)
         return
-    k = last
+    behind = work.ring[last % CAPACITY, TIME] - time
+    k = max(last - int(behind / work.parameters.integration_step) + 1, first + 1) if behind > 0.0 else last
+    k = min(k, last)
     while work.ring[(k - 1) % CAPACITY, TIME] > time:
         k -= 1
     before, after = work.ring[(k - 1) % CAPACITY], work.ring[k % CAPACITY]

@@ -264,7 +264,7 @@ class Follower:
             own, seen = self.ego_motion.at(pose.time), pose
             pose = self.mount.turn(pose)
             if self.neighbor.update(pose, own):
-                self.consistency.update(pose, own)
+                self.consistency.update(pose, self.ego_motion.states_at(pose.time - self.consistency.delays))
                 upright = math.cos(own.roll) * math.cos(own.pitch)
                 self.thrust.update(float(own.rotation[1] @ pose.position), upright, pose.time)
                 if self.thrust.airborne:

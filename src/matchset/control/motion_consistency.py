@@ -1,17 +1,22 @@
-"""Whether the seen motion of the ball answers to the vehicle's own commands: `MotionConsistency`.
+"""Whether the motion of the ball answers to the vehicle's own commands, or to those of long ago: `MotionConsistency`.
 
-A vehicle tilts all the time. The ball then moves up and down in its pictures as dead reckoning says, unless these
-pictures are older than their time stamps. Of the last poses, with the rows e of the rotations from the camera to the
-level frame at rest and the unit vectors u to the ball,
+A vehicle tilts all the time, so the ball moves up and down in its pictures as dead reckoning says; in pictures that are
+older than their time stamps it moves as dead reckoning said then. With the row e of the rotation from the camera to the
+level frame at rest, the unit vector u to the ball, the vehicle's height h and the mean distance d, the height of the
+ball over its distance, if a picture of time t is D older than that, is
 
-    seen and own motion together    r = e u + h / d
-    own motion alone                q = e mean(u) + h / d
-    seen motion                     s = r - q
+    r_D(t) = e(t - D) u(t) + (h(t - D) - h) / d,
 
-with the vehicle's height h by dead reckoning and the mean distance d: the height of the ball over its distance. A
-neighbor moves slowly, so each without its straight line in time, r is small where the pictures are as old as they say;
-where they are not, r is as large as q and s together. The result is ``sum r^2 / (sum q^2 + sum s^2 + n noise^2)``, near
-0 or near 1. The largest r^2 is left out of its sum, for one outlier.
+and a neighbor changes it slowly, by a straight line in the time t - D. Hypotheses are compared by what is left of the
+last r without that line: one delay all the time, a small one; or a large one; or a small one until some picture, and
+then a large one or a picture that stands still. What is left is correlated: gusts, and models that are poor, leave much
+of it to all hypotheses. So differences of one picture to the next are whitened as those of a random walk with noise on
+top, a moving average of first order (Box, Jenkins & Reinsel 2008, section 4.3), and the evidence is
+
+    ln((n noise^2 + s_0) / (n noise^2 + s_1))
+
+with the least sums of squares s_0 of a small delay all the time (the largest square is left out, for one outlier), and
+s_1 of the others: the logarithm of the generalized likelihood ratio of n numbers of unknown variance, over n / 2.
 """
 
 import math
@@ -20,16 +25,16 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.ego_motion import EgoState
-from matchset.control.parameter_checks import require, require_positive
+from matchset.control.ego_motion import STATE, STATE_SIZE
+from matchset.control.parameter_checks import require, require_not_negative, require_positive
 from matchset.localization.pose import Pose
-from matchset.numeric.jit import kernel
+from matchset.numeric.jit import helper, kernel
 
 Floats = npt.NDArray[np.float64]
 
-TINY = 1e-12  # s^2 and m, least spread of the times, least distance
-COLUMNS = 9  # format: time; row of the rotation; direction to the ball; height of the vehicle; distance of the ball
-TIME, ROW, DIRECTION, HEIGHT, DISTANCE = 0, 1, 4, 7, 8  # format: their first columns
+TINY = 1e-12  # s^2, m and rad^2: least divisor
+TIME, DISTANCE, DIRECTION, DELAYS = 0, 1, 2, 5  # format: first columns of a pose: time, distance, direction, delays
+ROW, LEVEL, HEIGHT, EACH = 0, 3, 4, 5  # format: for each delay the row e, e u, h; how many these are
 
 
 class MotionConsistencyParameters(
@@ -37,45 +42,85 @@ class MotionConsistencyParameters(
     frozen=True,
     kw_only=True,
     forbid_unknown_fields=True,
-    rename={"max_inconsistency": "most", "settling_time": "begin"},
+    rename={"max_evidence": "limit", "settling_time": "begin"},
 ):
-    """When the motion of the ball does not answer to the commands; the key in a file is in parentheses if another one.
+    """When pictures are taken to be old; the key in a file is in parentheses if another one.
 
-    Chosen on the simulated flights of seeds 0 to 9, with and without pictures half a second old; `python -m
-    benchmarks.flight.faults` shows a change.
+    Chosen on flights without pictures of seeds 0 to 35 and 100 to 102, with and without pictures that are 0.4 to 0.8 s
+    old, with gusts, latencies told wrong and vehicles that differ, and on one of Betaflight: docs/log.md, 2026-11-23;
+    `python -m benchmarks.flight.faults` shows a change.
 
     Parameters
     ----------
     window : int
-        Number of poses that are looked at. More finds smaller disagreement, later.
+        Differences of poses, one after the other, that are looked at. More tells old pictures from gusts, later.
+    least : int
+        Of these, so many suffice after the start; their evidence counts as their share of `window`.
+    after : int
+        Differences after the change to old pictures, at least: one outlier is none.
+    stride : int
+        A change is tried at one of so many poses. More is faster (2: 35 us a pose, 4: 15 us), and a little later.
     max_duration : float
-        Largest time from the first to the last of them, s; over a longer one nothing is said. Less says nothing where
-        pictures are missing, more mixes in what was long ago. Chosen by hand: twice that of ten pictures.
+        Largest time from the first to the last pose, s; over a longer one nothing is said. Chosen by hand: twice that
+        of a full window, so half of the pictures may be missing.
+    spacing : float
+        From one delay to the next, s. Chosen by hand: one picture.
+    earliest, latest : float
+        Range of the small delays beyond what was told, s: a latency that was not told is none. More is slower to know
+        old pictures.
+    far, oldest : float
+        Range of the large ones, s. What is between `latest` and `far` is neither.
+    memory : float
+        Coefficient of the moving average, 0 to 1. Less forgives gusts and poor models, more knows old pictures in calm
+        flights sooner.
     noise : float
-        Motion that says nothing, the standard deviation of the ball's height over its distance, rad: dead reckoning is
-        no better. More asks for a larger own motion.
-    max_inconsistency : float
-        Largest result with which a vehicle flies on. In flights without fault 0.34 was the largest, 0.24 but for one
-        with a gust of wind; with pictures half a second old it is passed after 0.16 s in the median and after 0.9 s at
-        the latest (``most``).
+        Standard deviation of what a perfect model leaves, rad: that of a picture.
+    max_evidence : float
+        Largest evidence with which a vehicle flies on. In flights without fault 1.8 was the largest, in a gust of wind,
+        1.5 with Betaflight, and 1.2 in all others (``limit``).
     settling_time : float
         Time after the start in which nothing is said, s: the vehicle is in a hand or on the ground, which its dead
         reckoning does not know (``begin``).
     """
 
-    window: int = 10
-    max_duration: float = 0.67
-    noise: float = 0.012
-    max_inconsistency: float = 0.4
+    window: int = 40
+    least: int = 16
+    after: int = 3
+    stride: int = 4
+    max_duration: float = 2.67
+    spacing: float = 1.0 / 30.0
+    earliest: float = -1.0 / 30.0
+    latest: float = 0.2
+    far: float = 0.4
+    oldest: float = 0.8
+    memory: float = 0.5
+    noise: float = 0.001
+    max_evidence: float = 1.85
     settling_time: float = 0.8
 
     def __post_init__(self) -> None:
-        require(self, ("window",), lambda value: value >= 4, "4 or more")
-        require_positive(self, ("max_duration", "noise", "max_inconsistency", "settling_time"))
+        require(self, ("window", "least"), lambda value: value >= 8, "8 or more")
+        require(self, ("least",), lambda value: value <= self.window, "at most window")
+        require(self, ("after",), lambda value: 1 <= value <= self.least, "within 1 ... least")
+        require(self, ("stride",), lambda value: value >= 1, "1 or more")
+        require_positive(self, ("max_duration", "spacing", "noise", "max_evidence", "settling_time"))
+        require_not_negative(self, ("memory", "latest"))
+        require(self, ("memory",), lambda value: value < 1.0, "below 1")
+        require(self, ("earliest",), lambda value: -0.2 <= value <= 0.0, "within -0.2 ... 0")
+        require(self, ("far",), lambda value: value > self.latest, "more than latest")
+        require(self, ("oldest",), lambda value: self.far <= value <= 1.0, "within far ... 1")
+
+    @property
+    def delays(self) -> tuple[Floats, Floats]:
+        """The small and the large delays, s; 0 is one of the small ones."""
+        first, last = math.ceil(self.earliest / self.spacing - TINY), math.floor(self.latest / self.spacing + TINY)
+        small = self.spacing * np.arange(first, last + 1, dtype=np.float64)
+        far = np.arange(self.far, self.oldest + 0.5 * self.spacing, self.spacing, dtype=np.float64)
+        return small, far
 
 
 class MotionConsistency:
-    """Compares the seen with the commanded motion over the last poses. The constructor compiles all kernels.
+    """Compares the seen motion with that commanded now and long ago. The constructor compiles all kernels.
 
     Parameters
     ----------
@@ -83,84 +128,186 @@ class MotionConsistency:
 
     Attributes
     ----------
-    inconsistency : float
-        The result of the last update; 0 while there is none.
+    delays : ndarray of float64
+        Those that are compared, s beyond what was told, the small ones first.
+    evidence : float
+        Of the last update, that pictures are old; 0 while there is none.
     """
 
     def __init__(self, parameters: MotionConsistencyParameters | None = None) -> None:
         self.parameters = parameters or MotionConsistencyParameters()
-        self._window = np.zeros((self.parameters.window, COLUMNS))
+        small, far = self.parameters.delays
+        self.delays, self._small = np.concatenate((small, far)), len(small)
+        self._in_use = int(np.abs(small).argmin())
+        self._window = np.zeros((self.parameters.window + 1, DELAYS + EACH * len(self.delays)))
+        self._scratch = np.zeros((len(self.delays) + 5, self.parameters.window + 1))
+        self._position = np.zeros(3)
         self.reset()
-        measure(self._window, self.parameters.noise)
+        note_pose(self._window, np.zeros((len(self.delays), STATE_SIZE)), self._position, 0.0)
+        self._measure(self.parameters.window + 1)
 
     @property
     def holds(self) -> bool:
-        """Whether the ball moves as the commands say, or it is not known."""
-        return self.inconsistency <= self.parameters.max_inconsistency
+        """Whether the pictures may be those of now."""
+        return self.evidence <= self.parameters.max_evidence
 
     def reset(self) -> None:
         """Forget everything: the vehicle does not fly."""
-        self._count, self._begin, self.inconsistency = 0, math.inf, 0.0
+        self._count, self._begin, self.evidence = 0, math.inf, 0.0
 
-    def update(self, pose: Pose, ego: EgoState) -> None:
-        """Note a pose in the camera frame, and the vehicle's state by dead reckoning at the same time.
+    def update(self, pose: Pose, states: Floats) -> None:
+        """Note a pose in the camera frame, and where the vehicle was if its picture is older than it says.
 
         Parameters
         ----------
         pose : Pose
-        ego : EgoState
+        states : ndarray of shape (n, STATE_SIZE)
+            The vehicle's states by dead reckoning, each of `delays` before the pose's time: `EgoMotion.states_at`.
         """
         parameters, time = self.parameters, pose.time
         self._begin = min(self._begin, time)
         if not time - self._begin >= parameters.settling_time:
             return
-        number = self._count % parameters.window
-        oldest = self._window[(number + 1) % parameters.window, TIME]
-        self._window[number] = _row(pose, ego)
-        self._count += 1
-        known = self._count >= parameters.window and 0.0 < time - oldest <= parameters.max_duration
-        self.inconsistency = measure(self._window, parameters.noise) if known else 0.0
+        self._position[:] = pose.position
+        note_pose(self._window, states, self._position, time)
+        self._count = min(self._count + 1, parameters.window + 1)
+        known = 0.0 < time - self._window.item(-self._count, TIME) <= parameters.max_duration
+        self.evidence = self._measure(self._count) if known and self._count > parameters.least else 0.0
 
-
-def _row(pose: Pose, ego: EgoState) -> tuple[float, ...]:
-    """Return a row of the window; the rotation's row is that of Ry(yaw) Rx(-pitch) Rz(roll) that gives what is down."""
-    (x, y, z), roll, pitch = pose.position.tolist(), ego.roll, ego.pitch
-    distance = max(math.sqrt(x * x + y * y + z * z), TINY)
-    down = math.cos(pitch) * math.sin(roll), math.cos(pitch) * math.cos(roll), math.sin(pitch)
-    return pose.time, *down, x / distance, y / distance, z / distance, ego.position.item(1), distance
+    def _measure(self, count: int) -> float:
+        """Evidence of the last so many poses."""
+        parameters, differences = self.parameters, count - 1
+        settings = np.array((parameters.memory, parameters.noise, parameters.after, parameters.stride))
+        ratio = measure(self._window[-count:], self.delays, (self._small, self._in_use), settings, self._scratch)
+        return float(ratio) * differences / parameters.window
 
 
 @kernel
-def measure(window: Floats, noise: float) -> float:
-    """Return the inconsistency of the poses in the rows of a window, in any order."""
-    count = window.shape[0]
-    mean, middle, distance, spread = np.zeros(3), 0.0, 0.0, 0.0
-    for row in window:
-        middle += row[TIME] / count
-        distance += row[DISTANCE] / count
+def note_pose(window: Floats, states: Floats, position: Floats, time: float) -> None:
+    """Append a pose, and forget the first one; the row e is that of Ry(yaw) Rx(-pitch) Rz(roll) that gives down."""
+    for j in range(window.shape[0] - 1):
+        for k in range(window.shape[1]):
+            window[j, k] = window[j + 1, k]
+    last = window[window.shape[0] - 1]
+    last[TIME] = time
+    last[DISTANCE] = max(math.sqrt(position[0] ** 2 + position[1] ** 2 + position[2] ** 2), TINY)
+    for k in range(3):
+        last[DIRECTION + k] = position[k] / last[DISTANCE]
+    for k in range(states.shape[0]):
+        state, of = states[k].view(STATE)[0], last[DELAYS + EACH * k :]
+        roll, pitch = state.tilt[0], state.tilt[1]
+        of[ROW] = math.cos(pitch) * math.sin(roll)
+        of[ROW + 1] = math.cos(pitch) * math.cos(roll)
+        of[ROW + 2] = math.sin(pitch)
+        of[LEVEL] = of[ROW] * last[DIRECTION] + of[ROW + 1] * last[DIRECTION + 1] + of[ROW + 2] * last[DIRECTION + 2]
+        of[HEIGHT] = state.position[1]
+
+
+@kernel
+def measure(window: Floats, delays: Floats, which: tuple[int, int], settings: Floats, scratch: Floats) -> float:
+    """Return the logarithm of the ratio of the sums of squares; which: number of small delays, the one in use."""
+    count, small, use, delayed = window.shape[0] - 1, which[0], which[1], len(delays)
+    memory, noise, after, stride = settings[0], settings[1], int(settings[2]), int(settings[3])
+    levels, sums = scratch[:delayed], scratch[delayed:]
+    write_levels(window, use, levels)
+    least = other = math.inf
+    for k in range(small):
+        least = min(least, misfit(window, levels[k], memory))
+    write_sums(window, levels[use], memory, sums)
+    for change in range(0, count - after + 1, stride):  # so many differences are those in use
+        for k in range(small, delayed):
+            lag = delays[k] - delays[use]
+            other = min(other, misfit_after(window, levels[use], levels[k], (change, lag, memory), sums))
+        other = min(other, misfit_still(window, use, (change, memory), sums))
+    evidence: float = math.log((least + count * noise**2) / (other + count * noise**2))
+    return evidence
+
+
+@helper
+def write_levels(window: Floats, use: int, levels: Floats) -> None:
+    """Write r of each delay, (delays, poses); heights count from the last one of the delay in use."""
+    count, distance = window.shape[0], 0.0
+    for j in range(count):
+        distance += window[j, DISTANCE] / count
+    height = window[count - 1, DELAYS + EACH * use + HEIGHT]
+    for k in range(levels.shape[0]):
+        first = DELAYS + EACH * k
+        for j in range(count):
+            levels[k, j] = window[j, first + LEVEL] + (window[j, first + HEIGHT] - height) / max(distance, TINY)
+
+
+@helper
+def misfit(window: Floats, levels: Floats, memory: float) -> float:
+    """Sum of squares that a line leaves of whitened differences, without the largest: for one outlier."""
+    count, step, value, squares, products = window.shape[0] - 1, 0.0, 0.0, 0.0, 0.0
+    for j in range(count):
+        step = window[j + 1, TIME] - window[j, TIME] + memory * step
+        value = levels[j + 1] - levels[j] + memory * value
+        squares += step * step
+        products += step * value
+    slope, step, value, total, largest = products / max(squares, TINY), 0.0, 0.0, 0.0, 0.0
+    for j in range(count):
+        step = window[j + 1, TIME] - window[j, TIME] + memory * step
+        value = levels[j + 1] - levels[j] + memory * value
+        square = (value - slope * step) ** 2
+        total += square
+        largest = max(largest, square)
+    return float((total - largest) * count / (count - 1))
+
+
+@helper
+def write_sums(window: Floats, levels: Floats, memory: float, sums: Floats) -> None:
+    """Write of the first differences the last whitened step and value, and the sums of their products, (5, n + 1)."""
+    sums[:, 0] = 0.0
+    for j in range(window.shape[0] - 1):
+        step = window[j + 1, TIME] - window[j, TIME] + memory * sums[0, j]
+        value = levels[j + 1] - levels[j] + memory * sums[1, j]
+        sums[0, j + 1], sums[1, j + 1] = step, value
+        sums[2, j + 1] = sums[2, j] + step * step
+        sums[3, j + 1] = sums[3, j] + step * value
+        sums[4, j + 1] = sums[4, j] + value * value
+
+
+@helper
+def misfit_after(
+    window: Floats, before: Floats, levels: Floats, change: tuple[int, float, float], sums: Floats
+) -> float:
+    """Sum of squares that a line leaves, if after so many differences the delay is larger by a lag, s."""
+    first, lag, memory = change
+    step, value, squares, products, total = (
+        sums[0, first],
+        sums[1, first],
+        sums[2, first],
+        sums[3, first],
+        sums[4, first],
+    )
+    for j in range(first, window.shape[0] - 1):
+        changes = j == first and j > 0
+        step = window[j + 1, TIME] - window[j, TIME] - (lag if changes else 0.0) + memory * step
+        value = levels[j + 1] - (before[j] if changes else levels[j]) + memory * value
+        squares += step * step
+        products += step * value
+        total += value * value
+    return float(total - products**2 / max(squares, TINY))
+
+
+@helper
+def misfit_still(window: Floats, use: int, change: tuple[int, float], sums: Floats) -> float:
+    """Sum of squares that a line leaves, if after so many differences the picture stands still."""
+    first, memory = change
+    step, value, squares, products, total = (
+        sums[0, first],
+        sums[1, first],
+        sums[2, first],
+        sums[3, first],
+        sums[4, first],
+    )
+    row = window[first, DELAYS + EACH * use + ROW :]
+    for j in range(first, window.shape[0] - 1):
+        step, value = memory * step, memory * value
         for k in range(3):
-            mean[k] += row[DIRECTION + k] / count
-    motions = np.zeros((count, 3))  # r, q and s of each pose
-    for i in range(count):
-        row, motion = window[i], motions[i]
-        spread += (row[TIME] - middle) ** 2
-        height = (row[HEIGHT] - window[0, HEIGHT]) / max(distance, TINY)
-        motion[0] = motion[1] = height
-        for k in range(3):
-            motion[0] += row[ROW + k] * row[DIRECTION + k]
-            motion[1] += row[ROW + k] * mean[k]
-        motion[2] = motion[0] - motion[1]
-    squares, largest = np.zeros(3), 0.0
-    for j in range(3):
-        value, slope = 0.0, 0.0
-        for i in range(count):
-            value += motions[i, j] / count
-            slope += motions[i, j] * (window[i, TIME] - middle) / max(spread, TINY)
-        for i in range(count):
-            square = (motions[i, j] - value - slope * (window[i, TIME] - middle)) ** 2
-            squares[j] += square
-            if j == 0:
-                largest = max(largest, square)
-    disagreement = (squares[0] - largest) * count / (count - 1)
-    share: float = disagreement / (squares[1] + squares[2] + count * noise**2)
-    return share
+            value += row[k] * (window[j + 1, DIRECTION + k] - window[j, DIRECTION + k])
+        squares += step * step
+        products += step * value
+        total += value * value
+    return float(total - products**2 / max(squares, TINY))

@@ -68,9 +68,9 @@ class SafetyParameters(
     descent_duration : float
         Time from the first command of a descent to the cut, s. Chosen by hand: down from 1 to 2 m (``descent``).
     initial_throttle_ratio, final_throttle_ratio : float
-        Throttle at the beginning and the end of a descent as a share of that before it; in between a straight line. The
-        first is below 1, so that the first command lowers it. Chosen by hand: sinks at about 1 m/s
-        (``descent_throttle`` is the final one).
+        Throttle at the beginning and the end of a descent as a share of that before it, or of what hovers if that is
+        less; in between a straight line. The first is below 1, so that the first command lowers it. Chosen by hand:
+        sinks at about 1 m/s (``descent_throttle`` is the final one).
     min_step, max_step : float
         Limits of the time between commands that the rates are computed with, s. Chosen by hand: a clock that jumps must
         not allow a jump of the sticks.
@@ -132,6 +132,8 @@ class SafetyInputs(NamedTuple):
     doubt : str
         Why a ball that is in the newest frame does not count as confirmed, in words; empty if none is in it, or if it
         counts.
+    hover : float
+        Throttle that hovers, as far as it is known: a descent begins with no more, also out of a climb.
     """
 
     now: float
@@ -140,6 +142,7 @@ class SafetyInputs(NamedTuple):
     armed: bool
     fault: str = ""
     doubt: str = ""
+    hover: float = 1.0
 
 
 class SafetyState(NamedTuple):
@@ -159,7 +162,7 @@ class SafetyState(NamedTuple):
     seen_since : float
         Since when the ball is seen without a gap, s.
     initial_throttle : float
-        Throttle before the descent.
+        Throttle before the descent, or what hovers, if that is less.
     command : Command
         The last command.
     """
@@ -248,7 +251,8 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, limits: SafetyPar
 def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> tuple[Command, SafetyState]:
     """Neutral sticks and less throttle, then the cut; the state has the reason already."""
     if state.phase != "descending":
-        state = state._replace(descent_start=inputs.now, initial_throttle=state.command.throttle)
+        throttle = min(state.command.throttle, inputs.hover)
+        state = state._replace(descent_start=inputs.now, initial_throttle=throttle)
     share = (inputs.now - state.descent_start) / limits.descent_duration
     if not 0.0 <= share < 1.0:
         return Command(), SafetyState("cut", state.reason, inputs.now)

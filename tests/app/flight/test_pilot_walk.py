@@ -100,6 +100,7 @@ class Watch:
 
     desired = DesiredCommand(0.0, 0.0, 0.0, 0.9)
     holds = True
+    hover_throttle = 0.8
 
     @property
     def consistency(self) -> "Watch":

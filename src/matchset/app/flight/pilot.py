@@ -284,7 +284,8 @@ class Pilot:
         self._check_association(pose)
         fault = self._picture_fault()
         doubt = self._follower.neighbor.doubt if isinstance(pose, Pose) else ""
-        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, self.landing or fault, doubt)
+        hover, landing = self._follower.hover_throttle, self.landing or fault
+        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, landing, doubt, hover)
         desired = control and (self._excitation(control, self._safety, now) if self._excitation else control.desired)
         wanted, self._safety = safety_filter(desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()

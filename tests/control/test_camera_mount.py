@@ -84,6 +84,14 @@ def test_a_pitch_that_was_measured_is_believed() -> None:
     assert learned(exact, 0.1, 0.0, 5.0) == 0.0
 
 
+def test_what_may_be_chance_and_what_is_seen_at_the_start_moves_nothing() -> None:
+    mount = CameraMount()
+    assert learned(mount, 0.015, 0.0, 10.0, tilt=0.1) == 0.0
+    assert learned(CameraMount(), 0.3, 0.0, 2.4) == 0.0
+    early = CameraMount(MountParameters(significance=0.0))
+    assert learned(early, 0.015, 0.0, 10.0) > 0.005
+
+
 def test_it_says_how_sure_it_is() -> None:
     mount = CameraMount()
     assert mount.sigma == pytest.approx(0.09)
@@ -93,7 +101,7 @@ def test_it_says_how_sure_it_is() -> None:
 
 
 def test_correction_and_its_rate_are_limited() -> None:
-    mount = CameraMount(MountParameters(max_correction=0.1, max_rate=0.02))
+    mount = CameraMount(MountParameters(max_correction=0.1, max_rate=0.02, settling_time=0.0, significance=0.0))
     assert learned(mount, 0.4, 0.0, 2.0) == pytest.approx(0.04, abs=0.002)
     assert learned(mount, 0.4, 0.0, 30.0) == pytest.approx(0.1)
 
@@ -114,10 +122,10 @@ def test_a_marker_far_from_the_back_and_a_clock_that_stands_teach_nothing() -> N
 
 def test_a_copy_goes_on_by_itself() -> None:
     mount = CameraMount()
-    learned(mount, 0.1, 0.0, 1.0)
+    learned(mount, 0.1, 0.0, 5.0)
     other, before = copy.deepcopy(mount), mount.correction
     own = EgoMotion()
-    for k in range(30, 60):
+    for k in range(150, 300):
         other.learn(pose(0.0, (0.0, 0.1, 0.0), k * STEP), own.at(k * STEP))
     assert other.correction > before == mount.correction
 

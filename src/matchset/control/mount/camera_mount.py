@@ -30,7 +30,14 @@ class MountParameters(
     frozen=True,
     kw_only=True,
     forbid_unknown_fields=True,
-    rename={"pitch_sigma": "doubt", "marker_sigma": "marker_doubt", "max_correction": "most", "max_rate": "rate"},
+    rename={
+        "pitch_sigma": "doubt",
+        "marker_sigma": "marker_doubt",
+        "settling_time": "begin",
+        "significance": "evident",
+        "max_correction": "most",
+        "max_rate": "rate",
+    },
 ):
     """How camera and marker are mounted; the key in a file is in parentheses where it is another one.
 
@@ -55,6 +62,13 @@ class MountParameters(
         and is disturbed less. Chosen by: `python -m benchmarks.flight.mismatch --only pitched`, seeds 0 to 9.
     change : float
         How fast the mean elevation may change, rad per root of s: a ball that was touched.
+    settling_time : float
+        Time in flight in which nothing is learned, s: trims are not known yet, and the neighbor may just begin to fly,
+        and lean as nobody does in the mean (``begin``). Estimate.
+    significance : float
+        Standard deviations by which the mean elevation must differ from 0 before anything is corrected; from then on
+        all of it is (``evident``). Less finds a smaller pitch; more leaves a set place alone that need not move: a long
+        chain makes a larger motion of each. Chosen by: chains of ten, seeds 0 to 4.
     max_correction : float
         Limit of the correction, rad (``most``).
     max_rate : float
@@ -70,8 +84,10 @@ class MountParameters(
     marker_elevation: float = 0.0
     pitch_sigma: float = 0.09
     marker_sigma: float = 0.03
-    tilt_noise: float = 0.05
+    tilt_noise: float = 0.07
     change: float = 0.0005
+    settling_time: float = 2.5
+    significance: float = 2.5
     max_correction: float = 0.2
     max_rate: float = 0.03
     nearest: float = 0.5
@@ -79,7 +95,7 @@ class MountParameters(
     def __post_init__(self) -> None:
         for name in ("yaw", "pitch", "roll", "marker_yaw", "marker_elevation"):
             require(self, (name,), lambda value: abs(value) < 0.5 * math.pi, "less than a quarter turn, in rad")
-        require_not_negative(self, ("pitch_sigma", "change", "max_correction"))
+        require_not_negative(self, ("pitch_sigma", "change", "settling_time", "significance", "max_correction"))
         require_positive(self, ("marker_sigma", "tilt_noise", "max_rate", "nearest"))
 
 
@@ -106,7 +122,7 @@ class CameraMount:
         prior = told.pitch_sigma**2
         self._share = prior / (prior + told.marker_sigma**2)
         self._elevation, self._variance = 0.0, prior + told.marker_sigma**2
-        self._time = math.inf
+        self._time, self._begin, self._evident = math.inf, math.inf, False
         self.correction, self.from_camera = 0.0, self._told
 
     @property
@@ -148,6 +164,9 @@ class CameraMount:
             The vehicle by dead reckoning when the picture was taken.
         """
         step, self._time = pose.time - self._time, pose.time
+        self._begin = min(self._begin, pose.time)
+        if pose.time - self._begin < self.parameters.settling_time:
+            return
         if pose.rotation_matrix is None or not 0.0 < step < math.inf or self._share == 0.0:
             return
         parameters, level = self.parameters, own.rotation
@@ -159,7 +178,9 @@ class CameraMount:
         gain = self._variance / (self._variance + parameters.tilt_noise**2 / step)
         self._elevation += gain * (math.atan2(-down, back) - parameters.marker_elevation - self._elevation)
         self._variance *= 1.0 - gain
-        best = self._share * self._elevation
+        if abs(self._elevation) > parameters.significance * math.sqrt(self._variance):
+            self._evident = True
+        best = self._share * self._elevation if self._evident else 0.0
         best = min(max(best, -parameters.max_correction), parameters.max_correction)
         farthest = parameters.max_rate * step
         self.correction += min(max(best - self.correction, -farthest), farthest)

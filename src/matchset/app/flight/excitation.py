@@ -40,7 +40,7 @@ class ExcitationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
 
     roll: float = 0.2
     pitch: float = 0.25
-    yaw: float = 0.3
+    yaw: float = 0.35
     throttle: float = 0.07
     roll_holds: tuple[float, ...] = (0.17, 0.27, 0.3)
     pitch_holds: tuple[float, ...] = (0.27, 0.17, 0.2)

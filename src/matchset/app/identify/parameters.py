@@ -32,8 +32,11 @@ class IdentifyParameters(msgspec.Struct, frozen=True, kw_only=True):
     most_throttle : float
         `SafetyParameters.max_throttle`: a heavy vehicle needs nearly all.
     answer : float
-        `MotionConsistencyParameters.max_inconsistency`: 1 says nothing, since how it answers is what is looked for.
-        Pictures that came before still end the flight.
+        `MotionConsistencyParameters.max_inconsistency`: so much says nothing, since how it answers is what is looked
+        for. Pictures that came before still end the flight.
+    tilt, yaw : float
+        `NeighborFilterParameters.tilt_sigma` and `yaw_sigma`, rad: with a wrong delay dead reckoning is off by that
+        while the sticks are shaken. Less refuses the ball, more follows its noise.
     found : float
         A number is found if its standard deviation is less than this share of what it was before the flight.
     edge : float
@@ -53,7 +56,9 @@ class IdentifyParameters(msgspec.Struct, frozen=True, kw_only=True):
     thrust_doubt: float = 0.5
     least_thrust: float = 0.58
     most_throttle: float = 1.0
-    answer: float = 1.0
+    answer: float = 100.0
+    tilt: float = 0.06
+    yaw: float = 0.06
     found: float = 0.5
     edge: float = 0.02
     least_delay: float = 0.001
@@ -88,6 +93,7 @@ def _careful_follower(follower: FollowerParameters, parameters: IdentifyParamete
         vertical=replace(follower.vertical, **dict(zip(gains, rise, strict=True))),
         ego_motion=replace(follower.ego_motion, delay=parameters.delay),
         motion_consistency=replace(follower.motion_consistency, max_inconsistency=parameters.answer),
+        neighbor=replace(follower.neighbor, tilt_sigma=parameters.tilt, yaw_sigma=parameters.yaw),
         thrust_estimator=replace(
             follower.thrust_estimator, initial_sigma=parameters.thrust_doubt, smallest=parameters.least_thrust
         ),

@@ -31,9 +31,9 @@ class IdentifyParameters(msgspec.Struct, frozen=True, kw_only=True):
         `ThrustEstimatorParameters.initial_sigma` and `smallest`: nothing is known of the throttle that hovers.
     most_throttle : float
         `SafetyParameters.max_throttle`: a heavy vehicle needs nearly all.
-    answer : float
-        `MotionConsistencyParameters.max_inconsistency`: so much says nothing, since how it answers is what is looked
-        for. Pictures that came before still end the flight.
+    earliest : float
+        `MotionConsistencyParameters.earliest`, s: how much less than `delay` the delay may be. Old pictures end the
+        flight as any other.
     tilt, yaw : float
         `NeighborFilterParameters.tilt_sigma` and `yaw_sigma`, rad: with a wrong delay dead reckoning is off by that
         while the sticks are shaken. Less refuses the ball, more follows its noise.
@@ -56,7 +56,7 @@ class IdentifyParameters(msgspec.Struct, frozen=True, kw_only=True):
     thrust_doubt: float = 0.5
     least_thrust: float = 0.58
     most_throttle: float = 1.0
-    answer: float = 100.0
+    earliest: float = -0.1
     tilt: float = 0.06
     yaw: float = 0.06
     found: float = 0.5
@@ -92,7 +92,7 @@ def _careful_follower(follower: FollowerParameters, parameters: IdentifyParamete
         horizontal=replace(follower.horizontal, **dict(zip(gains, level, strict=True))),
         vertical=replace(follower.vertical, **dict(zip(gains, rise, strict=True))),
         ego_motion=replace(follower.ego_motion, delay=parameters.delay),
-        motion_consistency=replace(follower.motion_consistency, max_inconsistency=parameters.answer),
+        motion_consistency=replace(follower.motion_consistency, earliest=parameters.earliest),
         neighbor=replace(follower.neighbor, tilt_sigma=parameters.tilt, yaw_sigma=parameters.yaw),
         thrust_estimator=replace(
             follower.thrust_estimator, initial_sigma=parameters.thrust_doubt, smallest=parameters.least_thrust

@@ -1,12 +1,11 @@
 """From where the cameras of a `World` look, and whether they see the next one's ball: `WorldViews`; no pictures."""
 
-import math
-
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
+from matchset.control.mount.camera_mount import mounting, turn_about_down
 from matchset.sim.vehicle import VehiclePose
 from matchset.sim.vehicle_camera import Viewpoint
 from matchset.sim.world import RATE, World, camera_position
@@ -84,18 +83,3 @@ class WorldViews:
         """Whether a board is before a camera at a time, s."""
         hiding = self._hiding
         return time > hiding.begin and (time + hiding.shift * hiding.period * who) % hiding.period < hiding.duration
-
-
-def turn_about_down(angle: float) -> Floats:
-    """Rotation about the y axis, which points down, rad: z to the right."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    return np.array(((cosine, 0.0, sine), (0.0, 1.0, 0.0), (-sine, 0.0, cosine)))
-
-
-def mounting(yaw: float, pitch: float, roll: float) -> Floats:
-    """Rotation from a camera to its vehicle, (3, 3): turned to the right, then up, then clockwise, rad."""
-    up, over = math.cos(pitch), math.cos(roll)
-    pitched = np.array(((1.0, 0.0, 0.0), (0.0, up, -math.sin(pitch)), (0.0, math.sin(pitch), up)))
-    rolled = np.array(((over, -math.sin(roll), 0.0), (math.sin(roll), over, 0.0), (0.0, 0.0, 1.0)))
-    mount: Floats = turn_about_down(yaw) @ pitched @ rolled
-    return mount

@@ -195,7 +195,7 @@ def turn_about_down(angle: float) -> Floats:
 
 def mounting(yaw: float, pitch: float, roll: float) -> Floats:
     """Rotation from a camera to its vehicle, (3, 3): turned to the right, then up, then clockwise, rad."""
-    up, over = math.cos(pitch), math.cos(roll)
+    up, over = math.cos(pitch), math.cos(roll)  # SciPy's Rotation takes longer than all the rest of a step
     pitched = np.array(((1.0, 0.0, 0.0), (0.0, up, -math.sin(pitch)), (0.0, math.sin(pitch), up)))
     rolled = np.array(((over, -math.sin(roll), 0.0), (math.sin(roll), over, 0.0), (0.0, 0.0, 1.0)))
     mount: Floats = turn_about_down(yaw) @ pitched @ rolled

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from matchset.control.ego_motion import STATE_SIZE, AttitudeCommand, EgoMotion
+from matchset.control.ego_motion import AttitudeCommand, EgoMotion
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.localization.pose import Pose
 
@@ -42,7 +42,7 @@ def results(
         away = there.rotation.T @ (ball - there.position) + noise * rng.standard_normal(3)
         if step in steps:
             pose = Pose(position=away, rotation_matrix=None, covariance=np.eye(6), observed="position", time=time)
-            consistency.update(pose, model.states_at(time - consistency.delays))
+            consistency.update(pose, model)
             answers.append((time, consistency.evidence))
         wave = amplitude * math.sin(8.0 * time) + 0.5 * amplitude * math.sin(13.0 * time + 1.0)
         model.update(AttitudeCommand(pitch=wave), time + LATENCY)
@@ -98,15 +98,17 @@ def test_without_own_motion_nothing_is_said_of_old_pictures() -> None:
 def test_one_outlier_is_left_out() -> None:
     rng = np.random.default_rng(1)
     for _ in range(30):
-        consistency, ego = MotionConsistency(), EgoMotion()
+        consistency, ego, model = MotionConsistency(), EgoMotion(), EgoMotion()
         for step in range(80):
             time, own = step / FPS, ego.at(step / FPS)
             away = own.rotation.T @ (BALL - own.position) + 0.001 * rng.standard_normal(3)
             away[1] += 0.1 * (step == 60)
             pose = Pose(position=away, rotation_matrix=None, covariance=np.eye(6), observed="position", time=time)
-            consistency.update(pose, ego.states_at(time - consistency.delays))
+            consistency.update(pose, model)
             assert consistency.holds
-            ego.update(AttitudeCommand(pitch=0.1 * math.sin(8.0 * time + rng.uniform(0.0, 0.3))), time + LATENCY)
+            command = AttitudeCommand(pitch=0.1 * math.sin(8.0 * time + rng.uniform(0.0, 0.3)))
+            for each in (ego, model):
+                each.update(command, time + LATENCY)
 
 
 def test_it_says_nothing_before_it_has_enough_poses_close_together() -> None:
@@ -132,16 +134,15 @@ def test_zero_is_one_of_the_small_delays() -> None:
     assert far[[0, -1]] == pytest.approx((0.4, 0.8))
     consistency = MotionConsistency()
     assert len(consistency.delays) == len(small) + len(far)
-    assert EgoMotion().states_at(-consistency.delays).shape == (len(consistency.delays), STATE_SIZE)
 
 
 @pytest.mark.parametrize(
     "name",
     [
-        "max_duration", "noise", "max_evidence", "settling_time", "window", "least", "after", "stride", "spacing",
-        "earliest", "latest", "far", "oldest", "memory",
+        "max_duration", "noise", "max_evidence", "settling_time", "window", "few", "least", "after", "stride",
+        "spacing", "earliest", "latest", "far", "oldest", "memory",
     ],
 )  # fmt: skip
 def test_numbers_out_of_range_are_refused(name: str) -> None:
     with pytest.raises(ValueError, match=name):
-        MotionConsistencyParameters(**{name: -1})
+        MotionConsistencyParameters(**{name: -1})  # type: ignore[arg-type]

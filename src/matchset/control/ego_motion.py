@@ -187,10 +187,16 @@ class EgoMotion(Copied):
     Parameters
     ----------
     parameters : EgoMotionParameters, optional
+
+    Attributes
+    ----------
+    delay : float
+        Time from sending a command to its first effect, s: that of the parameters, until somebody knows better.
     """
 
     def __init__(self, parameters: EgoMotionParameters | None = None) -> None:
         self.parameters = parameters or EgoMotionParameters()
+        self.delay = self.parameters.delay
         self._block = new_block(WORK)
         store(fields(self._block, WORK).parameters, self.parameters)
         self._make_derived()
@@ -209,7 +215,7 @@ class EgoMotion(Copied):
         now : float
             When, s; later than before.
         """
-        extend(self._block, now + self.parameters.delay)
+        extend(self._block, now)
         self._command[:] = command
 
     def at(self, time: float) -> EgoState:
@@ -247,6 +253,7 @@ class EgoMotion(Copied):
         """
         states = np.empty((len(times), STATE_SIZE))
         states[:, TIME] = times
+        states[:, TIME] -= self.delay
         interpolate_all(self._block, states)
         return states
 

@@ -250,8 +250,7 @@ class Follower:
         pose : Pose or Lost
             The neighbor's ball in the camera frame when the picture was taken.
         now : float
-            When the command will be sent, s; it acts `EgoMotionParameters.delay` later, and that is the time that
-            counts.
+            When the command will be sent, s; it acts `EgoMotion.delay` later, and that is the time that counts.
 
         Returns
         -------
@@ -264,13 +263,14 @@ class Follower:
             own, seen = self.ego_motion.at(pose.time), pose
             pose = self.mount.turn(pose)
             if self.neighbor.update(pose, own):
-                self.consistency.update(pose, self.ego_motion.states_at(pose.time - self.consistency.delays))
+                self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
+                self.thrust.delay = self.ego_motion.delay
                 upright = math.cos(own.roll) * math.cos(own.pitch)
                 self.thrust.update(float(own.rotation[1] @ pose.position), upright, pose.time)
                 if self.thrust.airborne:
                     self.mount.learn(seen, own)
         step, self._time = min(max(now - self._time, parameters.min_step), parameters.max_step), now
-        acts = now + parameters.ego_motion.delay
+        acts = now + self.ego_motion.delay
         if not acts - self.neighbor.time <= parameters.pose_timeout or self.neighbor.yaw_time == -math.inf:
             return None
         return self._control(acts, step)

@@ -25,7 +25,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.ego_motion import STATE, STATE_SIZE
+from matchset.control.ego_motion import STATE, STATE_SIZE, EgoMotion
+from matchset.control.learned.delay import DelayEstimator, DelayEstimatorParameters
 from matchset.control.parameter_checks import require, require_not_negative, require_positive
 from matchset.localization.pose import Pose
 from matchset.numeric.jit import helper, kernel
@@ -42,7 +43,7 @@ class MotionConsistencyParameters(
     frozen=True,
     kw_only=True,
     forbid_unknown_fields=True,
-    rename={"max_evidence": "limit", "settling_time": "begin"},
+    rename={"max_evidence": "limit", "settling_time": "begin", "delay_estimator": "latency"},
 ):
     """When pictures are taken to be old; the key in a file is in parentheses if another one.
 
@@ -54,8 +55,9 @@ class MotionConsistencyParameters(
     ----------
     window : int
         Differences of poses, one after the other, that are looked at. More tells old pictures from gusts, later.
-    least : int
-        Of these, so many suffice after the start; their evidence counts as their share of `window`.
+    few, least : int
+        Of these, so many suffice after the start to learn a latency, and to know old pictures; their evidence counts as
+        their share of `window`.
     after : int
         Differences after the change to old pictures, at least: one outlier is none.
     stride : int
@@ -79,11 +81,14 @@ class MotionConsistencyParameters(
         Largest evidence with which a vehicle flies on. In flights without fault 1.8 was the largest, in a gust of wind,
         1.5 with Betaflight, and 1.2 in all others (``limit``).
     settling_time : float
-        Time after the start in which nothing is said, s: the vehicle is in a hand or on the ground, which its dead
-        reckoning does not know (``begin``).
+        Time after the start in which nothing is said of old pictures, s: the vehicle is in a hand or on the ground,
+        which its dead reckoning does not know (``begin``).
+    delay_estimator : DelayEstimatorParameters
+        Which of the small delays is that of camera and radio (``latency``).
     """
 
     window: int = 40
+    few: int = 8
     least: int = 16
     after: int = 3
     stride: int = 4
@@ -97,9 +102,11 @@ class MotionConsistencyParameters(
     noise: float = 0.001
     max_evidence: float = 1.85
     settling_time: float = 0.8
+    delay_estimator: DelayEstimatorParameters = DelayEstimatorParameters()
 
     def __post_init__(self) -> None:
-        require(self, ("window", "least"), lambda value: value >= 8, "8 or more")
+        require(self, ("window", "few", "least"), lambda value: value >= 4, "4 or more")
+        require(self, ("few",), lambda value: value <= self.least, "at most least")
         require(self, ("least",), lambda value: value <= self.window, "at most window")
         require(self, ("after",), lambda value: 1 <= value <= self.least, "within 1 ... least")
         require(self, ("stride",), lambda value: value >= 1, "1 or more")
@@ -132,16 +139,18 @@ class MotionConsistency:
         Those that are compared, s beyond what was told, the small ones first.
     evidence : float
         Of the last update, that pictures are old; 0 while there is none.
+    latency : DelayEstimator
+        What of the small delays is that of camera and radio beyond what was told.
     """
 
     def __init__(self, parameters: MotionConsistencyParameters | None = None) -> None:
         self.parameters = parameters or MotionConsistencyParameters()
         small, far = self.parameters.delays
-        self.delays, self._small = np.concatenate((small, far)), len(small)
-        self._in_use = int(np.abs(small).argmin())
+        self.delays = np.concatenate((small, far))
         self._window = np.zeros((self.parameters.window + 1, DELAYS + EACH * len(self.delays)))
         self._scratch = np.zeros((len(self.delays) + 5, self.parameters.window + 1))
-        self._position = np.zeros(3)
+        self._position, self._left = np.zeros(3), np.zeros(len(small))
+        self.latency = DelayEstimator(small, self.parameters.delay_estimator)
         self.reset()
         note_pose(self._window, np.zeros((len(self.delays), STATE_SIZE)), self._position, 0.0)
         self._measure(self.parameters.window + 1)
@@ -152,33 +161,46 @@ class MotionConsistency:
         return self.evidence <= self.parameters.max_evidence
 
     def reset(self) -> None:
-        """Forget everything: the vehicle does not fly."""
-        self._count, self._begin, self.evidence = 0, math.inf, 0.0
+        """Forget everything but the latency: the vehicle does not fly."""
+        self._count, self._settled, self._begin, self._time, self.evidence = 0, 0, math.inf, -math.inf, 0.0
+        self.latency.reset()
 
-    def update(self, pose: Pose, states: Floats) -> None:
+    def update(self, pose: Pose, ego: EgoMotion, flies: bool = True) -> None:
         """Note a pose in the camera frame, and where the vehicle was if its picture is older than it says.
 
         Parameters
         ----------
         pose : Pose
-        states : ndarray of shape (n, STATE_SIZE)
-            The vehicle's states by dead reckoning, each of `delays` before the pose's time: `EgoMotion.states_at`.
+        ego : EgoMotion
+            Dead reckoning; it gets the delay that was learned.
+        flies : bool
+            Whether the thrust suffices for that: if not, nothing is noted.
         """
         parameters, time = self.parameters, pose.time
         self._begin = min(self._begin, time)
-        if not time - self._begin >= parameters.settling_time:
+        if not flies:
             return
         self._position[:] = pose.position
-        note_pose(self._window, states, self._position, time)
+        note_pose(self._window, ego.states_at(time + self.latency.extra - self.delays), self._position, time)
         self._count = min(self._count + 1, parameters.window + 1)
-        known = 0.0 < time - self._window.item(-self._count, TIME) <= parameters.max_duration
-        self.evidence = self._measure(self._count) if known and self._count > parameters.least else 0.0
+        if time - self._begin >= parameters.settling_time:
+            self._settled = min(self._settled + 1, parameters.window + 1)
+        settled = self._settled > parameters.least
+        count = self._settled if settled else self._count
+        known = count > parameters.few and 0.0 < time - self._window.item(-count, TIME) <= parameters.max_duration
+        evidence = self._measure(count) if known else 0.0
+        self.evidence = evidence if settled else 0.0
+        if known and self.evidence <= 0.5 * parameters.max_evidence:  # old pictures are no latency
+            self.latency.update(self._left, time - self._time)
+            ego.delay = max(ego.parameters.delay + self.latency.extra, 0.0)
+        self._time = time
 
     def _measure(self, count: int) -> float:
-        """Evidence of the last so many poses."""
+        """Evidence of the last so many poses, and what each small delay leaves of their motion."""
         parameters, differences = self.parameters, count - 1
         settings = np.array((parameters.memory, parameters.noise, parameters.after, parameters.stride))
-        ratio = measure(self._window[-count:], self.delays, (self._small, self._in_use), settings, self._scratch)
+        use = int(np.abs(self.latency.delays - self.latency.extra).argmin())
+        ratio = measure(self._window[-count:], self.delays, use, settings, self._scratch, self._left)
         return float(ratio) * differences / parameters.window
 
 
@@ -204,15 +226,16 @@ def note_pose(window: Floats, states: Floats, position: Floats, time: float) -> 
 
 
 @kernel
-def measure(window: Floats, delays: Floats, which: tuple[int, int], settings: Floats, scratch: Floats) -> float:
-    """Return the logarithm of the ratio of the sums of squares; which: number of small delays, the one in use."""
-    count, small, use, delayed = window.shape[0] - 1, which[0], which[1], len(delays)
+def measure(window: Floats, delays: Floats, use: int, settings: Floats, scratch: Floats, left: Floats) -> float:
+    """Return the logarithm of the ratio of the sums of squares; write the mean squares that the small delays leave."""
+    count, small, delayed = window.shape[0] - 1, len(left), len(delays)
     memory, noise, after, stride = settings[0], settings[1], int(settings[2]), int(settings[3])
     levels, sums = scratch[:delayed], scratch[delayed:]
     write_levels(window, use, levels)
     least = other = math.inf
     for k in range(small):
-        least = min(least, misfit(window, levels[k], memory))
+        left[k] = misfit(window, levels[k], memory) / count
+        least = min(least, count * left[k])
     write_sums(window, levels[use], memory, sums)
     for change in range(0, count - after + 1, stride):  # so many differences are those in use
         for k in range(small, delayed):

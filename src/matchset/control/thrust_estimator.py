@@ -86,6 +86,8 @@ class ThrustEstimator:
 
     Attributes
     ----------
+    delay : float
+        From sending a throttle to its first effect, s.
     gain : float
         k, no unit: thrust per throttle over what was told, within the limits.
     """
@@ -99,7 +101,7 @@ class ThrustEstimator:
         parameters: ThrustEstimatorParameters | None = None,
     ) -> None:
         self.parameters = parameters or ThrustEstimatorParameters()
-        self._hover, self._gravity, self._delay, self._lag = hover_throttle, gravity, delay, lag
+        self._hover, self._gravity, self.delay, self._lag = hover_throttle, gravity, delay, lag
         self._transition, self._noise = np.eye(3), np.zeros((3, 3))
         self._observation, self._measured = np.array(((1.0, 0.0, 0.0),)), np.zeros(1)
         self._variance = np.full((1, 1), self.parameters.height_sigma**2)
@@ -129,7 +131,7 @@ class ThrustEstimator:
 
     def sent(self, throttle: float, now: float) -> None:
         """Note a throttle that was sent, 0 ... 1, and when, s."""
-        self._waiting.append((now + self._delay, throttle))
+        self._waiting.append((now, throttle))
 
     def update(self, height: float, upright: float, time: float) -> None:
         """Correct by a height above the neighbor's ball.
@@ -185,9 +187,9 @@ class ThrustEstimator:
         speed = way = 0.0
         scale = self._gravity / self._hover
         while at < time:
-            while self._waiting and self._waiting[0][0] <= at:
+            while self._waiting and self._waiting[0][0] + self.delay <= at:
                 self._throttle = self._waiting.pop(0)[1]
-            until = min(time, self._waiting[0][0]) if self._waiting else time
+            until = min(time, self._waiting[0][0] + self.delay) if self._waiting else time
             part = until - at
             fade = math.exp(-part / self._lag)
             middle = self._throttle + (self._reached - self._throttle) * math.exp(-0.5 * part / self._lag)

@@ -134,6 +134,7 @@ class Walked(Pilot):
         self._safety, self._frame_time, self._seen_time = at.safety, at.frame_time, at.seen_time
         self._pictures, self._fault, self.armed = at.pictures, at.fault, at.armed
         self.killed, self.landing, self._link_is_armed = at.killed, at.landing, False
+        self._excitation = None
 
     def _locate(self, frame: object, now: float, stamps: list[float]) -> Any:  # noqa: ARG002
         picture = self._happening.picture

@@ -47,6 +47,9 @@ BOTH = {
     "fly's film": ("c.toml", "fly --config c.toml --video OUT.webm"),
     "fly's camera": ("c.toml", "fly --camera 0 --link serial:///dev/x --camera-file c.toml --report OUT.html"),
     "fly's color": ("c.npz", "fly --camera 0 --link serial:///dev/x --color c.npz --video OUT.webm"),
+    "identify": ("c.toml", "identify sim://chain --config c.toml -o OUT.toml"),
+    "identify's color": ("c.npz", "identify serial:///dev/x --camera 0 --color c.npz -o OUT.npz"),
+    "identify's report": ("c.toml", "identify sim://chain --config c.toml --report OUT.html"),
     "simulate": ("DIR/table.md", "simulate --config DIR/table.md -o DIR"),
     "replay": ("film.avi", "replay film.avi --report OUT.html"),
 }

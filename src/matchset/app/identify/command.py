@@ -100,7 +100,7 @@ class IdentifyOptions(msgspec.Struct, frozen=True, kw_only=True):
         from matchset.app.flight.config import flight_parameters, with_uri, with_world
         from matchset.app.identify.parameters import careful
 
-        flight = flight_parameters(self.config, self.duration or parameters.duration)
+        flight = flight_parameters(self.config, parameters.duration if self.duration is None else self.duration)
         if self.config is None:
             flight = with_world(flight, swing=0.0, yaw_deg=0.0)
         flight = with_uri(self.whom, with_world(flight, vehicles=2)) if self.is_simulated and self.whom else flight

@@ -77,13 +77,13 @@ def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) 
     Raises
     ------
     ValueError
-        If options do not belong together, a file cannot be written, or the flight was too short.
+        If options do not belong together, or a file cannot be written.
     LinkError
         If a device was to blame for the end.
     """
     parameters = parameters or IdentifyParameters()
     fly_options = options.fly_options()
-    check_outputs([options.out], [options.config], options.force)
+    check_outputs([options.out], [options.config, *fly_options.linked.inputs], options.force)
     options.files.check(options.force, [options.config, options.out, *fly_options.linked.inputs])
     with announce_if_slow("getting ready ..."):
         flight = LoggedFlight(_opened(options, parameters))
@@ -95,6 +95,9 @@ def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) 
     if code not in (FOUND, NOT_FOUND):
         return code
     log = FlightLog.of(flight.logged, parameters.airborne)
+    if len(log.taken) < parameters.estimate.least_pictures:
+        print(f"note: nothing found: {len(log.taken)} pictures of a flight are too few", file=sys.stderr)
+        return NOT_FOUND
     found = findings(estimate(log, parameters=parameters.estimate), log, parameters)
     words = f"{options.whom or fly_options.linked.link}, {log.duration:.1f} s of flight"
     path = output_file(options.out, options.force)

@@ -1,0 +1,166 @@
+"""`matchset identify`: a simulated vehicle, a real one behind a pseudo-terminal, and what is refused."""
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from blue_ball import Matchset
+from pty_transmitter import PtyTransmitter
+
+import patient_matchset
+from matchset.app.flight.config import read_flight
+from matchset.app.flight.flight import FlightParameters
+from mjpeg_server import MjpegServer
+from served_neighbor import ServedNeighbor
+
+PACE = 0.25  # of the transmitter's clock, as in test_fly_linked.py
+FLIES = 60  # of 255, what no other test's throttle reaches
+WORLD = "sim://chain?thrust=0.85&radio_delay_ms=90&full_yaw_rate=1.15&yaw_trim_deg_s=4"
+SHORT = """
+[flight.linked]
+countdown = 0.5
+[flight.pilot.safety]
+fresh = 1.0
+"""
+
+
+def test_a_simulated_vehicle_is_identified_and_flown_by_its_file(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("identify", WORLD, "--quick", "--duration", 6) == 0
+    out = capsys.readouterr().out
+    assert "hover" in out
+    assert "67 of them its age" in out
+    own = read_flight(tmp_path / "vehicle.toml").pilot.follower
+    assert own.hover_throttle == pytest.approx(0.70, abs=0.03)
+    assert own.ego_motion.delay == pytest.approx(0.088, abs=0.008)
+    assert own.ego_motion.full_yaw_rate == pytest.approx(1.15 * 2.007, rel=0.05)
+    assert read_flight(tmp_path / "vehicle.toml").world == FlightParameters().world
+    text = (tmp_path / "vehicle.toml").read_text()
+    assert matchset("identify", WORLD, "--quick") == 2
+    assert "vehicle.toml" in capsys.readouterr().err
+    assert (tmp_path / "vehicle.toml").read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("sim://chain?vehicles=3",), "one vehicle is identified at a time"),
+        (("sim://room",), "sim://chain"),
+        (("serial:///dev/ttyUSB0",), "needs a camera and a link: --camera 0 is missing"),
+        (("serial:///dev/ttyUSB0", "--link", "serial:///dev/ttyUSB1"), "named twice"),
+        (("tello:", "--camera", "0"), "say what camera 0 is like"),
+        (("sim://chain", "--arm"), "is a simulated chain"),
+        (("sim://chain", "--duration", "0"), "duration"),
+    ],
+)
+def test_what_does_not_fit_is_one_line(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str
+) -> None:
+    assert matchset("identify", *words) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert len([line for line in err.splitlines() if line.startswith("error: ")]) == 1
+    assert not Path("vehicle.toml").exists()
+
+
+def test_a_flight_that_is_too_short_says_so_and_writes_nothing(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert matchset("identify", "sim://chain", "--quick", "--duration", 2) == 1
+    assert "pictures of a flight are too few" in capsys.readouterr().err
+    assert not Path("vehicle.toml").exists()
+
+
+@pytest.fixture(scope="module")
+def neighbor() -> ServedNeighbor:
+    return ServedNeighbor()
+
+
+@pytest.fixture
+def camera(neighbor: ServedNeighbor) -> Iterator[MjpegServer]:
+    with MjpegServer(neighbor) as server:
+        yield server
+
+
+@pytest.fixture
+def transmitter() -> Iterator[PtyTransmitter]:
+    with PtyTransmitter(PACE) as opened:
+        yield opened
+
+
+@pytest.fixture
+def line(tmp_path: Path, neighbor: ServedNeighbor, camera: MjpegServer, transmitter: PtyTransmitter) -> list[str]:
+    """The command with all that a flight needs."""
+    (tmp_path / "short.toml").write_text(SHORT)
+    program = [sys.executable, str(Path(patient_matchset.__file__)), "identify", f"serial://{transmitter.path}"]
+    return [*program, "--camera", camera.url, "--config", "short.toml", *neighbor.write_files(tmp_path)]
+
+
+def begun(folder: Path, line: list[str]) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        line, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+def flying(folder: Path, line: list[str], transmitter: PtyTransmitter) -> "subprocess.Popen[str]":
+    """Begin an armed flight, and wait until motors turn."""
+    process, end = begun(folder, [*line, "--arm"]), time.monotonic() + 300.0
+    while transmitter.port.throttle < FLIES:
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return process
+
+
+@pytest.mark.usefixtures("signals_end_programs")
+def test_a_dry_run_sends_no_throttle_and_identifies_nothing(
+    tmp_path: Path, line: list[str], transmitter: PtyTransmitter
+) -> None:
+    process = begun(tmp_path, [*line, "--duration", "3"])
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 0, out + err
+    assert {moment.throttle for moment in transmitter.moments} == {0}
+    assert "without throttle nothing can be identified; --arm flies" in out
+    assert not (tmp_path / "vehicle.toml").exists()
+
+
+@pytest.mark.usefixtures("signals_end_programs")
+def test_a_ball_that_does_not_answer_to_the_sticks_is_not_believed(
+    tmp_path: Path, line: list[str], transmitter: PtyTransmitter
+) -> None:
+    process = flying(tmp_path, [*line, "--duration", "6"], transmitter)
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 1, out + err
+    assert "Traceback" not in err
+    assert (transmitter.port.throttle, transmitter.port.state) == (0, "locked")
+    file = tmp_path / "vehicle.toml"
+    assert not file.exists() or read_flight(file) == FlightParameters(), "nothing of it is flown by"
+
+
+@pytest.mark.usefixtures("signals_end_programs")
+def test_a_kill_stops_the_motors_at_once(tmp_path: Path, line: list[str], transmitter: PtyTransmitter) -> None:
+    process, begin = flying(tmp_path, line, transmitter), time.monotonic()
+    process.send_signal(signal.SIGUSR1)
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 1, out + err
+    assert "vehicle 1 was cut: SIGUSR1 came" in out
+    assert [packet.throttle for packet in transmitter.packets_since(begin)].index(0) <= 2
+
+
+@pytest.mark.usefixtures("signals_end_programs")
+def test_a_port_that_vanishes_is_one_line_and_leaves_no_file(
+    tmp_path: Path, line: list[str], transmitter: PtyTransmitter
+) -> None:
+    process = flying(tmp_path, line, transmitter)
+    transmitter.unplug()
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 3, out + err
+    errors = [words for words in err.splitlines() if words.startswith("error: ")]
+    assert len(errors) == 1
+    assert "has gone (unplugged?)" in errors[0]
+    assert not (tmp_path / "vehicle.toml").exists()

@@ -29,6 +29,11 @@ def test_the_version_is_printed(matchset: Matchset, capsys: pytest.CaptureFixtur
     assert capsys.readouterr().out.startswith("matchset 0")
 
 
+def test_the_package_is_a_command_too() -> None:
+    run = [sys.executable, "-m", "matchset", "--version"]
+    assert subprocess.run(run, capture_output=True, text=True, check=True).stdout.startswith("matchset 0")
+
+
 def test_help_needs_no_heavy_imports() -> None:
     code = (
         "import sys, matchset.app.cli as cli\n"

@@ -5,7 +5,7 @@ import math
 import msgspec
 import numpy as np
 import pytest
-from drawn_vehicles import drawn_flight, flown
+from benchmarks.flight.identify import drawn_flight, flown
 
 from matchset.app.flight.excitation import ExcitationParameters, wave
 from matchset.app.identify.estimate import estimate

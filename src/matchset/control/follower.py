@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters
 from matchset.control.command import Command
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
@@ -87,8 +88,7 @@ class FollowerParameters(
         Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate (``hover``).
     horizontal_lead : float
         Time from the first to the full effect of a command, s: the level axes are controlled by what is predicted for
-        then. More is calmer, until the prediction fails. Chosen by: decision 074; about tilt_lag + tilt_time
-        (``lead``).
+        then. More is calmer, until the prediction fails. Decision 074; about tilt_lag + tilt_time (``lead``).
     vertical_lead : float
         The same for the height. Chosen by: decision 074; about lift_lag (``rise_lead``).
     oscillation_feedforward : float
@@ -108,14 +108,14 @@ class FollowerParameters(
         Estimate of the throttle that hovers (``thrust``).
     mount : MountParameters
         How camera and marker are mounted.
+    beyond : NextButOneParameters
+        How much the next-but-one ball counts.
     max_extrapolation : float
-        How far the neighbor's drift is extrapolated past its last pose, s; after that it stands still. Estimate
-        (``reach``).
+        How far the neighbor's drift is extrapolated past its last pose, s; then it stands still. Estimate (``reach``).
     pose_timeout : float
         How long after the last pose there is an output, s; longer than `SafetyParameters.hold_time` (``memory``).
     min_step, max_step : float
-        Limits of the time between updates that the controllers are told, s: a clock that stands or jumps must not upset
-        them. Chosen by hand.
+        Limits of the time between updates that the controllers are told, s: for a clock that stands or jumps. By hand.
     min_tilt_cosine : float
         The throttle is raised by one over the cosine of the tilt, of no less than that. Chosen by hand: 60 degrees.
     """
@@ -154,6 +154,7 @@ class FollowerParameters(
     motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
     thrust_estimator: ThrustEstimatorParameters = ThrustEstimatorParameters()
     mount: MountParameters = MountParameters()
+    beyond: NextButOneParameters = NextButOneParameters()
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
     min_step: float = 1e-3
@@ -216,7 +217,7 @@ class Follower:
     consistency : MotionConsistency
         Whether the ball moves in the pictures as the commands say.
     mount : CameraMount
-        How the camera is turned on the vehicle.
+    beyond : NextButOne
     """
 
     def __init__(self, setpoint: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
@@ -234,11 +235,11 @@ class Follower:
             self.parameters.thrust_estimator,
         )
         self.mount = CameraMount(self.parameters.mount)
+        self.beyond = NextButOne(self.parameters.beyond, self.parameters.neighbor)
         self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
         self._up, self._yaw = Pid(self.parameters.vertical), Pid(self.parameters.yaw)
-        self._speed_x = SpeedFeedforward(self.parameters.horizontal_speed)
-        self._speed_y = SpeedFeedforward(self.parameters.vertical_speed)
-        self._speed_z = SpeedFeedforward(self.parameters.horizontal_speed)
+        level, vertical = self.parameters.horizontal_speed, self.parameters.vertical_speed
+        self._speed_x, self._speed_y, self._speed_z = map(SpeedFeedforward, (level, vertical, level))
         self._pose_time = self._time = -math.inf
         self._upright = 1.0  # cosine of the tilt at which the last command acts
 
@@ -332,7 +333,7 @@ class Follower:
         parameters, model = self.parameters, self.parameters.ego_motion
         times = acts, acts + parameters.horizontal_lead, acts + parameters.vertical_lead
         own, own_level, own_vertical = self.ego_motion.at_times(times)
-        ball, ball_level, ball_vertical = self.neighbor.at_times(times, parameters.max_extrapolation)
+        ball, ball_level, ball_vertical = self.beyond.at_times(self.neighbor, times, parameters.max_extrapolation)
         for feedforward, axis in ((self._speed_x, ball.x), (self._speed_y, ball.y), (self._speed_z, ball.z)):
             feedforward.update(axis.speed, step)
         yaw = own.yaw

@@ -287,6 +287,12 @@ class SimulatedChain:
         self.outlines[who] = seen
         return Frame(number_plate(shown), self._times.stamp(index), index)
 
+    def beyond(self, who: int, index: int) -> Outline | Lost[Circle]:
+        """Find the next-but-one ball in a picture of a quick chain."""
+        if isinstance(self.images, WorldCameras):
+            raise ValueError("the next-but-one ball is found without pictures only")
+        return self.images.outline_beyond(who, STEPS_PER_FRAME * self._faults.shown(index))
+
     def truth(self, index: int | None = None) -> tuple[VehiclePose, ...]:
         """Return the poses of all vehicles now, or when the pictures of an index were taken."""
         return tuple(self.world.poses(self.world.step if index is None else STEPS_PER_FRAME * index))
@@ -343,6 +349,15 @@ class SimulatedCamera:
         if isinstance(seen, Lost):
             return Lost(seen.reason, frame.time), ()
         return seen.tracks(frame.time, self._chain.parameters.noise)
+
+    def ball_beyond(self, frame: Frame) -> Track[Circle] | Lost[Circle]:
+        """Return the next-but-one ball of the newest picture, of a chain that is flown without pictures."""
+        seen = self._chain.beyond(self._who, frame.index)
+        return (
+            Lost(seen.reason, frame.time)
+            if isinstance(seen, Lost)
+            else seen.tracks(frame.time, self._chain.parameters.noise)[0]
+        )
 
     def now(self) -> float:
         """Return the time on the clock of the pictures, s."""

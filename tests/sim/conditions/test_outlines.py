@@ -91,3 +91,20 @@ def test_what_is_hidden_or_outside_is_lost_with_a_reason() -> None:
 def test_noise_that_is_none_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
         OutlineNoise(**wrong)  # type: ignore[arg-type]
+
+
+def test_the_next_but_one_ball_is_seen_beside_the_neighbors_and_not_where_that_hides_it() -> None:
+    parameters = ChainParameters(vehicles=3, place=RelativeSetpoint(height=-0.19))
+    world = World(parameters, 3)
+    views = OutlineCameras(world, CAMERA)
+    poses = world.poses(0)
+    view = views.viewpoint(poses[0])
+    near, far = (view.from_room @ (poses[k].ball - view.position) for k in (1, 2))
+    seen = views.outline_beyond(0, 0)
+    assert isinstance(seen, Outline)
+    assert seen.marker is None
+    assert 0.3 * views.noise.points <= len(seen.points) < views.noise.points  # a part of it
+    assert seen.middle == pytest.approx(CAMERA.project(far[np.newaxis])[0], abs=3.0)
+    off = np.hypot(*(seen.points - CAMERA.project(near[np.newaxis])[0]).T)
+    assert off.min() > 0.9 * views.outline(0, 0).radius  # type: ignore[union-attr]
+    assert isinstance(views.outline_beyond(1, 0), Lost)  # there is none

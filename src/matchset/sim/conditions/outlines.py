@@ -39,6 +39,8 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Least cosine between the marker's direction and that to the camera at which it is found.
     inside : float
         Least share of an outline that must be in the picture.
+    inside_beyond : float
+        The same of the next-but-one ball, which the neighbor's hides in part.
     marker_diameter : float
         Across a marker, as a share of the ball's diameter; its size decides nothing.
     """
@@ -50,6 +52,7 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     points: int = 24
     marker_cosine: float = 0.3
     inside: float = 0.5
+    inside_beyond: float = 0.3
     marker_diameter: float = 0.2
 
     def __post_init__(self) -> None:
@@ -138,10 +141,47 @@ class OutlineCameras(WorldViews):
             return Lost("the ball is not in the picture", time)
         rng = np.random.default_rng((self.world.seed, 0x0071, who, step))
         marker = self._marker_in_picture(ball, -(view.from_room @ self.marked(neighbor.rotation))[:, 2], rng)
-        middle = points.mean(axis=0)
-        size = math.sqrt(((points - middle) ** 2).sum(axis=1).mean())
-        moved, grown = self.noise.center_px * rng.standard_normal(2), 1.0 + self.noise.size * rng.standard_normal()
-        off = grown + self.noise.point_px / size * rng.standard_normal((len(points), 1))
+        return self._noisy(points, points, marker, 1.0, rng)
+
+    def outline_beyond(self, who: int, step: int) -> Outline | Lost[Circle]:
+        """Find the next-but-one ball in a picture, without its marker: the neighbor's ball hides a part of it.
+
+        Parameters
+        ----------
+        who, step : int
+            See `outline`.
+
+        Returns
+        -------
+        Outline or Lost
+            `Lost` with the reason if too little of it can be seen, or there is none.
+        """
+        time, poses, radius = step / RATE, self.world.poses(step), self.world.vehicle.ball_radius
+        if who + 2 >= len(poses) or self.is_hidden(who, time):
+            return Lost("there is no next-but-one ball" if who + 2 >= len(poses) else "the ball is hidden", time)
+        view = self.viewpoint(poses[who])
+        near, ball = (view.from_room @ (poses[who + ahead].ball - view.position) for ahead in (1, 2))
+        if not ball[2] > radius:
+            return Lost("the ball is not before the camera", time)
+        edge = ball + radius * self._edge(ball, radius)
+        far, middle = np.sqrt((edge**2).sum(axis=1)), math.sqrt(near @ near)
+        clear = (edge @ near < math.sqrt(max(1.0 - (radius / middle) ** 2, 0.0)) * far * middle) | (far < middle)
+        points = self._seen(edge[clear])
+        if len(points) < self.noise.inside_beyond * self.noise.points:
+            return Lost("too little of the ball can be seen", time)
+        rng = np.random.default_rng((self.world.seed, 0x0072, who, step))
+        worse = math.sqrt(self.noise.points / len(points)) * math.sqrt(ball @ ball) / middle
+        return self._noisy(points, self._seen(edge), None, worse, rng)
+
+    def _noisy(
+        self, points: Floats, whole: Floats, marker: Floats | None, worse: float, rng: np.random.Generator
+    ) -> Outline:
+        """Move points of an outline, by its center and size from all of it, and its marker; `worse` enlarges noise."""
+        noise, middle = self.noise, whole.mean(axis=0)
+        size = math.sqrt(((whole - middle) ** 2).sum(axis=1).mean())
+        moved = worse * noise.center_px * rng.standard_normal(2)
+        grown = 1.0 + worse * noise.size * rng.standard_normal()
+        off = grown + noise.point_px / size * rng.standard_normal((len(points), 1))
         points = middle + off * (points - middle) + moved
         return Outline(points, middle + moved, grown * size, None if marker is None else marker + moved)
 

@@ -67,3 +67,18 @@ def test_gray_pictures_have_regions_too() -> None:
     assert found is not None
     assert found.half_width == pytest.approx(RADIUS, abs=2.5)
     assert found.worth(LIMITS) > 0.0
+
+
+@pytest.mark.parametrize(("blur", "other"), [(1.0, True), (6.0, False)])
+def test_square_is_another_shape_where_its_rim_is_sharp(blur: float, other: bool) -> None:
+    plain = np.full((240, 300, 3), 120, np.uint8)
+    plain[90:146, 123:179] = (150, 60, 20)
+    found = find_soft_region(np.asarray(cv2.GaussianBlur(plain, (0, 0), blur), np.uint8), (X, Y, 31.0), LIMITS)
+    assert found is not None
+    assert found.is_other(LIMITS) == other
+
+
+def test_sharp_disc_is_no_other_shape() -> None:
+    found = find_soft_region(streak(0.0, 1.0), (X + 3.0, Y, RADIUS), LIMITS)
+    assert found is not None
+    assert not found.is_other(LIMITS)

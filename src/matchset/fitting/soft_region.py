@@ -71,6 +71,8 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
         What a region adds to the score of its outline (`Consensus`), 1 is that of a perfect outline.
     sure : float
         Share of that from which a detection is fitted anew from its region.
+    round : float
+        Agreement below which a region with a sharp rim is no disc: that of a square is 0.83, of other cards less.
     min_half_width : float
         Half-width below which no region is looked for, px: a rim of a pixel or two is wide there.
     """
@@ -98,6 +100,7 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     agrees: float = 0.88
     worth: float = 0.3
     sure: float = 0.5
+    round: float = 0.85
     min_half_width: float = 5.0
 
 
@@ -125,6 +128,10 @@ class SoftRegion(NamedTuple):
         softness = (self.rim - limits.soft) / (limits.softer - limits.soft)
         roundness = (self.agreement - limits.agreement) / (limits.agrees - limits.agreement)
         return limits.worth * min(max(softness, 0.0), 1.0) * min(max(roundness, 0.0), 1.0)
+
+    def is_other(self, limits: SoftRegionParameters) -> bool:
+        """Say whether it is seen that this is no disc: its rim is sharp, and the region another shape."""
+        return self.rim < limits.soft and self.agreement < limits.round
 
 
 class _Window(NamedTuple):

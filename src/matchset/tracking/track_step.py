@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from matchset.fitting.consensus import Consensus
 from matchset.fitting.fitter import Estimate, Fitter
-from matchset.fitting.soft_region import find_soft_region
+from matchset.fitting.soft_region import SoftRegion, find_soft_region
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
@@ -38,6 +38,8 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 SAME_OFFSET = 1e-3  # theorem: share by which a field offset that is taken for half a frame's way differs: rounding
+MAX_DISC_PARAMETERS = 3  # geometry: center and size
+SAME_AWAY = 1e-3  # theorem: points of a circle of 20 px are equally far from its center, but for rounding, px
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
@@ -65,6 +67,8 @@ class TrackStep(Copied, Generic[S]):
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
         self._filter = HypothesisFilter(parameters.hypothesis_filter)
+        away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
+        self._is_disc = len(fitter.family.parameters) <= MAX_DISC_PARAMETERS and bool(np.ptp(away) < SAME_AWAY)
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
@@ -235,10 +239,26 @@ class TrackStep(Copied, Generic[S]):
     def _soft_region(self, image: Image, state: Floats) -> tuple[Floats, float]:
         """State of the region of a blurred target around a fit, and what it is worth; 0 where its rim is sharp."""
         limits, family = self.parameters.soft_region, self.fitter.family
-        here = float(state[0]), float(state[1]), float(family.half_width(state))
-        region = find_soft_region(image, here, limits)
+        region = self._region(image, state)
         worth = region.worth(limits) if region else 0.0
         return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
+
+    def _region(self, image: Image, state: Floats) -> SoftRegion | None:
+        if not self._is_disc:
+            return None
+        here = float(state[0]), float(state[1]), float(self.fitter.family.half_width(state))
+        return find_soft_region(image, here, self.parameters.soft_region)
+
+    def is_other_shape(self, image: Image, state: Floats) -> bool:
+        """Say whether the region at a state is another shape than a disc, where that is seen and discs are tracked.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        state : ndarray of shape (s,), float64
+        """
+        region = self._region(image, state)
+        return region is not None and region.is_other(self.parameters.soft_region)
 
     def on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
         """Fit a detection anew from the region of a blurred target, if it is one and that is a detection too.

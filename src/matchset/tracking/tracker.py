@@ -327,7 +327,8 @@ class Tracker(Copied, Generic[S]):
         if self._last is None or estimate.evidence is None or self._fitter.validate_detection(estimate, Prior.ASKED):
             return False
         last, found = self._family.half_width(self._last.state), gate_of(self._family, estimate.state)
-        return self._prominence.recognizes(image, self.color, float(last), found)
+        alone = self._prominence.recognizes(image, self.color, float(last), found)
+        return alone and not self._step.is_other_shape(image, estimate.state)
 
     def _holds_hint(self, state: Floats) -> bool:
         """Whether a shape holds the point that was given."""

@@ -56,6 +56,8 @@ def test_a_simulated_vehicle_is_identified_and_flown_by_its_file(
         (("tello:", "--camera", "0"), "say what camera 0 is like"),
         (("sim://chain", "--arm"), "is a simulated chain"),
         (("sim://chain", "--duration", "0"), "duration"),
+        (("sim://chain", "--from", "flight.mcap"), "--from flies nothing"),
+        (("--from", "flight.mcap"), "flight.mcap"),
     ],
 )
 def test_what_does_not_fit_is_one_line(
@@ -66,6 +68,23 @@ def test_what_does_not_fit_is_one_line(
     assert said in err
     assert len([line for line in err.splitlines() if line.startswith("error: ")]) == 1
     assert not Path("vehicle.toml").exists()
+
+
+def test_a_recorded_flight_tells_the_same_again(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("mcap")
+    assert matchset("identify", WORLD, "--duration", 5, "--record", "flight.mcap", "--quiet") == 0
+    first = capsys.readouterr().out
+    assert matchset("replay", "flight.mcap", "--quiet") == 0, "bit for bit, its sticks shaken"
+    capsys.readouterr()
+    assert matchset("identify", "--from", "flight.mcap", "-o", "again.toml") == 0
+    again = capsys.readouterr().out
+    assert [line for line in again.splitlines() if "+-" in line] == [
+        line for line in first.splitlines() if "+-" in line
+    ]
+    texts = [(tmp_path / name).read_text().partition("\n")[2] for name in ("vehicle.toml", "again.toml")]
+    assert texts[0] == texts[1]
 
 
 def test_a_flight_that_is_too_short_says_so_and_writes_nothing(

@@ -26,6 +26,8 @@ IDENTIFY_EPILOG = """
   matchset identify serial:///dev/ttyUSB0 --camera 0 --camera-file camera.toml --color ball.npz --marker-color \
 marker.npz -o vehicle.toml
 
+  matchset identify --from flight.mcap -o vehicle.toml
+
   matchset fly --config vehicle.toml
 
 Hang the ball up so that it does not move, its marker toward the camera, and put the vehicle at its set place. A real \
@@ -42,6 +44,9 @@ Whom = Annotated[
 ]
 Output = Annotated[Path, typer.Option("-o", metavar="FILE.toml", help="Settings to write, for 'fly --config'.")]
 Duration = Annotated[float | None, typer.Option("--duration", metavar="S", help="How long it flies, s; 10 without it.")]
+Recorded = Annotated[
+    Path | None, typer.Option("--from", metavar="FLIGHT.mcap", help="Fly nothing: identify by a recorded flight.")
+]
 Quick = Annotated[bool, typer.Option("--quick", help="Of a simulated one: without pictures, outlines with noise.")]
 
 
@@ -55,6 +60,7 @@ class IdentifyOptions(msgspec.Struct, frozen=True, kw_only=True):
     duration: Duration = None
     linked: LinkedOptions = LinkedOptions()
     files: FlightFiles = FlightFiles()
+    recorded: Recorded = None
     quick: Quick = False
     quiet: Quiet = False
     force: Force = False

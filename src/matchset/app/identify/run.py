@@ -3,6 +3,7 @@
 import datetime
 import sys
 from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from matchset.app.identify.parameters import IdentifyParameters
 from matchset.app.identify.vehicle_file import vehicle_toml
 from matchset.app.identify.verdict import NEEDED, Finding, findings
 from matchset.app.progress import announce_if_slow
+from matchset.app.recording.reader import RecordingReader
+from matchset.app.recording.replay import Replay
 from matchset.app.run_folder import check_outputs, output_file
 from matchset.image.files.whole_file import write_whole
 
@@ -83,8 +86,13 @@ def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) 
     """
     parameters = parameters or IdentifyParameters()
     fly_options = options.fly_options()
-    check_outputs([options.out], [options.config, *fly_options.linked.inputs], options.force)
-    options.files.check(options.force, [options.config, options.out, *fly_options.linked.inputs])
+    inputs = [options.config, options.recorded, *fly_options.linked.inputs]
+    check_outputs([options.out], inputs, options.force)
+    options.files.check(options.force, [options.out, *inputs])
+    if options.recorded is not None:
+        if options.whom is not None or fly_options.linked.given or options.quick:
+            raise ValueError("--from flies nothing: it goes with no link, no camera and no --quick")
+        return _identified(_recorded(options.recorded), f"--from {options.recorded}", options, parameters)
     with announce_if_slow("getting ready ..."):
         flight = LoggedFlight(_opened(options, parameters))
     options.files.make_folders(options.force)
@@ -94,19 +102,32 @@ def run(options: IdentifyOptions, parameters: IdentifyParameters | None = None) 
         return code
     if code not in (FOUND, NOT_FOUND):
         return code
-    log = FlightLog.of(flight.logged, parameters.airborne)
+    if code == NOT_FOUND:
+        print("note: it came down before its time", file=sys.stderr)
+    source = options.whom or fly_options.linked.link or "simulated"
+    return max(_identified(flight.logged, source, options, parameters), code)
+
+
+def _identified(
+    steps: Sequence[LoggedStep], source: str, options: IdentifyOptions, parameters: IdentifyParameters
+) -> int:
+    """Identify, show and write; returns the exit code."""
+    log = FlightLog.of(steps, parameters.airborne)
     if len(log.taken) < parameters.estimate.least_pictures:
         print(f"note: nothing found: {len(log.taken)} pictures of a flight are too few", file=sys.stderr)
         return NOT_FOUND
     found = findings(estimate(log, parameters=parameters.estimate), log, parameters)
-    words = f"{options.whom or fly_options.linked.link}, {log.duration:.1f} s of flight"
     path = output_file(options.out, options.force)
+    words = f"{source}, {log.duration:.1f} s of flight"
     write_whole(path, vehicle_toml(found, words, datetime.date.today(), parameters).encode())
     _show(found, log)
     print(f"  {path}")
-    if code == NOT_FOUND:
-        print("note: it came down before its time; what was found until then is written", file=sys.stderr)
-    return code if not any(each.missing for each in found if each.name in NEEDED) else NOT_FOUND
+    return NOT_FOUND if any(each.missing for each in found if each.name in NEEDED) else FOUND
+
+
+def _recorded(path: Path) -> list[LoggedStep]:
+    """Replay the first follower of a recorded flight."""
+    return [LoggedStep.of(chain_step.steps[0]) for chain_step in Replay(RecordingReader(path))]
 
 
 def _opened(options: IdentifyOptions, parameters: IdentifyParameters) -> ChainFlight:

@@ -254,3 +254,17 @@ def test_a_copy_keeps_circle_and_note_and_a_file_does_not(tmp_path: Path) -> Non
     np.testing.assert_array_equal(loaded.table, color.table)
     assert loaded.circle is None
     assert loaded.note == ""
+
+
+def test_a_small_ball_before_a_plain_wall_is_not_taken_for_the_wall() -> None:
+    """The seed of the region is the most uniform place near the click, wherever that is: on the wall."""
+    rng = np.random.default_rng(3)
+    wall = np.zeros((480, 640), bool)
+    wall[200:270, 270:410] = True
+    image = paint(textured(spread=30.0), wall, (150.0, 150.0, 150.0))
+    ball = disc((480, 640), radius=6.0)
+    image[ball] = np.clip(np.array((40.0, 60.0, 170.0)) + rng.normal(0.0, 25.0, (int(ball.sum()), 3)), 0, 255)
+    color = ms.ColorModel.pick(image, X - 3.0, Y, ColorParameters(seed_search_px=14.0, seed_distance_cost=0.0))
+    alike = color.scores(image) > 0
+    assert alike[ball].mean() > 0.6
+    assert alike[wall & ~disc((480, 640), radius=8.0)].mean() < 0.05

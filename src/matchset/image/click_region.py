@@ -288,7 +288,9 @@ def regions_at_click(
     if shared >= limits.part:
         part = _target_of(image, disc, region, parameters) & _alike(values, region, limits)
         return [region | part, disc], circle
-    if shared < limits.leaked and solid < limits.solid and extent > limits.far * circle[2]:
+    is_disc = len(points) > limits.disc * math.pi * extent**2 * solid  # its hull is, whatever is printed on it
+    beside = not region[round(y), round(x)] and not is_disc
+    if shared < limits.leaked and (solid < limits.solid or beside) and extent > limits.far * circle[2]:
         return [_target_of(image, disc, disc, parameters), disc], circle
     return [region, disc], circle
 

@@ -45,7 +45,8 @@ class RegionParameters(msgspec.Struct, frozen=True):
     leaked : float
         Share of the region in the circle below which it has leaked, if it is ...
     solid : float
-        ... less than this share of its convex hull; a solid region is another thing, on which the circle is printed.
+        ... less than this share of its convex hull; a solid region is another thing, on which the circle is printed,
+        unless the click itself is outside of it and its hull is no disc: then it is the wall behind a small ball.
     far : float
         ... and if its enclosing circle is this many times as large.
     whole, same, large : float

@@ -51,6 +51,8 @@ def test_a_simulated_vehicle_is_identified_and_flown_by_its_file(
     [
         (("sim://chain?vehicles=3",), "one vehicle is identified at a time"),
         (("sim://room",), "sim://chain"),
+        ((), "say whom to identify"),
+        (("--seed", "3"), "say whom to identify"),
         (("serial:///dev/ttyUSB0",), "needs a camera and a link: --camera 0 is missing"),
         (("serial:///dev/ttyUSB0", "--link", "serial:///dev/ttyUSB1"), "named twice"),
         (("tello:", "--camera", "0"), "say what camera 0 is like"),

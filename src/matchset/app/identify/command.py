@@ -83,8 +83,6 @@ class IdentifyOptions(msgspec.Struct, frozen=True, kw_only=True):
             if linked.link is not None:
                 raise ValueError(f"the link is named twice: {self.whom} and --link {linked.link}")
             linked, uri = msgspec.structs.replace(linked, link=self.whom), None
-        elif self.whom is None and linked.given:
-            uri = None
         return FlyOptions(
             uri=uri,
             config=self.config,
@@ -109,9 +107,10 @@ class IdentifyOptions(msgspec.Struct, frozen=True, kw_only=True):
         flight = flight_parameters(self.config, parameters.duration if self.duration is None else self.duration)
         if self.config is None:
             flight = with_world(flight, swing=0.0, yaw_deg=0.0)
-        flight = with_uri(self.whom, with_world(flight, vehicles=2)) if self.is_simulated and self.whom else flight
-        if self.is_simulated and self.whom and flight.world.vehicles != 2:
-            raise ValueError(f"one vehicle is identified at a time: vehicles is 2, got {flight.world.vehicles}")
+        if self.whom is not None and self.is_simulated:
+            flight = with_uri(self.whom, with_world(flight, vehicles=2))
+            if flight.world.vehicles != 2:
+                raise ValueError(f"one vehicle is identified at a time: vehicles is 2, got {flight.world.vehicles}")
         if self.seed is not None:
             flight = with_world(flight, seed=self.seed)
         return careful(with_world(flight, quick=self.quick), parameters)

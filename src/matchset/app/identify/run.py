@@ -134,6 +134,10 @@ def _opened(options: IdentifyOptions, parameters: IdentifyParameters) -> ChainFl
     """Make the flight, simulated or real."""
     fly_options = options.fly_options()
     followers = fly_options.linked.followers(fly_options.uri, options.config)
+    if not followers and options.whom is None:
+        raise ValueError(
+            'say whom to identify: sim://chain, or serial:///dev/ttyUSB0 --camera 0; see "identify --help"'
+        )
     flight = options.flight(parameters)
     if not followers:
         return Flight(flight)

@@ -52,6 +52,14 @@ def test_tilt_and_lift_pull_along_their_axes(sticks: AttitudeCommand, way: tuple
     assert np.linalg.norm(np.cross(state.position, way)) < 1e-9
 
 
+def test_a_delay_that_was_learned_counts_for_what_was_sent_before_too() -> None:
+    own, late = fly(AttitudeCommand(roll=0.2), 1.0), fly(AttitudeCommand(roll=0.2), 1.0)
+    late.delay += 0.1
+    for time in (0.1, 0.2, 0.6):
+        assert late.at(time + 0.1).roll == pytest.approx(own.at(time).roll)
+    assert late.at(0.2).roll < own.at(0.2).roll - 0.01
+
+
 def test_what_is_moved_and_not_carried_slows_the_answer() -> None:
     fast, slow = EgoMotion(MODEL), EgoMotion(msgspec.structs.replace(MODEL, effective_mass_ratio=1.25))
     for own in (fast, slow):

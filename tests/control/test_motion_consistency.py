@@ -24,11 +24,12 @@ def results(
     gain: float = 1.0,
     steps: range = range(180),
     freeze: bool = False,
+    drift: float = 0.0,
 ) -> list[tuple[float, float]]:
     """Fly before a ball with a pitch that changes by so much, rad; time and evidence of each pose.
 
     From a time on the pictures are so much too old, or the last one. A gust moves the ball, m/s; by a gain the vehicle
-    tilts more than its model.
+    tilts more than its model. The model drifts upward with so much lift, m/s^2, and distances have an error of 1 %.
     """
     rng = np.random.default_rng(5)
     model, ego, consistency, answers = EgoMotion(), EgoMotion(), MotionConsistency(), []
@@ -40,12 +41,13 @@ def results(
         speed += (gust * rng.standard_normal() * math.sqrt(2.0 / FPS) - speed / FPS) if gust else 0.0
         ball[1] += speed / FPS
         away = there.rotation.T @ (ball - there.position) + noise * rng.standard_normal(3)
+        away *= 1.0 + (0.01 * rng.standard_normal() if drift else 0.0)
         if step in steps:
             pose = Pose(position=away, rotation_matrix=None, covariance=np.eye(6), observed="position", time=time)
             consistency.update(pose, model)
             answers.append((time, consistency.evidence))
         wave = amplitude * math.sin(8.0 * time) + 0.5 * amplitude * math.sin(13.0 * time + 1.0)
-        model.update(AttitudeCommand(pitch=wave), time + LATENCY)
+        model.update(AttitudeCommand(pitch=wave, lift=drift), time + LATENCY)
         ego.update(AttitudeCommand(pitch=gain * wave), time + LATENCY)
     return answers
 
@@ -81,6 +83,12 @@ def test_gusts_and_a_poor_model_are_no_old_pictures(gust: float, gain: float) ->
 @pytest.mark.parametrize("delay", [0.4, 0.5, 0.55, 0.8])
 def test_old_pictures_are_known_also_when_the_motion_is_small(delay: float, amplitude: float) -> None:
     assert known(results(delay=delay, amplitude=amplitude)) <= 0.4
+
+
+@pytest.mark.parametrize("drift", [0.5, -0.5])
+def test_a_height_that_drifts_does_not_matter(drift: float) -> None:
+    assert worst(results(begin=math.inf, drift=drift, steps=range(450))) < 1.2
+    assert known(results(delay=0.5, begin=12.0, drift=drift, steps=range(450)), 12.0) <= 0.4
 
 
 def test_in_gusts_they_are_known_too() -> None:

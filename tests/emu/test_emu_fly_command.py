@@ -25,7 +25,10 @@ duration = 6.0
 countdown = 0.5
 [flight.pilot.safety]
 fresh = 1.0
+[flight.pilot.follower.answer]
+limit = 100.0
 """
+# The camera does not answer to the sticks, which is known after some seconds, rightly.
 
 
 @contextlib.contextmanager

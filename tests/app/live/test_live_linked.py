@@ -20,9 +20,12 @@ from served_neighbor import ServedNeighbor
 WAIT = 120.0  # s
 PACE = 0.25  # of the transmitter's clock: its failsafe has tests of its own
 FLIES = 60  # of 255
+# The camera does not answer to the sticks, which the check of old pictures knows after some seconds, rightly.
 TOML = """
 [flight.pilot.safety]
 fresh = 1.0
+[flight.pilot.follower.answer]
+limit = 100.0
 [[follower]]
 camera = "{camera}"
 link = "serial://{link}"

@@ -27,7 +27,10 @@ duration = 30.0
 countdown = 0.5
 [flight.pilot.safety]
 fresh = 1.0
+[flight.pilot.follower.answer]
+limit = 100.0
 """
+# The camera does not answer to the sticks, which is known after some seconds, rightly.
 FOLLOWER = """
 [[follower]]
 camera = "{camera}"

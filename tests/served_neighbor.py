@@ -18,6 +18,11 @@ CAMERA = CameraModel.from_fov(*SIZE, math.radians(FOV_DEG))
 FRAMES = 60  # then it begins again, where it began
 SWAY = 0.01  # m
 UP, AHEAD = 0.19, 1.5  # m, from the camera to the ball
+UNANSWERED = """
+[flight.pilot.follower.answer]
+limit = 100.0
+"""
+"""Settings: this camera does not answer to the sticks, which a flight knows after some seconds, rightly."""
 
 
 class ServedNeighbor:

@@ -1,13 +1,18 @@
-"""A small video of a blue ball, made once."""
+"""A small video of a blue ball, a short flight, and what flights of real devices need, each made once."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
 import pytest
 from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 from chain_flight import Flown, fly
+from flight_process import PACE
+from pty_transmitter import PtyTransmitter
 
 from matchset.app import cli
+from mjpeg_server import MjpegServer
+from served_neighbor import ServedNeighbor
 
 
 @pytest.fixture(scope="session")
@@ -40,3 +45,27 @@ def matchset(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Matchset:
 def flown() -> Flown:
     """A short flight of a chain of three."""
     return fly()
+
+
+@pytest.fixture(scope="module")
+def neighbor() -> ServedNeighbor:
+    return ServedNeighbor()
+
+
+@pytest.fixture
+def camera(neighbor: ServedNeighbor) -> Iterator[MjpegServer]:
+    """The neighbor, seen by a camera in the network."""
+    with MjpegServer(neighbor) as server:
+        yield server
+
+
+@pytest.fixture
+def transmitter() -> Iterator[PtyTransmitter]:
+    with PtyTransmitter(PACE) as opened:
+        yield opened
+
+
+@pytest.fixture
+def files(neighbor: ServedNeighbor, tmp_path: Path) -> list[str]:
+    """Options of a flight that name camera file and colors."""
+    return neighbor.write_files(tmp_path)

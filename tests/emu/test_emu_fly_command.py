@@ -15,20 +15,17 @@ from syma import BIND_ADDRESS, sticks
 import patient_matchset
 from flight import BOUND, throttles
 from mjpeg_server import MjpegServer
-from served_neighbor import ServedNeighbor
+from served_neighbor import UNANSWERED, ServedNeighbor
 
 PACE = 0.25  # of the board's clock: its failsafe has tests of its own, and this computer may be busy
-SHORT = """
+SHORT = f"""
 [flight]
 duration = 6.0
 [flight.linked]
 countdown = 0.5
 [flight.pilot.safety]
 fresh = 1.0
-[flight.pilot.follower.answer]
-limit = 100.0
-"""
-# The camera does not answer to the sticks, which is known after some seconds, rightly.
+{UNANSWERED}"""
 
 
 @contextlib.contextmanager

@@ -292,18 +292,18 @@ def write_sums(window: Floats, levels: Floats, memory: float, sums: Floats) -> N
 
 
 @helper
+def sums_before(sums: Floats, first: int) -> tuple[float, float, float, float, float]:
+    """Return what `write_sums` wrote of so many first differences."""
+    return sums[0, first], sums[1, first], sums[2, first], sums[3, first], sums[4, first]
+
+
+@helper
 def misfit_after(
     window: Floats, before: Floats, levels: Floats, change: tuple[int, float, float], sums: Floats
 ) -> float:
     """Sum of squares that a line leaves, if after so many differences the delay is larger by a lag, s."""
     first, lag, memory = change
-    step, value, squares, products, total = (
-        sums[0, first],
-        sums[1, first],
-        sums[2, first],
-        sums[3, first],
-        sums[4, first],
-    )
+    step, value, squares, products, total = sums_before(sums, first)
     for j in range(first, window.shape[0] - 1):
         changes = j == first and j > 0
         step = window[j + 1, TIME] - window[j, TIME] - (lag if changes else 0.0) + memory * step
@@ -318,13 +318,7 @@ def misfit_after(
 def misfit_still(window: Floats, use: int, change: tuple[int, float], sums: Floats) -> float:
     """Sum of squares that a line leaves, if after so many differences the picture stands still."""
     first, memory = change
-    step, value, squares, products, total = (
-        sums[0, first],
-        sums[1, first],
-        sums[2, first],
-        sums[3, first],
-        sums[4, first],
-    )
+    step, value, squares, products, total = sums_before(sums, first)
     row = window[first, DELAYS + EACH * use + ROW :]
     for j in range(first, window.shape[0] - 1):
         step, value = memory * step, memory * value

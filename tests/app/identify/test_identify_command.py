@@ -1,24 +1,18 @@
 """`matchset identify`: a simulated vehicle, a real one behind a pseudo-terminal, and what is refused."""
 
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from blue_ball import Matchset
+from flight_process import FlightProcess, errors
 from pty_transmitter import PtyTransmitter
 
-import patient_matchset
 from matchset.app.flight.config import read_flight
 from matchset.app.flight.flight import FlightParameters
 from mjpeg_server import MjpegServer
-from served_neighbor import ServedNeighbor
 
-PACE = 0.25  # of the transmitter's clock, as in test_fly_linked.py
-FLIES = 60  # of 255, what no other test's throttle reaches
 WORLD = "sim://chain?thrust=0.85&radio_delay_ms=90&full_yaw_rate=1.15&yaw_trim_deg_s=4"
 SHORT = """
 [flight.linked]
@@ -97,54 +91,20 @@ def test_a_flight_that_is_too_short_says_so_and_writes_nothing(
     assert not Path("vehicle.toml").exists()
 
 
-@pytest.fixture(scope="module")
-def neighbor() -> ServedNeighbor:
-    return ServedNeighbor()
-
-
 @pytest.fixture
-def camera(neighbor: ServedNeighbor) -> Iterator[MjpegServer]:
-    with MjpegServer(neighbor) as server:
-        yield server
-
-
-@pytest.fixture
-def transmitter() -> Iterator[PtyTransmitter]:
-    with PtyTransmitter(PACE) as opened:
-        yield opened
-
-
-@pytest.fixture
-def line(tmp_path: Path, neighbor: ServedNeighbor, camera: MjpegServer, transmitter: PtyTransmitter) -> list[str]:
+def line(tmp_path: Path, camera: MjpegServer, transmitter: PtyTransmitter, files: list[str]) -> list[str]:
     """The command with all that a flight needs."""
     (tmp_path / "short.toml").write_text(SHORT)
-    program = [sys.executable, str(Path(patient_matchset.__file__)), "identify", f"serial://{transmitter.path}"]
-    return [*program, "--camera", camera.url, "--config", "short.toml", *neighbor.write_files(tmp_path)]
-
-
-def begun(folder: Path, line: list[str]) -> "subprocess.Popen[str]":
-    return subprocess.Popen(
-        line, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-
-
-def flying(folder: Path, line: list[str], transmitter: PtyTransmitter) -> "subprocess.Popen[str]":
-    """Begin an armed flight, and wait until motors turn."""
-    process, end = begun(folder, [*line, "--arm"]), time.monotonic() + 300.0
-    while transmitter.port.throttle < FLIES:
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end
-        time.sleep(0.01)
-    return process
+    words = ["identify", f"serial://{transmitter.path}", "--camera", camera.url, "--config", "short.toml"]
+    return [*words, *files]
 
 
 @pytest.mark.usefixtures("signals_end_programs")
 def test_a_dry_run_sends_no_throttle_and_identifies_nothing(
     tmp_path: Path, line: list[str], transmitter: PtyTransmitter
 ) -> None:
-    process = begun(tmp_path, [*line, "--duration", "3"])
-    out, err = process.communicate(timeout=300)
-    assert process.returncode == 0, out + err
+    code, out, err = FlightProcess(tmp_path, *line, "--duration", "3").ended()
+    assert code == 0, out + err
     assert {moment.throttle for moment in transmitter.moments} == {0}
     assert "without throttle nothing can be identified; --arm flies" in out
     assert not (tmp_path / "vehicle.toml").exists()
@@ -154,10 +114,10 @@ def test_a_dry_run_sends_no_throttle_and_identifies_nothing(
 def test_a_ball_that_does_not_answer_to_the_sticks_is_not_believed(
     tmp_path: Path, line: list[str], transmitter: PtyTransmitter
 ) -> None:
-    process = flying(tmp_path, [*line, "--duration", "6"], transmitter)
-    out, err = process.communicate(timeout=300)
-    assert process.returncode == 1, out + err
-    assert "Traceback" not in err
+    flown = FlightProcess(tmp_path, *line, "--arm", "--duration", "6")
+    flown.flies(transmitter)
+    code, out, err = flown.ended()
+    assert code == 1, out + err
     assert (transmitter.port.throttle, transmitter.port.state) == (0, "locked")
     file = tmp_path / "vehicle.toml"
     assert not file.exists() or read_flight(file) == FlightParameters(), "nothing of it is flown by"
@@ -165,10 +125,12 @@ def test_a_ball_that_does_not_answer_to_the_sticks_is_not_believed(
 
 @pytest.mark.usefixtures("signals_end_programs")
 def test_a_kill_stops_the_motors_at_once(tmp_path: Path, line: list[str], transmitter: PtyTransmitter) -> None:
-    process, begin = flying(tmp_path, line, transmitter), time.monotonic()
-    process.send_signal(signal.SIGUSR1)
-    out, err = process.communicate(timeout=300)
-    assert process.returncode == 1, out + err
+    flown = FlightProcess(tmp_path, *line, "--arm")
+    flown.flies(transmitter)
+    begin = time.monotonic()
+    flown.process.send_signal(signal.SIGUSR1)
+    code, out, err = flown.ended()
+    assert code == 1, out + err
     assert "vehicle 1 was cut: SIGUSR1 came" in out
     assert [packet.throttle for packet in transmitter.packets_since(begin)].index(0) <= 2
 
@@ -177,11 +139,11 @@ def test_a_kill_stops_the_motors_at_once(tmp_path: Path, line: list[str], transm
 def test_a_port_that_vanishes_is_one_line_and_leaves_no_file(
     tmp_path: Path, line: list[str], transmitter: PtyTransmitter
 ) -> None:
-    process = flying(tmp_path, line, transmitter)
+    flown = FlightProcess(tmp_path, *line, "--arm")
+    flown.flies(transmitter)
     transmitter.unplug()
-    out, err = process.communicate(timeout=300)
-    assert process.returncode == 3, out + err
-    errors = [words for words in err.splitlines() if words.startswith("error: ")]
-    assert len(errors) == 1
-    assert "has gone (unplugged?)" in errors[0]
+    code, out, err = flown.ended()
+    assert code == 3, out + err
+    assert len(errors(err)) == 1
+    assert "has gone (unplugged?)" in errors(err)[0]
     assert not (tmp_path / "vehicle.toml").exists()

@@ -15,20 +15,18 @@ from matchset.app.live.sources.found_sources import given_source
 from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.links.arduino.protocol import ArduinoParameters
 from mjpeg_server import MjpegServer
-from served_neighbor import ServedNeighbor
+from served_neighbor import UNANSWERED, ServedNeighbor
 
 WAIT = 120.0  # s
 PACE = 0.25  # of the transmitter's clock: its failsafe has tests of its own
 FLIES = 60  # of 255
-# The camera does not answer to the sticks, which the check of old pictures knows after some seconds, rightly.
-TOML = """
+TOML = f"""
 [flight.pilot.safety]
 fresh = 1.0
-[flight.pilot.follower.answer]
-limit = 100.0
+{UNANSWERED}
 [[follower]]
-camera = "{camera}"
-link = "serial://{link}"
+camera = "{{camera}}"
+link = "serial://{{link}}"
 camera_file = "camera.toml"
 color = ["ball.npz"]
 marker_color = ["marker.npz"]

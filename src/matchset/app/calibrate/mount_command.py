@@ -1,9 +1,7 @@
 """`matchset calibrate --mount`: from a ball at measured places to how camera and marker are turned."""
 
 import datetime
-import functools
 import math
-import operator
 import shlex
 import sys
 from collections.abc import Sequence
@@ -19,6 +17,7 @@ from matchset.app.calibrate.still_ball import still_intervals
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
 from matchset.app.progress import InstructionLine
 from matchset.app.run_folder import output_file, output_folder
+from matchset.app.track.target_options import load_color
 from matchset.camera.camera_model import CameraModel
 from matchset.control.mount.mount_fit import (
     FittedMount,
@@ -155,11 +154,10 @@ def calibrate_mount(options: CalibrateOptions) -> int:
 def _equipment(options: CalibrateOptions) -> Equipment:
     """Read camera and colors, and make what finds the ball."""
     camera = CameraModel.load(options.mount.camera_file or "")
-    colors = [ColorModel.load(path) for path in options.target.color or ()]
-    markers = [ColorModel.load(path) for path in options.mount.marker_color or ()]
+    color, markers = load_color(options.target.color or ()), options.mount.marker_color
     target = BallTarget(options.ball_diameter) if options.ball_diameter is not None else BallTarget()
-    marker = functools.reduce(operator.or_, markers) if markers else None
-    return Equipment(Localizer(camera, target), functools.reduce(operator.or_, [*colors, *markers]), marker)
+    marker = load_color(markers) if markers else None
+    return Equipment(Localizer(camera, target), color if marker is None else color | marker, marker)
 
 
 def _held_balls(sources: Sequence[str], count: int, equipment: Equipment, stop: StopRequest) -> list[HeldAt] | None:

@@ -22,6 +22,7 @@ from matchset.app.progress import announce_if_slow
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay
 from matchset.app.run_folder import check_outputs, output_file
+from matchset.app.simulate.flights import fly_scored
 from matchset.image.files.whole_file import write_whole
 
 
@@ -150,12 +151,8 @@ def _opened(options: IdentifyOptions, parameters: IdentifyParameters) -> ChainFl
 
 def _flown_quickly(flight: LoggedFlight) -> int:
     """Fly a simulated vehicle without pictures, tables and files; returns the exit code."""
-    scorer = FlightScorer(flight.parameters)
-    with StopRequest() as stop, flight:
-        for chain_step in flight:
-            scorer.add(chain_step)
-            if scorer.crashed or stop:
-                break
+    with StopRequest() as stop:
+        scorer = fly_scored(flight, lambda: bool(stop))
     return stop.code if stop else FOUND if flight.succeeded(scorer) else NOT_FOUND
 
 

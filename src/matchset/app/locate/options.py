@@ -2,7 +2,6 @@
 
 import functools
 import math
-import operator
 import shlex
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from matchset.app.locate.loop import Locator
 from matchset.app.parameters_file import tracker_parameters
 from matchset.app.track.frame_picker import lit_frame_at
 from matchset.app.track.loop import trackers_for
-from matchset.app.track.target_options import LearnedTarget, check_target_options, parse_pick, target_for
+from matchset.app.track.target_options import LearnedTarget, check_target_options, load_color, parse_pick, target_for
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.files.limits import LIMITS
@@ -170,8 +169,7 @@ def targets_for(
     if not marker.given:
         return target, None, taken
     if marker.marker_pick is None:
-        models = [ColorModel.load(path) for path in marker.marker_color or ()]
-        color = functools.reduce(operator.or_, models)
+        color = load_color(marker.marker_color or ())
     else:
         x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
         frame, taken = _frame_of(source, video, target.frame if index is None else index, taken)

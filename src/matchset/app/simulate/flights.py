@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import msgspec
 
 if TYPE_CHECKING:
-    from matchset.app.flight.flight import FlightParameters
-    from matchset.app.flight.score import FlightScore
+    from matchset.app.flight.flight import ChainFlight, FlightParameters
+    from matchset.app.flight.score import FlightScore, FlightScorer
 
 
 class WorkParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -50,15 +50,28 @@ def fly_once(parameters: "FlightParameters", stopped: Callable[[], bool] | None 
         Asked at every step; if it answers True the flight ends there.
     """
     from matchset.app.flight.flight import Flight
+
+    return fly_scored(Flight(parameters), stopped).score()
+
+
+def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None) -> "FlightScorer":
+    """Fly one that is there already, as `fly_once`, and close it; returns what counted.
+
+    Parameters
+    ----------
+    flight : ChainFlight
+    stopped : callable, optional
+        Asked at every step.
+    """
     from matchset.app.flight.score import FlightScorer
 
-    scorer = FlightScorer(parameters)
-    with Flight(parameters) as flight:
+    scorer = FlightScorer(flight.parameters)
+    with flight:
         for chain_step in flight:
             scorer.add(chain_step)
             if scorer.crashed or (stopped is not None and stopped()):
                 break
-    return scorer.score()
+    return scorer
 
 
 def fly_all(

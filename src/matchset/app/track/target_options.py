@@ -4,6 +4,8 @@ import functools
 import operator
 import re
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -96,6 +98,11 @@ def target_without_picture(options: TargetOptions) -> LearnedTarget | None:
         return LearnedTarget(parse_gray(options.gray), None if options.pick is None else (x, y), index or 0)
     models = [ColorModel.load(path) for path in options.color or ()] + [parse_hsv(text) for text in options.hsv or ()]
     return LearnedTarget(functools.reduce(operator.or_, models)) if models else None
+
+
+def load_color(paths: Sequence[str | Path]) -> ColorModel:
+    """Read the files of a color, one or more, and join them."""
+    return functools.reduce(operator.or_, map(ColorModel.load, paths))
 
 
 def target_in(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, Frame]:

@@ -1,7 +1,7 @@
 """How a camera is turned on its vehicle, from balls at measured places: `fit_mount`.
 
 The vehicle stands level. Directions u_i to a ball in the camera frame and v_i in the vehicle's are related by the
-rotation R that is sought, ``v_i = R u_i``. Gauss-Newton on yaw, pitch and roll minimizes
+rotation R that is sought, ``v_i = R u_i``. Least squares over yaw, pitch and roll minimize
 
     sum_i |v_i x R u_i|^2 / s_i^2 + roll^2 / s_r^2,   s_i = tape / distance_i,
 
@@ -16,6 +16,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import least_squares
 
 from matchset.control.mount.camera_mount import mounting
 from matchset.control.parameter_checks import require_positive
@@ -36,15 +37,12 @@ class MountFitParameters(msgspec.Struct, frozen=True, kw_only=True):
         Standard deviation of the roll before anything is measured, rad. Estimate: 5 degrees, mounted by eye.
     most_misfit : float
         Largest angle between a place as told and as seen, standard deviations: more, and it was measured wrong.
-    iterations : int
-        Steps of the fit; each leaves about the square of the error before.
     """
 
     place_sigma: float = 0.01
     level_sigma: float = 0.008
     roll_sigma: float = 0.09
     most_misfit: float = 4.0
-    iterations: int = 8
 
     def __post_init__(self) -> None:
         require_positive(self, self.__struct_fields__)
@@ -110,32 +108,21 @@ def fit_mount(balls: Sequence[PlacedBall], parameters: MountFitParameters | None
     told = np.array([ball.told / math.hypot(*ball.told) for ball in balls])
     seen = np.array([ball.seen / math.hypot(*ball.seen) for ball in balls])
     weights = np.array([math.hypot(*ball.told) / parameters.place_sigma for ball in balls])
-    angles, information = np.zeros(3), np.eye(3)
-    for _ in range(parameters.iterations):
-        residual, jacobian = _linearized(angles, told, seen, weights)
-        prior = np.diag((0.0, 0.0, parameters.roll_sigma**-2))
-        information = jacobian.T @ jacobian + prior
-        angles = angles - np.linalg.solve(information, jacobian.T @ residual + prior @ angles)
+
+    def residuals(angles: Floats) -> Floats:
+        across = np.cross(told, seen @ mounting(*angles.tolist()).T) * weights[:, np.newaxis]
+        return np.append(across, angles[2] / parameters.roll_sigma)  # the last one is the prior of the roll
+
+    fit = least_squares(residuals, np.zeros(3), jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    angles = fit.x
     across = np.cross(told, seen @ mounting(*angles).T)
     misfits = tuple(np.sqrt((across**2).sum(axis=1)).tolist())
     for number, (misfit, weight) in enumerate(zip(misfits, weights.tolist(), strict=True), 1):
         if not misfit * weight <= parameters.most_misfit:
             raise PlaceError(f"the ball at place {number} is seen {math.degrees(misfit):.1f} degrees beside it")
-    variances = np.diag(np.linalg.inv(information)) + parameters.level_sigma**2
+    variances = np.diag(np.linalg.inv(fit.jac.T @ fit.jac)) + parameters.level_sigma**2
     yaw, pitch, roll = angles.tolist()
     return FittedMount(yaw, pitch, roll, tuple(np.sqrt(variances).tolist()), misfits)
-
-
-def _linearized(angles: Floats, told: Floats, seen: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Weighted residuals v x R u, and their derivatives by the three angles (central differences: R is smooth)."""
-    step = 1e-5
-
-    def residual(at: Floats) -> Floats:
-        across: Floats = np.cross(told, seen @ mounting(*at.tolist()).T) * weights[:, np.newaxis]
-        return across.ravel()
-
-    columns = [(residual(angles + step * axis) - residual(angles - step * axis)) / (2.0 * step) for axis in np.eye(3)]
-    return residual(angles), np.stack(columns, axis=1)
 
 
 class MarkerPlace(NamedTuple):

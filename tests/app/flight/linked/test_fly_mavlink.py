@@ -5,26 +5,14 @@ from pathlib import Path
 
 import pytest
 from fake_autopilot import RTL, STABILIZE
-from test_fly_linked import Flown, devices, errors
+from flight_process import FlightProcess, devices, errors
 
 from mjpeg_server import MjpegServer
 from served_autopilot import ServedAutopilot
-from served_neighbor import ServedNeighbor
 
 pytestmark = pytest.mark.usefixtures("signals_end_programs")
 
 FLIES = 235  # of 1000, what no other test's throttle reaches
-
-
-@pytest.fixture(scope="module")
-def neighbor() -> ServedNeighbor:
-    return ServedNeighbor()
-
-
-@pytest.fixture
-def camera(neighbor: ServedNeighbor) -> Iterator[MjpegServer]:
-    with MjpegServer(neighbor) as server:
-        yield server
 
 
 @pytest.fixture
@@ -33,16 +21,11 @@ def served() -> Iterator[ServedAutopilot]:
         yield autopilot
 
 
-@pytest.fixture
-def files(neighbor: ServedNeighbor, tmp_path: Path) -> list[str]:
-    return neighbor.write_files(tmp_path)
-
-
 def test_it_is_armed_flown_and_landed(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
-    code, out, err = Flown(
-        tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm", "--duration", "8"
+    code, out, err = FlightProcess(
+        tmp_path, "fly", *devices(tmp_path, camera.url, served.uri), *files, "--arm", "--duration", "8"
     ).ended()
     pilot = served.pilot
     assert code in (0, 1), out + err
@@ -57,7 +40,7 @@ def test_its_refusal_is_one_line_with_its_reason(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
     served.pilot.refusal = "PreArm: Compass not calibrated"
-    code, out, err = Flown(tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm").ended()
+    code, out, err = FlightProcess(tmp_path, "fly", *devices(tmp_path, camera.url, served.uri), *files, "--arm").ended()
     assert code == 3, out + err
     assert len(errors(err)) == 1
     assert "arming refused by ArduPilot (failed): PreArm: Compass not calibrated" in errors(err)[0]
@@ -67,7 +50,7 @@ def test_its_refusal_is_one_line_with_its_reason(
 def test_when_it_takes_over_the_flight_ends_and_it_is_left_alone(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
-    flown = Flown(tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm")
+    flown = FlightProcess(tmp_path, "fly", *devices(tmp_path, camera.url, served.uri), *files, "--arm")
     flown.waits_for(lambda: served.has_flown(FLIES))
     served.pilot.say_text("Battery failsafe", 3)
     served.pilot.mode = RTL
@@ -80,7 +63,7 @@ def test_when_it_takes_over_the_flight_ends_and_it_is_left_alone(
 def test_one_that_falls_silent_is_one_line(
     tmp_path: Path, camera: MjpegServer, served: ServedAutopilot, files: list[str]
 ) -> None:
-    flown = Flown(tmp_path, *devices(tmp_path, camera.url, served.uri), *files, "--arm")
+    flown = FlightProcess(tmp_path, "fly", *devices(tmp_path, camera.url, served.uri), *files, "--arm")
     flown.waits_for(lambda: served.has_flown(FLIES))
     served.pilot.mute = True
     code, out, err = flown.ended()

@@ -1,9 +1,7 @@
 """Opens what a real flight needs: files first, then cameras, then pilots, then links: `open_flight`."""
 
 import contextlib
-import functools
 import math
-import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -20,8 +18,8 @@ from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.linked.parameters import LinkedFollower
 from matchset.app.flight.pilot import Colors, Pilot
 from matchset.app.flight.real_time.rehearsal import RehearsalLink
+from matchset.app.track.target_options import load_color
 from matchset.camera.camera_model import CameraModel
-from matchset.image.color import ColorModel
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.image.video import Video
@@ -55,14 +53,9 @@ def read_files(follower: LinkedFollower) -> LinkedFiles:
         If one is not named, is missing or no such file: says what to run.
     """
     follower.check()
-    ball, marker = (_color(paths) for paths in (follower.color, follower.marker_color))
+    ball, marker = load_color(follower.color), load_color(follower.marker_color)
     camera = CameraModel.load(follower.camera_file) if follower.camera_file else None
     return LinkedFiles(camera, Colors(ball | marker, marker))
-
-
-def _color(paths: Sequence[str]) -> ColorModel:
-    """Read the files of a color, and join them."""
-    return functools.reduce(operator.or_, map(ColorModel.load, paths))
 
 
 def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: FlightParameters) -> LiveCamera:

@@ -126,6 +126,7 @@ class _Watch:
             thrust=0.0 if crashed or world.motion.held[who] else float(fields(world.states[who], STATE).thrust),
             fault=self._camera.fault,
             frozen=self._frozen(before, step),
+            hover=self._pilot._follower.hover_throttle,
         )
         wrong = violation(self.before, seen, self._rules)
         self.before, self.armed_again = seen, False

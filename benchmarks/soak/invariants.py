@@ -90,6 +90,8 @@ class Seen(NamedTuple):
         What the camera did to the picture.
     frozen : float
         Since when the camera repeats its last picture, s on the clock of the pictures; inf while it does not.
+    hover : float
+        Throttle that hovers, as far as the pilot knows.
     """
 
     step: PilotStep
@@ -104,6 +106,7 @@ class Seen(NamedTuple):
     thrust: float = 0.0
     fault: str = ""
     frozen: float = math.inf
+    hover: float = 0.0
 
 
 class Rules(NamedTuple):
@@ -290,8 +293,9 @@ def sticks_over_cap(before: Seen, seen: Seen, rules: Rules) -> str:
             return f"{name} {value:g}, at most {cap:g}"
         if abs(value - last) > change and seen.step.safety.phase != "cut":
             return f"{name} from {last:g} to {value:g} in {passed:.3f} s"
-    if sent.throttle > safety.max_throttle + quantum:
-        return f"throttle {sent.throttle:g}, at most {safety.max_throttle:g}"
+    most = max(safety.max_throttle, min(safety.throttle_reserve * seen.hover, 1.0))
+    if sent.throttle > most + quantum:
+        return f"throttle {sent.throttle:g}, at most {most:g}"
     rise = safety.max_throttle_rate * passed + quantum
     if sent.throttle - was.throttle > rise:
         return f"throttle from {was.throttle:g} to {sent.throttle:g} in {passed:.3f} s"

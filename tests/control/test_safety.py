@@ -45,11 +45,11 @@ def test_sticks_are_limited_and_change_gradually() -> None:
     assert command.roll == pytest.approx(0.1 + LIMITS.max_stick_rate * STEP)
     assert command.pitch == pytest.approx(-0.1 - LIMITS.max_stick_rate * STEP)
     assert command.throttle == pytest.approx(0.5 + LIMITS.max_throttle_rate * STEP)
-    for k in range(2, 40):
+    for k in range(2, 25):
         inputs = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
         command, state = safety_filter(DesiredCommand(9.0, -9.0, 9.0, 9.0), inputs, state)
     assert command == Command(LIMITS.max_tilt, -LIMITS.max_tilt, LIMITS.max_yaw, LIMITS.max_throttle)
-    for k in range(40, 80):
+    for k in range(25, 65):
         inputs = SafetyInputs(now + k * STEP, now + k * STEP, now + k * STEP, True)
         command, state = safety_filter(DesiredCommand(-9.0, 9.0, -9.0, -9.0), inputs, state)
     assert command == Command(-LIMITS.max_tilt, LIMITS.max_tilt, -LIMITS.max_yaw, LIMITS.min_throttle)
@@ -66,6 +66,59 @@ def test_a_descent_out_of_a_climb_begins_with_no_more_than_what_hovers() -> None
         inputs = SafetyInputs(now + STEP, now + STEP, now + STEP, True, "old pictures", hover=hover)
         command, _ = safety_filter(climb, inputs, state)
         assert command.throttle == pytest.approx(LIMITS.initial_throttle_ratio * first)
+
+
+@pytest.mark.parametrize(
+    ("hover", "highest"),
+    [(math.nan, 0.9), (0.3, 0.9), (0.71, 0.9), (0.76, 0.95), (0.97, 1.0), (-1.0, 0.9)],
+)
+def test_a_weak_vehicle_gets_a_reserve_over_what_hovers(hover: float, highest: float) -> None:
+    state, now = fly()
+    climb = DesiredCommand(0.0, 0.0, 0.0, 9.0)
+    for _ in range(30):
+        now += STEP
+        command, state = safety_filter(climb, SafetyInputs(now, now, now, True, hover=hover), state)
+    assert command.throttle == pytest.approx(highest)
+
+
+def test_one_that_soon_cannot_carry_itself_lands_for_good() -> None:
+    state, now = fly()
+    phases = []
+    for _ in range(150):
+        now += STEP
+        hover = 0.99 if state.phase == "flying" else 0.5  # a descent is not called off because it knows better then
+        command, state = safety_filter(HOVER, SafetyInputs(now, now, now, True, hover=hover), state)
+        phases.append(state.phase)
+        if state.phase == "descending":
+            assert "hovering takes nearly all of the throttle" in state.reason
+            assert command.throttle < HOVER.throttle
+    steps = LIMITS.max_hover_time / STEP
+    assert steps <= phases.index("descending") <= steps + 1.0
+    assert phases[-1] == "cut"
+    assert phases.count("descending") * STEP == pytest.approx(LIMITS.descent_duration, abs=2.0 * STEP)
+
+
+def test_one_that_needs_all_of_the_throttle_for_a_second_lands() -> None:
+    state, now = fly()
+    phases = []
+    for k in range(40):
+        now += STEP
+        all_but_once = DesiredCommand(0.0, 0.0, 0.0, 0.99 if k == 4 else 1.0)
+        _, state = safety_filter(all_but_once, SafetyInputs(now, now, now, True), state)
+        phases.append(state.phase)
+    steps = LIMITS.max_hover_time / STEP
+    assert 5.0 + steps <= phases.index("descending") <= 5.0 + steps + 1.0
+    assert "nearly all of the throttle" in state.reason
+
+
+def test_what_hovers_may_be_too_much_for_a_moment_or_before_it_flies() -> None:
+    state, now = SafetyState(), 0.0
+    for k in range(300):
+        now += STEP
+        seen = now if k > 100 else -math.inf
+        hover = 0.99 if k <= 100 or k % 30 else 0.97
+        _, state = safety_filter(HOVER, SafetyInputs(now, now, seen, True, hover=hover), state)
+        assert state.phase == ("flying" if k > 100 else "locked")
 
 
 def test_a_hidden_ball_is_held_for_a_second_then_it_descends_then_it_is_cut() -> None:
@@ -239,7 +292,15 @@ def test_limits_that_are_none_are_refused(field: str, value: float) -> None:
 
 @pytest.mark.parametrize(
     "field",
-    ["max_tilt", "max_yaw", "min_throttle", "max_throttle", "initial_throttle_ratio", "final_throttle_ratio"],
+    [
+        "max_tilt",
+        "max_yaw",
+        "min_throttle",
+        "max_throttle",
+        "max_hover",
+        "initial_throttle_ratio",
+        "final_throttle_ratio",
+    ],
 )
 def test_shares_of_a_full_stick_above_1_are_refused(field: str) -> None:
     with pytest.raises(ValueError, match=rf"{field}.*within 0 \.\.\. 1, got 1\.001"):
@@ -250,6 +311,11 @@ def test_shares_of_a_full_stick_above_1_are_refused(field: str) -> None:
 def test_the_least_throttle_is_below_the_most(least: float) -> None:
     with pytest.raises(ValueError, match="below most_throttle"):
         SafetyParameters(min_throttle=least, max_throttle=0.6)
+
+
+def test_a_reserve_below_what_hovers_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"reserve.*at least 1, got 0\.99"):
+        SafetyParameters(throttle_reserve=0.99)
 
 
 def test_a_descent_never_raises_the_throttle_whatever_the_clock_does() -> None:

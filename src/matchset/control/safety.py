@@ -3,7 +3,7 @@
 Phases: ``locked -> flying <-> descending -> cut``. A ball that is not seen is tolerated for `hold_time`, while the
 controller flies on its prediction; so is a controller without an answer. Then, or as soon as no frames come, the
 throttle is lowered, and then the motors are stopped. Frames with a fault, which are no new ones or not those of now,
-end a flight at once.
+end a flight at once; so does a vehicle that soon cannot carry itself any more.
 """
 
 import math
@@ -30,6 +30,9 @@ class SafetyParameters(
         "max_yaw": "yaw",
         "min_throttle": "least_throttle",
         "max_throttle": "most_throttle",
+        "throttle_reserve": "reserve",
+        "max_hover": "most_hover",
+        "max_hover_time": "most_hover_time",
         "max_stick_rate": "slew",
         "max_throttle_rate": "throttle_slew",
         "max_frame_age": "fresh",
@@ -51,6 +54,14 @@ class SafetyParameters(
     min_throttle, max_throttle : float
         Range of the throttle in flight, 0 ... 1. Chosen by hand: it neither falls like a stone nor hits the ceiling
         (``least_throttle``, ``most_throttle``).
+    throttle_reserve : float
+        Largest throttle as a multiple of what hovers, for a vehicle so weak that this is above `max_throttle`; never
+        above 1. Less lets it sink, more gives it all it has sooner. Chosen by: a battery that loses 40 % in 60 s,
+        docs/log.md, 2026-11-23 (``reserve``).
+    max_hover, max_hover_time : float
+        Largest throttle that hovers, and how long it may be more, or all of it be desired, s: the battery is nearly
+        empty, and the vehicle lands while it still can. Less lands sooner. Chosen by: the same; one whose thrust sinks
+        to 1.05 weights and stays there is to fly (``most_hover``, ``most_hover_time``).
     max_stick_rate : float
         Largest change of roll, pitch and yaw, full sticks/s. Chosen by hand: full stick within 1/8 s (``slew``).
     max_throttle_rate : float
@@ -80,6 +91,9 @@ class SafetyParameters(
     max_yaw: float = 1.0
     min_throttle: float = 0.2
     max_throttle: float = 0.9
+    throttle_reserve: float = 1.25
+    max_hover: float = 0.98
+    max_hover_time: float = 1.0
     max_stick_rate: float = 8.0
     max_throttle_rate: float = 3.0
     max_frame_age: float = 0.3
@@ -98,10 +112,12 @@ class SafetyParameters(
             "max_yaw",
             "min_throttle",
             "max_throttle",
+            "max_hover",
             "initial_throttle_ratio",
             "final_throttle_ratio",
         )
         require(self, shares, lambda value: value <= 1.0, "within 0 ... 1")
+        require(self, ("throttle_reserve",), lambda value: value >= 1.0, "at least 1")
         require(self, ("min_throttle",), lambda value: value < self.max_throttle, "below most_throttle (max_throttle)")
 
 
@@ -133,7 +149,7 @@ class SafetyInputs(NamedTuple):
         Why a ball that is in the newest frame does not count as confirmed, in words; empty if none is in it, or if it
         counts.
     hover : float
-        Throttle that hovers, as far as it is known: a descent begins with no more, also out of a climb.
+        Throttle that hovers, as far as it is known, or NaN: a descent begins with no more, also out of a climb.
     """
 
     now: float
@@ -142,7 +158,7 @@ class SafetyInputs(NamedTuple):
     armed: bool
     fault: str = ""
     doubt: str = ""
-    hover: float = 1.0
+    hover: float = math.nan
 
 
 class SafetyState(NamedTuple):
@@ -161,6 +177,8 @@ class SafetyState(NamedTuple):
         When the newest frame was taken in which the ball was confirmed and for which the controller had an answer, s.
     seen_since : float
         Since when the ball is seen without a gap, s.
+    weak_since : float
+        Since when more throttle hovers than may, or all of it is desired, s; stays in a descent.
     initial_throttle : float
         Throttle before the descent, or what hovers, if that is less.
     command : Command
@@ -173,6 +191,7 @@ class SafetyState(NamedTuple):
     descent_start: float = math.inf
     seen_time: float = -math.inf
     seen_since: float = math.inf
+    weak_since: float = math.inf
     initial_throttle: float = 0.0
     command: Command = Command()
 
@@ -206,8 +225,9 @@ def safety_filter(
     usable = desired is not None and all(map(math.isfinite, desired))
     seen_since = _seen_since(inputs, state, usable, limits)
     answered = usable or state.phase == "locked"
-    state = state._replace(seen_time=inputs.seen_time if answered else min(inputs.seen_time, state.seen_time))
-    reason = _reason_to_descend(inputs, state.seen_time, limits)
+    seen_time = inputs.seen_time if answered else min(inputs.seen_time, state.seen_time)
+    state = state._replace(seen_time=seen_time, weak_since=_weak_since(desired, inputs, state, limits))
+    reason = _reason_to_descend(inputs, state, limits)
     if state.phase == "cut":
         return Command(), state._replace(time=inputs.now)
     seen = usable and inputs.seen_time == inputs.frame_time
@@ -221,10 +241,16 @@ def safety_filter(
     since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
     step = min(max(since, 0.0), limits.max_step)
     goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, state.command.throttle)
-    command = _limited(goal, state.command, step, limits)
+    command = _limited(goal, state.command, inputs.hover, step, limits)
     phase: Phase = "holding" if unseen else "flying"
     return command, SafetyState(
-        phase, unseen, inputs.now, seen_time=state.seen_time, seen_since=seen_since, command=command
+        phase,
+        unseen,
+        inputs.now,
+        seen_time=state.seen_time,
+        seen_since=seen_since,
+        weak_since=state.weak_since,
+        command=command,
     )
 
 
@@ -235,16 +261,31 @@ def _seen_since(inputs: SafetyInputs, state: SafetyState, usable: bool, limits: 
     return min(state.seen_since, inputs.now) if seen else math.inf
 
 
-def _reason_to_descend(inputs: SafetyInputs, seen_time: float, limits: SafetyParameters) -> str:
-    """Say why the flight must end; empty if there is no reason. The ball was seen, and answered, at a time, s."""
+def _weak_since(
+    desired: DesiredCommand | None, inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters
+) -> float:
+    """Since when more throttle hovers than may, or all of it is desired, s; inf if neither is so or nothing flies.
+
+    A descent does not end it.
+    """
+    if state.phase == "descending":
+        return state.weak_since
+    weak = inputs.hover > limits.max_hover or (desired is not None and desired.throttle >= 1.0)
+    return min(state.weak_since, inputs.now) if weak and state.phase in AIRBORNE else math.inf
+
+
+def _reason_to_descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> str:
+    """Say why the flight must end; empty if there is no reason."""
     if inputs.fault:
         return inputs.fault
     if not 0.0 <= inputs.now - inputs.frame_time <= limits.max_frame_age:
         return f"no new frame for {limits.max_frame_age:g} s"
     if not 0.0 <= inputs.now - inputs.seen_time <= limits.hold_time:
         return f"{inputs.doubt or 'the ball has not been seen'} for {limits.hold_time:g} s"
-    if not inputs.now - seen_time <= limits.hold_time:
+    if not inputs.now - state.seen_time <= limits.hold_time:
         return f"the controller has not answered for {limits.hold_time:g} s"
+    if inputs.now - state.weak_since >= limits.max_hover_time:
+        return "hovering takes nearly all of the throttle: the battery is nearly empty, or it is too heavy"
     return ""
 
 
@@ -269,10 +310,11 @@ def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters)
     return command, state._replace(phase="descending", time=inputs.now, command=command)
 
 
-def _limited(desired: DesiredCommand, last: Command, step: float, limits: SafetyParameters) -> Command:
-    """Clip to the limits, then to the largest change of one step."""
+def _limited(desired: DesiredCommand, last: Command, hover: float, step: float, limits: SafetyParameters) -> Command:
+    """Clip to the limits, which depend on the throttle that hovers, then to the largest change of one step."""
     tilt, yaw, change = limits.max_tilt, limits.max_yaw, limits.max_stick_rate * step
-    throttle = min(max(desired.throttle, limits.min_throttle), limits.max_throttle)
+    highest = min(max(limits.max_throttle, limits.throttle_reserve * hover), 1.0)
+    throttle = min(max(desired.throttle, limits.min_throttle), highest)
     return Command(
         _toward(last.roll, min(max(desired.roll, -tilt), tilt), change),
         _toward(last.pitch, min(max(desired.pitch, -tilt), tilt), change),

@@ -50,8 +50,8 @@ class ThrustEstimatorParameters(
     release_sigma : float
         Standard deviation of the speed that it then has, m/s: the hand lets go a little sooner or later.
     smallest, largest : float
-        Limits of the gain: 0.6 is a throttle of 0.98 where 0.59 was told. Wider limits fly vehicles that are known
-        less; narrower ones bound what a wrong pose can do.
+        Limits of the gain: 0.45 is all of the throttle where 0.45 was told. Wider limits fly vehicles that are known
+        less, and know an empty battery; narrower ones bound what a wrong pose can do.
     """
 
     initial_sigma: float = 0.25
@@ -60,7 +60,7 @@ class ThrustEstimatorParameters(
     height_sigma: float = 0.05
     airborne: float = 0.7
     release_sigma: float = 0.3
-    smallest: float = 0.62
+    smallest: float = 0.45
     largest: float = 1.7
 
     def __post_init__(self) -> None:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from matchset.shapes.polygon import Polygon
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
-    from matchset.tracking.detector import detect
+    from matchset.tracking.detection import detect
     from matchset.tracking.parameters import TrackerParameters
     from matchset.tracking.track import Lost, Track
     from matchset.tracking.tracker import Tracker
@@ -95,7 +95,7 @@ _MODULES = {
     "Tracker": "matchset.tracking.tracker",
     "TrackerParameters": "matchset.tracking.parameters",
     "Video": "matchset.image.video",
-    "detect": "matchset.tracking.detector",
+    "detect": "matchset.tracking.detection",
     "draw": "matchset.app.drawing.draw",
     "draw_pose": "matchset.app.drawing.draw",
     "to_supervision": "matchset.app.adapters.supervision_detections",

@@ -63,7 +63,7 @@ def test_trackers_of_a_family_are_compiled_in_color_and_gray(
         searches.append((family, color.channels))
 
     monkeypatch.setattr("matchset.tracking.tracker.Tracker", FakeTracker)
-    monkeypatch.setattr("matchset.tracking.detector.detect", fake_detect)
+    monkeypatch.setattr("matchset.tracking.detection.detect", fake_detect)
     warm.groups()[name]()
     assert [(channels, points) for _, channels, points in trackers] == [(3, 64), (3, 4096), (1, 64), (1, 4096)]
     assert all(family in (None, each) and len(each.parameters) == parameters for each, _, _ in trackers)

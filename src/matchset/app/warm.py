@@ -70,7 +70,7 @@ def _trackers(name: str) -> None:
     from matchset.shapes.polygon import Polygon
     from matchset.shapes.quadrilateral import Quadrilateral
     from matchset.shapes.rectangle import Rectangle
-    from matchset.tracking.detector import detect
+    from matchset.tracking.detection import detect
     from matchset.tracking.tracker import Tracker
 
     hexagon = [(np.cos(t), np.sin(t)) for t in np.pi / 3.0 * np.arange(6)]

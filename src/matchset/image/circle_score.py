@@ -120,6 +120,39 @@ class CircleScore(NamedTuple):
 NOT_A_CIRCLE = CircleScore(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+class Sample(NamedTuple):
+    """The picture around a circle.
+
+    Attributes
+    ----------
+    image : ndarray of shape (h, w, channels), uint8
+        The part of the picture around it.
+    circle : (x, y, radius)
+        Where it is in that part, px.
+    """
+
+    image: npt.NDArray[np.uint8]
+    circle: CircleTuple
+
+
+AROUND = 2.0  # geometry: half the side of what is kept around a circle, radii
+
+
+def sample_of(image: npt.NDArray[np.uint8], circle: CircleTuple) -> Sample:
+    """Keep what is around a circle, and the circle.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    circle : (x, y, radius)
+        px.
+    """
+    x, y, radius = circle
+    left, top = max(round(x - AROUND * radius), 0), max(round(y - AROUND * radius), 0)
+    part = image[top : round(y + AROUND * radius) + 1, left : round(x + AROUND * radius) + 1]
+    return Sample(np.array(part.reshape(*part.shape[:2], -1)), (x - left, y - top, radius))
+
+
 def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:
     """Score a circle by its rim and the color inside.
 

@@ -6,10 +6,7 @@ whiteness: white inside minus white outside. BGR pixels are told apart by their 
 gray ones by their value; a pixel costs one read whatever taught the table.
 """
 
-import io
-import zipfile
 from pathlib import Path
-from typing import cast
 
 import cv2
 import numpy as np
@@ -18,14 +15,12 @@ import numpy.typing as npt
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
 from matchset.image.candidates import circle_near
+from matchset.image.circle_score import Sample, sample_of
 from matchset.image.click_region import background_mask, circle_around, disc_mask, grow_region, regions_at_click, tells
 from matchset.image.color_learning import DEFAULT, ColorParameters, bin_centers, cells_of, features, log_odds_between
 from matchset.image.display.png import png_of
 from matchset.image.display.swatch import colors_in_words, swatch_of
-from matchset.image.errors import MissingFileError
-from matchset.image.files.limits import LIMITS
-from matchset.image.files.reading import read_limited
-from matchset.image.files.whole_file import write_whole
+from matchset.image.files.color_file import read_color, write_color
 from matchset.image.frame import Picture, image_of
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
@@ -33,7 +28,6 @@ from matchset.numeric.words import one_line
 
 LIMIT = 4.0  # format: largest log-odds that a table holds, since any one pixel can be wrong
 WHITE = 127  # format: table value of a pixel that is surely target, the largest signed byte
-VERSION = 1  # format: of a color file
 
 
 class ColorModel(Copied):
@@ -51,6 +45,8 @@ class ColorModel(Copied):
     ----------
     circle : (x, y, radius) or None
         Where a search may begin, px: the most ball-like circle around the click, or else that of the region there.
+    sample : Sample or None
+        What was around that circle in the picture that was clicked.
     note : str
         What a user should know of how it was learned; empty if nothing.
 
@@ -63,6 +59,7 @@ class ColorModel(Copied):
     def __init__(self, log_odds: npt.NDArray[np.float32], gray: Gray = "") -> None:
         self.gray: Gray = gray
         self.circle: tuple[float, float, float] | None = None
+        self.sample: Sample | None = None
         self.note = ""
         try:
             values = np.array(log_odds, np.float32)
@@ -146,6 +143,13 @@ class ColorModel(Copied):
         check_number("y of the pick", y)
         if not (-0.5 <= x < image.shape[1] - 0.5 and -0.5 <= y < image.shape[0] - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {image.shape[1]} x {image.shape[0]} picture")
+        model = cls._picked(image, x, y, parameters)
+        model.sample = None if model.circle is None else sample_of(image, model.circle)
+        return model
+
+    @classmethod
+    def _picked(cls, image: npt.NDArray[np.uint8], x: float, y: float, parameters: ColorParameters) -> "ColorModel":
+        """Learn the color of what is at a point of the picture."""
         targets, circle = regions_at_click(image, x, y, parameters)
         if circle is None:
             model = cls._told_apart(image, targets[0], background_mask(targets[0], parameters), parameters)
@@ -315,7 +319,7 @@ class ColorModel(Copied):
     def copy(self) -> "ColorModel":
         """Make a model of its own, so that adapting it leaves this one alone."""
         model = ColorModel(self.log_odds, self.gray)
-        model.circle, model.note = self.circle, self.note
+        model.circle, model.sample, model.note = self.circle, self.sample, self.note
         return model
 
     def scores(self, pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
@@ -364,9 +368,7 @@ class ColorModel(Copied):
         path : str or Path
             Where; the name is taken as it is.
         """
-        archive = io.BytesIO()
-        np.savez_compressed(archive, matchset_color=np.int64(VERSION), log_odds=self.log_odds, gray=self.gray)
-        write_whole(Path(path), archive.getvalue())
+        write_color(Path(path), self.log_odds, self.gray)
 
     @classmethod
     def load(cls, path: str | Path) -> "ColorModel":
@@ -381,19 +383,8 @@ class ColorModel(Copied):
         ValueError
             If it is not a color model, or of another version; if there is no such file, also a FileNotFoundError.
         """
+        log_odds, gray = read_color(Path(path))
         try:
-            packed = io.BytesIO(read_limited(Path(path), LIMITS.color))
-            with zipfile.ZipFile(packed) as names:
-                if sum(each.file_size for each in names.infolist()) > LIMITS.color:
-                    raise ValueError(f"it unpacks to more than {LIMITS.color / 1e6:g} MB")
-            with np.load(packed, allow_pickle=False) as archive:
-                version, log_odds = int(archive["matchset_color"]), np.asarray(archive["log_odds"])
-                gray = str(archive["gray"]) if "gray" in archive else ""
-            if version == VERSION and gray in ("", "dark", "light", "edges"):
-                return cls(log_odds, cast(Gray, gray))
-        except FileNotFoundError:
-            raise MissingFileError(f"no such color file: {path}") from None
-        except Exception as error:  # whatever NumPy and zipfile make of a foreign file
-            words = " ".join(str(error).split())
-            raise ValueError(f"not a color file: {path} ({words or type(error).__name__})") from error
-        raise ValueError(f"color file {path} has version {version}, this matchset reads version {VERSION}")
+            return cls(log_odds, gray)
+        except ValueError as error:
+            raise ValueError(f"not a color file: {path} ({error})") from error

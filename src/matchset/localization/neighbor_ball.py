@@ -10,7 +10,7 @@ from matchset.image.frame import Frame
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.tracking.detector import detect
+from matchset.tracking.detection import detect
 
 
 def find_neighbor_ball(

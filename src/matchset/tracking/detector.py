@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import threading
 from collections.abc import Iterator
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -15,19 +14,15 @@ from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color import ColorModel
-from matchset.image.frame import Picture, frame_of
-from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
-from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
-from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
+from matchset.tracking.search.voting import Searcher
 from matchset.tracking.track import Track
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 DETECTION_LINES = 64  # format: lines across the outline of a detected shape
-MOST_SHAPES = 1_000_000  # format: that a call can be asked for
 
 
 class DetectionParameters(msgspec.Struct, frozen=True):
@@ -256,8 +251,15 @@ class Detector(Generic[S]):
         fitter.block[:] = made
         return best
 
-    def _near(self, image: Image, color: ColorModel, start: Start) -> Iterator[Estimate]:
-        """Yield the fit that stays near where a candidate begins, and those where the target's color ends there."""
+    def near_fits(self, image: Image, color: ColorModel, start: Start) -> Iterator[Estimate]:
+        """Yield the fit that stays near where a candidate begins, and those where the target's color ends there.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        start : Start
+        """
         fitter, limits = self.fitter, self.limits
         reach = max(limits.color_range, limits.color_share * start.half_width)
         narrow = SearchWindow(reach, initial_sigma=limits.color_sigma)
@@ -279,7 +281,7 @@ class Detector(Generic[S]):
         fitter, limits = self.fitter, self.limits
         yield estimate
         if start is not None:
-            yield from self._near(image, color, start)
+            yield from self.near_fits(image, color, start)
         moving = SearchWindow(limits.refit_range, limits.speed, velocity_unknown=True)
         moved = fitter.fit(image, color, estimate.state, moving)
         yield moved
@@ -296,49 +298,6 @@ def _start_at(family: type[Any], state: Floats) -> Start:
 
 def _place_of(estimate: Estimate) -> Start:
     return Start(float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width, estimate.state)
-
-
-def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) -> list[Track[S]]:
-    """Find all shapes of a family and color in a frame, without knowing where they were.
-
-    Parameters
-    ----------
-    frame : Frame, or ndarray of shape (h, w, 3) or (h, w), uint8
-        An array counts as taken at 0 s.
-    family : type
-        The family of shapes: `Circle`, `Rectangle`, ...
-    color : ColorModel
-    limit : int
-        How many at most.
-
-    Returns
-    -------
-    list of Track
-        Best first: the largest share of outline and inside confirmed.
-
-    Raises
-    ------
-    ValueError
-        If the limit is no whole number from 1 to 1000000, or the color was learned on another kind of picture.
-    TypeError
-        If it is neither a frame nor an array, or no `ColorModel`.
-    """
-    frame = frame_of(frame)
-    check_kind("color", color, ColorModel, "ColorModel.pick(image, x, y) learns one from a click")
-    limit = checked_count("limit", limit, 1, MOST_SHAPES)
-    image, color = channels_last(frame.image), color.for_image(frame.image)
-    search = SearchParameters()
-    detector = _detector(
-        family, image.shape[1], image.shape[0], max(search.candidates, limit + limit // 5), _radius_of(color)
-    )
-    last: S | None = None
-    found: list[tuple[float, Track[S]]] = []
-    for _, merit in detector.detections(image, color, Prior.ASKED):
-        track = track_of(detector.fitter, last, frame.time)
-        last = track.shape
-        found.append((merit, track))
-    found.sort(key=lambda pair: -pair[0])
-    return [track for _, track in found[:limit]]
 
 
 def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | None = None) -> Track[S]:
@@ -361,34 +320,6 @@ def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | No
     if fitter.moves_covariance and (by := slopes(shape)) is not None:
         covariance = by @ covariance @ by.T
     return Track(shape, covariance, support, points, time)
-
-
-class _Memory(threading.local):
-    """The detector that a thread used last: its working memory takes longer to make than a search takes."""
-
-    detector: Detector[Any] | None = None
-    wanted: tuple[Any, ...] = ()
-
-
-_memory = _Memory()
-
-
-def _radius_of(color: ColorModel) -> float:
-    """Least radius to expect of what a color was picked at, px: half of that seen there."""
-    return math.inf if color.circle is None else DetectionParameters().smaller * color.circle[2]
-
-
-def _detector(family: type[S], width: int, height: int, candidates: int, radius: float) -> Detector[S]:
-    """Detector of this thread."""
-    search = SearchParameters(candidates=candidates)
-    detector, wanted = _memory.detector, (family, width, height, candidates, stride_for(width, search, radius))
-    if detector is None or _memory.wanted != wanted:
-        searcher = Searcher(width, height, search, radius)
-        detector = _memory.detector = Detector(tracking_fitter(family, DETECTION_LINES), searcher)
-        _memory.wanted = wanted
-    detector.searcher.radius = radius
-    detector.fitter.forget()
-    return detector
 
 
 def channels_last(image: Image) -> Image:

@@ -20,7 +20,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.shapes.circle import Circle
-from matchset.tracking.detector import detect
+from matchset.tracking.detection import detect
 
 
 class ChoiceParameters(msgspec.Struct, frozen=True):

@@ -40,7 +40,8 @@ def color() -> ms.ColorModel:
 
 
 def test_a_click_keeps_how_the_ball_looked(color: ms.ColorModel) -> None:
-    assert color.sample is not None and color.circle is not None
+    assert color.sample is not None
+    assert color.circle is not None
     assert color.sample.circle[2] == color.circle[2]
     look = look_of(color.sample.image, color, color.sample.circle)
     assert look is not None

@@ -1,4 +1,4 @@
-"""`detect` compares all fits where no answer is sure: balls too small, blurred and compressed for their outline alone."""
+"""`detect` compares all fits where none is sure: balls too small, blurred and compressed for their outline alone."""
 
 import math
 

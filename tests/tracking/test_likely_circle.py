@@ -75,3 +75,19 @@ def test_a_ball_must_lead_all_other_places_or_be_clear(color: ms.ColorModel) -> 
     assert not likely.is_there([(0.5, here), (0.4, near), (0.4, there)])
     assert likely.is_there([(1.1, here), (1.1, there)])
     assert not likely.is_there([(-1.5, here)])
+
+
+def test_the_answer_is_the_mean_of_the_likely_fits_there(color: ms.ColorModel) -> None:
+    likely = LikelyCircle(color, LikelyParameters())
+    found = [
+        (2.0, (50.0, 50.0, 10.0)),
+        (2.0, (54.0, 50.0, 10.0)),
+        (-40.0, (50.0, 55.0, 9.0)),
+        (1.9, (90.0, 50.0, 10.0)),
+    ]
+    mean, covariance = likely.mean(found)
+    assert mean == pytest.approx((52.0, 50.0, 10.0), abs=1e-6)
+    assert covariance == pytest.approx(np.diag((4.0, 0.0, 0.0)), abs=1e-6)
+    alone, none = likely.mean(found[:1])
+    assert alone == pytest.approx((50.0, 50.0, 10.0))
+    assert none == pytest.approx(np.zeros((3, 3)))

@@ -110,8 +110,9 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
     found.sort(key=lambda pair: -pair[0])
     if not sure and family is Circle and color.sample is not None and detector.fitter.weighs(color):
         first = _circle_of(found[0][1].shape.state) if found else None
-        if _Likeliest(detector, image, color).search(first):
-            found[:1] = [(1.0, track_of(detector.fitter, None, frame.time))]
+        spread = _Likeliest(detector, image, color).search(first)
+        if spread is not None:
+            found[:1] = [(1.0, track_of(detector.fitter, None, frame.time, spread))]
     return [track for _, track in found[:limit]]
 
 
@@ -139,8 +140,8 @@ class _Likeliest:
         self._detector, self._image, self._color = detector, image, color
         self._likely = LikelyCircle(color, CHOICE.likely)
 
-    def search(self, first: CircleTuple | None) -> bool:
-        """Find the likeliest fit, and leave the workspace as it made it.
+    def search(self, first: CircleTuple | None) -> Floats | None:
+        """Find the ball, and leave the workspace as its likeliest fit made it, with the mean of the likely ones.
 
         Parameters
         ----------
@@ -149,21 +150,21 @@ class _Likeliest:
 
         Returns
         -------
-        bool
-            False if no fit is the ball, or none at the detection was compared.
+        ndarray of shape (3, 3) or None
+            Covariance between the likely fits, px^2; None if no fit is the ball, or none at the detection was compared.
         """
-        found: list[tuple[float, CircleTuple]] = []
-        most, block = -math.inf, None
+        fitter, found, most, block = self._detector.fitter, list[tuple[float, CircleTuple]](), -math.inf, None
         for ratio, circle in self._ratios(first):
             if first is not None and not self._likely.is_same(circle, first):
                 continue
             found.append((ratio, circle))
             if ratio > most:
-                most, block = ratio, self._detector.fitter.block.copy()
+                most, block = ratio, fitter.block.copy()
         if block is None or (first is None and not self._likely.is_there(found)):
-            return False
-        self._detector.fitter.block[:] = block
-        return True
+            return None
+        fitter.block[:] = block
+        fitter.state[:3], spread = self._likely.mean(found)
+        return spread
 
     def _ratios(self, first: CircleTuple | None) -> Iterator[tuple[float, CircleTuple]]:
         """Fits that are compared: log-likelihood ratio and circle; the workspace is as each made it."""

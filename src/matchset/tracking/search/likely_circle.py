@@ -69,6 +69,9 @@ class LikelyParameters(msgspec.Struct, frozen=True):
         Distance from which a fit is elsewhere, in radii of the larger one.
     same, growth : float
         How far from a detection the likeliest fit may be that takes its place, in radii, and their ratio.
+    temperature : float
+        The answer is the mean of the fits there, weighted by exp(ratio / temperature): 0.3 to 1 are about as good; more
+        takes in wrong ones, 0 is the likeliest alone.
     """
 
     bias: float = -5.47
@@ -99,6 +102,7 @@ class LikelyParameters(msgspec.Struct, frozen=True):
     apart: float = 1.0
     same: float = 0.6
     growth: float = 2.0
+    temperature: float = 0.6
 
 
 class Look(NamedTuple):
@@ -248,6 +252,29 @@ class LikelyCircle:
         ]
         lead = min(most - max(elsewhere, default=-math.inf), limits.most_lead)
         return most + limits.lead * lead > limits.present
+
+    def mean(self, found: Sequence[tuple[float, CircleTuple]]) -> tuple[Floats, Floats]:
+        """Mean and covariance of the likeliest fit and those that may take its place, by their likelihood.
+
+        Parameters
+        ----------
+        found : sequence of (float, (x, y, radius))
+            Log-likelihood ratio and place of each, at least one.
+
+        Returns
+        -------
+        mean : ndarray of shape (3,)
+            px.
+        covariance : ndarray of shape (3, 3)
+            px^2.
+        """
+        most, best = max(found)
+        at_it = [(ratio, each) for ratio, each in found if self.is_same(each, best)]
+        circles = np.array([each for _, each in at_it])
+        weights = np.exp((np.array([ratio for ratio, _ in at_it]) - most) / self._limits.temperature)
+        weights /= weights.sum()
+        mean = weights @ circles
+        return mean, np.asarray((weights[:, np.newaxis] * (circles - mean)).T @ (circles - mean))
 
     def is_same(self, circle: CircleTuple, other: CircleTuple) -> bool:
         """Say whether a fit may take the place of another one.

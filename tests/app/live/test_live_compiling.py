@@ -58,3 +58,21 @@ def test_without_a_process_the_first_click_compiles() -> None:
     panel = CompilingPanel(("/no/such/program",))
     panel._thread.join(10.0)
     assert panel.state().done
+
+
+def test_closed_it_neither_compiles_nor_loads_any_more() -> None:
+    panel = CompilingPanel((sys.executable, "-c", "print(1, flush=True); import time; time.sleep(600)"))
+    while panel.state().kernels < 1:
+        time.sleep(0.01)
+    panel.close()
+    assert not panel._thread.is_alive()
+    assert panel._process is not None
+    assert panel._process.returncode is not None
+    assert not panel.state().done
+    panel.close()
+
+
+def test_closed_at_once_nothing_is_begun_or_it_is_ended() -> None:
+    with CompilingPanel((sys.executable, "-c", "import time; time.sleep(600)")) as panel:
+        pass
+    assert not panel._thread.is_alive()

@@ -12,6 +12,7 @@ import time
 
 import msgspec
 
+from matchset.app.closing import Closing
 from matchset.app.live.feed import Panel
 from matchset.app.live.wire.messages import Kernels
 from matchset.app.warm import FAMILIES, groups
@@ -46,8 +47,11 @@ class CompilingState(msgspec.Struct, frozen=True):
     done: bool
 
 
-class CompilingPanel(Panel):
+class CompilingPanel(Panel, Closing):
     """Has what is needed compiled by another process; on a machine where all is kept on the disk, it only loads.
+
+    Closed before the program ends: a thread that still loads compiled code while the interpreter is taken down ends the
+    program with SIGABRT.
 
     Parameters
     ----------
@@ -60,6 +64,8 @@ class CompilingPanel(Panel):
     def __init__(self, command: tuple[str, ...] = (sys.executable, "-c", PROGRAM)) -> None:
         self._command, self._begin, self._spent = command, time.monotonic(), 0.0
         self._counts, self._ready = {Kernels.CIRCLE: 0, Kernels.ALL: 0}, Kernels.NONE
+        self._closed, self._starting = threading.Event(), threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
         self._thread = threading.Thread(target=self._run, name="matchset compiler", daemon=True)
         self._thread.start()
 
@@ -75,14 +81,17 @@ class CompilingPanel(Panel):
             return ""
         return WAITS[max(needs, Kernels.CIRCLE)] if self._ready else WAITS[Kernels.CIRCLE]
 
+    def close(self) -> None:
+        """Compile no more, and load no more than the set that is being loaded; returns when that is done."""
+        self._closed.set()
+        with self._starting:
+            if self._process is not None:
+                self._process.kill()
+        self._thread.join()
+
     def _run(self) -> None:
         try:
-            with subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
-                for line in process.stdout or ():
-                    if line.strip() == READY:
-                        self._load(Kernels.CIRCLE, CIRCLES)
-                    else:
-                        self._counts[Kernels.ALL if self._ready else Kernels.CIRCLE] += 1
+            self._compile()
         except OSError:  # no process can be started: the first click compiles
             self._ready = Kernels.ALL
             return
@@ -90,8 +99,23 @@ class CompilingPanel(Panel):
             self._load(Kernels.CIRCLE, CIRCLES)
         self._load(Kernels.ALL, OTHERS)
 
+    def _compile(self) -> None:
+        with self._starting:
+            if self._closed.is_set():
+                return
+            self._process = subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        with self._process as process:
+            for line in process.stdout or ():
+                if line.strip() == READY:
+                    self._load(Kernels.CIRCLE, CIRCLES)
+                else:
+                    self._counts[Kernels.ALL if self._ready else Kernels.CIRCLE] += 1
+
     def _load(self, kernels: Kernels, names: tuple[str, ...]) -> None:
-        compile_needed(names)
+        for name in names:
+            if self._closed.is_set():
+                return
+            compile_needed((name,))
         self._ready = kernels
         if kernels is Kernels.CIRCLE:
             self._spent = time.monotonic() - self._begin

@@ -48,7 +48,7 @@ def serve(options: LiveOptions) -> int:
     desk, viewers = Desk(session, Pictures(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:
         stop = opened.enter_context(StopRequest())
-        for each in (listener, recorder, session, make_stage(options, desk, viewers)):
+        for each in (compiling, listener, recorder, session, make_stage(options, desk, viewers)):
             opened.enter_context(each)
         if point is not None:
             opened.enter_context(FirstPick(session, point, compiling.refusal))

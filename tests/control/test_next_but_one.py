@@ -1,6 +1,7 @@
 import copy
 import math
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -9,7 +10,7 @@ from matchset.control.ego_motion import EgoMotion
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.localization.pose import Pose
 
-STEP = 1.0 / 30.0
+STEP, DELAY = 1.0 / 30.0, 0.097
 NOBODY_MOVES = EgoMotion()
 
 
@@ -39,30 +40,69 @@ def flown(beyond: NextButOne, seconds: float = 2.0, turn: float = 0.0, hidden: f
     return neighbor
 
 
-def place(beyond: NextButOne, neighbor: NeighborFilter, time: float) -> list[float]:
-    forecast = beyond.at_times(neighbor, (time,), 0.4)[0]
-    return [forecast.x.value, forecast.y.value, forecast.z.value]
+def swung(beyond: NextButOne, period: float, amplitude: float = 0.1, seconds: float = 12.0) -> tuple[float, float]:
+    """Watch both balls, the next but one alone swinging to the side; how far what is controlled swings, m, and when."""
+    neighbor, seen = NeighborFilter(), []
+    for k in range(round(seconds / STEP)):
+        now = k * STEP
+        own = NOBODY_MOVES.at(now)
+        neighbor.update(pose(0.0, -0.2, 1.5, now, 0.0), own)
+        x = amplitude * math.sin(2.0 * math.pi * now / period)
+        beyond.update(pose(x, -0.2, 3.05, now), own)
+        seen.append((now, beyond.at_times(neighbor, (now + DELAY,), 0.4)[0].x.value))
+    time, moved = np.array(seen[len(seen) // 2 :]).T
+    wave = np.exp(-2j * math.pi * (time + DELAY) / period)
+    answer = 2.0 * (moved * wave).mean() * 1j
+    return abs(answer), float(np.angle(answer))
 
 
-def test_a_share_of_the_place_is_held_beside_the_next_but_one_ball() -> None:
-    beyond = NextButOne(NextButOneParameters(share=0.25))
+def test_a_share_of_the_fast_motion_of_the_next_but_one_ball_is_followed() -> None:
+    moved, _ = swung(NextButOne(NextButOneParameters(share=0.5, slow=4.0)), period=2.2)
+    assert moved == pytest.approx(0.05, rel=0.15)  # 0.5 of 10 cm, at the period that the filter expects
+
+
+def test_more_of_it_is_followed_where_the_delay_is_longer() -> None:
+    told = NextButOneParameters(share=1.0, slow=0.3)
+    quick, late = (
+        swung(NextButOne(msgspec.structs.replace(told, delay=delay)), 2.2)[0] for delay in (DELAY, DELAY / 2)
+    )
+    assert late > 2.0 * quick
+
+
+def test_what_is_slow_counts_for_nothing() -> None:
+    for period, most in ((16.0, 0.02), (6.0, 0.15)):
+        moved, _ = swung(NextButOne(NextButOneParameters(share=1.0, slow=0.3)), period, seconds=4.0 * period)
+        assert moved < most * 0.1
+    beyond = NextButOne(NextButOneParameters(share=1.0))
+    neighbor = flown(beyond)  # not at its place, but at rest
+    there, here = beyond.at_times(neighbor, (2.1,), 0.4)[0], neighbor.at_times((2.1,), 0.4)[0]
+    assert np.abs(there.place - here.place).max() < 0.003
+    assert there.yaw == here.yaw
+
+
+def test_a_ball_that_nobody_follows_is_expected_where_the_neighbor_would_be_right() -> None:
+    beyond, own = NextButOne(NextButOneParameters(share=1.0, rise=0.05)), NOBODY_MOVES.at(2.0)
+    neighbor = flown(beyond, turn=0.3, hidden=0.0)
+    yaw = neighbor.at_times((2.0,), 0.4)[0].yaw.value
+    should = (-1.55 * math.sin(yaw), -0.15, 1.5 - 1.55 * math.cos(yaw))
+    assert beyond.expected(neighbor, own, 2.0, 0.4) == pytest.approx(should, abs=0.01)
+    assert not beyond.is_followed(2.0)
+
+
+def test_a_ball_that_is_followed_is_expected_where_it_was_seen_as_far_as_it_should_be() -> None:
+    beyond, own = NextButOne(NextButOneParameters(share=1.0)), NOBODY_MOVES.at(2.0)
     neighbor = flown(beyond)
-    should = np.array((0.1, -0.3, 1.5 + 1.35 - 1.55))  # where it would be if it held its place
-    expected = 0.75 * np.array((0.0, -0.2, 1.5)) + 0.25 * should
-    assert place(beyond, neighbor, 2.1) == pytest.approx(expected, abs=0.005)
-    assert beyond.at_times(neighbor, (2.1,), 0.4)[0].yaw == neighbor.at_times((2.1,), 0.4)[0].yaw
-
-
-def test_behind_the_neighbor_is_where_its_marker_looks() -> None:
-    beyond = NextButOne(NextButOneParameters(share=1.0, rise=0.05))
-    neighbor = flown(beyond, turn=0.3)
-    yaw = neighbor.at_times((2.1,), 0.4)[0].yaw.value
-    should = (0.1 + 1.55 * math.sin(yaw), -0.35, 2.85 + 1.55 * math.cos(yaw))
-    assert place(beyond, neighbor, 2.1) == pytest.approx(should, abs=0.01)
+    expected = beyond.expected(neighbor, own, 2.0, 0.4)
+    assert beyond.is_followed(2.0)
+    assert expected / np.linalg.norm(expected) == pytest.approx(np.array((0.1, -0.3, 2.85)) / 2.8675, abs=0.003)
+    assert np.linalg.norm(expected) == pytest.approx(math.hypot(3.05, 0.2), abs=0.01)
 
 
 def test_without_a_share_or_that_ball_it_is_the_neighbor_exactly() -> None:
-    for beyond, hidden in ((NextButOne(), math.inf), (NextButOne(NextButOneParameters(share=0.3)), 0.0)):
+    for beyond, hidden in (
+        (NextButOne(NextButOneParameters(share=0.0)), math.inf),
+        (NextButOne(NextButOneParameters(share=0.3)), 0.0),
+    ):
         neighbor = flown(beyond, hidden=hidden)
         assert beyond.at_times(neighbor, (2.1, 2.2), 0.4) == neighbor.at_times((2.1, 2.2), 0.4)
 
@@ -81,14 +121,17 @@ def test_a_copy_goes_on_by_itself() -> None:
     beyond = NextButOne(NextButOneParameters(share=0.5))
     neighbor = flown(beyond, seconds=1.0)
     other = copy.deepcopy(beyond)
-    before = place(beyond, neighbor, 1.2)
-    for k in range(30, 60):
-        other.update(pose(0.3, -0.3, 2.6, k * STEP), NOBODY_MOVES.at(k * STEP))
-    assert place(beyond, neighbor, 1.2) == pytest.approx(before)
-    assert place(other, neighbor, 2.0) != pytest.approx(before, abs=0.02)
+    before = beyond.at_times(neighbor, (1.2,), 0.4)[0].place
+    for k in range(30, 40):
+        other.update(pose(0.02 * (k - 29), -0.3, 2.85, k * STEP), NOBODY_MOVES.at(k * STEP))
+        other.at_times(neighbor, ((k + 1) * STEP,), 0.4)
+    assert beyond.at_times(neighbor, (1.2,), 0.4)[0].place == pytest.approx(before, abs=0.001)
+    assert other.at_times(neighbor, (1.4,), 0.4)[0].place != pytest.approx(before, abs=0.005)
 
 
-@pytest.mark.parametrize(("field", "value"), [("share", 1.1), ("share", -0.1), ("spacing", 0.0), ("rise", math.inf)])
+@pytest.mark.parametrize(
+    ("field", "value"), [("share", 1.1), ("share", -0.1), ("spacing", 0.0), ("slow", 0.0), ("rise", math.inf)]
+)
 def test_what_cannot_be_is_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):
         NextButOneParameters(**{field: value})

@@ -307,13 +307,15 @@ class Follower:
         """Throttle that hovers, as far as it is known now."""
         return self.parameters.hover_throttle / self.thrust.gain
 
-    def expected(self, time: float) -> Floats | None:
+    def expected(self, time: float, beyond: bool = False) -> Floats | None:
         """Predict the ball in the camera frame at a time.
 
         Parameters
         ----------
         time : float
             s.
+        beyond : bool
+            The next-but-one ball, not the neighbor's.
 
         Returns
         -------
@@ -322,10 +324,9 @@ class Follower:
         """
         if not time - self.neighbor.time <= self.parameters.pose_timeout:
             return None
-        own = self.ego_motion.at(time)
-        ball = self.neighbor.at(time, self.parameters.max_extrapolation)
-        turn = own.rotation @ self.mount.from_camera
-        position: Floats = turn.T @ (np.array((ball.x.value, ball.y.value, ball.z.value)) - own.position)
+        own, reach = self.ego_motion.at(time), self.parameters.max_extrapolation
+        ball = self.beyond.expected(self.neighbor, own, time, reach) if beyond else self.neighbor.at(time, reach).place
+        position: Floats = (own.rotation @ self.mount.from_camera).T @ (ball - own.position)
         return position
 
     def _control(self, acts: float, step: float) -> ControlOutput:

@@ -158,6 +158,11 @@ class Forecast(msgspec.Struct, frozen=True, gc=False):
     z: AxisForecast
     yaw: AxisForecast
 
+    @property
+    def place(self) -> Floats:
+        """Where the ball is, (3,), m."""
+        return np.array((self.x.value, self.y.value, self.z.value))
+
 
 class AxisGroup:
     """Layout of what axes share that are accepted or rejected together: position, or yaw."""

@@ -2,6 +2,7 @@
 
 import math
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -11,6 +12,30 @@ from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
+
+
+class AssociationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which of the balls in the picture is the neighbor's.
+
+    Parameters
+    ----------
+    candidates : int
+        Largest number of detected balls that are located before one is followed. More costs time, about a pose each;
+        fewer may miss the neighbor's where much of the room has the ball's color. Chosen by hand;
+        `python -m benchmarks.flight.fly --only start` would show a change.
+    rejected_poses : int
+        Number of poses in a row outside the follower's gate after which the tracker is restarted where the neighbor is
+        expected. More flies longer by the prediction when another ball is followed; fewer restarts after one bad
+        picture. Chosen by hand; `python -m benchmarks.flight.fly --only hidden` would show a change.
+    """
+
+    candidates: int = 6
+    rejected_poses: int = 3
+
+    def __post_init__(self) -> None:
+        for name in ("candidates", "rejected_poses"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be 1 or more, got {getattr(self, name)}")
 
 
 def find_neighbor_ball(

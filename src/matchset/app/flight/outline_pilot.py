@@ -9,6 +9,8 @@ from matchset.links.link import Link
 from matchset.links.simulated import SimulatedCamera
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Lost, Track
 
 
 class OutlinePilot(Pilot):
@@ -30,17 +32,15 @@ class OutlinePilot(Pilot):
     def __init__(self, camera: SimulatedCamera, link: Link, parameters: PilotParameters | None = None) -> None:
         no_color = ColorModel.dark()
         super().__init__(camera, link, Colors(no_color, no_color), parameters)
-        self._beyond = Localizer(camera.model, self.parameters.target)
+        self._outline_beyond = Localizer(camera.model, self.parameters.target)
 
     def _rehearse(self) -> None:
         """Do nothing: simulated time waits for what has to be compiled."""
 
     def _outlines(self, frame: Frame, stamps: list[float]) -> Outlines:
         outlines = self.camera.outlines(frame)
-        follower = self._follower
-        if follower.parameters.beyond.share:
-            pose = self._beyond.update(self.camera.ball_beyond(frame), ())
-            if isinstance(pose, Pose):
-                follower.beyond.update(follower.mount.turn(pose), follower.ego_motion.at(pose.time))
         stamps.extend([time.perf_counter()] * 2)
         return outlines
+
+    def _see_beyond(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> Pose | Lost[Pose]:  # noqa: ARG002
+        return self._outline_beyond.update(self.camera.ball_beyond(frame), ())

@@ -26,7 +26,8 @@ from matchset.links.link import Link
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
-from matchset.localization.neighbor_ball import find_neighbor_ball
+from matchset.localization.neighbor_ball import AssociationParameters, find_neighbor_ball
+from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
@@ -113,30 +114,6 @@ class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
         return sum(self.stage_times[1:])
 
 
-class AssociationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Which of the balls in the picture is the neighbor's.
-
-    Parameters
-    ----------
-    candidates : int
-        Largest number of detected balls that are located before one is followed. More costs time, about a pose each;
-        fewer may miss the neighbor's where much of the room has the ball's color. Chosen by hand;
-        `python -m benchmarks.flight.fly --only start` would show a change.
-    rejected_poses : int
-        Number of poses in a row outside the follower's gate after which the tracker is restarted where the neighbor is
-        expected. More flies longer by the prediction when another ball is followed; fewer restarts after one bad
-        picture. Chosen by hand; `python -m benchmarks.flight.fly --only hidden` would show a change.
-    """
-
-    candidates: int = 6
-    rejected_poses: int = 3
-
-    def __post_init__(self) -> None:
-        for name in ("candidates", "rejected_poses"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be 1 or more, got {getattr(self, name)}")
-
-
 class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of a follower's loop, as `flight.toml` has them.
 
@@ -149,6 +126,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         the distance to the next ball but one, which looks the same; more lets a follower begin farther off its place.
         Chosen by: `python -m benchmarks.flight.fly --only start`, see docs/log.md, 2026-11-21.
     association : AssociationParameters
+    next_ball : NextBallParameters
     follower : FollowerParameters
     repeated : RepeatedPictureParameters
     safety : SafetyParameters
@@ -160,6 +138,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     place: RelativeSetpoint = RelativeSetpoint(height=-0.19)
     near: float = 1.0
     association: AssociationParameters = AssociationParameters()
+    next_ball: NextBallParameters = NextBallParameters()
     follower: FollowerParameters = FollowerParameters()
     repeated: RepeatedPictureParameters = RepeatedPictureParameters()
     safety: SafetyParameters = SafetyParameters()
@@ -208,6 +187,7 @@ class Pilot:
         self._tracker = Tracker(Circle, self._colors.ball)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
+        self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._safety, shaken = SafetyState(), self.parameters.excitation
         self._excitation = None if shaken is None else Excitation(self.parameters.place, shaken)
@@ -336,6 +316,8 @@ class Pilot:
             return Lost(why, now), (), Lost(why, now)
         ball, markers = self._outlines(frame, stamps)
         pose = self._localizer.update(ball, markers)
+        if self.parameters.follower.beyond.share and frame.index % self.parameters.next_ball.every == 0:
+            self._look_beyond(frame, ball)
         stamps.append(time.perf_counter())
         self._frame_time = frame.time
         return ball, markers, pose
@@ -351,6 +333,22 @@ class Pilot:
         markers = self._markers.update(frame, ball)
         stamps.append(time.perf_counter())
         return ball, markers
+
+    def _look_beyond(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> None:
+        """Locate the next-but-one ball, and tell the follower."""
+        beyond, follower = self._see_beyond(frame, ball), self._follower
+        if isinstance(beyond, Pose):
+            follower.beyond.update(follower.mount.turn(beyond), follower.ego_motion.at(beyond.time))
+
+    def _see_beyond(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> Pose | Lost[Pose]:
+        """Locate the next-but-one ball, beside the neighbor's in the same picture."""
+        expected, followed = (
+            self._follower.expected(frame.time, beyond=True),
+            self._follower.beyond.is_followed(frame.time),
+        )
+        if expected is None or isinstance(ball, Lost):
+            return Lost("where the neighbor is, is not known", frame.time)
+        return self._next_ball.update(frame, self._tracker.color, ball.shape, expected, followed)
 
     def _is_initialized(self, frame: Frame) -> bool:
         """Whether there is a ball to track; before the follower has accepted one, start with the nearest candidate."""

@@ -1,27 +1,32 @@
 """A place held beside two balls, for long chains: `NextButOne`.
 
 A follower that knows its neighbor alone enlarges what its neighbor does wrong, and so does the one behind it. The ball
-of the vehicle that the neighbor follows says where the neighbor should be: `spacing` behind it. What is controlled is
-a mixture of the two,
+of the vehicle that the neighbor follows moves before the neighbor's does, and not as the neighbor errs. What is
+controlled is a mixture of the two,
 
-    b = (1 - s) b1 + s (b2 + spacing * back - rise * up),
+    b = b1 + s H (b2 - b1),
 
-b1 the neighbor's ball, b2 the next but one, `back` the level direction of the marker on b1, s the share. So the share
-s of the neighbor's own error is not followed. With a gain T of one follower at its worst frequency, errors of a chain
-grow by the root of ``q^2 = T ((1 - s) q + s)`` per vehicle and no longer by T; and b2 moves before b1 does, which takes
-from T as well.
+b1 the neighbor's ball, b2 the next but one, s the share, and H what passes fast motion alone: a steady distance and a
+steady drift of it count for nothing, so neither the range of a ball that is half hidden nor the way in which a
+neighbor turns about the other moves the set place. With a gain T of one follower at its worst frequency, errors of a
+chain grow there by the root of ``q^2 = T ((1 - s) q + s)`` per vehicle and no longer by T.
 """
 
 import math
 from collections.abc import Sequence
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
+from matchset.control.chain.slow_part import SlowPart
 from matchset.control.ego_motion import EgoState
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import AxisForecast, Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_positive, require_share
 from matchset.localization.pose import Pose
+
+Floats = npt.NDArray[np.float64]
 
 
 class NextButOneParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -30,12 +35,25 @@ class NextButOneParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     Parameters
     ----------
     share : float
-        Share s of the place that is held beside the next-but-one ball, 0 ... 1; 0: it is not looked for. More follows
-        less of what the neighbor does wrong, and is farther from the neighbor for it. Chosen by: chains of ten without
-        pictures, seeds 0 to 4, 0.2 to 0.3.
+        Share s of the fast motion of the next-but-one ball that is followed in place of the neighbor's, 0 ... 1; 0: it
+        is not looked for. More follows less of what the neighbor does wrong, and is farther from the neighbor for it.
+        Chosen by: chains of ten and of three, seeds 0 to 4, docs/log.md, 2026-11-23.
+    slow : float
+        Time T of H = s^2 / (s + 1 / T)^2, s: what takes longer counts for nothing. More helps longer chains, and costs
+        a follower next to the rope more, whose neighbor moves to the side as the rope's vehicle turns. Chosen by the
+        same flights. For a delay, from exposure to the effect of a command, of `delay`; it grows with that to the power
+        of `power`, up to `longest`, as slower motion is enlarged then.
+    delay : float
+        That delay, s: what `slow` was chosen with.
+    power : float
+        See `slow`. Chosen by: chains of ten at 67 and 133 ms, seeds 0 and 1.
+    longest : float
+        Longest T, s. More costs a follower next to the rope more. Chosen by hand.
+    forgetting : float
+        How fast the shortest delay of late is forgotten, s/s: pictures may be lost meanwhile. Estimate.
     spacing : float
-        From the next-but-one ball back to the neighbor's when that vehicle holds its place, m. Derived: `heading` of
-        the set place, and 0.05 m from a ball forward to the camera below it.
+        From the next-but-one ball back to the neighbor's when that vehicle holds its place, m: where it is looked for.
+        Derived: `heading` of the set place, and 0.05 m from a ball forward to the camera below it.
     rise : float
         How much higher the neighbor's ball is then, m. Derived: `height` of the set place plus 0.19 m from a camera up
         to its ball.
@@ -44,17 +62,27 @@ class NextButOneParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         jump. Estimate.
     memory : float
         How long after its last pose that ball counts, s. Estimate.
+    known : float
+        How long after its last pose it is looked for where it was seen, and not where it should be, s. Estimate.
     """
 
-    share: float = 0.0
+    share: float = 0.3
+    slow: float = 0.3
+    delay: float = 0.097
+    power: float = 3.0
+    longest: float = 1.5
+    forgetting: float = 0.02
     spacing: float = 1.55
     rise: float = 0.0
     fade: float = 0.3
     memory: float = 0.3
+    known: float = 0.5
 
     def __post_init__(self) -> None:
         require_share(self, ("share",))
-        require_positive(self, ("spacing", "fade", "memory"))
+        require_positive(
+            self, ("slow", "delay", "power", "longest", "forgetting", "spacing", "fade", "memory", "known")
+        )
         require(self, ("rise",), math.isfinite, "finite")
 
 
@@ -81,6 +109,7 @@ class NextButOne:
         self.parameters = parameters or NextButOneParameters()
         self.ball = NeighborFilter(motion)
         self.weight, self._time = 0.0, -math.inf
+        self._apart, self._delay = SlowPart(self.parameters.slow), math.inf
 
     def update(self, pose: Pose, own: EgoState) -> None:
         """Note where the next-but-one ball is.
@@ -93,6 +122,41 @@ class NextButOne:
             The vehicle by dead reckoning when the picture was taken.
         """
         self.ball.update(pose, own)
+
+    def is_followed(self, time: float) -> bool:
+        """Whether that ball was seen so lately that it is looked for where it was seen."""
+        return time - self.ball.time <= self.parameters.known
+
+    def expected(self, neighbor: NeighborFilter, own: EgoState, time: float, max_extrapolation: float) -> Floats:
+        """Predict where that ball is.
+
+        While it is followed, the direction is that in which it was seen. The distance never is: an arc says little of
+        it, and a guess that rests on a guess would drift.
+
+        Parameters
+        ----------
+        neighbor : NeighborFilter
+        own : EgoState
+            The vehicle then.
+        time : float
+            s.
+        max_extrapolation : float
+            s.
+
+        Returns
+        -------
+        ndarray of shape (3,), float64
+            m, in the frame at rest.
+        """
+        near, limits = neighbor.at(time, max_extrapolation), self.parameters
+        back = np.array((math.sin(near.yaw.value), 0.0, math.cos(near.yaw.value)))
+        place: Floats = near.place - limits.spacing * back + np.array((0.0, limits.rise, 0.0))
+        if not self.is_followed(time):
+            return place
+        seen = self.ball.at(time, max_extrapolation).place - own.position
+        away = place - own.position
+        expected: Floats = own.position + seen * math.sqrt((away @ away) / (seen @ seen))
+        return expected
 
     def at_times(self, neighbor: NeighborFilter, times: Sequence[float], max_extrapolation: float) -> list[Forecast]:
         """Predict the mixture, as `NeighborFilter.at_times` does the neighbor; exactly that while the weight is 0.
@@ -112,26 +176,35 @@ class NextButOne:
         self.weight = min(max(self.weight + (step if seen else -step) / self.parameters.fade, 0.0), 1.0)
         share = self.weight * self.parameters.share
         if share == 0.0 or self.ball.time == -math.inf:
+            self._apart.forget()
             return first
         second = self.ball.at_times(times, max_extrapolation)
-        return [self._mixed(near, far, share) for near, far in zip(first, second, strict=True)]
+        self._delay = min(self._delay + step * self.parameters.forgetting, times[0] - neighbor.time)
+        limits = self.parameters
+        self._apart.time = min(limits.slow * (self._delay / limits.delay) ** limits.power, limits.longest)
+        self._apart.update((second[0].place - first[0].place).tolist(), step)
+        return [
+            self._mixed(near, far, share, time - times[0]) for near, far, time in zip(first, second, times, strict=True)
+        ]
 
-    def _mixed(self, near: Forecast, far: Forecast, share: float) -> Forecast:
-        """Mix the forecasts of two balls for one time; the yaw is that of the neighbor's."""
-        spacing, angle = self.parameters.spacing, near.yaw.value
-        return Forecast(
-            _mixed_axis(near.x, far.x, spacing * math.sin(angle), share),
-            _mixed_axis(near.y, far.y, -self.parameters.rise, share),
-            _mixed_axis(near.z, far.z, spacing * math.cos(angle), share),
-            near.yaw,
+    def _mixed(self, near: Forecast, far: Forecast, share: float, later: float) -> Forecast:
+        """Mix the forecasts of two balls, so much later than the slow part is of, s; the yaw is the neighbor's."""
+        values, speeds = self._apart.values, self._apart.speeds
+        x, y, z = (
+            _mixed_axis(one, other, share, (value + later * speed, speed))
+            for one, other, value, speed in zip(
+                (near.x, near.y, near.z), (far.x, far.y, far.z), values, speeds, strict=True
+            )
         )
+        return Forecast(x, y, z, near.yaw)
 
 
-def _mixed_axis(near: AxisForecast, far: AxisForecast, offset: float, share: float) -> AxisForecast:
-    rest = 1.0 - share
+def _mixed_axis(near: AxisForecast, far: AxisForecast, share: float, slow: tuple[float, float]) -> AxisForecast:
+    """Mix an axis; `slow` is the slow part of the distance of the two, and its speed."""
+    rest, (value, speed) = 1.0 - share, slow
     return AxisForecast(
-        rest * near.value + share * (far.value + offset),
-        rest * near.speed + share * far.speed,
+        rest * near.value + share * (far.value - value),
+        rest * near.speed + share * (far.speed - speed),
         rest * near.oscillation_acceleration + share * far.oscillation_acceleration,
         rest * near.drift_acceleration + share * far.drift_acceleration,
     )

@@ -10,6 +10,8 @@ import pytest
 import matchset as ms
 from matchset.fitting.evidence import EvidenceParameters
 from matchset.fitting.fitter import Fitter
+from matchset.tracking.color_disc import ColorDiscParameters
+from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
@@ -25,9 +27,10 @@ def picture(x: float) -> Picture:
 
 
 def rested() -> Tracker[ms.Circle]:
-    """Tracker of a ball that has been at rest."""
-    image = picture(150.0)
-    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 150.0, 120.0), start=(150.0, 120.0))
+    """Tracker of a ball that has been at rest, and that is not known by its color alone."""
+    image, outline_alone = picture(150.0), TrackerParameters(color_disc=ColorDiscParameters(least=9.0))
+    color = ms.ColorModel.pick(image, 150.0, 120.0)
+    tracker = ms.Tracker(ms.Circle, color, start=(150.0, 120.0), parameters=outline_alone)
     for index in range(STILL):
         assert tracker.update(ms.Frame(image, index / 30.0, index))
     return tracker

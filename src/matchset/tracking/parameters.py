@@ -7,6 +7,7 @@ from matchset.fitting.fitter import FittingParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color_adaptation import AdaptationParameters
+from matchset.tracking.color_disc import ColorDiscParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.hypotheses import HypothesisParameters
 from matchset.tracking.hypothesis_filter import HypothesisFilterParameters
@@ -66,6 +67,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How the candidates of a search are fitted.
     prominence : ProminenceParameters
         When a lost shape is known again by its color alone being there.
+    color_disc : ColorDiscParameters
+        When a shape whose outline is not confirmed is where its color is.
     adaptation : AdaptationParameters
         How the color follows the light.
     brightness : BrightnessParameters
@@ -85,6 +88,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
     prominence: ProminenceParameters = ProminenceParameters()
+    color_disc: ColorDiscParameters = ColorDiscParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     brightness: BrightnessParameters = BrightnessParameters()
     coast: float = 0.35

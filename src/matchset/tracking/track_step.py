@@ -25,6 +25,7 @@ from matchset.numeric.jit import collection_paused, interpreted
 from matchset.numeric.record import Block
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
+from matchset.tracking.color_disc import ColorDisc
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
 from matchset.tracking.hypothesis_filter import HypothesisFilter
@@ -58,21 +59,24 @@ class TrackStep(Copied, Generic[S]):
         For how many frames the shape has been seen faintly.
     given : bool
         Whether the shape was given by somebody and no picture has confirmed it yet.
+    by_color : bool
+        Whether the last sighting was a disc of the target's color, whose outline nothing confirmed.
     """
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.spread: Floats | None = None
+        self.by_color = False
         self._spare: tuple[Block, Floats | None] | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
         self._filter = HypothesisFilter(parameters.hypothesis_filter)
         away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
-        self._is_disc = len(fitter.family.parameters) <= MAX_DISC_PARAMETERS and bool(np.ptp(away) < SAME_AWAY)
+        self.is_disc = len(fitter.family.parameters) <= MAX_DISC_PARAMETERS and bool(np.ptp(away) < SAME_AWAY)
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint, self.spread, self._spare, self.given = 0, None, None, False
+        self.faint, self.spread, self._spare, self.given, self.by_color = 0, None, None, False, False
         self._filter.forget()
         self._make_derived()
 
@@ -96,6 +100,7 @@ class TrackStep(Copied, Generic[S]):
         fitter, self.spread, self._spare = self.fitter, None, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
+            self.by_color = False
             return None
         estimate = fitter.estimate(rejection)
         if rejection:
@@ -153,10 +158,15 @@ class TrackStep(Copied, Generic[S]):
         here, there = gate_of(self.fitter.family, predicted), gate_of(self.fitter.family, estimate.state)
         if interpreted(in_gate)(self.fitter.work, there.half_width, here.half_width):
             return Rejection.NONE
-        rejection = self.fitter.validate_detection(estimate)
+        alone = here.alone(there, self.parameters.reach)
+        rejection = self.fitter.validate_detection(estimate, Prior.NONE if alone else Prior.PRESENT)
         if not here.reachable(there, missed, self.parameters.reach):
             return rejection or Rejection.UNREACHABLE
-        if rejection and not self.given and not self.fitter.validate_detection(estimate, Prior.FOLLOWED):
+        if (
+            rejection
+            and not (alone or self.given or self.by_color)
+            and not self.fitter.validate_detection(estimate, Prior.FOLLOWED)
+        ):
             self._spare = self.fitter.block.copy(), self.spread
         return rejection
 
@@ -244,7 +254,7 @@ class TrackStep(Copied, Generic[S]):
         return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
 
     def _region(self, image: Image, state: Floats) -> SoftRegion | None:
-        if not self._is_disc:
+        if not self.is_disc:
             return None
         here = float(state[0]), float(state[1]), float(self.fitter.family.half_width(state))
         return find_soft_region(image, here, self.parameters.soft_region)
@@ -311,9 +321,35 @@ class TrackStep(Copied, Generic[S]):
         self.accept(time)
         return True
 
+    def take_disc(self, image: Image, color: ColorModel, disc: ColorDisc, time: float, begins: bool) -> bool:
+        """Take a disc of the target's color for it, at a time, s, unless it is seen that it is another shape.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        disc : ColorDisc
+        time : float
+        begins : bool
+            Whether it is nowhere near where the target was expected.
+        """
+        fitter, p = self.fitter, len(self.fitter.family.parameters)
+        state = fitter.family.from_coarse(disc.x, disc.y, disc.half_width).state
+        if self.is_other_shape(image, state):
+            return False
+        sigma = self.parameters.color_disc.sigma * disc.half_width
+        fitter.fit(image, color, state, SearchWindow(sigma))  # edge points near it
+        covariance = fitter.work.covariance
+        fitter.state[:], covariance[:], fitter.work.fit.msac_score = state, sigma**2 * np.eye(*covariance.shape), 0.0
+        if begins:
+            initialize(fitter.work, state, time, self.parameters.initialization.detected_share * disc.half_width)
+        self.accept(time)
+        covariance[:], self.spread, self.by_color = 0.0, sigma**2 * np.eye(p), True
+        return True
+
     def accept(self, time: float) -> None:
         """Correct the motion with the last fit, which was accepted at a time, s."""
-        self.given, self._spare = False, None
+        self.given, self.by_color, self._spare = False, False, None
         self._accept(self.fitter.block, time)
 
     def missed(self, time: float, interval: float) -> float:

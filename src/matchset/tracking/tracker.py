@@ -10,12 +10,13 @@ from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import adapt_table, adaptation_block
 from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
 from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
+from matchset.tracking.color_adapting import ColorAdapting
+from matchset.tracking.color_disc import ColorDiscs
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.initialization import initialize_near, model_for_image
@@ -94,8 +95,9 @@ class Tracker(Copied, Generic[S]):
         self._family, self._hint = family, start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
-        self._adaptation = adaptation_block(self.parameters.adaptation)
+        self._adapting = ColorAdapting(self.parameters.adaptation)
         self._prominence = Prominence(self.parameters.prominence, self.parameters.search)
+        self._discs = ColorDiscs(self.parameters.color_disc, self._prominence)
         self._detectors: dict[int, Detector[S]]
         self._format: tuple[int, ...] | None
         self._initial: S | None
@@ -168,14 +170,14 @@ class Tracker(Copied, Generic[S]):
     def _forget_frames(self) -> None:
         """Be as a tracker is that has seen nothing."""
         self.color, self.mode = self._given.copy(), Mode.SEARCHING
-        self._learned = self.color.log_odds.copy()
+        self._adapting.begin(self.color)
         self._detectors = {}
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
         self._step.forget()
-        self._prominence.forget()
+        self._discs.forget()
 
     def update(self, frame: Picture) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.
@@ -214,9 +216,11 @@ class Tracker(Copied, Generic[S]):
         self.mode = Mode.TRACKING
         track = track_of(self._fitter, self._last, self._time, self._step.spread)
         self._last = track.shape
+        if self._step.by_color:
+            return track
         if (rejected is not None or self._prominence.is_due(self._frames)) and self._fitter.weighs(self.color):
-            self._prominence.measure(image, self.color, gate_of(self._family, track.shape.state))
-        self._adapt_color(image)
+            self._discs.measure(image, self.color, gate_of(self._family, track.shape.state))
+        self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
 
     def _checked(self, frame: Picture) -> Image:
@@ -240,7 +244,7 @@ class Tracker(Copied, Generic[S]):
         given, self._initial, self._step.given = self._initial, None, self._initial is not None
         if self.color.gray:
             self.color = model_for_image(self.color, image, given, self.parameters.brightness)
-            self._learned = self.color.log_odds.copy()
+            self._adapting.begin(self.color)
         if given is not None and finds_itself(self._family):
             limits = self.parameters.initialization, self.parameters.brightness
             state, sigma = initialize_near(image, self.color, self._fitter, given, *limits)
@@ -256,7 +260,18 @@ class Tracker(Copied, Generic[S]):
                 return None
             reason = rejection or reason
         lost = Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
-        return None if self._step.accept_spare(self._time) else lost
+        return None if self._step.accept_spare(self._time) or self._by_color(image, predicted) else lost
+
+    def _by_color(self, image: Image, predicted: Floats | None) -> bool:
+        """Take a disc of the target's color, about where it is expected, or anywhere; whether there was one."""
+        step, last = self._step, self._last
+        if last is None or not step.is_disc or not self._fitter.weighs(self.color):
+            return False
+        seen, missed = gate_of(self._family, last.state), step.missed(self._time, self._interval)
+        expected = None if predicted is None else gate_of(self._family, predicted)
+        disc = self._discs.find(image, self.color, expected, missed) if expected else None
+        found = disc or self._discs.find_anywhere(image, self.color, seen.half_width)
+        return found is not None and step.take_disc(image, self.color, found, self._time, disc is None)
 
     def _coast(self) -> Floats | None:
         """State expected while the shape is not seen; None once that has lasted too long."""
@@ -383,16 +398,3 @@ class Tracker(Copied, Generic[S]):
             return self._family.from_state(state, self._last)
         except ValueError:
             return None
-
-    def _adapt_color(self, image: Image) -> None:
-        """Adapt the color to a shape that is whole and well confirmed, a quarter of its surroundings at a time."""
-        limits = self.parameters.adaptation
-        if self._frames % limits.period or self.color.gray == "edges" or not limits.rate > 0.0:
-            return
-        fit, fitter, color = self._fitter.statistics, self._fitter, self.color
-        whole = fit.visible == fitter.points and fit.inliers >= limits.min_support * fit.visible
-        if whole and fit.interior_share >= limits.min_interior:
-            outline, interior, tables = fitter.outline, fitter.interior, (color.log_odds, self._learned, color.table)
-            x, y = fitter.state.tolist()[:2]
-            quadrant = self._frames // limits.period % 4
-            adapt_table(image, *tables, outline, interior, x, y, quadrant, self._adaptation)

@@ -4,11 +4,14 @@ A small, blurred or cut ball has an outline that chance explains as well, and ye
 else has its color. So while a target is seen, its color step (`color_steps`) is measured, and the largest one anywhere
 else in the picture: its rival. After a loss a shape of about its size whose color step is as clear as the target's was,
 and clearer than those of all rivals, is most likely the target, wherever it is. What was in the picture beside the
-target counts as a rival for good, so that a thing of its color that stays when it leaves is not taken for it.
+target counts as a rival for good, so that a thing of its color that stays when it leaves is not taken for it. Only
+where the camera stands and all rivals are still in their places, a new place that is as clear as they are can be no
+rival but the target.
 """
 
 import math
 
+import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +22,12 @@ from matchset.tracking.search.blobs import color_steps
 from matchset.tracking.search.voting import SearchParameters, sample_grid, stride_for
 
 Image = npt.NDArray[np.uint8]
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 
 SIZES = (math.sqrt(0.5), 1.0, math.sqrt(2.0))  # geometry: of the discs that are compared, half-widths
 NEAR, ELSEWHERE = 0.5, 2.0  # geometry: how far from a shape is at it, and from where on is elsewhere, half-widths
+PARTS, SAMPLES = 24, 96  # format: parts in a row of a picture, and pixels that are read of it
 NO_RIVAL = -2.0  # theorem: least difference of two means of whiteness, each -1 ... 1
 
 
@@ -42,12 +48,17 @@ class ProminenceParameters(msgspec.Struct, frozen=True):
         Least color step of a shape that is the target, as a share of the target's own: less bears more blur and shade.
     growth : float
         Largest change of size since the target was seen or measured last, as a factor.
+    same_px, same_share : float
+        Change of brightness up to which a part of the picture is as it was, gray levels, and the share of parts from
+        which the camera stands. A hand before a still camera left 0.77 and more, other rooms had 0.24 and less.
     """
 
     period: int = 30
     lead: float = 0.5
     kept: float = 0.6
     growth: float = 1.4
+    same_px: float = 12.0
+    same_share: float = 0.5
 
 
 class Prominence:
@@ -68,6 +79,7 @@ class Prominence:
         """Be as one is that has seen nothing."""
         self._own: float | None = None
         self._rival, self._size = NO_RIVAL, 0.0
+        self._known, self._scene = np.zeros((0, 0), np.float32), np.zeros(0)
 
     def is_due(self, frames: int) -> bool:
         """Whether the target should be measured, after so many frames."""
@@ -86,6 +98,11 @@ class Prominence:
         own, rival = self._steps(image, color, seen)
         if own is not None and (self._own is None or own > self._limits.kept * self._own):
             self._own, self._rival, self._size = own, max(self._rival, rival), seen.half_width
+            self._scene = _scene_of(image)
+            stride, radius, now = self._map(image, color, seen.half_width)
+            hidden = _around(seen.x / stride - 0.25, seen.y / stride - 0.5, ELSEWHERE * radius + 1.0)
+            now[hidden] = self._known[hidden] if self._known.shape == now.shape else NO_RIVAL
+            self._known = now
 
     def recognizes(self, image: Image, color: ColorModel, last: float, found: Gate) -> bool:
         """Whether a shape is the lost target, since nothing else in the picture has or had its color so clearly.
@@ -108,21 +125,77 @@ class Prominence:
         own, rival = self._steps(image, color, found)
         return own is not None and own > max(limits.kept * self._own, max(rival, self._rival) + limits.lead)
 
-    def _steps(self, image: Image, color: ColorModel, place: Gate) -> tuple[float | None, float]:
-        """Color step of a shape, None where the picture is too small for it, and the largest one elsewhere."""
+    def clearest(self, image: Image, color: ColorModel, half_width: float) -> Gate | None:
+        """Say where the lost target is, if the camera stands and one place alone has its color as clearly as it had.
+
+        Places that were as clear while the target was elsewhere do not count, while all of them are as they were.
+
+        Parameters
+        ----------
+        image, color
+            See `measure`.
+        half_width : float
+            Of the target, px.
+        """
+        limits = self._limits
+        if self._own is None or not self._is_same(image):
+            return None
+        stride, radius, now = self._map(image, color, half_width)
+        if now.shape != self._known.shape or not now.size:
+            return None
+        explained = cv2.dilate(self._known, _square(radius))
+        fresh = np.where(now > explained + limits.lead, now, NO_RIVAL)
+        row, column = np.unravel_index(int(fresh.argmax()), fresh.shape)
+        own, rivals = float(fresh[row, column]), self._known > float(fresh[row, column]) - limits.lead
+        moved = cv2.dilate(now, _square(0.5 * radius))[rivals] < self._known[rivals] - limits.lead
+        if own <= limits.kept * self._own or moved.any():
+            return None
+        now[_around(float(column), float(row), ELSEWHERE * radius + 1.0)] = NO_RIVAL
+        now[explained > own - limits.lead] = NO_RIVAL
+        place = Gate((float(column) + 0.25) * stride, (float(row) + 0.5) * stride, half_width)
+        return place if own > float(now.max()) + limits.lead else None
+
+    def _is_same(self, image: Image) -> bool:
+        """Whether most of the picture is as it was when the target was measured, but for the exposure."""
+        scene = _scene_of(image)
+        if scene.shape != self._scene.shape:
+            return False
+        change = scene - self._scene
+        still = np.abs(change - np.median(change)) < self._limits.same_px
+        return bool(still.mean() > self._limits.same_share)
+
+    def _map(self, image: Image, color: ColorModel, half_width: float) -> tuple[int, float, Singles]:
+        """Cells of a grid, px, half-width in cells, and the clearest color step about each cell; empty if too large."""
         height, width = image.shape[:2]
-        stride = stride_for(width, self._search, place.half_width)
+        stride = stride_for(width, self._search, half_width)
         grid = np.zeros((height // stride, width // stride), np.int16)
-        radius = max(place.half_width / stride, 1.0)
+        radius = max(half_width / stride, 1.0)
         sample_grid(image, color.table, stride, grid)
         maps = [step for _, step in color_steps(grid, [size * radius for size in SIZES])] if grid.size else []
-        if not maps:
+        return stride, radius, np.max(maps, axis=0) if maps else np.zeros((0, 0), np.float32)
+
+    def _steps(self, image: Image, color: ColorModel, place: Gate) -> tuple[float | None, float]:
+        """Color step of a shape, None where the picture is too small for it, and the largest one elsewhere."""
+        stride, radius, clearest = self._map(image, color, place.half_width)
+        if not clearest.size:
             return None, NO_RIVAL
-        clearest = np.max(maps, axis=0)
         x, y = place.x / stride - 0.25, place.y / stride - 0.5
         own = float(clearest[_around(x, y, max(NEAR * radius, 1.0))].max(initial=NO_RIVAL))
         clearest[_around(x, y, ELSEWHERE * radius + 1.0)] = NO_RIVAL
         return own, float(clearest.max())
+
+
+def _scene_of(image: Image) -> Floats:
+    """Brightness of the parts of a picture, gray levels."""
+    height, width = image.shape[:2]
+    few = np.ascontiguousarray(image[:: max(height // SAMPLES, 1), :: max(width // SAMPLES, 1)])
+    parts = cv2.resize(few, (PARTS, PARTS), interpolation=cv2.INTER_AREA).reshape(PARTS, PARTS, -1)
+    return np.asarray(parts.mean(axis=2), np.float64)
+
+
+def _square(reach: float) -> Image:
+    """Cells within reach of a cell."""
+    return np.ones((2 * round(reach) + 1,) * 2, np.uint8)
 
 
 def _around(x: float, y: float, reach: float) -> tuple[slice, slice]:

@@ -6,6 +6,7 @@ from typing import Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.color_adapting import ColorAdapting
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
@@ -15,7 +16,6 @@ from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
-from matchset.tracking.color_adapting import ColorAdapting
 from matchset.tracking.color_disc import ColorDiscs
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of

@@ -175,7 +175,8 @@ class ColorDiscs:
             Half-width of the target as it was seen last, px.
         """
         place = self._prominence.clearest(image, color, self._likely(last)) if self._own >= self.limits.least else None
-        return self.find(image, color, place, 1.0) if place else None
+        found = self.find(image, color, place, 1.0) if place else None
+        return found if found and self._likely(found.half_width) == found.half_width else None
 
     def _likely(self, half_width: float) -> float:
         """Half-width nearest to one, px, that the target may have, since it was measured."""

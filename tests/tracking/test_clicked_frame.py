@@ -11,6 +11,8 @@ import matchset as ms
 from matchset.fitting.evidence import EvidenceParameters
 from matchset.fitting.fitter import Fitter
 from matchset.fitting.validation import Prior, Rejection, Validator
+from matchset.sim.clips.balloon import Balloon
+from matchset.sim.clips.clip import Clip
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
@@ -80,3 +82,15 @@ def test_a_ball_elsewhere_is_not_what_was_clicked(monkeypatch: pytest.MonkeyPatc
             weak(patch, evidence)
             patch.setattr(Validator, "_least_color_score", lambda *_: 2.0)  # so that evidence alone decides
             assert bool(tracker.update(ms.Frame(shown, 0.0, 0))) is found
+
+
+def test_a_white_ball_before_a_gray_floor_is_learned_against_what_is_next_to_it() -> None:
+    ball = Balloon(color=(225.0, 228.0, 230.0), marker_radius=0.0)
+    frame, seen = next(iter(Clip(preset="clean", seed=2, frames=1, radii=(6.0, 16.0), balloon=ball)))
+    assert seen.circle is not None
+    click = seen.circle.x, seen.circle.y - 0.5 * seen.circle.radius
+    color = ms.ColorModel.pick(frame.image, *click)
+    answer = ms.Tracker(ms.Circle, color, start=click).update(frame)
+    assert isinstance(answer, ms.Track)
+    assert answer.shape.radius == pytest.approx(seen.circle.radius, rel=0.25)
+    assert "next to it" in color.note

@@ -169,7 +169,13 @@ class ColorModel(Copied):
             found.append(model)
             if tells(model, image, target, circle, parameters.region):
                 return model
-        return found[0] if found else cls._in_its_surroundings(image, targets[-1], circle, parameters)
+        near = cls._in_its_surroundings(image, targets[-1], circle, parameters)
+        return (
+            found[0]
+            if found
+            and not tells(near, image, disc_mask(image.shape, circle, parameters.region.rim), circle, parameters.region)
+            else near
+        )
 
     @classmethod
     def _in_its_surroundings(

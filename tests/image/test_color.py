@@ -157,7 +157,45 @@ def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
         loaded = ms.ColorModel.load(str(tmp_path / name))
         np.testing.assert_array_equal(loaded.log_odds, color.log_odds)
         np.testing.assert_array_equal(loaded.table, color.table)
+        assert loaded.sample is not None
+        assert color.sample is not None
+        np.testing.assert_array_equal(loaded.sample.image, color.sample.image)
+        assert loaded.sample[1:] == color.sample[1:]
+        assert loaded.circle is None, "where it was, it need not be in another picture"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["ball", "ball.npz"]
+
+
+def test_a_file_without_a_sample_is_loaded(tmp_path: Path) -> None:
+    odds = np.zeros(256, np.float32)
+    assert ms.ColorModel.load(archive(tmp_path / "a.npz", matchset_color=np.int64(1), log_odds=odds)).sample is None
+    joined = ms.ColorModel(odds)
+    joined.save(tmp_path / "b.npz")
+    assert ms.ColorModel.load(tmp_path / "b.npz").sample is None
+
+
+@pytest.mark.parametrize(
+    ("sample", "circle"),
+    [
+        (np.zeros((9, 9, 3), np.float32), (4.0, 4.0, 2.0, 2.0)),
+        (np.zeros((9, 9), np.uint8), (4.0, 4.0, 2.0, 2.0)),
+        (np.zeros((9, 9, 2), np.uint8), (4.0, 4.0, 2.0, 2.0)),
+        (np.zeros((9, 9, 1), np.uint8), (4.0, 4.0, 2.0, 2.0)),
+        (np.zeros((0, 9, 3), np.uint8), (4.0, 4.0, 2.0, 2.0)),
+        (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, 2.0)),
+        (np.zeros((9, 9, 3), np.uint8), (40.0, 4.0, 2.0, 2.0)),
+        (np.zeros((9, 9, 3), np.uint8), (4.0, np.nan, 2.0, 2.0)),
+        (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, -2.0, 2.0)),
+        (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, 2.0, 1.0)),
+        (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, 2.0, np.inf)),
+    ],
+)
+def test_a_sample_that_is_none_is_refused(
+    tmp_path: Path, sample: npt.NDArray[np.generic], circle: tuple[float, ...]
+) -> None:
+    path, odds = tmp_path / "odd.npz", np.zeros(32768, np.float32)
+    archive(path, matchset_color=np.int64(1), log_odds=odds, sample=sample, circle=np.array(circle))
+    with pytest.raises(ValueError, match="not a color file"):
+        ms.ColorModel.load(path)
 
 
 def archive(path: Path, **arrays: object) -> Path:

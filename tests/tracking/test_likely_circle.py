@@ -1,6 +1,7 @@
 """`detect` compares all fits where none is sure: balls too small, blurred and compressed for their outline alone."""
 
 import math
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -8,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.image.circle_score import CircleTuple
+from matchset.image.circle_score import KEPT, CircleTuple, sample_of
 from matchset.tracking.search.likely_circle import LikelyCircle, LikelyParameters, look_of
 
 Picture = npt.NDArray[np.uint8]
@@ -37,6 +38,30 @@ def picture(ball: CircleTuple | None, blur: float = 0.8, quality: int = 95, leav
 @pytest.fixture(scope="module")
 def color() -> ms.ColorModel:
     return ms.ColorModel.pick(picture((100.0, 120.0, 12.0), quality=50), 98.0, 118.0)
+
+
+def test_a_color_of_a_file_finds_the_same_as_that_of_the_click(color: ms.ColorModel, tmp_path: Path) -> None:
+    color.save(tmp_path / "ball.npz")
+    image = picture((150.0, 180.0, 8.0), 2.0, 35)
+    picked, loaded = (ms.detect(image, ms.Circle, each) for each in (color, ms.ColorModel.load(tmp_path / "ball.npz")))
+    assert picked
+    assert [track.shape for track in picked] == [track.shape for track in loaded]
+
+
+def test_of_a_large_ball_a_part_of_the_pixels_is_kept_and_looks_the_same() -> None:
+    small, large = picture((150.0, 120.0, 40.0)), cv2.resize(picture((150.0, 120.0, 40.0)), None, fx=3.0, fy=3.0)
+    looks = []
+    for image, circle in ((small, (150.0, 120.0, 40.0)), (large, (451.0, 361.0, 120.0))):
+        sample = sample_of(image, circle)
+        assert sample.radius == circle[2]
+        assert max(sample.image.shape) <= 2 * KEPT
+        color = ms.ColorModel.pick(image, *circle[:2])
+        looks.append(look_of(sample.image, color, sample.circle))
+    first, second = looks
+    assert first is not None
+    assert second is not None
+    np.testing.assert_allclose(second.color, first.color, atol=0.02)
+    np.testing.assert_allclose(second.step, first.step, atol=0.02)
 
 
 def test_a_click_keeps_how_the_ball_looked(color: ms.ColorModel) -> None:

@@ -126,16 +126,20 @@ class Sample(NamedTuple):
     Attributes
     ----------
     image : ndarray of shape (h, w, channels), uint8
-        The part of the picture around it.
+        The part of the picture around it; of a large one every second, third, ... pixel.
     circle : (x, y, radius)
         Where it is in that part, px.
+    radius : float
+        In the picture that it was taken from, px.
     """
 
     image: npt.NDArray[np.uint8]
     circle: CircleTuple
+    radius: float
 
 
 AROUND = 2.0  # geometry: half the side of what is kept around a circle, radii
+KEPT = 160  # format: pixels of a side from which on pixels are left out
 
 
 def sample_of(image: npt.NDArray[np.uint8], circle: CircleTuple) -> Sample:
@@ -148,9 +152,11 @@ def sample_of(image: npt.NDArray[np.uint8], circle: CircleTuple) -> Sample:
         px.
     """
     x, y, radius = circle
+    every = max(int(2.0 * AROUND * radius / KEPT), 1)
     left, top = max(round(x - AROUND * radius), 0), max(round(y - AROUND * radius), 0)
-    part = image[top : round(y + AROUND * radius) + 1, left : round(x + AROUND * radius) + 1]
-    return Sample(np.array(part.reshape(*part.shape[:2], -1)), (x - left, y - top, radius))
+    part = image[top : round(y + AROUND * radius) + 1 : every, left : round(x + AROUND * radius) + 1 : every]
+    place = ((x - left) / every, (y - top) / every, radius / every)
+    return Sample(np.array(part.reshape(*part.shape[:2], -1)), place, radius)
 
 
 def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:

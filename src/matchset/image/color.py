@@ -20,7 +20,7 @@ from matchset.image.click_region import background_mask, circle_around, disc_mas
 from matchset.image.color_learning import DEFAULT, ColorParameters, bin_centers, cells_of, features, log_odds_between
 from matchset.image.display.png import png_of
 from matchset.image.display.swatch import colors_in_words, swatch_of
-from matchset.image.files.color_file import read_color, write_color
+from matchset.image.files.color_file import ColorFile, read_color, write_color
 from matchset.image.frame import Picture, image_of
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
@@ -374,7 +374,7 @@ class ColorModel(Copied):
         path : str or Path
             Where; the name is taken as it is.
         """
-        write_color(Path(path), self.log_odds, self.gray)
+        write_color(Path(path), ColorFile(self.log_odds, self.gray, self.sample))
 
     @classmethod
     def load(cls, path: str | Path) -> "ColorModel":
@@ -389,8 +389,10 @@ class ColorModel(Copied):
         ValueError
             If it is not a color model, or of another version; if there is no such file, also a FileNotFoundError.
         """
-        log_odds, gray = read_color(Path(path))
+        kept = read_color(Path(path))
         try:
-            return cls(log_odds, gray)
+            model = cls(kept.log_odds, kept.gray)
         except ValueError as error:
             raise ValueError(f"not a color file: {path} ({error})") from error
+        model.sample = kept.sample
+        return model

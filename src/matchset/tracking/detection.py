@@ -228,7 +228,7 @@ _memory = _Memory()
 
 def _radius_of(color: ColorModel) -> float:
     """Least radius to expect of what a color was picked at, px: half of that seen there."""
-    return math.inf if color.circle is None else DetectionParameters().smaller * color.circle[2]
+    return math.inf if color.sample is None else DetectionParameters().smaller * color.sample.radius
 
 
 def _detector(family: type[S], width: int, height: int, candidates: int, radius: float) -> Detector[S]:

@@ -178,7 +178,7 @@ class LikelyCircle:
 
     def __init__(self, color: ColorModel, limits: LikelyParameters) -> None:
         assert color.sample is not None
-        self._color, self._limits, self._radius = color, limits, color.sample.circle[2]
+        self._color, self._limits, self._radius = color, limits, color.sample.radius
         self._home = look_of(color.sample.image, color, color.sample.circle)
 
     def figures(self, image: Image, estimate: Estimate, near_step: float) -> Floats | None:

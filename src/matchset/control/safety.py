@@ -177,12 +177,12 @@ class SafetyState(NamedTuple):
         When the newest frame was taken in which the ball was confirmed and for which the controller had an answer, s.
     seen_since : float
         Since when the ball is seen without a gap, s.
-    weak_since : float
-        Since when more throttle hovers than may, or all of it is desired, s; stays in a descent.
     initial_throttle : float
         Throttle before the descent, or what hovers, if that is less.
     command : Command
         The last command.
+    weak_since : float
+        Since when more throttle hovers than may, or all of it is desired, s; stays in a descent.
     """
 
     phase: Phase = "locked"
@@ -191,9 +191,9 @@ class SafetyState(NamedTuple):
     descent_start: float = math.inf
     seen_time: float = -math.inf
     seen_since: float = math.inf
-    weak_since: float = math.inf
     initial_throttle: float = 0.0
     command: Command = Command()
+    weak_since: float = math.inf
 
 
 def safety_filter(
@@ -249,8 +249,8 @@ def safety_filter(
         inputs.now,
         seen_time=state.seen_time,
         seen_since=seen_since,
-        weak_since=state.weak_since,
         command=command,
+        weak_since=state.weak_since,
     )
 
 

@@ -49,7 +49,8 @@ def test_a_color_of_a_file_finds_the_same_as_that_of_the_click(color: ms.ColorMo
 
 
 def test_of_a_large_ball_a_part_of_the_pixels_is_kept_and_looks_the_same() -> None:
-    small, large = picture((150.0, 120.0, 40.0)), cv2.resize(picture((150.0, 120.0, 40.0)), None, fx=3.0, fy=3.0)
+    small = picture((150.0, 120.0, 40.0))
+    large = np.asarray(cv2.resize(small, None, fx=3.0, fy=3.0), np.uint8)
     looks = []
     for image, circle in ((small, (150.0, 120.0, 40.0)), (large, (451.0, 361.0, 120.0))):
         sample = sample_of(image, circle)

@@ -57,16 +57,25 @@ def swung(beyond: NextButOne, period: float, amplitude: float = 0.1, seconds: fl
 
 
 def test_a_share_of_the_fast_motion_of_the_next_but_one_ball_is_followed() -> None:
-    moved, _ = swung(NextButOne(NextButOneParameters(share=0.5, slow=4.0)), period=2.2)
+    moved, _ = swung(NextButOne(NextButOneParameters(share=0.5, slow=4.0, longest=4.0)), period=2.2)
     assert moved == pytest.approx(0.05, rel=0.15)  # 0.5 of 10 cm, at the period that the filter expects
 
 
 def test_more_of_it_is_followed_where_the_delay_is_longer() -> None:
-    told = NextButOneParameters(share=1.0, slow=0.3)
+    told = NextButOneParameters(share=1.0, slow=0.3, longest=3.0)
     quick, late = (
         swung(NextButOne(msgspec.structs.replace(told, delay=delay)), 2.2)[0] for delay in (DELAY, DELAY / 2)
     )
     assert late > 2.0 * quick
+
+
+def test_where_that_would_be_slower_than_is_useful_less_of_it_is_followed() -> None:
+    told = NextButOneParameters(share=1.0, slow=0.5, power=1.0)
+    whole, half = (
+        swung(NextButOne(msgspec.structs.replace(told, longest=0.5, delay=delay)), 2.2)[0]
+        for delay in (DELAY, DELAY / 2)
+    )
+    assert half == pytest.approx(0.5 * whole, rel=0.1)
 
 
 def test_what_is_slow_counts_for_nothing() -> None:

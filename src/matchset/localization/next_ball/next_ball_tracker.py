@@ -81,7 +81,7 @@ class NextBallParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         Least and largest distance, as shares of the expected one: what is nearer or farther is another vehicle's.
     """
 
-    every: int = 2
+    every: int = 3
     points: int = 48
     inside: int = 96
     around: int = 32

@@ -18,11 +18,13 @@ CAMERA = CameraModel.from_fov(*SIZE, math.radians(FOV_DEG))
 FRAMES = 60  # then it begins again, where it began
 SWAY = 0.01  # m
 UP, AHEAD = 0.19, 1.5  # m, from the camera to the ball
-UNANSWERED = """
+SETTINGS = """
+[flight.pilot.safety]
+fresh = 1.0
 [flight.pilot.follower.answer]
 limit = 100.0
 """
-"""Settings: this camera does not answer to the sticks, which a flight knows after some seconds, rightly."""
+"""Pictures come late beside other tests, and this camera does not answer to the sticks, which a flight knows soon."""
 
 
 class ServedNeighbor:

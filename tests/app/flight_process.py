@@ -9,7 +9,7 @@ from pathlib import Path
 from pty_transmitter import PtyTransmitter
 
 import patient_matchset
-from served_neighbor import UNANSWERED
+from served_neighbor import SETTINGS
 
 PACE = 0.25  # of the transmitter's clock: its failsafe has tests of its own, on a computer that does nothing else
 FLIES = 60  # of 255, what no other test's throttle reaches
@@ -18,9 +18,7 @@ SHORT = f"""
 duration = 30.0
 [flight.linked]
 countdown = 0.5
-[flight.pilot.safety]
-fresh = 1.0
-{UNANSWERED}"""
+{SETTINGS}"""
 
 
 def devices(folder: Path, camera: str, link: str) -> list[str]:

@@ -15,7 +15,7 @@ from syma import BIND_ADDRESS, sticks
 import patient_matchset
 from flight import BOUND, throttles
 from mjpeg_server import MjpegServer
-from served_neighbor import UNANSWERED, ServedNeighbor
+from served_neighbor import SETTINGS, ServedNeighbor
 
 PACE = 0.25  # of the board's clock: its failsafe has tests of its own, and this computer may be busy
 SHORT = f"""
@@ -23,9 +23,7 @@ SHORT = f"""
 duration = 6.0
 [flight.linked]
 countdown = 0.5
-[flight.pilot.safety]
-fresh = 1.0
-{UNANSWERED}"""
+{SETTINGS}"""
 
 
 @contextlib.contextmanager

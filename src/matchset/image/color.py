@@ -170,12 +170,8 @@ class ColorModel(Copied):
             if tells(model, image, target, circle, parameters.region):
                 return model
         near = cls._in_its_surroundings(image, targets[-1], circle, parameters)
-        return (
-            found[0]
-            if found
-            and not tells(near, image, disc_mask(image.shape, circle, parameters.region.rim), circle, parameters.region)
-            else near
-        )
+        disc = disc_mask(image.shape, circle, parameters.region.rim)
+        return found[0] if found and not tells(near, image, disc, circle, parameters.region) else near
 
     @classmethod
     def _in_its_surroundings(

@@ -21,14 +21,13 @@ import numpy.typing as npt
 
 from matchset.image.color import WHITE, ColorModel
 from matchset.tracking.motion import Gate
-from matchset.tracking.search.prominence import Prominence
+from matchset.tracking.search.prominence import ELSEWHERE, NO_RIVAL, Prominence
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 Image = npt.NDArray[np.uint8]
 
-NOWHERE, NO_RIVAL = -99.0, -2.0  # theorem: less than any step, and than any difference of two means of whiteness
-ELSEWHERE = 2.0  # geometry: from where on a place is another one, half-widths
+NOWHERE = -99.0  # theorem: less than any step
 STILL = 0.25  # geometry: how far from an outline that is seen its disc may be, half-widths
 FEW = 3  # theorem: cells that have something between them
 

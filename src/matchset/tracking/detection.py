@@ -21,7 +21,7 @@ from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, Start, channels_last, track_of
-from matchset.tracking.search.likely_circle import LikelyCircle, LikelyParameters
+from matchset.tracking.search.likely_circle import LikelyCircle, LikelyParameters, circle_of
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 from matchset.tracking.track import Track
 
@@ -109,7 +109,7 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
         found.append((merit, track))
     found.sort(key=lambda pair: -pair[0])
     if not sure and family is Circle and color.sample is not None and detector.fitter.weighs(color):
-        first = _circle_of(found[0][1].shape.state) if found else None
+        first = circle_of(found[0][1].shape.state) if found else None
         spread = _Likeliest(detector, image, color).search(first)
         if spread is not None:
             found[:1] = [(1.0, track_of(detector.fitter, None, frame.time, spread))]
@@ -119,10 +119,6 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
 def _is_sure(estimate: Estimate) -> bool:
     """Whether nothing else needs to be compared with a detection."""
     return (estimate.evidence or 0.0) > CHOICE.sure_evidence and estimate.fit.msac_score > CHOICE.sure_msac
-
-
-def _circle_of(state: Floats) -> CircleTuple:
-    return float(state[0]), float(state[1]), float(state[2])
 
 
 class _Likeliest:
@@ -171,7 +167,7 @@ class _Likeliest:
         fitter, image, color = self._detector.fitter, self._image, self._color
         seen: set[tuple[int, int, int]] = set()
         for estimate in self._fits(first):
-            circle = _circle_of(estimate.state)
+            circle = circle_of(estimate.state)
             if not estimate.is_fitted or not self._is_in_range(circle) or (key := _cell_of(circle)) in seen:
                 continue
             seen.add(key)

@@ -15,15 +15,13 @@ from matchset.app.live.sources.found_sources import given_source
 from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.links.arduino.protocol import ArduinoParameters
 from mjpeg_server import MjpegServer
-from served_neighbor import UNANSWERED, ServedNeighbor
+from served_neighbor import SETTINGS, ServedNeighbor
 
 WAIT = 120.0  # s
 PACE = 0.25  # of the transmitter's clock: its failsafe has tests of its own
 FLIES = 60  # of 255
 TOML = f"""
-[flight.pilot.safety]
-fresh = 1.0
-{UNANSWERED}
+{SETTINGS}
 [[follower]]
 camera = "{{camera}}"
 link = "serial://{{link}}"

@@ -198,7 +198,7 @@ class LikelyCircle:
             None where there is nothing to measure.
         """
         limits, home = self._limits, self._home
-        x, y, radius = circle = _circle_of(estimate)
+        x, y, radius = circle = circle_of(estimate.state)
         look = look_of(image, self._color, circle)
         if look is None or home is None or estimate.evidence is None:
             return None
@@ -299,5 +299,6 @@ class LikelyCircle:
         return math.dist(start[:2], other[:2]) < max(start[2], other[2])
 
 
-def _circle_of(estimate: Estimate) -> CircleTuple:
-    return float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width
+def circle_of(state: Floats) -> CircleTuple:
+    """Center and radius of a circle's state, px."""
+    return float(state[0]), float(state[1]), float(state[2])

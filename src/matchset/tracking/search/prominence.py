@@ -10,6 +10,7 @@ rival but the target.
 """
 
 import math
+from typing import NamedTuple
 
 import cv2
 import msgspec
@@ -61,6 +62,31 @@ class ProminenceParameters(msgspec.Struct, frozen=True):
     same_share: float = 0.5
 
 
+class _StepMap(NamedTuple):
+    """Cells of a grid, px, half-width in cells, and the clearest color step at each cell; empty if too large."""
+
+    stride: int
+    radius: float
+    clearest: Singles
+
+    def around(self, place: Gate) -> tuple[slice, slice]:
+        """Cells that are not elsewhere."""
+        return _around(*self._cell(place), ELSEWHERE * self.radius + 1.0)
+
+    def steps(self, place: Gate) -> tuple[float | None, float]:
+        """Color step of a shape, None where the picture is too small for it, and the largest one elsewhere."""
+        if not self.clearest.size:
+            return None, NO_RIVAL
+        own = float(self.clearest[_around(*self._cell(place), max(NEAR * self.radius, 1.0))].max(initial=NO_RIVAL))
+        others = self.clearest.copy()
+        others[self.around(place)] = NO_RIVAL
+        return own, float(others.max())
+
+    def _cell(self, place: Gate) -> tuple[float, float]:
+        """Column and row of a place; cells are read a quarter and a half of the way through them."""
+        return place.x / self.stride - 0.25, place.y / self.stride - 0.5
+
+
 class Prominence:
     """How clearly a target stands out by its color, where it was seen.
 
@@ -95,12 +121,12 @@ class Prominence:
         seen : Gate
             Where it is.
         """
-        own, rival = self._steps(image, color, seen)
+        steps = self._map(image, color, seen.half_width)
+        own, rival = steps.steps(seen)
         if own is not None and (self._own is None or own > self._limits.kept * self._own):
             self._own, self._rival, self._size = own, max(self._rival, rival), seen.half_width
             self._scene = _scene_of(image)
-            stride, radius, now = self._map(image, color, seen.half_width)
-            hidden = _around(seen.x / stride - 0.25, seen.y / stride - 0.5, ELSEWHERE * radius + 1.0)
+            now, hidden = steps.clearest, steps.around(seen)
             now[hidden] = self._known[hidden] if self._known.shape == now.shape else NO_RIVAL
             self._known = now
 
@@ -122,7 +148,7 @@ class Prominence:
             return False
         if not any(1.0 / limits.growth < found.half_width / size < limits.growth for size in (last, self._size)):
             return False
-        own, rival = self._steps(image, color, found)
+        own, rival = self._map(image, color, found.half_width).steps(found)
         return own is not None and own > max(limits.kept * self._own, max(rival, self._rival) + limits.lead)
 
     def clearest(self, image: Image, color: ColorModel, half_width: float) -> Gate | None:
@@ -164,25 +190,15 @@ class Prominence:
         still = np.abs(change - np.median(change)) < self._limits.same_px
         return bool(still.mean() > self._limits.same_share)
 
-    def _map(self, image: Image, color: ColorModel, half_width: float) -> tuple[int, float, Singles]:
-        """Cells of a grid, px, half-width in cells, and the clearest color step about each cell; empty if too large."""
+    def _map(self, image: Image, color: ColorModel, half_width: float) -> "_StepMap":
+        """Color steps of discs of about a size, at each cell of a grid."""
         height, width = image.shape[:2]
         stride = stride_for(width, self._search, half_width)
         grid = np.zeros((height // stride, width // stride), np.int16)
         radius = max(half_width / stride, 1.0)
         sample_grid(image, color.table, stride, grid)
         maps = [step for _, step in color_steps(grid, [size * radius for size in SIZES])] if grid.size else []
-        return stride, radius, np.max(maps, axis=0) if maps else np.zeros((0, 0), np.float32)
-
-    def _steps(self, image: Image, color: ColorModel, place: Gate) -> tuple[float | None, float]:
-        """Color step of a shape, None where the picture is too small for it, and the largest one elsewhere."""
-        stride, radius, clearest = self._map(image, color, place.half_width)
-        if not clearest.size:
-            return None, NO_RIVAL
-        x, y = place.x / stride - 0.25, place.y / stride - 0.5
-        own = float(clearest[_around(x, y, max(NEAR * radius, 1.0))].max(initial=NO_RIVAL))
-        clearest[_around(x, y, ELSEWHERE * radius + 1.0)] = NO_RIVAL
-        return own, float(clearest.max())
+        return _StepMap(stride, radius, np.max(maps, axis=0) if maps else np.zeros((0, 0), np.float32))
 
 
 def _scene_of(image: Image) -> Floats:

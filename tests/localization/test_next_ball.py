@@ -4,6 +4,7 @@ import copy
 import math
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 
@@ -72,15 +73,26 @@ def test_a_ball_that_is_followed_is_found_where_it_is(far: tuple[float, float, f
         assert (np.hypot(*(track.match_set - (disc.x, disc.y)).T) > disc.radius + 1.0).all()  # none of the neighbor's
 
 
-def test_a_ball_aside_and_higher_is_found_within_half_a_second() -> None:
-    ball = PLACE + np.array((0.3, -0.2, 0.0))
-    sought = tracker()
-    for seed in range(11):
-        pose = sought.update(painted(NEAR, ball, seed=seed), COLOR, circle(NEAR), PLACE, followed=False)
-        if isinstance(pose, Pose):
-            break
+@pytest.mark.parametrize("aside", [(0.3, -0.2, 0.0), (-0.9, 0.3, 0.0), (0.8, -0.5, 0.1)])
+def test_a_ball_far_aside_and_higher_is_found_in_the_first_picture(aside: tuple[float, float, float]) -> None:
+    ball = PLACE + np.array(aside)
+    pose = tracker().update(painted(NEAR, ball), COLOR, circle(NEAR), PLACE, followed=False)
     assert isinstance(pose, Pose)
     assert pose.position == pytest.approx(ball, abs=0.15)
+
+
+@pytest.mark.parametrize("followed", [True, False])
+def test_a_ball_whose_fields_lie_apart_is_found(followed: bool) -> None:
+    ball, moved = PLACE + np.array((0.5, -0.3, 0.0)), np.array((0.08, 0.0, 0.0))  # between two fields
+    for seed in range(5):
+        frame, later = painted(NEAR, ball, seed=seed), painted(NEAR, ball + moved, seed=seed + 5)
+        frame.image[1::2] = later.image[1::2]
+        pose = tracker().update(frame, COLOR, circle(NEAR), ball + 0.5 * moved, followed)
+        assert isinstance(pose, Pose)
+        assert CAMERA.project(pose.position[np.newaxis])[0] == pytest.approx(
+            CAMERA.project((ball + 0.5 * moved)[np.newaxis])[0],
+            abs=5.0,  # of one field
+        )
 
 
 def test_what_is_hidden_or_outside_is_lost_with_a_reason() -> None:
@@ -92,6 +104,27 @@ def test_what_is_hidden_or_outside_is_lost_with_a_reason() -> None:
         outside = tracker().update(painted(NEAR), COLOR, circle(NEAR), np.array(away), followed=True)
         assert isinstance(outside, Lost)
         assert "not in the picture" in outside.reason
+
+
+@pytest.mark.parametrize("corners", [4, 5])
+@pytest.mark.parametrize("size", [1.1, 1.25, 1.4])
+def test_a_card_of_the_balls_color_and_size_is_not_taken_for_it(corners: int, size: float) -> None:
+    disc, angles = circle(PLACE + np.array((0.6, -0.2, 0.0))), np.linspace(0.0, 2.0 * math.pi, corners, endpoint=False)
+    outline = size * disc.radius * np.column_stack((np.cos(angles + 0.3), np.sin(angles + 0.3)))
+    for seed in range(3):
+        frame = painted(NEAR, seed=seed)
+        cv2.fillPoly(frame.image, [np.round(outline + np.array((disc.x, disc.y))).astype(np.int32)], BLUE, cv2.LINE_AA)
+        assert isinstance(tracker().update(frame, COLOR, circle(NEAR), PLACE, followed=False), Lost)
+
+
+@pytest.mark.parametrize("away", [(-2.57, 0.22, 1.18), (40.0, 0.0, 1.0), (0.0, -3.0, 0.2)])
+def test_a_place_for_which_the_lens_has_no_pixel_is_lost(away: tuple[float, float, float]) -> None:
+    barrel = msgspec.structs.replace(CAMERA, distortion=(-0.08, 0.0, 0.0, 0.0, 0.0))
+    outside = NextBallTracker(barrel, TARGET, COLOR).update(
+        painted(NEAR), COLOR, circle(NEAR), np.array(away), followed=True
+    )
+    assert isinstance(outside, Lost)
+    assert "not in the picture" in outside.reason
 
 
 @pytest.mark.parametrize("distance", [1.0 / 1.5, 1.5])

@@ -70,6 +70,14 @@ def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
     assert min(throttles[-1]) > 0.3
 
 
+def test_ten_take_off_one_after_the_other_at_a_long_latency() -> None:
+    world = SimulationParameters(vehicles=10, seed=1, latency_ms=133.0, quick=True)
+    with Flight(FlightParameters(duration=17.0, world=world)) as flight:
+        for chain_step in flight:
+            assert not chain_step.crashes
+    assert all(step.safety.phase == "flying" for step in chain_step.steps)
+
+
 def test_a_flight_is_scored_by_its_steps(flown: Steps) -> None:
     scorer = FlightScorer(flown.setup.parameters)
     for chain_step in flown.chain_steps:

@@ -45,13 +45,15 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         oscillation. Chosen by: `python -m benchmarks.flight.fly --only ten`, see decision 074. With 1, a start half a
         meter off the set place ended in a collision (docs/log.md, 2026-11-23).
     stagger : float
-        How much later each of the others is armed than the one that it watches, s. More lets each come to rest first;
-        less is a shorter start. Chosen by: flights of ten with 0.3 to 2.5 s, see decision 074.
+        How much later each of the others is armed than the one that it watches, s. More lets the neighbor come to rest
+        first: with 1.2 s a follower is released while its neighbor still rushes to its own place, at 1 m/s and 0.7 m
+        off, and chains of ten fall at 133 ms. With 3.2 s the neighbor has moved out of sight of one that a hand holds.
+        Chosen by: chains of ten, seeds 0 to 5, docs/log.md, 2026-11-23.
     """
 
     duration: float = 60.0
     together: int = 2
-    stagger: float = 1.2
+    stagger: float = 2.2
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
     linked: LinkedParameters = LinkedParameters()

@@ -58,13 +58,21 @@ class NextBallParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         Least share of the inside that has the ball's color, less that of the surroundings by their weight: before its
         edges are looked at, and then. More believes less.
     noise : float
-        Largest standard deviation of its edge points, px.
+        Largest standard deviation of its edge points while it is followed, px. The fields of a picture lie apart when
+        it moves.
+    first_noise : float
+        The same while it is not. More finds it sooner in a start, and takes other things of its color for it, above all
+        where there is no next-but-one ball.
     seen : float
         Least share of the inside that the neighbor's ball does not hide.
     follow, follow_step : float
         How far from the expected place it is looked for while it is followed, and in which steps, radii.
     search, search_high, search_step : float
-        The same while it is not: to the sides and in height, of which one row is searched in each picture, and steps.
+        The same while it is not: to the sides and in height, and steps. More finds it where a neighbor is far off its
+        own place, as in a start, and takes longer.
+    search_inside, search_around : int
+        Pixels of which the color is compared while it is searched so. More is slower; its place is looked at with
+        `inside` and `around` then.
     reach : float
         How far from where its color is its edges are looked for, radii.
     min_reach : float
@@ -90,14 +98,17 @@ class NextBallParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     around_weight: float = 0.5
     farther_weight: float = 0.1
     first_score: float = 0.5
-    score: float = 0.8
+    score: float = 0.7
     noise: float = 1.8
+    first_noise: float = 1.0
     seen: float = 0.06
     follow: float = 0.6
     follow_step: float = 0.2
-    search: float = 3.2
-    search_high: float = 2.0
+    search: float = 7.0
+    search_high: float = 4.0
     search_step: float = 0.4
+    search_inside: int = 16
+    search_around: int = 8
     reach: float = 0.3
     min_reach: float = 3.0
     size_sigma: float = 0.05
@@ -112,12 +123,13 @@ class NextBallParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
             raise ValueError(f"points must be within 16 ... 128, got {self.points}")
         if self.every < 1:
             raise ValueError(f"every must be 1 or more, got {self.every}")
-        for name in ("inside", "around", "min_points"):
+        for name in ("inside", "around", "search_inside", "search_around", "min_points"):
             if getattr(self, name) < 4:
                 raise ValueError(f"{name} must be 4 or more, got {getattr(self, name)}")
         if not 0.0 < self.rings[0] <= self.rings[1] < self.rings[2] < math.inf:
             raise ValueError(f"rings must be three growing radii, got {self.rings}")
-        for name in ("follow_step", "search_step", "size_sigma", "reach", "min_reach", "noise", "growth"):
+        sizes = "follow_step", "search_step", "size_sigma", "reach", "min_reach", "noise", "first_noise", "growth"
+        for name in sizes:
             if not 0.0 < getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
@@ -152,10 +164,10 @@ class NextBallTracker(Copied):
         self._localizer = Localizer(camera, target)
         self._fitter = tracking_fitter(Circle, limits.points)
         self._samples = sample_points(limits.inside, limits.around, limits.rings)
+        self._few_samples = sample_points(limits.search_inside, limits.search_around, limits.rings)
         self._weights = limits.few, limits.around_weight, limits.farther_weight
         self._middle: tuple[float, float] | None = None  # of the ball in the last picture, px
         self._neighbor: Circle | None = None  # in the last picture
-        self._row = 0  # of the search
         self._make_derived()
 
     def _derive(self) -> None:
@@ -212,21 +224,32 @@ class NextBallTracker(Copied):
         x, _, z = expected.tolist()
         if not z > self.target.radius:
             return None
-        across = self.target.radius / math.hypot(x, z) * np.array((z, 0.0, -x))
-        middle, right = self.camera.project(np.stack((expected, expected + across))).tolist()
+        inward = -math.copysign(self.target.radius / math.hypot(x, z), x)  # to the middle: there is a pixel for that
+        across = inward * np.array((z, 0.0, -x))
+        points = np.stack((expected, expected + across))
+        if not self.camera.visible(points).all():  # so far aside that the lens has no pixel for it
+            return None
+        middle, edge = self.camera.project(points).tolist()
         inside = 0.0 <= middle[0] < self.camera.width and 0.0 <= middle[1] < self.camera.height
-        return (middle[0], middle[1], math.dist(middle, right)) if inside else None
+        return (middle[0], middle[1], math.dist(middle, edge)) if inside else None
 
     def _find(
         self, frame: Frame, color: ColorModel, start: Triple, hiding: Triple, followed: bool
     ) -> Track[Circle] | Lost[Circle]:
         """Find its outline near a circle, outside the one that hides it."""
         limits, image = self.parameters, channels_last(frame.image)
-        where = self._where(start, followed)
-        x, y, score, seen = search_disc(image, color.table, *where, hiding, self._samples, self._weights)
+        radius, sought = start[2], start
+        if not followed:
+            way = limits.search * radius, limits.search_high * radius, limits.search_step * radius
+            x, y, score, seen = search_disc(image, color.table, start, way, hiding, self._few_samples, self._weights)
+            if score < limits.first_score or seen < limits.seen:
+                return Lost(NOT_THERE, frame.time)
+            sought = x, y, radius
+        way = limits.follow * radius, limits.follow * radius, limits.follow_step * radius
+        x, y, score, seen = search_disc(image, color.table, sought, way, hiding, self._samples, self._weights)
         if score < limits.first_score or seen < limits.seen:
             return Lost(NOT_THERE, frame.time)
-        found = self._fit(image, color, (x, y, start[2]), frame.time)
+        found = self._fit(image, color, (x, y, radius), frame.time, limits.noise if followed else limits.first_noise)
         if found is None:
             return Lost("the next-but-one ball has no clear outline", frame.time)
         circle, points = found.shape, found.match_set
@@ -237,17 +260,7 @@ class NextBallTracker(Copied):
             return Lost("too little of the next-but-one ball can be seen", frame.time)
         return Track(circle, found.covariance, found.support, clear, frame.time)
 
-    def _where(self, start: Triple, followed: bool) -> tuple[Triple, Triple]:
-        """Say where its color is looked for, `disc` and `way` of `search_disc`: a row at a time while not followed."""
-        limits, (x, y, radius) = self.parameters, start
-        if followed:
-            return start, (limits.follow * radius, limits.follow * radius, limits.follow_step * radius)
-        step, rows = limits.search_step * radius, 2 * round(limits.search_high / limits.search_step) + 1
-        row = (self._row + 1) // 2 * (1 if self._row % 2 else -1)  # 0, 1, -1, 2, -2, ...
-        self._row = (self._row + 1) % rows
-        return (x, y + row * step, radius), (limits.search * radius, 0.0, step)
-
-    def _fit(self, image: Image, color: ColorModel, start: Triple, time: float) -> Track[Circle] | None:
+    def _fit(self, image: Image, color: ColorModel, start: Triple, time: float, noise: float) -> Track[Circle] | None:
         """Fit a circle of about this size to the edges around a place; None where there is none, or a blurred one."""
         limits, fitter, (x, y, radius) = self.parameters, self._fitter, start
         reach = max(limits.reach * radius, limits.min_reach)
@@ -257,7 +270,7 @@ class NextBallTracker(Copied):
         self._prior_sigma[:3] = reach, reach, limits.size_sigma * radius
         window = SearchWindow(reach, speed, velocity_unknown=True, use_prior=True)
         estimate = fitter.fit(image, color, Circle(x, y, radius).state, window)
-        if not estimate.is_fitted or estimate.fit.edge_noise > limits.noise:
+        if not estimate.is_fitted or estimate.fit.edge_noise > noise:
             return None
         return Track(Circle.from_state(estimate.state), *self._answer(), time)
 

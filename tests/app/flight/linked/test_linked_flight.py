@@ -194,8 +194,8 @@ def test_links_are_armed_together_and_pilots_one_after_the_other() -> None:
     pilots = [ScriptedPilot() for _ in range(4)]
     with scripted(*pilots) as flight:
         for step in flight:
-            if step.time > 4.0:
+            if step.time > 4.8:
                 break
     assert [pilot.calls[0] for pilot in pilots] == ["arm link"] * 4
     begun = [int(pilot.calls[1].split()[-1]) for pilot in pilots]
-    assert begun == pytest.approx([78, 42, 6, 6], abs=1)  # 0.2 s, and 1.2 s for each that waits
+    assert begun == pytest.approx([138, 72, 6, 6], abs=1)  # 0.2 s, and 2.2 s for each that waits

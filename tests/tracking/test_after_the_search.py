@@ -10,8 +10,8 @@ import pytest
 import matchset as ms
 from matchset.fitting.evidence import EvidenceParameters
 from matchset.fitting.fitter import Fitter
-from matchset.tracking.color_disc import ColorDiscParameters
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.color_disc import ColorDiscParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]

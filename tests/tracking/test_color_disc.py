@@ -6,9 +6,9 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.tracking.color_disc import ColorDiscParameters, ColorDiscs, disc_filter, find_color_disc
 from matchset.tracking.motion import Gate
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.color_disc import ColorDiscParameters, ColorDiscs, disc_filter, find_color_disc
 from matchset.tracking.search.prominence import Prominence, ProminenceParameters
 from matchset.tracking.search.voting import SearchParameters
 

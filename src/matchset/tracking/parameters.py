@@ -7,13 +7,14 @@ from matchset.fitting.fitter import FittingParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color_adaptation import AdaptationParameters
-from matchset.tracking.color_disc import ColorDiscParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.hypotheses import HypothesisParameters
 from matchset.tracking.hypothesis_filter import HypothesisFilterParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
+from matchset.tracking.search.color_disc import ColorDiscParameters
 from matchset.tracking.search.prominence import ProminenceParameters
+from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.search.voting import SearchParameters
 
 
@@ -69,6 +70,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         When a lost shape is known again by its color alone being there.
     color_disc : ColorDiscParameters
         When a shape whose outline is not confirmed is where its color is.
+    template : TemplateParameters
+        When it is where something looks as it did.
     adaptation : AdaptationParameters
         How the color follows the light.
     brightness : BrightnessParameters
@@ -89,6 +92,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     detection: DetectionParameters = DetectionParameters()
     prominence: ProminenceParameters = ProminenceParameters()
     color_disc: ColorDiscParameters = ColorDiscParameters()
+    template: TemplateParameters = TemplateParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     brightness: BrightnessParameters = BrightnessParameters()
     coast: float = 0.35

@@ -25,12 +25,11 @@ from matchset.numeric.jit import collection_paused, interpreted
 from matchset.numeric.record import Block
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
-from matchset.tracking.color_disc import ColorDisc
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
 from matchset.tracking.hypothesis_filter import HypothesisFilter
 from matchset.tracking.initialization import noise_in
-from matchset.tracking.motion import gate_of, in_gate, initialize, make_accept
+from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher
 
@@ -59,14 +58,14 @@ class TrackStep(Copied, Generic[S]):
         For how many frames the shape has been seen faintly.
     given : bool
         Whether the shape was given by somebody and no picture has confirmed it yet.
-    by_color : bool
-        Whether the last sighting was a disc of the target's color, whose outline nothing confirmed.
+    without_outline : bool
+        Whether the last sighting was a disc by its color or its looks, whose outline nothing confirmed.
     """
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.spread: Floats | None = None
-        self.by_color = False
+        self.without_outline = False
         self._spare: tuple[Block, Floats | None] | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
@@ -76,7 +75,7 @@ class TrackStep(Copied, Generic[S]):
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint, self.spread, self._spare, self.given, self.by_color = 0, None, None, False, False
+        self.faint, self.spread, self._spare, self.given, self.without_outline = 0, None, None, False, False
         self._filter.forget()
         self._make_derived()
 
@@ -100,7 +99,7 @@ class TrackStep(Copied, Generic[S]):
         fitter, self.spread, self._spare = self.fitter, None, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
-            self.by_color = False
+            self.without_outline = False
             return None
         estimate = fitter.estimate(rejection)
         if rejection:
@@ -164,7 +163,7 @@ class TrackStep(Copied, Generic[S]):
             return rejection or Rejection.UNREACHABLE
         if (
             rejection
-            and not (alone or self.given or self.by_color)
+            and not (alone or self.given or self.without_outline)
             and not self.fitter.validate_detection(estimate, Prior.FOLLOWED)
         ):
             self._spare = self.fitter.block.copy(), self.spread
@@ -321,35 +320,37 @@ class TrackStep(Copied, Generic[S]):
         self.accept(time)
         return True
 
-    def take_disc(self, image: Image, color: ColorModel, disc: ColorDisc, time: float, begins: bool) -> bool:
-        """Take a disc of the target's color for it, at a time, s, unless it is seen that it is another shape.
+    def take_disc(self, image: Image, color: ColorModel, disc: Gate, sigma: float, when: tuple[float, bool]) -> bool:
+        """Take a disc that no edges confirm for the target, unless it is seen to be another shape.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        disc : ColorDisc
-        time : float
-        begins : bool
-            Whether it is nowhere near where the target was expected.
+        disc : Gate
+        sigma : float
+            Standard deviation of its center and half-width, half-widths.
+        when : (float, bool)
+            Time, s, and whether it is nowhere near where the target was expected.
         """
+        time, begins = when
         fitter, p = self.fitter, len(self.fitter.family.parameters)
         state = fitter.family.from_coarse(disc.x, disc.y, disc.half_width).state
         if self.is_other_shape(image, state):
             return False
-        sigma = self.parameters.color_disc.sigma * disc.half_width
+        sigma *= disc.half_width
         fitter.fit(image, color, state, SearchWindow(sigma))  # edge points near it
         covariance = fitter.work.covariance
         fitter.state[:], covariance[:], fitter.work.fit.msac_score = state, sigma**2 * np.eye(*covariance.shape), 0.0
         if begins:
             initialize(fitter.work, state, time, self.parameters.initialization.detected_share * disc.half_width)
         self.accept(time)
-        covariance[:], self.spread, self.by_color = 0.0, sigma**2 * np.eye(p), True
+        covariance[:], self.spread, self.without_outline = 0.0, sigma**2 * np.eye(p), True
         return True
 
     def accept(self, time: float) -> None:
         """Correct the motion with the last fit, which was accepted at a time, s."""
-        self.given, self.by_color, self._spare = False, False, None
+        self.given, self.without_outline, self._spare = False, False, None
         self._accept(self.fitter.block, time)
 
     def missed(self, time: float, interval: float) -> float:

@@ -16,16 +16,15 @@ from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
-from matchset.tracking.color_disc import ColorDiscs
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.prominence import Prominence
 from matchset.tracking.search.voting import Searcher, stride_for
 from matchset.tracking.track import Lost, Mode, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
+from matchset.tracking.without_outline import WithoutOutline
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
@@ -96,8 +95,7 @@ class Tracker(Copied, Generic[S]):
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation)
-        self._prominence = Prominence(self.parameters.prominence, self.parameters.search)
-        self._discs = ColorDiscs(self.parameters.color_disc, self._prominence)
+        self._unseen = WithoutOutline(self._step, self.parameters)
         self._detectors: dict[int, Detector[S]]
         self._format: tuple[int, ...] | None
         self._initial: S | None
@@ -177,7 +175,7 @@ class Tracker(Copied, Generic[S]):
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
         self._step.forget()
-        self._discs.forget()
+        self._unseen.forget()
 
     def update(self, frame: Picture) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.
@@ -216,10 +214,10 @@ class Tracker(Copied, Generic[S]):
         self.mode = Mode.TRACKING
         track = track_of(self._fitter, self._last, self._time, self._step.spread)
         self._last = track.shape
-        if self._step.by_color:
+        if self._step.without_outline:
             return track
-        if (rejected is not None or self._prominence.is_due(self._frames)) and self._fitter.weighs(self.color):
-            self._discs.measure(image, self.color, gate_of(self._family, track.shape.state))
+        if rejected is not None or self._unseen.prominence.is_due(self._frames):
+            self._unseen.remember(image, self.color, gate_of(self._family, track.shape.state), self._time)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
 
@@ -260,18 +258,19 @@ class Tracker(Copied, Generic[S]):
                 return None
             reason = rejection or reason
         lost = Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
-        return None if self._step.accept_spare(self._time) or self._by_color(image, predicted) else lost
+        return None if self._step.accept_spare(self._time) or self._without_outline(image, predicted) else lost
 
-    def _by_color(self, image: Image, predicted: Floats | None) -> bool:
-        """Take a disc of the target's color, about where it is expected, or anywhere; whether there was one."""
-        step, last = self._step, self._last
-        if last is None or not step.is_disc or not self._fitter.weighs(self.color):
+    def _without_outline(self, image: Image, predicted: Floats | None) -> bool:
+        """Take what is like the target though no outline is seen, where it is expected or was clicked, or anywhere."""
+        family, unseen, last = self._family, self._unseen, self._last
+        if last is not None:
+            expected = None if predicted is None else gate_of(family, predicted)
+            return unseen.take(image, self.color, gate_of(family, last.state), expected, self._time, self._interval)
+        clicked = self._clicked() if self._frames == 1 else None
+        if clicked is None or not unseen.begin(image, self.color, gate_of(family, clicked.state), self._time):
             return False
-        seen, missed = gate_of(self._family, last.state), step.missed(self._time, self._interval)
-        expected = None if predicted is None else gate_of(self._family, predicted)
-        disc = self._discs.find(image, self.color, expected, missed) if expected else None
-        found = disc or self._discs.find_anywhere(image, self.color, seen.half_width)
-        return found is not None and step.take_disc(image, self.color, found, self._time, disc is None)
+        self._hint = None
+        return True
 
     def _coast(self) -> Floats | None:
         """State expected while the shape is not seen; None once that has lasted too long."""
@@ -342,7 +341,7 @@ class Tracker(Copied, Generic[S]):
         if self._last is None or estimate.evidence is None or self._fitter.validate_detection(estimate, Prior.ASKED):
             return False
         last, found = self._family.half_width(self._last.state), gate_of(self._family, estimate.state)
-        alone = self._prominence.recognizes(image, self.color, float(last), found)
+        alone = self._unseen.prominence.recognizes(image, self.color, float(last), found)
         return alone and not self._step.is_other_shape(image, estimate.state)
 
     def _holds_hint(self, state: Floats) -> bool:

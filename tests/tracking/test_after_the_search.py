@@ -12,10 +12,12 @@ from matchset.fitting.evidence import EvidenceParameters
 from matchset.fitting.fitter import Fitter
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters
+from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
 EVIDENCE = EvidenceParameters()
+BY_LOOKS_NEVER = TemplateParameters(largest_px=0.0)
 STILL, JUMP = 5, 12.0  # frames at rest, px in the frame after
 
 
@@ -27,8 +29,11 @@ def picture(x: float) -> Picture:
 
 
 def rested() -> Tracker[ms.Circle]:
-    """Tracker of a ball that has been at rest, and that is not known by its color alone."""
-    image, outline_alone = picture(150.0), TrackerParameters(color_disc=ColorDiscParameters(least=9.0))
+    """Tracker of a ball that has been at rest, and that is known neither by its color nor by its looks alone."""
+    image, outline_alone = (
+        picture(150.0),
+        TrackerParameters(color_disc=ColorDiscParameters(least=9.0), template=BY_LOOKS_NEVER),
+    )
     color = ms.ColorModel.pick(image, 150.0, 120.0)
     tracker = ms.Tracker(ms.Circle, color, start=(150.0, 120.0), parameters=outline_alone)
     for index in range(STILL):

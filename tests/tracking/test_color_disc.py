@@ -1,6 +1,7 @@
 """A ball whose outline no edge confirms is followed as the disc of its color, and nothing else is taken for it."""
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -10,12 +11,14 @@ from matchset.tracking.motion import Gate
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters, ColorDiscs, disc_filter, find_color_disc
 from matchset.tracking.search.prominence import Prominence, ProminenceParameters
+from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.search.voting import SearchParameters
 
 Picture = npt.NDArray[np.uint8]
 Places = tuple[tuple[float, float], ...]
 GREEN = (70.0, 150.0, 60.0)
 BEGIN, RADIUS = (60.0, 90.0), 12.0
+BY_COLOR_ALONE = TrackerParameters(template=TemplateParameters(largest_px=0.0))
 
 
 def picture(balls: Places, blur: float = 1.0, seed: int = 0, other: bool = False) -> Picture:
@@ -33,7 +36,7 @@ def place(frame: int) -> tuple[float, float]:
     return BEGIN[0] + 5.0 * frame, BEGIN[1] + 12.0 * float(np.sin(0.3 * frame))
 
 
-def follow(pictures: list[Picture], parameters: TrackerParameters | None = None) -> list[ms.Track[ms.Circle] | None]:
+def follow(pictures: list[Picture], parameters: TrackerParameters = BY_COLOR_ALONE) -> list[ms.Track[ms.Circle] | None]:
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(pictures[0], *BEGIN), start=BEGIN, parameters=parameters)
     answers = [tracker.update(image) for image in pictures]
     return [answer if isinstance(answer, ms.Track) else None for answer in answers]
@@ -47,7 +50,8 @@ def test_a_ball_that_is_all_blur_is_followed_by_its_color() -> None:
     shown = [picture((place(k),), 1.0 if k < 4 else 6.0, k) for k in range(24)]
     answers = follow(shown)
     assert max(off(answer, place(k)) for k, answer in enumerate(answers) if answer) < 5.0
-    unaided = follow(shown, TrackerParameters(color_disc=ColorDiscParameters(least=9.0)))
+    outline_alone = msgspec.structs.replace(BY_COLOR_ALONE, color_disc=ColorDiscParameters(least=9.0))
+    unaided = follow(shown, outline_alone)
     assert unaided.count(None) > 12
     assert answers.count(None) <= unaided.count(None) // 2
     assert off(answers[-1], place(23)) < 5.0

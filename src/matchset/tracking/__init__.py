@@ -2,6 +2,6 @@
 
 Read `tracker` first: `Tracker.update` is Alg. 1. It uses `track_step` (Alg. 3), whose `compiled_step` joins the fit and
 `motion` (predict, gate, correct); `hypotheses` where a fit is ambiguous; `detector` with the folder `search` (Alg. 2)
-where the shape is lost, and `color_disc` where its outline is not to be seen; `initialization` where it is given.
+where the shape is lost, and `without_outline` where no edges confirm its outline; `initialization` where it is given.
 `parameters` has every number that decides something, `track` the answers.
 """

@@ -13,10 +13,13 @@ from matchset.fitting.fitter import Fitter
 from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.clip import Clip
+from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
 EVIDENCE = EvidenceParameters()
+BY_OUTLINE = TrackerParameters(template=TemplateParameters(largest_px=0.0))
 
 
 def picture(*balls: tuple[float, float], radius: float = 14.0) -> Picture:
@@ -39,7 +42,7 @@ def weak(monkeypatch: pytest.MonkeyPatch, evidence: float) -> None:
 
 
 def tracker_at(x: float, y: float, image: Picture) -> Tracker[ms.Circle]:
-    return ms.Tracker(ms.Circle, ms.ColorModel.pick(image, x, y), start=(x, y))
+    return ms.Tracker(ms.Circle, ms.ColorModel.pick(image, x, y), start=(x, y), parameters=BY_OUTLINE)
 
 
 @pytest.mark.parametrize(("evidence", "found"), [(-0.9, True), (EVIDENCE.clicked - 0.1, False)])

@@ -281,7 +281,7 @@ def regions_at_click(
         return [region], circle
     both = float((region & disc).sum())
     union = float((region | disc).sum())
-    shared = float((region & disc_mask(region.shape, circle, 1.0)).sum()) / float(region.sum())
+    shared = float((region & disc_mask(region.shape, circle, limits.reach)).sum()) / float(region.sum())
     solid = _solidity(points)
     if solid >= limits.whole and both / union < limits.same and both > limits.large * float(disc.sum()):
         return [region, disc], circle

@@ -40,8 +40,9 @@ class RegionParameters(msgspec.Struct, frozen=True):
     ----------
     rim : float
         Share of the circle's radius within which its pixels are taken: beyond it blur mixes in the background.
-    part : float
-        Share of the region that must lie in the circle for it to be a part of the circle.
+    part, reach : float
+        Share of the region that must lie within so many radii of the circle for it to be a part of the circle. Blur
+        makes circles too small.
     leaked : float
         Share of the region in the circle below which it has leaked, if it is ...
     solid : float
@@ -71,6 +72,7 @@ class RegionParameters(msgspec.Struct, frozen=True):
 
     rim: float = 0.88
     part: float = 0.75
+    reach: float = 1.2
     leaked: float = 0.6
     solid: float = 0.8
     far: float = 3.0

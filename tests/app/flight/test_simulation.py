@@ -49,17 +49,29 @@ def test_who_comes_near_and_leaves_again_has_not_settled() -> None:
 
 
 def test_of_a_long_chain_one_begins_after_the_other() -> None:
-    three, five = (FlightParameters(world=SimulationParameters(vehicles=count), stagger=1.5) for count in (3, 5))
+    three, five = (
+        FlightParameters(world=SimulationParameters(vehicles=count), stagger=1.5, stagger_delays=0.0)
+        for count in (3, 5)
+    )
     assert [three.arming_time(who) for who in range(2)] == [0.0, 0.0]
     assert [five.arming_time(who) for who in range(4)] == [3.0, 1.5, 0.0, 0.0]
-    for bad in ({"together": 0}, {"stagger": -1.0}, {"stagger": math.nan}):
+    for bad in ({"together": 0}, {"stagger": -1.0}, {"stagger": math.nan}, {"stagger_delays": -1.0}):
         with pytest.raises(ValueError, match=next(iter(bad))):
             FlightParameters(**bad)
 
 
+@pytest.mark.parametrize(("latency_ms", "apart"), [(67.0, 1.73), (133.0, 2.22)])
+def test_the_longer_the_delay_the_longer_each_waits(latency_ms: float, apart: float) -> None:
+    flight = FlightParameters(world=SimulationParameters(vehicles=5, latency_ms=latency_ms))
+    assert [flight.arming_time(who) for who in range(4)] == pytest.approx([2 * apart, apart, 0.0, 0.0], abs=0.02)
+    conditions = msgspec.structs.replace(flight.world.conditions, told_latency_ms=67.0)
+    late = msgspec.structs.replace(flight, world=msgspec.structs.replace(flight.world, conditions=conditions))
+    assert late.arming_time(1) == pytest.approx(1.73, abs=0.01)
+
+
 def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
     world = SimulationParameters(vehicles=4, pal="clean")
-    with Flight(FlightParameters(duration=0.5, stagger=0.2, world=world)) as flight:
+    with Flight(FlightParameters(duration=0.5, stagger=0.2, stagger_delays=0.0, world=world)) as flight:
         armed, throttles = [], []
         for chain_step in flight:
             armed.append([pilot.armed for pilot in flight.pilots])

@@ -44,16 +44,19 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         that hovers, from how it moves beside its neighbor; three and more that do so at once enlarge each other's
         oscillation. Chosen by: `python -m benchmarks.flight.fly --only ten`, see decision 074. With 1, a start half a
         meter off the set place ended in a collision (docs/log.md, 2026-11-23).
-    stagger : float
-        How much later each of the others is armed than the one that it watches, s. More lets the neighbor come to rest
-        first: with 1.2 s a follower is released while its neighbor still rushes to its own place, at 1 m/s and 0.7 m
-        off, and chains of ten fall at 133 ms. With 3.2 s the neighbor has moved out of sight of one that a hand holds.
-        Chosen by: chains of ten without pictures, seeds 0 to 5, docs/log.md, 2026-11-23; rendered, it is long at 67 ms.
+    stagger, stagger_delays : float
+        How much later each of the others is armed than the one that it watches, s, and how many of the delays from
+        picture to effect besides, as they are told: the longer they are, the longer a neighbor takes to come to rest.
+        More lets it do so: with 1.2 s in all a follower is released while its neighbor still rushes to its own place,
+        at 1 m/s and 0.7 m off, and chains of ten fall at 133 ms. With 2.2 s at 67 ms, and 3.2 s in general, the
+        neighbor has moved out of sight of one that a hand holds. Chosen by: rendered chains of ten, 1.7 s at 67 ms and
+        2.2 s at 133 ms, docs/log.md, 2026-11-23.
     """
 
     duration: float = 60.0
     together: int = 2
-    stagger: float = 2.2
+    stagger: float = 1.0
+    stagger_delays: float = 7.5
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
     linked: LinkedParameters = LinkedParameters()
@@ -65,11 +68,16 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             raise ValueError(f"together must be 1 or more, got {self.together}")
         if not 0.0 <= self.stagger <= 60.0:
             raise ValueError(f"stagger must be within 0 ... 60, got {self.stagger}")
+        if not 0.0 <= self.stagger_delays <= 60.0:
+            raise ValueError(f"stagger_delays must be within 0 ... 60, got {self.stagger_delays}")
 
     def arming_time(self, follower: int) -> float:
         """When a follower, from 0, is armed, s: until then a hand holds it."""
         behind = self.world.vehicles - 2 - follower
-        return self.stagger * max(behind - self.together + 1, 0)
+        told_ms = self.world.conditions.told_latency_ms
+        latency = 1e-3 * (self.world.latency_ms if told_ms is None else told_ms)
+        apart = self.stagger + self.stagger_delays * (latency + self.pilot.follower.ego_motion.delay)
+        return apart * max(behind - self.together + 1, 0)
 
 
 class Crash(msgspec.Struct, frozen=True):

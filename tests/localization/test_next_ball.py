@@ -148,6 +148,13 @@ def test_the_neighbors_own_outline_is_no_ball() -> None:
                 assert isinstance(pose, Lost)
 
 
+def test_a_fit_whose_disc_has_too_little_of_the_color_is_not_the_ball() -> None:
+    for least, found in ((0.7, True), (1.9, False)):
+        sought = NextBallTracker(CAMERA, TARGET, COLOR, NextBallParameters(score=least))
+        sought.update(painted(NEAR, PLACE), COLOR, circle(NEAR), PLACE, followed=True)
+        assert isinstance(sought.ball, Track) is found
+
+
 def test_a_copy_goes_on_by_itself() -> None:
     sought, ball = tracker(), np.array((0.5, -0.2, 3.0))
     other = copy.deepcopy(sought)

@@ -281,7 +281,8 @@ def regions_at_click(
         return [region], circle
     both = float((region & disc).sum())
     union = float((region | disc).sum())
-    shared = float((region & disc_mask(region.shape, circle, limits.reach)).sum()) / float(region.sum())
+    reach = limits.reach if float(region.sum()) < limits.large * float(disc.sum()) else 1.0
+    shared = float((region & disc_mask(region.shape, circle, reach)).sum()) / float(region.sum())
     solid = _solidity(points)
     if solid >= limits.whole and both / union < limits.same and both > limits.large * float(disc.sum()):
         return [region, disc], circle

@@ -41,7 +41,7 @@ class RegionParameters(msgspec.Struct, frozen=True):
     rim : float
         Share of the circle's radius within which its pixels are taken: beyond it blur mixes in the background.
     part, reach : float
-        Share of the region within so many radii of the circle (blur makes it too small) from which it is a part of it.
+        Share of the region in the circle from which it is a part of it, and how many radii a small part may reach.
     leaked : float
         Share of the region in the circle below which it has leaked, if it is ...
     solid : float

@@ -198,4 +198,4 @@ def test_links_are_armed_together_and_pilots_one_after_the_other() -> None:
                 break
     assert [pilot.calls[0] for pilot in pilots] == ["arm link"] * 4
     begun = [int(pilot.calls[1].split()[-1]) for pilot in pilots]
-    assert begun == pytest.approx([138, 72, 6, 6], abs=1)  # 0.2 s, and 2.2 s for each that waits
+    assert begun == pytest.approx([110, 58, 6, 6], abs=1)  # 0.2 s, and 1.7 s for each that waits

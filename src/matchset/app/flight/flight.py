@@ -74,9 +74,8 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     def arming_time(self, follower: int) -> float:
         """When a follower, from 0, is armed, s: until then a hand holds it."""
         behind = self.world.vehicles - 2 - follower
-        told_ms = self.world.conditions.told_latency_ms
-        latency = 1e-3 * (self.world.latency_ms if told_ms is None else told_ms)
-        apart = self.stagger + self.stagger_delays * (latency + self.pilot.follower.ego_motion.delay)
+        delay = self.world.picture_times.told + self.pilot.follower.ego_motion.delay
+        apart = self.stagger + self.stagger_delays * delay
         return apart * max(behind - self.together + 1, 0)
 
 

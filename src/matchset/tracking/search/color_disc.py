@@ -158,10 +158,7 @@ class ColorDiscs:
         found = find_color_disc(image, color, expected, reach, limits)
         if found is None or found.step < max(limits.kept * self._own, found.rival + limits.lead):
             return None
-        height, width = image.shape[:2]
-        far = found.half_width - 0.5  # what the border cuts may be anything
-        whole = far <= found.x <= width - 1 - far and far <= found.y <= height - 1 - far
-        return found if whole else None
+        return found if Gate(*found[:3]).is_whole(image) else None
 
     def find_anywhere(self, image: Image, color: ColorModel, last: float) -> ColorDisc | None:
         """Find the disc that is the target where that alone has its color; None where no place is so clear.

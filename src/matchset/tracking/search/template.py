@@ -158,11 +158,10 @@ class Template:
         )[1]
         if found.correlation < max(limits.least, found.rival + limits.lead):
             return None
-        height, width = image.shape[:2]
-        far = found.half_width - 0.5  # what the border cuts may be anything
-        if not (far <= found.x <= width - 1 - far and far <= found.y <= height - 1 - far):
+        place = Gate(*found[:3])
+        if not place.is_whole(image):
             return None
-        here = self._read(image, Gate(found.x, found.y, found.half_width), 0.0)
+        here = self._read(image, place, 0.0)
         self._look = np.asarray((1.0 - limits.renewed) * look + limits.renewed * here, np.float32)
         return found
 

@@ -58,6 +58,24 @@ def test_without_a_marker_only_the_place_is_turned() -> None:
     assert mount.correction == 0.0
 
 
+def test_a_pose_of_a_camera_that_looks_straight_ahead_stays_as_it_is() -> None:
+    seen, mount = pose(0.0, (0.0, 0.0, 0.0), 0.0), CameraMount()
+    assert mount.turn(seen) is seen
+    assert CameraMount(MountParameters(marker_yaw=0.1)).turn(seen) is not seen
+    assert learned(mount, 0.1, 0.0, 10.0) > 0.05
+    np.testing.assert_allclose(mount.from_camera, mounting(0.0, mount.correction, 0.0), atol=1e-15)
+    np.testing.assert_allclose(mount.turn(seen).position, mount.from_camera @ seen.position, atol=1e-15)
+
+
+def test_blocks_of_a_covariance_are_turned_one_by_one() -> None:
+    root = np.random.default_rng(0).normal(size=(6, 6))
+    seen = msgspec.structs.replace(pose(0.0, (0.0, 0.0, 0.0), 0.0), covariance=root @ root.T)
+    turn = mounting(0.2, -0.1, 0.3)
+    both = np.kron(np.eye(2), turn)
+    turned = CameraMount(MountParameters(yaw=0.2, pitch=-0.1, roll=0.3)).turn(seen)
+    np.testing.assert_allclose(turned.covariance, both @ seen.covariance @ both.T, atol=1e-12)
+
+
 def test_a_marker_right_of_the_back_is_turned_back() -> None:
     off = math.radians(10.0)  # seen from behind, to the right: in the ball frame of its vehicle's back to the left
     seen = pose(0.0, (0.0, 0.0, 0.0), 0.0)

@@ -5,7 +5,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters
+from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters, mix
 from matchset.control.ego_motion import EgoMotion
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.localization.pose import Pose
@@ -114,6 +114,18 @@ def test_without_a_share_or_that_ball_it_is_the_neighbor_exactly() -> None:
     ):
         neighbor = flown(beyond, hidden=hidden)
         assert beyond.at_times(neighbor, (2.1, 2.2), 0.4) == neighbor.at_times((2.1, 2.2), 0.4)
+
+
+def test_forecasts_are_mixed_number_by_number() -> None:
+    rng, times = np.random.default_rng(0), np.array((2.0, 2.07, 2.04))
+    near, far, slow = rng.normal(size=(3, 4, 4)), rng.normal(size=(3, 4, 4)), rng.normal(size=(2, 3))
+    expected = near.copy()
+    for k, time in enumerate(times - times[0]):
+        for axis in range(3):
+            away = np.array((slow[0, axis] + time * slow[1, axis], slow[1, axis], 0.0, 0.0))
+            expected[k, axis] = 0.7 * near[k, axis] + 0.3 * (far[k, axis] - away)
+    mix(near, far, 0.3, times, slow)
+    np.testing.assert_allclose(near, expected, atol=1e-15)
 
 
 def test_the_share_comes_and_goes_with_that_ball_in_its_time() -> None:

@@ -31,6 +31,9 @@ class Command(msgspec.Struct, frozen=True):
     throttle: float = 0.0
 
     def __post_init__(self) -> None:
+        sticks = -1.0 <= self.roll <= 1.0 and -1.0 <= self.pitch <= 1.0 and -1.0 <= self.yaw <= 1.0
+        if sticks and 0.0 <= self.throttle <= 1.0:  # so they are numbers too; what follows finds the words
+            return
         for name, low in (("roll", -1.0), ("pitch", -1.0), ("yaw", -1.0), ("throttle", 0.0)):
             value = getattr(self, name)
             if not (math.isfinite(value) and low <= value <= 1.0):

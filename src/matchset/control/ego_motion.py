@@ -12,6 +12,7 @@ The position drifts; it serves to compare moments less than a second apart.
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Annotated, Any, NamedTuple
 
 import msgspec
@@ -173,7 +174,7 @@ class EgoState:
         """Position, (3,), m."""
         return self.block[_POSITION]
 
-    @property
+    @cached_property
     def rotation(self) -> Floats:
         """Matrix from the body, and its camera, to the frame at rest: Ry(yaw) Rx(-pitch) Rz(roll), (3, 3)."""
         rotation = np.empty((3, 3))
@@ -226,7 +227,9 @@ class EgoMotion(Copied):
         time : float
             s.
         """
-        return self.at_times((time,))[0]
+        state = np.empty(STATE_SIZE)
+        interpolate_one(self._block, time - self.delay, state)
+        return EgoState(state)
 
     def at_times(self, times: Sequence[float]) -> list[EgoState]:
         """States at several times, see `at`.
@@ -236,26 +239,21 @@ class EgoMotion(Copied):
         times : sequence of float
             s.
         """
-        return [EgoState(block) for block in self.states_at(times)]
+        states = np.empty((len(times), STATE_SIZE))
+        self.write_states(np.array(times, dtype=np.float64), states)
+        return [EgoState(block) for block in states]
 
-    def states_at(self, times: Sequence[float] | Floats) -> Floats:
-        """States at several times as rows of one array, for kernels; see `at`.
+    def write_states(self, times: Floats, states: Floats) -> None:
+        """Write the states at several times as rows of one array, for kernels; see `at`.
 
         Parameters
         ----------
-        times : sequence of float
+        times : ndarray of shape (n,), float64
             s.
-
-        Returns
-        -------
-        ndarray of shape (n, STATE_SIZE)
+        states : ndarray of shape (n, STATE_SIZE), float64, written
             The fields of `STATE` in each row.
         """
-        states = np.empty((len(times), STATE_SIZE))
-        states[:, TIME] = times
-        states[:, TIME] -= self.delay
-        interpolate_all(self._block, states)
-        return states
+        interpolate_all(self._block, times, self.delay, states)
 
 
 @helper
@@ -351,11 +349,17 @@ def interpolate(work: Any, time: float, state: Block) -> None:
 
 
 @kernel(refcount=False)
-def interpolate_all(block: Block, states: Floats) -> None:
-    """Write the states at several times: each row of `states` begins with its time."""
+def interpolate_one(block: Block, time: float, state: Block) -> None:
+    """Write the state at a time."""
+    interpolate(block.view(WORK)[0], time, state)
+
+
+@kernel(refcount=False)
+def interpolate_all(block: Block, times: Floats, delay: float, states: Floats) -> None:
+    """Write the states at several times, less a delay."""
     work = block.view(WORK)[0]
-    for k in range(states.shape[0]):
-        interpolate(work, states[k, TIME], states[k])
+    for k in range(times.shape[0]):
+        interpolate(work, times[k] - delay, states[k])
 
 
 @kernel(refcount=False)
@@ -374,5 +378,6 @@ def precompile() -> None:
     """Compile the kernels that Python calls, with the types that `EgoMotion` hands over."""
     block, states = new_block(WORK), np.zeros((1, STATE_SIZE))
     extend(block, 0.0)
-    interpolate_all(block, states)
+    interpolate_one(block, 0.0, states[0])
+    interpolate_all(block, np.zeros(1), 0.0, states)
     write_rotation(states[0], np.empty((3, 3)))

@@ -147,13 +147,16 @@ class MotionConsistency:
         self.parameters = parameters or MotionConsistencyParameters()
         small, far = self.parameters.delays
         self.delays = np.concatenate((small, far))
-        self._window = np.zeros((self.parameters.window + 1, DELAYS + EACH * len(self.delays)))
-        self._scratch = np.zeros((len(self.delays) + 5, self.parameters.window + 1))
+        told = self.parameters
+        self._settings = np.array((told.memory, told.noise, told.after, told.stride))
+        self._window = np.zeros((told.window + 1, DELAYS + EACH * len(self.delays)))
+        self._scratch = np.zeros((len(self.delays) + 6, told.window + 1))
         self._position, self._left = np.zeros(3), np.zeros(len(small))
-        self.latency = DelayEstimator(small, self.parameters.delay_estimator)
+        self._times, self._states = np.zeros(len(self.delays)), np.zeros((len(self.delays), STATE_SIZE))
+        self.latency = DelayEstimator(small, told.delay_estimator)
         self.reset()
-        note_pose(self._window, np.zeros((len(self.delays), STATE_SIZE)), self._position, 0.0)
-        self._measure(self.parameters.window + 1)
+        note_pose(self._window, self._states, self._position, 0.0)
+        self._measure(told.window + 1)
 
     @property
     def holds(self) -> bool:
@@ -181,7 +184,8 @@ class MotionConsistency:
         if not flies:
             return
         self._position[:] = pose.position
-        note_pose(self._window, ego.states_at(time + self.latency.extra - self.delays), self._position, time)
+        ego.write_states(np.subtract(time + self.latency.extra, self.delays, self._times), self._states)
+        note_pose(self._window, self._states, self._position, time)
         self._count = min(self._count + 1, parameters.window + 1)
         if time - self._begin >= parameters.settling_time:
             self._settled = min(self._settled + 1, parameters.window + 1)
@@ -197,11 +201,10 @@ class MotionConsistency:
 
     def _measure(self, count: int) -> float:
         """Evidence of the last so many poses, and what each small delay leaves of their motion."""
-        parameters, differences = self.parameters, count - 1
-        settings = np.array((parameters.memory, parameters.noise, parameters.after, parameters.stride))
-        use = int(np.abs(self.latency.delays - self.latency.extra).argmin())
-        ratio = measure(self._window[-count:], self.delays, use, settings, self._scratch, self._left)
-        return float(ratio) * differences / parameters.window
+        ratio = measure(
+            self._window[-count:], self.delays, self.latency.extra, self._settings, self._scratch, self._left
+        )
+        return float(ratio) * (count - 1) / self.parameters.window
 
 
 @kernel
@@ -226,21 +229,29 @@ def note_pose(window: Floats, states: Floats, position: Floats, time: float) -> 
 
 
 @kernel
-def measure(window: Floats, delays: Floats, use: int, settings: Floats, scratch: Floats, left: Floats) -> float:
-    """Return the logarithm of the ratio of the sums of squares; write the mean squares that the small delays leave."""
-    count, small, delayed = window.shape[0] - 1, len(left), len(delays)
+def measure(window: Floats, delays: Floats, extra: float, settings: Floats, scratch: Floats, left: Floats) -> float:
+    """Return the logarithm of the ratio of the sums of squares; write the mean squares that the small delays leave.
+
+    The delay in use is that of the small ones which is nearest to the one that was learned.
+    """
+    count, small, delayed, use = window.shape[0] - 1, len(left), len(delays), 0
+    for k in range(small):
+        if abs(delays[k] - extra) < abs(delays[use] - extra):
+            use = k
     memory, noise, after, stride = settings[0], settings[1], int(settings[2]), int(settings[3])
-    levels, sums = scratch[:delayed], scratch[delayed:]
+    levels, sums, steps = scratch[:delayed], scratch[delayed : delayed + 5], scratch[delayed + 5, :count]
     write_levels(window, use, levels)
+    for j in range(count):
+        steps[j] = window[j + 1, TIME] - window[j, TIME]
     least = other = math.inf
     for k in range(small):
-        left[k] = misfit(window, levels[k], memory) / count
+        left[k] = misfit(steps, levels[k], memory) / count
         least = min(least, count * left[k])
-    write_sums(window, levels[use], memory, sums)
+    write_sums(steps, levels[use], memory, sums)
     for change in range(0, count - after + 1, stride):  # so many differences are those in use
         for k in range(small, delayed):
             lag = delays[k] - delays[use]
-            other = min(other, misfit_after(window, levels[use], levels[k], (change, lag, memory), sums))
+            other = min(other, misfit_after(steps, levels[use], levels[k], (change, lag, memory), sums))
         other = min(other, misfit_still(window, use, (change, memory), sums))
     evidence: float = math.log((least + count * noise**2) / (other + count * noise**2))
     return evidence
@@ -253,24 +264,24 @@ def write_levels(window: Floats, use: int, levels: Floats) -> None:
     for j in range(count):
         distance += window[j, DISTANCE] / count
     height = window[count - 1, DELAYS + EACH * use + HEIGHT]
-    for k in range(levels.shape[0]):
-        first = DELAYS + EACH * k
-        for j in range(count):
-            levels[k, j] = window[j, first + LEVEL] + (window[j, first + HEIGHT] - height) / max(distance, TINY)
+    for j in range(count):
+        of = window[j, DELAYS:]
+        for k in range(levels.shape[0]):
+            levels[k, j] = of[EACH * k + LEVEL] + (of[EACH * k + HEIGHT] - height) / max(distance, TINY)
 
 
 @helper
-def misfit(window: Floats, levels: Floats, memory: float) -> float:
+def misfit(steps: Floats, levels: Floats, memory: float) -> float:
     """Sum of squares that a line leaves of whitened differences, without the largest: for one outlier."""
-    count, step, value, squares, products = window.shape[0] - 1, 0.0, 0.0, 0.0, 0.0
+    count, step, value, squares, products = len(steps), 0.0, 0.0, 0.0, 0.0
     for j in range(count):
-        step = window[j + 1, TIME] - window[j, TIME] + memory * step
+        step = steps[j] + memory * step
         value = levels[j + 1] - levels[j] + memory * value
         squares += step * step
         products += step * value
     slope, step, value, total, largest = products / max(squares, TINY), 0.0, 0.0, 0.0, 0.0
     for j in range(count):
-        step = window[j + 1, TIME] - window[j, TIME] + memory * step
+        step = steps[j] + memory * step
         value = levels[j + 1] - levels[j] + memory * value
         square = (value - slope * step) ** 2
         total += square
@@ -279,11 +290,11 @@ def misfit(window: Floats, levels: Floats, memory: float) -> float:
 
 
 @helper
-def write_sums(window: Floats, levels: Floats, memory: float, sums: Floats) -> None:
+def write_sums(steps: Floats, levels: Floats, memory: float, sums: Floats) -> None:
     """Write of the first differences the last whitened step and value, and the sums of their products, (5, n + 1)."""
     sums[:, 0] = 0.0
-    for j in range(window.shape[0] - 1):
-        step = window[j + 1, TIME] - window[j, TIME] + memory * sums[0, j]
+    for j in range(len(steps)):
+        step = steps[j] + memory * sums[0, j]
         value = levels[j + 1] - levels[j] + memory * sums[1, j]
         sums[0, j + 1], sums[1, j + 1] = step, value
         sums[2, j + 1] = sums[2, j] + step * step
@@ -299,15 +310,19 @@ def sums_before(sums: Floats, first: int) -> tuple[float, float, float, float, f
 
 @helper
 def misfit_after(
-    window: Floats, before: Floats, levels: Floats, change: tuple[int, float, float], sums: Floats
+    steps: Floats, before: Floats, levels: Floats, change: tuple[int, float, float], sums: Floats
 ) -> float:
     """Sum of squares that a line leaves, if after so many differences the delay is larger by a lag, s."""
     first, lag, memory = change
     step, value, squares, products, total = sums_before(sums, first)
-    for j in range(first, window.shape[0] - 1):
-        changes = j == first and j > 0
-        step = window[j + 1, TIME] - window[j, TIME] - (lag if changes else 0.0) + memory * step
-        value = levels[j + 1] - (before[j] if changes else levels[j]) + memory * value
+    if first > 0:  # the difference in which the delay changes
+        step = steps[first] - lag + memory * step
+        value = levels[first + 1] - before[first] + memory * value
+        squares, products, total = squares + step * step, products + step * value, total + value * value
+        first += 1
+    for j in range(first, len(steps)):
+        step = steps[j] + memory * step
+        value = levels[j + 1] - levels[j] + memory * value
         squares += step * step
         products += step * value
         total += value * value

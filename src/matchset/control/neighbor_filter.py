@@ -138,9 +138,21 @@ class NeighborFilter(Copied):
         max_extrapolation : float
             How far past the last pose the drift is extrapolated, s; after that it stands still.
         """
-        forecasts = np.empty((len(times), AXES, VALUES))
-        forecast_all(self._block, np.array(times), self.time, self.yaw_time, max_extrapolation, forecasts)
-        return [Forecast(*[AxisForecast(*axis) for axis in axes]) for axes in forecasts.tolist()]
+        return named(self.numbers_at(np.array(times, dtype=np.float64), max_extrapolation))
+
+    def numbers_at(self, times: Floats, max_extrapolation: float) -> Floats:
+        """Predict for several times, for kernels: (n, 4, 4), the fields of `Forecast`; see `at_times`."""
+        numbers = np.empty((len(times), AXES, VALUES))
+        forecast_all(self._block, times, self.time, self.yaw_time, max_extrapolation, numbers)
+        return numbers
+
+
+def named(numbers: Floats) -> list[Forecast]:
+    """Name the numbers of forecasts, (n, 4, 4)."""
+    return [
+        Forecast(AxisForecast(*x), AxisForecast(*y), AxisForecast(*z), AxisForecast(*yaw))
+        for x, y, z, yaw in numbers.tolist()
+    ]
 
 
 def _doubt(accepted: int) -> str:

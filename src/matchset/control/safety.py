@@ -226,17 +226,19 @@ def safety_filter(
     seen_since = _seen_since(inputs, state, usable, limits)
     answered = usable or state.phase == "locked"
     seen_time = inputs.seen_time if answered else min(inputs.seen_time, state.seen_time)
-    state = state._replace(seen_time=seen_time, weak_since=_weak_since(desired, inputs, state, limits))
-    reason = _reason_to_descend(inputs, state, limits)
+    weak_since = _weak_since(desired, inputs, state, limits)
+    reason = _reason_to_descend(inputs, seen_time, weak_since, limits)
     if state.phase == "cut":
-        return Command(), state._replace(time=inputs.now)
+        return Command(), state._replace(time=inputs.now, seen_time=seen_time, weak_since=weak_since)
     seen = usable and inputs.seen_time == inputs.frame_time
     unseen = "" if seen else (inputs.doubt or "the ball is not seen") if usable else "the controller has no answer"
     if state.phase == "locked" and (reason or unseen):
+        state = state._replace(seen_time=seen_time, weak_since=weak_since)
         return Command(), state._replace(reason=reason or unseen, time=inputs.now)
     if state.phase == "descending" and not inputs.now - seen_since >= limits.reacquisition_time:
         reason = reason or state.reason
     if reason:
+        state = state._replace(seen_time=seen_time, weak_since=weak_since)
         return _descend(inputs, state._replace(reason=reason, seen_since=seen_since), limits)
     since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
     step = min(max(since, 0.0), limits.max_step)
@@ -247,10 +249,10 @@ def safety_filter(
         phase,
         unseen,
         inputs.now,
-        seen_time=state.seen_time,
+        seen_time=seen_time,
         seen_since=seen_since,
         command=command,
-        weak_since=state.weak_since,
+        weak_since=weak_since,
     )
 
 
@@ -274,7 +276,7 @@ def _weak_since(
     return min(state.weak_since, inputs.now) if weak and state.phase in AIRBORNE else math.inf
 
 
-def _reason_to_descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> str:
+def _reason_to_descend(inputs: SafetyInputs, seen_time: float, weak_since: float, limits: SafetyParameters) -> str:
     """Say why the flight must end; empty if there is no reason."""
     if inputs.fault:
         return inputs.fault
@@ -282,9 +284,9 @@ def _reason_to_descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyP
         return f"no new frame for {limits.max_frame_age:g} s"
     if not 0.0 <= inputs.now - inputs.seen_time <= limits.hold_time:
         return f"{inputs.doubt or 'the ball has not been seen'} for {limits.hold_time:g} s"
-    if not inputs.now - state.seen_time <= limits.hold_time:
+    if not inputs.now - seen_time <= limits.hold_time:
         return f"the controller has not answered for {limits.hold_time:g} s"
-    if inputs.now - state.weak_since >= limits.max_hover_time:
+    if inputs.now - weak_since >= limits.max_hover_time:
         return "hovering takes nearly all of the throttle: the battery is nearly empty, or it is too heavy"
     return ""
 
@@ -316,13 +318,18 @@ def _limited(desired: DesiredCommand, last: Command, hover: float, step: float, 
     highest = min(max(limits.max_throttle, limits.throttle_reserve * hover), 1.0)
     throttle = min(max(desired.throttle, limits.min_throttle), highest)
     return Command(
-        _toward(last.roll, min(max(desired.roll, -tilt), tilt), change),
-        _toward(last.pitch, min(max(desired.pitch, -tilt), tilt), change),
-        _toward(last.yaw, min(max(desired.yaw, -yaw), yaw), change),
+        _toward(last.roll, _within(desired.roll, -tilt, tilt), change),
+        _toward(last.pitch, _within(desired.pitch, -tilt, tilt), change),
+        _toward(last.yaw, _within(desired.yaw, -yaw, yaw), change),
         _toward(last.throttle, throttle, limits.max_throttle_rate * step),
     )
 
 
 def _toward(value: float, goal: float, change: float) -> float:
     """Change a value toward a goal, by at most so much."""
-    return min(max(goal, value - change), value + change)
+    return _within(goal, value - change, value + change)
+
+
+def _within(value: float, low: float, high: float) -> float:
+    """Clip a number; comparing takes half the time of `min` and `max`."""
+    return low if value < low else high if value > high else value

@@ -21,10 +21,11 @@ import numpy.typing as npt
 
 from matchset.control.chain.slow_part import SlowPart
 from matchset.control.ego_motion import EgoState
-from matchset.control.neighbor_filter import NeighborFilter
-from matchset.control.neighbor_model import AxisForecast, Forecast, NeighborFilterParameters
+from matchset.control.neighbor_filter import VALUES, NeighborFilter, named
+from matchset.control.neighbor_model import AXES, YAW, Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_positive, require_share
 from matchset.localization.pose import Pose
+from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]
 
@@ -111,6 +112,9 @@ class NextButOne:
         self.ball = NeighborFilter(motion)
         self.weight, self._time = 0.0, -math.inf
         self._apart, self._delay = SlowPart(self.parameters.slow), math.inf
+        self._slow = np.zeros((2, YAW))  # values and speeds of the slow part
+        empty = np.zeros((1, AXES, VALUES))
+        mix(empty, empty, 0.0, np.zeros(1), self._slow)  # compiles it
 
     def update(self, pose: Pose, own: EgoState) -> None:
         """Note where the next-but-one ball is.
@@ -150,8 +154,10 @@ class NextButOne:
             m, in the frame at rest.
         """
         near, limits = neighbor.at(time, max_extrapolation), self.parameters
-        back = np.array((math.sin(near.yaw.value), 0.0, math.cos(near.yaw.value)))
-        place: Floats = near.place - limits.spacing * back + np.array((0.0, limits.rise, 0.0))
+        x, z = math.sin(near.yaw.value), math.cos(near.yaw.value)  # back
+        place: Floats = np.array(
+            (near.x.value - limits.spacing * x, near.y.value + limits.rise, near.z.value - limits.spacing * z)
+        )
         if not self.is_followed(time):
             return place
         seen = self.ball.at(time, max_extrapolation).place - own.position
@@ -170,7 +176,8 @@ class NextButOne:
         max_extrapolation : float
             s.
         """
-        first = neighbor.at_times(times, max_extrapolation)
+        asked = np.array(times, dtype=np.float64)
+        first = neighbor.numbers_at(asked, max_extrapolation)
         step = max(times[0] - self._time, 0.0) if self._time > -math.inf else 0.0
         self._time = times[0]
         seen = times[0] - self.ball.time <= self.parameters.memory + max_extrapolation
@@ -178,36 +185,31 @@ class NextButOne:
         share = self.weight * self.parameters.share
         if share == 0.0 or self.ball.time == -math.inf:
             self._apart.forget()
-            return first
-        second = self.ball.at_times(times, max_extrapolation)
+            return named(first)
+        second = self.ball.numbers_at(asked, max_extrapolation)
         self._delay = min(self._delay + step * self.parameters.forgetting, times[0] - neighbor.time)
         limits = self.parameters
         wanted = limits.slow * (self._delay / limits.delay) ** limits.power
         self._apart.time = min(wanted, limits.longest)
         share *= self._apart.time / wanted
-        self._apart.update((second[0].place - first[0].place).tolist(), step)
-        return [
-            self._mixed(near, far, share, time - times[0]) for near, far, time in zip(first, second, times, strict=True)
-        ]
-
-    def _mixed(self, near: Forecast, far: Forecast, share: float, later: float) -> Forecast:
-        """Mix the forecasts of two balls, so much later than the slow part is of, s; the yaw is the neighbor's."""
-        values, speeds = self._apart.values, self._apart.speeds
-        x, y, z = (
-            _mixed_axis(one, other, share, (value + later * speed, speed))
-            for one, other, value, speed in zip(
-                (near.x, near.y, near.z), (far.x, far.y, far.z), values, speeds, strict=True
-            )
-        )
-        return Forecast(x, y, z, near.yaw)
+        self._apart.update((second[0, :YAW, 0] - first[0, :YAW, 0]).tolist(), step)
+        self._slow[0], self._slow[1] = self._apart.values, self._apart.speeds
+        mix(first, second, share, asked, self._slow)
+        return named(first)
 
 
-def _mixed_axis(near: AxisForecast, far: AxisForecast, share: float, slow: tuple[float, float]) -> AxisForecast:
-    """Mix an axis; `slow` is the slow part of the distance of the two, and its speed."""
-    rest, (value, speed) = 1.0 - share, slow
-    return AxisForecast(
-        rest * near.value + share * (far.value - value),
-        rest * near.speed + share * (far.speed - speed),
-        rest * near.oscillation_acceleration + share * far.oscillation_acceleration,
-        rest * near.drift_acceleration + share * far.drift_acceleration,
-    )
+@kernel(refcount=False)
+def mix(near: Floats, far: Floats, share: float, times: Floats, slow: Floats) -> None:
+    """Mix the forecasts of two balls, (n, 4, 4), into those of the first; the yaw stays the neighbor's.
+
+    `slow` is the slow part of the distance of the two at the first time, and its speed, (2, 3).
+    """
+    rest = 1.0 - share
+    for k in range(near.shape[0]):
+        for axis in range(YAW):
+            one, other = near[k, axis], far[k, axis]
+            slow_value = slow[0, axis] + (times[k] - times[0]) * slow[1, axis]
+            one[0] = rest * one[0] + share * (other[0] - slow_value)
+            one[1] = rest * one[1] + share * (other[1] - slow[1, axis])
+            for value in range(2, one.shape[0]):
+                one[value] = rest * one[value] + share * other[value]

@@ -118,7 +118,9 @@ class CameraMount:
         self.parameters = parameters or MountParameters()
         told = self.parameters
         self._told = mounting(told.yaw, told.pitch, told.roll)
-        self._marker = turn_about_down(told.marker_yaw)
+        self._marker = turn_about_down(told.marker_yaw) if told.marker_yaw else None
+        self._straight = not (told.yaw or told.pitch or told.roll or told.marker_yaw)
+        self._turned = np.empty((2, 2, 3, 3))  # blocks of a covariance on the way
         prior = told.pitch_sigma**2
         self._share = prior / (prior + told.marker_sigma**2)
         self._elevation, self._variance = 0.0, prior + told.marker_sigma**2
@@ -138,16 +140,16 @@ class CameraMount:
         ----------
         pose : Pose
         """
-        turn, covariance = self.from_camera, pose.covariance
-        turned = np.empty((6, 6))
-        for row in (0, 3):
-            for column in (0, 3):
-                block = covariance[row : row + 3, column : column + 3]
-                turned[row : row + 3, column : column + 3] = turn @ block @ turn.T
-        rotation = pose.rotation_matrix
+        if self._straight and self.correction == 0.0:
+            return pose
+        turn, rotation, turned = self.from_camera, pose.rotation_matrix, np.empty((6, 6))
+        np.matmul(turn, in_blocks(pose.covariance), self._turned)
+        np.matmul(self._turned, turn.T, in_blocks(turned))
+        if rotation is not None:
+            rotation = turn @ rotation if self._marker is None else turn @ rotation @ self._marker
         return Pose(
             position=turn @ pose.position,
-            rotation_matrix=None if rotation is None else turn @ rotation @ self._marker,
+            rotation_matrix=rotation,
             covariance=turned,
             observed=pose.observed,
             time=pose.time,
@@ -183,8 +185,15 @@ class CameraMount:
         best = self._share * self._elevation if self._evident else 0.0
         best = min(max(best, -parameters.max_correction), parameters.max_correction)
         farthest = parameters.max_rate * step
-        self.correction += min(max(best - self.correction, -farthest), farthest)
-        self.from_camera = mounting(parameters.yaw, parameters.pitch + self.correction, parameters.roll)
+        change = min(max(best - self.correction, -farthest), farthest)
+        if change != 0.0:
+            self.correction += change
+            self.from_camera = mounting(parameters.yaw, parameters.pitch + self.correction, parameters.roll)
+
+
+def in_blocks(covariance: Floats) -> Floats:
+    """View a matrix, (6, 6), as its four blocks of position and rotation, (2, 2, 3, 3)."""
+    return covariance.reshape(2, 3, 2, 3).transpose(0, 2, 1, 3)
 
 
 def turn_about_down(angle: float) -> Floats:

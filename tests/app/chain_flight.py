@@ -28,7 +28,7 @@ class Flown(NamedTuple):
 def fly() -> Flown:
     """Fly it."""
     world = SimulationParameters(vehicles=3, seed=SEED, cable=CABLE)
-    with Flight(FlightParameters(duration=DURATION, world=world)) as flight:
+    with Flight(FlightParameters(duration=DURATION, together=2, world=world)) as flight:
         return Flown(flight.setup, tuple(flight))
 
 

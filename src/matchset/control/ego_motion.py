@@ -232,13 +232,7 @@ class EgoMotion(Copied):
         return EgoState(state)
 
     def at_times(self, times: Sequence[float]) -> list[EgoState]:
-        """States at several times, see `at`.
-
-        Parameters
-        ----------
-        times : sequence of float
-            s.
-        """
+        """States at several times, s; see `at`."""
         states = np.empty((len(times), STATE_SIZE))
         self.write_states(np.array(times, dtype=np.float64), states)
         return [EgoState(block) for block in states]
@@ -254,6 +248,18 @@ class EgoMotion(Copied):
             The fields of `STATE` in each row.
         """
         interpolate_all(self._block, times, self.delay, states)
+
+    def add_vertical_speed(self, speed: float, time: float) -> None:
+        """Change the vertical speed from a time on; where the vehicle was then stays the same.
+
+        Parameters
+        ----------
+        speed : float
+            Downward, m/s.
+        time : float
+            s, as in `at`.
+        """
+        change_speed(self._block, speed, time - self.delay)
 
 
 @helper
@@ -363,6 +369,17 @@ def interpolate_all(block: Block, times: Floats, delay: float, states: Floats) -
 
 
 @kernel(refcount=False)
+def change_speed(block: Block, speed: float, time: float) -> None:
+    """Add a speed along y to the states after a time, and to the last one, from which others are extrapolated."""
+    work = block.view(WORK)[0]
+    for k in range(max(work.count - CAPACITY, 0), work.count):
+        state = work.ring[k % CAPACITY].view(STATE)[0]
+        if state.time > time or k == work.count - 1:
+            state.velocity[1] += speed
+            state.position[1] += speed * (state.time - time)
+
+
+@kernel(refcount=False)
 def write_rotation(block: Block, rotation: Floats) -> None:
     """Write the matrix from the body, and the camera, to the frame at rest: Ry(yaw) Rx(-pitch) Rz(roll), (3, 3)."""
     state = block.view(STATE)[0]
@@ -380,4 +397,5 @@ def precompile() -> None:
     extend(block, 0.0)
     interpolate_one(block, 0.0, states[0])
     interpolate_all(block, np.zeros(1), 0.0, states)
+    change_speed(block, 0.0, 0.0)
     write_rotation(states[0], np.empty((3, 3)))

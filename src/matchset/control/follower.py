@@ -17,6 +17,7 @@ from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters
 from matchset.control.command import Command
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
+from matchset.control.learned.takeoff import TakeoffParameters, attribute_vertical_speed
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
@@ -70,9 +71,8 @@ class FollowerParameters(
 ):
     """Parameters of a `Follower`; the key in a file is in parentheses where it is another one.
 
-    All gains were searched for (decision 074: an evolution strategy, seeds 0 to 9, by the largest gain over all
-    frequencies, and by position and stick activity in a chain of three), then changed by hand for robustness to thrust,
-    tilt and motors that differ. `python -m benchmarks.flight.fly` shows a change.
+    All gains were searched for (decision 074, seeds 0 to 9), then changed by hand for robustness to thrust, tilt and
+    motors that differ. `python -m benchmarks.flight.fly` shows a change.
 
     Parameters
     ----------
@@ -81,19 +81,18 @@ class FollowerParameters(
     vertical : PidParameters
         From m to m/s^2, upward (``rise``).
     yaw : PidParameters
-        From the bearing of the ball, rad, to a yaw rate, rad/s. Slow, since a vehicle that turns its own ball fast
-        disturbs the one that watches it. Its integral learns a trim; the lead is the lag of this loop and a little
-        more, so that a turn which the proportional term answers is not mistaken for one.
+        From the bearing of the ball, rad, to a yaw rate, rad/s. Slow: a ball that turns fast disturbs who watches it.
+        Its integral learns a trim; its lead is the lag of this loop and more: an answered turn is no trim.
     hover_throttle : float
         Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate (``hover``).
     horizontal_lead : float
-        Time from the first to the full effect of a command, s: the level axes are controlled by what is predicted for
-        then. More is calmer, until the prediction fails. Decision 074; about tilt_lag + tilt_time (``lead``).
+        Time from the first to the full effect of a command, s, for which the level axes are predicted. More is calmer,
+        until the prediction fails. Decision 074; about tilt_lag + tilt_time (``lead``).
     vertical_lead : float
         The same for the height. Chosen by: decision 074; about lift_lag (``rise_lead``).
     oscillation_feedforward : float
-        Share of the setpoint's oscillating acceleration that is flown without waiting for an error, 0 ... 1. More
-        follows a steady swing closer, and passes it on to the next of the chain. Chosen by: decision 074 (``ahead``).
+        Share of the setpoint's oscillating acceleration that is flown at once, 0 ... 1. More follows a steady swing
+        closer, and passes it on to the next of the chain. Chosen by: decision 074 (``ahead``).
     drift_feedforward : float
         The same for its other acceleration. Chosen by: decision 074 (``drift``).
     horizontal_speed, vertical_speed : FeedforwardParameters
@@ -106,18 +105,20 @@ class FollowerParameters(
         When the motion of the ball does not answer to the commands (``answer``).
     thrust_estimator : ThrustEstimatorParameters
         Estimate of the throttle that hovers (``thrust``).
+    takeoff : TakeoffParameters
+        Whose vertical speed is seen at first.
     mount : MountParameters
         How camera and marker are mounted.
     beyond : NextButOneParameters
         How much the next-but-one ball counts.
     max_extrapolation : float
-        How far the neighbor's drift is extrapolated past its last pose, s; then it stands still. Estimate (``reach``).
+        How long the neighbor's drift goes on after its last pose, s; then it stands still. Estimate (``reach``).
     pose_timeout : float
         How long after the last pose there is an output, s; longer than `SafetyParameters.hold_time` (``memory``).
     min_step, max_step : float
-        Limits of the time between updates that the controllers are told, s: for a clock that stands or jumps. By hand.
+        Limits of the time between updates that the controllers are told, s: for a clock that jumps. By hand.
     min_tilt_cosine : float
-        The throttle is raised by one over the cosine of the tilt, of no less than that. Chosen by hand: 60 degrees.
+        Least cosine of the tilt over which the throttle is divided. Chosen by hand: 60 degrees.
     """
 
     horizontal: PidParameters = PidParameters(
@@ -153,6 +154,7 @@ class FollowerParameters(
     neighbor: NeighborFilterParameters = NeighborFilterParameters()
     motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
     thrust_estimator: ThrustEstimatorParameters = ThrustEstimatorParameters()
+    takeoff: TakeoffParameters = TakeoffParameters()
     mount: MountParameters = MountParameters()
     beyond: NextButOneParameters = NextButOneParameters()
     max_extrapolation: float = 0.4
@@ -195,7 +197,7 @@ class ControlOutput(NamedTuple):
 
 
 class LevelTarget(NamedTuple):
-    """Setpoint in the frame at rest: position x, z, velocity, and the acceleration that is fed forward."""
+    """Setpoint in the frame at rest: position x, z, velocity, acceleration that is fed forward."""
 
     position: tuple[float, float]
     velocity: tuple[float, float]
@@ -226,14 +228,10 @@ class Follower:
         self.ego_motion = EgoMotion(self.parameters.ego_motion)
         self.neighbor = NeighborFilter(self.parameters.neighbor)
         self.consistency = MotionConsistency(self.parameters.motion_consistency)
-        model = self.parameters.ego_motion
-        self.thrust = ThrustEstimator(
-            self.parameters.hover_throttle,
-            GRAVITY / model.effective_mass_ratio,
-            model.delay,
-            model.lift_lag,
-            self.parameters.thrust_estimator,
-        )
+        model, hover = self.parameters.ego_motion, self.parameters.hover_throttle
+        gravity = GRAVITY / model.effective_mass_ratio
+        thrust = self.parameters.thrust_estimator
+        self.thrust = ThrustEstimator(hover, gravity, model.delay, model.lift_lag, thrust)
         self.mount = CameraMount(self.parameters.mount)
         self.beyond = NextButOne(self.parameters.beyond, self.parameters.neighbor)
         self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
@@ -260,10 +258,12 @@ class Follower:
         """
         parameters = self.parameters
         if isinstance(pose, Pose) and pose.time > self._pose_time:
-            self._pose_time = pose.time
+            since, self._pose_time = pose.time - self._pose_time, pose.time
             own, seen = self.ego_motion.at(pose.time), pose
             pose = self.mount.turn(pose)
             if self.neighbor.update(pose, own):
+                lifted = pose.time - self.thrust.lift_time
+                attribute_vertical_speed(self.ego_motion, self.neighbor, lifted, since, parameters.takeoff)
                 self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
                 self.thrust.delay = self.ego_motion.delay
                 upright = math.cos(own.roll) * math.cos(own.pitch)
@@ -277,7 +277,7 @@ class Follower:
         return self._control(acts, step)
 
     def sent(self, command: Command, now: float) -> None:
-        """Note the command that was sent, after limits and quantization; with throttle 0 the controllers are reset.
+        """Note the command that was sent, after limits and quantization; without lift the controllers are reset.
 
         Parameters
         ----------
@@ -286,14 +286,16 @@ class Follower:
             When, s.
         """
         if not command.throttle > 0.0:
-            for pid in (self._right, self._forward, self._up, self._yaw):
-                pid.reset()
+            self._up.reset()
             self.consistency.reset()
             self.thrust.reset()
+        self.thrust.sent(command.throttle, now)
+        if now + self.ego_motion.delay < self.thrust.lift_time:  # what they integrate in a hand is no trim
+            for pid in (self._right, self._forward, self._yaw):
+                pid.reset()
         model = self.parameters.ego_motion
         gravity = GRAVITY / model.effective_mass_ratio
         right, forward = self._right.terms.integral, self._forward.terms.integral
-        self.thrust.sent(command.throttle, now)
         attitude = AttitudeCommand(
             model.full_tilt * command.roll - math.atan(right / gravity),
             model.full_tilt * command.pitch - math.atan(forward / gravity),
@@ -308,12 +310,11 @@ class Follower:
         return self.parameters.hover_throttle / self.thrust.gain
 
     def expected(self, time: float, beyond: bool = False) -> Floats | None:
-        """Predict the ball in the camera frame at a time.
+        """Predict the ball in the camera frame at a time, s.
 
         Parameters
         ----------
         time : float
-            s.
         beyond : bool
             The next-but-one ball, not the neighbor's.
 
@@ -346,11 +347,12 @@ class Follower:
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         yaw_rate = self._yaw.update(0.0, -bearing, step)
         gravity = GRAVITY / model.effective_mass_ratio
+        stick = 1.0 if acts >= self.thrust.lift_time else 0.0  # in a hand a flight controller's integrals wind up
         self._upright = max(math.cos(own.roll) * math.cos(own.pitch), parameters.min_tilt_cosine)
         desired = DesiredCommand(
-            math.atan(right / gravity) / model.full_tilt,
-            math.atan(forward / gravity) / model.full_tilt,
-            yaw_rate / model.full_yaw_rate,
+            stick * math.atan(right / gravity) / model.full_tilt,
+            stick * math.atan(forward / gravity) / model.full_tilt,
+            stick * yaw_rate / model.full_yaw_rate,
             self.hover_throttle * (1.0 + up / gravity) / self._upright,
         )
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
@@ -378,10 +380,7 @@ class Follower:
         )
 
     def _level_target(self, ball: Forecast) -> LevelTarget:
-        """Find the setpoint in the frame at rest.
-
-        The level ball frame is z = out, y down, x = y cross z; it turns with the neighbor.
-        """
+        """Find the setpoint in the frame at rest; the level ball frame, z out, y down, x = y cross z, turns with it."""
         sin, cos, yaw_rate = math.sin(ball.yaw.value), math.cos(ball.yaw.value), ball.yaw.speed
         side, heading = self.setpoint.side, self.setpoint.heading
         x, z = side * cos + heading * sin, heading * cos - side * sin  # from the ball to the setpoint

@@ -16,6 +16,7 @@ from matchset.control.ego_motion import STATE, STATE_SIZE, EgoState, write_rotat
 from matchset.control.neighbor_model import (
     AXES,
     ORDER,
+    VERTICAL,
     YAW,
     AxisForecast,
     AxisGroup,
@@ -34,6 +35,7 @@ from matchset.numeric.record import Block, fields, new_block, record_dtype, stor
 
 Floats = npt.NDArray[np.float64]
 
+SPEED = 1  # format: the second number of an axis
 POSITION_ACCEPTED, YAW_ACCEPTED, OTHER_BALL = 1, 2, 4  # format: bits of an answer
 VALUES = len(AxisForecast.__struct_fields__)
 
@@ -96,6 +98,7 @@ class NeighborFilter(Copied):
         self._work = fields(self._block, WORK)
         self._ball, self._pose_covariance = self._work.ball, self._work.pose_covariance
         self._ball_rotation, self._ego = self._work.ball_rotation, self._work.ego
+        self._estimate: Floats = self._work.estimate
         precompile()
 
     def update(self, pose: Pose, ego: EgoState) -> bool:
@@ -153,6 +156,15 @@ def named(numbers: Floats) -> list[Forecast]:
         Forecast(AxisForecast(*x), AxisForecast(*y), AxisForecast(*z), AxisForecast(*yaw))
         for x, y, z, yaw in numbers.tolist()
     ]
+
+    @property
+    def vertical_speed(self) -> float:
+        """Speed of its drift along y, downward, in the frame at rest, m/s."""
+        return float(self._estimate[VERTICAL, SPEED])
+
+    def add_vertical_speed(self, speed: float) -> None:
+        """Add to the vertical speed of its drift, downward, m/s: dead reckoning was found to be wrong by that."""
+        self._estimate[VERTICAL, SPEED] += speed
 
 
 def _doubt(accepted: int) -> str:

@@ -47,6 +47,9 @@ class ThrustEstimatorParameters(
     airborne : float
         Share of the throttle that was told to hover, from which on the vehicle is taken to fly. Less begins in the
         hand; more falls farther before it begins.
+    lift_lags : float
+        How long after a throttle of that share begins to act the vehicle is taken to have lifted off, time constants of
+        the thrust. Less tilts it in the hand, where the integrals of a flight controller wind up; more lets it drift.
     release_sigma : float
         Standard deviation of the speed that it then has, m/s: the hand lets go a little sooner or later.
     smallest, largest : float
@@ -59,6 +62,7 @@ class ThrustEstimatorParameters(
     acceleration_noise: float = 1.0
     height_sigma: float = 0.05
     airborne: float = 0.7
+    lift_lags: float = 2.0
     release_sigma: float = 0.3
     smallest: float = 0.45
     largest: float = 1.7
@@ -90,6 +94,8 @@ class ThrustEstimator:
         From sending a throttle to its first effect, s.
     gain : float
         k, no unit: thrust per throttle over what was told, within the limits.
+    lift_time : float
+        When the vehicle lifts off by the throttles that were sent since the last `reset`, s; inf if it does not.
     """
 
     def __init__(
@@ -118,6 +124,7 @@ class ThrustEstimator:
         self._waiting: list[tuple[float, float]] = []
         self._throttle = self._reached = 0.0
         self._time = self._begin = -math.inf
+        self.lift_time = math.inf
 
     @property
     def sigma(self) -> float:
@@ -132,6 +139,8 @@ class ThrustEstimator:
     def sent(self, throttle: float, now: float) -> None:
         """Note a throttle that was sent, 0 ... 1, and when, s."""
         self._waiting.append((now, throttle))
+        if self.lift_time == math.inf and throttle >= self.parameters.airborne * self._hover:
+            self.lift_time = now + self.delay + self.parameters.lift_lags * self._lag
 
     def update(self, height: float, upright: float, time: float) -> None:
         """Correct by a height above the neighbor's ball.

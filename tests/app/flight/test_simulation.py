@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -53,9 +54,19 @@ def test_of_a_long_chain_one_begins_after_the_other() -> None:
         FlightParameters(world=SimulationParameters(vehicles=count), stagger=1.5, stagger_delays=0.0)
         for count in (3, 5)
     )
-    assert [three.arming_time(who) for who in range(2)] == [0.0, 0.0]
-    assert [five.arming_time(who) for who in range(4)] == [3.0, 1.5, 0.0, 0.0]
-    for bad in ({"together": 0}, {"stagger": -1.0}, {"stagger": math.nan}, {"stagger_delays": -1.0}):
+    assert [three.arming_time(who) for who in range(2)] == [1.5, 0.0]
+    assert [five.arming_time(who) for who in range(4)] == [4.5, 3.0, 1.5, 0.0]
+    two = msgspec.structs.replace(five, together=2)
+    assert [two.arming_time(who) for who in range(4)] == [3.0, 1.5, 0.0, 0.0]
+    bads: tuple[dict[str, Any], ...] = (
+        {"together": 0},
+        {"stagger": -1.0},
+        {"stagger": math.nan},
+        {"stagger_delays": -1.0},
+        {"sight_ahead": -1.0},
+        {"sight_ahead": math.nan},
+    )
+    for bad in bads:
         with pytest.raises(ValueError, match=next(iter(bad))):
             FlightParameters(**bad)
 
@@ -63,15 +74,43 @@ def test_of_a_long_chain_one_begins_after_the_other() -> None:
 @pytest.mark.parametrize(("latency_ms", "apart"), [(67.0, 1.73), (133.0, 2.22)])
 def test_the_longer_the_delay_the_longer_each_waits(latency_ms: float, apart: float) -> None:
     flight = FlightParameters(world=SimulationParameters(vehicles=5, latency_ms=latency_ms))
-    assert [flight.arming_time(who) for who in range(4)] == pytest.approx([2 * apart, apart, 0.0, 0.0], abs=0.02)
+    assert [flight.arming_time(who) for who in range(4)] == pytest.approx([3 * apart, 2 * apart, apart, 0.0], abs=0.03)
     conditions = msgspec.structs.replace(flight.world.conditions, told_latency_ms=67.0)
     late = msgspec.structs.replace(flight, world=msgspec.structs.replace(flight.world, conditions=conditions))
-    assert late.arming_time(1) == pytest.approx(1.73, abs=0.01)
+    assert late.arming_time(2) == pytest.approx(1.73, abs=0.01)
+
+
+class Waiting:
+    """A pilot that waits, and says of its ball what it was told to."""
+
+    def __init__(self, armed: bool = False, losing: bool = False, killed: str = "", landing: str = "") -> None:
+        self.armed, self.losing, self.killed, self.landing = armed, losing, killed, landing
+
+    def is_losing_sight(self, ahead: float) -> bool:
+        assert ahead == 0.6
+        return self.losing
+
+
+def test_one_that_loses_sight_of_a_neighbor_in_the_air_is_armed_at_once() -> None:
+    flight = FlightParameters(world=SimulationParameters(vehicles=4))
+    cases = [
+        ([Waiting(), Waiting(), Waiting()], 0.0, [2]),
+        ([Waiting(), Waiting(), Waiting(armed=True)], 1.0, []),
+        ([Waiting(), Waiting(losing=True), Waiting(armed=True)], 1.0, [1]),
+        ([Waiting(losing=True), Waiting(), Waiting(armed=True)], 1.0, []),  # its neighbor is in a hand still
+        ([Waiting(), Waiting(), Waiting(armed=True)], 1.8, [1]),
+        ([Waiting(), Waiting(losing=True, landing="q"), Waiting(armed=True)], 60.0, [0]),
+        ([Waiting(landing="q"), Waiting(killed="space"), Waiting(killed="space")], 60.0, []),
+    ]
+    for pilots, time, expected in cases:
+        due = [pilots.index(pilot) for pilot in flight.due(pilots, time)]  # type: ignore[arg-type]
+        assert due == expected
 
 
 def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
     world = SimulationParameters(vehicles=4, pal="clean")
-    with Flight(FlightParameters(duration=0.5, stagger=0.2, stagger_delays=0.0, world=world)) as flight:
+    parameters = FlightParameters(duration=0.5, together=2, stagger=0.2, stagger_delays=0.0, world=world)
+    with Flight(parameters) as flight:
         armed, throttles = [], []
         for chain_step in flight:
             armed.append([pilot.armed for pilot in flight.pilots])
@@ -84,7 +123,7 @@ def test_who_waits_is_held_and_flies_when_its_time_has_come() -> None:
 
 def test_ten_take_off_one_after_the_other_at_a_long_latency() -> None:
     world = SimulationParameters(vehicles=10, seed=1, latency_ms=133.0, quick=True)
-    with Flight(FlightParameters(duration=17.0, world=world)) as flight:
+    with Flight(FlightParameters(duration=19.3, world=world)) as flight:
         for chain_step in flight:
             assert not chain_step.crashes
     assert all(step.safety.phase == "flying" for step in chain_step.steps)

@@ -2,7 +2,7 @@
 
 import abc
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import msgspec
@@ -41,9 +41,8 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         Times of a real flight.
     together : int
         Number of followers that are armed at once, those next to the rope. Each learns in its first second the throttle
-        that hovers, from how it moves beside its neighbor; three and more that do so at once enlarge each other's
-        oscillation. Chosen by: `python -m benchmarks.flight.fly --only ten`, see decision 074. With 1, a start half a
-        meter off the set place ended in a collision (docs/log.md, 2026-11-23).
+        that hovers, from how it moves beside its neighbor: two that begin at once fall side by side and see nothing of
+        it (decision 111).
     stagger, stagger_delays : float
         How much later each of the others is armed than the one that it watches, s, and how many of the delays from
         picture to effect besides, as they are told: the longer they are, the longer a neighbor takes to come to rest.
@@ -51,12 +50,16 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         at 1 m/s and 0.7 m off, and chains of ten fall at 133 ms. With 2.2 s at 67 ms, and 3.2 s in general, the
         neighbor has moved out of sight of one that a hand holds. Chosen by: rendered chains of ten, 1.7 s at 67 ms and
         2.2 s at 133 ms, docs/log.md, 2026-11-23.
+    sight_ahead : float
+        One that waits is armed sooner if the ball that it watches will have left its picture in so long, s. More begins
+        beside a neighbor that moves faster; less loses more of them.
     """
 
     duration: float = 60.0
-    together: int = 2
+    together: int = 1
     stagger: float = 1.0
     stagger_delays: float = 7.5
+    sight_ahead: float = 0.6
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
     linked: LinkedParameters = LinkedParameters()
@@ -70,13 +73,34 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             raise ValueError(f"stagger must be within 0 ... 60, got {self.stagger}")
         if not 0.0 <= self.stagger_delays <= 60.0:
             raise ValueError(f"stagger_delays must be within 0 ... 60, got {self.stagger_delays}")
+        if not 0.0 <= self.sight_ahead <= 60.0:
+            raise ValueError(f"sight_ahead must be within 0 ... 60, got {self.sight_ahead}")
 
     def arming_time(self, follower: int) -> float:
-        """When a follower, from 0, is armed, s: until then a hand holds it."""
+        """When a follower, from 0, is armed at the latest, s: until then a hand holds it."""
         behind = self.world.vehicles - 2 - follower
         delay = self.world.picture_times.told + self.pilot.follower.ego_motion.delay
         apart = self.stagger + self.stagger_delays * delay
         return apart * max(behind - self.together + 1, 0)
+
+    def due(self, pilots: Sequence[Pilot], time: float) -> list[Pilot]:
+        """Those who are to be armed now: not yet in the air, and neither stopped nor told to land.
+
+        Parameters
+        ----------
+        pilots : sequence of Pilot
+            All of the chain, the first follower first.
+        time : float
+            Since the first one was armed, s.
+        """
+        found = []
+        for number, pilot in enumerate(pilots):
+            if pilot.armed or pilot.killed or pilot.landing:
+                continue
+            leads = number + 1 < len(pilots) and pilots[number + 1].armed  # its neighbor flies
+            if time >= self.arming_time(number) or (leads and pilot.is_losing_sight(self.sight_ahead)):
+                found.append(pilot)
+        return found
 
 
 class Crash(msgspec.Struct, frozen=True):
@@ -142,8 +166,10 @@ class ChainStep(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def down(self) -> bool:
-        """Whether everyone's motors were stopped."""
-        return all(step.safety.phase == "cut" for step in self.steps)
+        """Whether everyone's motors have stopped for good; who was told to land before it flew never will."""
+        return all(
+            step.safety.phase == "cut" or (step.safety.phase == "locked" and step.landing) for step in self.steps
+        )
 
 
 FlightKind = Literal["simulated", "flight", "dry run"]
@@ -282,10 +308,8 @@ class Flight(ChainFlight):
         """Arm one after the other and fly for the duration."""
         with steady_memory():
             for index in range(self.length):
-                for follower, pilot in enumerate(self.pilots):
-                    waits = not pilot.armed and not pilot.killed
-                    if waits and index / FPS >= self.parameters.arming_time(follower):
-                        pilot.arm()
+                for pilot in self.parameters.due(self.pilots, index / FPS):
+                    pilot.arm()
                 yield self.step()
 
     @property

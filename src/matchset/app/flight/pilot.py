@@ -197,9 +197,8 @@ class Pilot:
     def _rehearse(self) -> None:
         """Take some steps with painted pictures and nobody at the other end, then forget them."""
         camera, link, place = self.camera, self.link, self.parameters.place
-        painted = RehearsalCamera(
-            camera.model, *self._colors, self.parameters.target, (place.side, place.height, place.heading)
-        )
+        where = place.side, place.height, place.heading
+        painted = RehearsalCamera(camera.model, *self._colors, self.parameters.target, where)
         self.camera, self.link = painted, RehearsalLink()
         try:
             self.arm()
@@ -244,6 +243,11 @@ class Pilot:
             Why, in words.
         """
         self.landing = reason
+
+    def is_losing_sight(self, ahead: float) -> bool:
+        """Whether the ball that it watches will have left the picture in so long, s; False where that is not known."""
+        expected = self._follower.expected(self.camera.now() + ahead)
+        return expected is not None and self._pixel(expected) is None
 
     def step(self) -> PilotStep:
         """Wait for the newest picture and answer it with a command.
@@ -342,10 +346,8 @@ class Pilot:
 
     def _see_beyond(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> Pose | Lost[Pose]:
         """Locate the next-but-one ball, beside the neighbor's in the same picture."""
-        expected, followed = (
-            self._follower.expected(frame.time, beyond=True),
-            self._follower.beyond.is_followed(frame.time),
-        )
+        expected = self._follower.expected(frame.time, beyond=True)
+        followed = self._follower.beyond.is_followed(frame.time)
         if expected is None or isinstance(ball, Lost):
             return Lost("where the neighbor is, is not known", frame.time)
         return self._next_ball.update(frame, self._tracker.color, ball.shape, expected, followed)

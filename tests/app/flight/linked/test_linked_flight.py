@@ -151,6 +151,9 @@ class ScriptedPilot:
     def land(self, reason: str) -> None:
         self.landing = reason
 
+    def is_losing_sight(self, ahead: float) -> bool:  # noqa: ARG002
+        return False
+
     def step(self) -> PilotStep:
         self._count += 1
         down = self._count >= self._down_at or self.landing
@@ -169,6 +172,7 @@ class ScriptedPilot:
             safety=state,
             age=0.0,
             stage_times=(0.0,) * 6,
+            landing=self.landing,
         )
 
 
@@ -197,5 +201,20 @@ def test_links_are_armed_together_and_pilots_one_after_the_other() -> None:
             if step.time > 4.8:
                 break
     assert [pilot.calls[0] for pilot in pilots] == ["arm link"] * 4
-    begun = [int(pilot.calls[1].split()[-1]) for pilot in pilots]
-    assert begun == pytest.approx([110, 58, 6, 6], abs=1)  # 0.2 s, and 1.7 s for each that waits
+    assert pilots[0].calls[1:] == ["close"]  # its time has not come
+    begun = [int(pilot.calls[1].split()[-1]) for pilot in pilots[1:]]
+    assert begun == pytest.approx([110, 58, 6], abs=1)  # 0.2 s, and 1.7 s for each that waits
+
+
+def test_one_that_waits_and_is_told_to_land_is_never_armed_and_the_flight_ends() -> None:
+    first, second = ScriptedPilot(), ScriptedPilot()
+    with scripted(first, second) as flight:
+        steps = []
+        for step in flight:
+            steps.append(step)
+            if len(steps) == 20:
+                assert flight.land("the user wants to")
+    assert first.calls == ["arm link", "close"]
+    assert second.calls == ["arm link", "arm at 6", "close"]
+    assert len(steps) == 21
+    assert steps[-1].down

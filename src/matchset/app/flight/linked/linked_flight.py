@@ -121,11 +121,10 @@ class LinkedFlight(ChainFlight):
         past = step.time - self.setup.countdown
         if past < 0.0:
             return
-        waiting = [(number, pilot) for number, pilot in enumerate(self.pilots) if not (pilot.armed or pilot.killed)]
-        self._followers.arm([pilot for number, pilot in waiting if past >= self.parameters.arming_time(number)])
+        self._followers.arm(self.parameters.due(self.pilots, past))
         if self.setup.kind == "flight":
             self._followers.land_with(step.steps)
             return
         for pilot, each in zip(self.pilots, step.steps, strict=True):
             if each.safety.phase == "cut" and not pilot.killed:
-                pilot.armed = False  # and armed again after a step, so that a replay knows of it
+                pilot.armed, pilot.landing = False, ""  # and armed again after a step, so that a replay knows of it

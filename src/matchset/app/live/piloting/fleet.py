@@ -51,9 +51,9 @@ class Fleet(Closing):
             If a camera or a link is gone.
         """
 
-    def arming_time(self, follower: int) -> float:  # noqa: ARG002
-        """How long after the first one a follower, from 0, takes off, s."""
-        return 0.0
+    def due(self, time: float) -> list[Pilot]:  # noqa: ARG002
+        """Those who are to be armed now, so long after the first one, s."""
+        return [pilot for pilot in self.pilots if not (pilot.armed or pilot.killed)]
 
     def arm(self, pilots: Sequence[Pilot]) -> None:
         """Arm pilots.

@@ -215,9 +215,7 @@ class FlightLoop(Closing):
         here = self.helm.look()
         if here.duty == "flying":
             self._begun = self._step.time if math.isnan(self._begun) else self._begun
-            past = self._step.time - self._begun
-            due = [pilot for number, pilot in enumerate(fleet.pilots) if past >= fleet.arming_time(number)]
-            fleet.arm([pilot for pilot in due if not (pilot.armed or pilot.killed)])
+            fleet.arm(fleet.due(self._step.time - self._begun))
             here = self.helm.look()
         if here.duty == "descending":
             for pilot in fleet.pilots:

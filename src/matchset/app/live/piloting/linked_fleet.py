@@ -40,9 +40,9 @@ class LinkedFleet(Fleet):
         self._followers.land_with(steps)
         return FleetStep(max(step.now for step in steps), steps)
 
-    def arming_time(self, follower: int) -> float:
+    def due(self, time: float) -> list[Pilot]:
         """Those at the end of the chain first, see `FlightParameters.stagger`."""
-        return self._parameters.arming_time(follower)
+        return self._parameters.due(self.pilots, time)
 
     def arm(self, pilots: Sequence[Pilot]) -> None:
         """Arm pilots at once."""

@@ -2,6 +2,7 @@
 
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.pacer import Pacer
+from matchset.app.flight.pilot import Pilot
 from matchset.app.live.piloting.fleet import Fleet, FleetStep
 from matchset.links.simulated import FPS
 
@@ -31,9 +32,9 @@ class SimulatedFleet(Fleet):
         step = self._flight.step()
         return FleetStep(step.time, step.steps, step.truth, tuple(each.description for each in step.crashes))
 
-    def arming_time(self, follower: int) -> float:
+    def due(self, time: float) -> list[Pilot]:
         """Those next to the rope first, see `FlightParameters.stagger`."""
-        return self._flight.parameters.arming_time(follower)
+        return self._flight.parameters.due(self.pilots, time)
 
     def close(self) -> None:
         """Land everybody and let go of the world."""

@@ -29,11 +29,12 @@ from benchmarks.flight.standstills import Witnesses
 from matchset.app.flight.flight import ChainStep, FlightParameters, FlightSetup
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
-from matchset.app.flight.pilot import STAGES, Pilot, PilotStep, learn_colors
+from matchset.app.flight.pilot import STAGES, Pilot, PilotStep
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.app.flight.real_time.priority import raised_priority
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.simulated import SimulatedChain, SimulationParameters
+from matchset.localization.markers.ball_colors import learn_colors
 from matchset.sim.vehicle import VehiclePose
 
 BAR, PRIZE = 0.060, 0.035  # s

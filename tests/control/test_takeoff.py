@@ -102,3 +102,17 @@ def test_sticks_stay_in_the_middle_until_the_thrust_suffices() -> None:
 def test_times_that_are_none_are_refused(bad: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
         TakeoffParameters(**bad)
+
+
+def test_what_the_controllers_integrate_in_the_hand_is_forgotten() -> None:
+    follower = Follower()
+    for k in range(60):
+        now, taken = k * STEP, k * STEP - LATENCY
+        place = np.array((0.1, 0.19, 1.6))  # within the integral's zone
+        output = follower.update(
+            Pose(position=place, rotation_matrix=TURNS, covariance=SPREAD, observed="level", time=taken), now
+        )
+        follower.sent(Command(throttle=0.3), now)  # too little to lift
+    assert output is not None
+    assert max(abs(terms.integral) for terms in (output.right, output.forward, output.yaw)) < 0.02
+    assert follower.ego_motion.at(now).velocity[[0, 2]] == pytest.approx(0.0, abs=0.02)

@@ -16,9 +16,10 @@ from benchmarks.flight.betaflight.sitl import configure, is_built, settings
 from benchmarks.flight.betaflight.sticks import CRSF_SETTINGS, UdpSticks, crsf_link
 from benchmarks.flight.betaflight.world import BetaflightCamera, BetaflightWorld
 from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.pilot import Pilot, learn_colors
+from matchset.app.flight.pilot import Pilot
 from matchset.app.flight.score import SCORING
 from matchset.links.simulated import FPS, SimulationParameters
+from matchset.localization.markers.ball_colors import learn_colors
 from matchset.localization.pose import Pose
 
 RADIO_DELAY = 0.03  # s, as that of the simulated toy

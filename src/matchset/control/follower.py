@@ -115,10 +115,9 @@ class FollowerParameters(
         How long the neighbor's drift goes on after its last pose, s; then it stands still. Estimate (``reach``).
     pose_timeout : float
         How long after the last pose there is an output, s; longer than `SafetyParameters.hold_time` (``memory``).
-    min_step, max_step : float
-        Limits of the time between updates that the controllers are told, s: for a clock that jumps. By hand.
-    min_tilt_cosine : float
-        Least cosine of the tilt over which the throttle is divided. Chosen by hand: 60 degrees.
+    min_step, max_step, min_tilt_cosine : float
+        Limits of the time between updates, s, for a clock that jumps, and of the cosine of the tilt over which the
+        throttle is divided. Chosen by hand: 60 degrees.
     """
 
     horizontal: PidParameters = PidParameters(
@@ -229,8 +228,7 @@ class Follower:
         self.neighbor = NeighborFilter(self.parameters.neighbor)
         self.consistency = MotionConsistency(self.parameters.motion_consistency)
         model, hover = self.parameters.ego_motion, self.parameters.hover_throttle
-        gravity = GRAVITY / model.effective_mass_ratio
-        thrust = self.parameters.thrust_estimator
+        gravity, thrust = GRAVITY / model.effective_mass_ratio, self.parameters.thrust_estimator
         self.thrust = ThrustEstimator(hover, gravity, model.delay, model.lift_lag, thrust)
         self.mount = CameraMount(self.parameters.mount)
         self.beyond = NextButOne(self.parameters.beyond, self.parameters.neighbor)
@@ -293,8 +291,7 @@ class Follower:
         if now + self.ego_motion.delay < self.thrust.lift_time:  # what they integrate in a hand is no trim
             for pid in (self._right, self._forward, self._yaw):
                 pid.reset()
-        model = self.parameters.ego_motion
-        gravity = GRAVITY / model.effective_mass_ratio
+        model, gravity = self.parameters.ego_motion, GRAVITY / self.parameters.ego_motion.effective_mass_ratio
         right, forward = self._right.terms.integral, self._forward.terms.integral
         attitude = AttitudeCommand(
             model.full_tilt * command.roll - math.atan(right / gravity),
@@ -309,7 +306,7 @@ class Follower:
         """Throttle that hovers, as far as it is known now."""
         return self.parameters.hover_throttle / self.thrust.gain
 
-    def expected(self, time: float, beyond: bool = False) -> Floats | None:
+    def expected(self, time: float, beyond: bool = False, reach: float | None = None) -> Floats | None:
         """Predict the ball in the camera frame at a time, s.
 
         Parameters
@@ -317,6 +314,8 @@ class Follower:
         time : float
         beyond : bool
             The next-but-one ball, not the neighbor's.
+        reach : float, optional
+            In place of `FollowerParameters.max_extrapolation`, s.
 
         Returns
         -------
@@ -325,7 +324,7 @@ class Follower:
         """
         if not time - self.neighbor.time <= self.parameters.pose_timeout:
             return None
-        own, reach = self.ego_motion.at(time), self.parameters.max_extrapolation
+        own, reach = self.ego_motion.at(time), self.parameters.max_extrapolation if reach is None else reach
         ball = self.beyond.expected(self.neighbor, own, time, reach) if beyond else self.neighbor.at(time, reach).place
         position: Floats = (own.rotation @ self.mount.from_camera).T @ (ball - own.position)
         return position

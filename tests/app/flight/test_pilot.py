@@ -29,8 +29,8 @@ def test_three_hold_their_places(seed: int) -> None:
 
 
 def test_a_pulled_cable_brings_everyone_down_within_half_a_second() -> None:
-    pulled = 1.5
-    with Flight(flight(4.5, seed=102, cable=pulled)) as flown:
+    pulled = 3.0
+    with Flight(flight(6.0, seed=102, cable=pulled)) as flown:
         chain_steps = list(flown)
     for who in range(2):
         steps = [chain_step.steps[who] for chain_step in chain_steps]
@@ -84,7 +84,7 @@ def test_a_start_half_a_meter_off_settles_although_the_next_ball_but_one_is_in_f
     ("fault", "seed", "words"), [("freeze", 105, "the picture stands still"), ("stale", 106, "pictures come that came")]
 )
 def test_pictures_that_are_not_of_now_bring_everyone_down(fault: str, seed: int, words: str) -> None:
-    begin = 1.5
+    begin = 3.0
     with Flight(flight(begin + 2.6, seed=seed, **{fault: begin})) as flown:
         chain_steps = list(flown)
     for who in range(2):
@@ -97,7 +97,7 @@ def test_pictures_that_are_not_of_now_bring_everyone_down(fault: str, seed: int,
 
 
 def test_a_picture_that_stands_still_for_a_moment_does_not_end_a_flight() -> None:
-    with Flight(flight(3.0, seed=107, freeze=1.5, freeze_for=0.2)) as flown:
+    with Flight(flight(4.5, seed=107, freeze=3.0, freeze_for=0.2)) as flown:
         phases = [[step.safety.phase for step in chain_step.steps] for chain_step in flown]
     assert ["descending", "descending"] in phases
     assert phases[-1] == ["flying", "flying"]
@@ -105,7 +105,7 @@ def test_a_picture_that_stands_still_for_a_moment_does_not_end_a_flight() -> Non
 
 def test_what_comes_after_a_picture_that_stood_still_for_long_is_not_flown_by() -> None:
     """It may be as old as the picture stood still, and nothing in it says so."""
-    with Flight(flight(4.5, seed=107, freeze=1.5, freeze_for=0.5)) as flown:
+    with Flight(flight(6.0, seed=107, freeze=3.0, freeze_for=0.5)) as flown:
         chain_steps = list(flown)
     for who in range(2):
         down = [each.steps[who].safety for each in chain_steps if each.steps[who].safety.phase == "descending"]
@@ -114,13 +114,13 @@ def test_what_comes_after_a_picture_that_stood_still_for_long_is_not_flown_by() 
 
 
 def test_old_pictures_that_never_came_before_are_known_by_their_motion() -> None:
-    parameters = flight(6.0, seed=108, stale=2.0)
+    parameters = flight(8.0, seed=108, stale=4.0)
     pilot = msgspec.structs.replace(parameters.pilot, repeated=RepeatedPictureParameters(lines=0))
     with Flight(msgspec.structs.replace(parameters, pilot=pilot)) as flown:
         chain_steps = list(flown)
     for who in range(2):
         down = [each.steps[who] for each in chain_steps if each.steps[who].safety.phase == "descending"]
-        assert down[0].now - 2.0 <= 1.5
+        assert down[0].now - 4.0 <= 1.5
         assert "does not answer to the commands" in down[0].safety.reason
         # the radio is one-way: which of both it is cannot be known here
         assert "old pictures, or commands that got lost" in down[0].safety.reason

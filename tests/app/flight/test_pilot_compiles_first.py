@@ -12,7 +12,8 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.pilot import Pilot, learn_colors
+from matchset.app.flight.pilot import Pilot
+from matchset.localization.markers.ball_colors import learn_colors
 from matchset.app.recording.devices import RecordedCamera, RecordedLink
 from matchset.links.simulated import SimulatedChain, SimulationParameters
 from matchset.localization.pose import Pose

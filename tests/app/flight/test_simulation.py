@@ -65,6 +65,7 @@ def test_of_a_long_chain_one_begins_after_the_other() -> None:
         {"stagger_delays": -1.0},
         {"sight_ahead": -1.0},
         {"sight_ahead": math.nan},
+        {"sight_margin": -1.0},
     )
     for bad in bads:
         with pytest.raises(ValueError, match=next(iter(bad))):
@@ -86,8 +87,8 @@ class Waiting:
     def __init__(self, armed: bool = False, losing: bool = False, killed: str = "", landing: str = "") -> None:
         self.armed, self.losing, self.killed, self.landing = armed, losing, killed, landing
 
-    def is_losing_sight(self, ahead: float) -> bool:
-        assert ahead == 0.6
+    def is_losing_sight(self, ahead: float, margin: float) -> bool:
+        assert (ahead, margin) == (0.6, 2.0)
         return self.losing
 
 

@@ -6,13 +6,14 @@ import pytest
 
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.linked.followers import LinkedFollowers
-from matchset.app.flight.pilot import Pilot, learn_colors
+from matchset.app.flight.pilot import Pilot
 from matchset.app.live.piloting.fleet import FleetStep
 from matchset.app.live.piloting.linked_fleet import LinkedFleet
 from matchset.app.live.piloting.simulated_fleet import SimulatedFleet
 from matchset.app.live.piloting.state import map_state
 from matchset.links.connect import connect
 from matchset.links.simulated import SimulationParameters
+from matchset.localization.markers.ball_colors import learn_colors
 
 URI = "sim://chain?vehicles=2&seed=5"
 

@@ -81,7 +81,8 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     step, truth = messages["/follower_1/step"], messages["/truth"]
     real = ["kind", "colors", "countdown", "fps", "devices"]
     assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras", *real]
-    parameters = ["duration", "together", "stagger", "stagger_delays", "sight_ahead", "world", "pilot", "linked"]
+    waiting = ["together", "stagger", "stagger_delays", "sight_ahead", "sight_margin"]
+    parameters = ["duration", *waiting, "world", "pilot", "linked"]
     assert list(messages["/configuration"]["parameters"]) == parameters
     assert list(messages["/follower_1/sample"]) == ["index", "time", "png"]
     assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped", "landing"]

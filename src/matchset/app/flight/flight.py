@@ -12,11 +12,12 @@ import numpy.typing as npt
 from matchset.app.closing import Closing
 from matchset.app.flight.linked.parameters import LinkedParameters
 from matchset.app.flight.outline_pilot import OutlinePilot
-from matchset.app.flight.pilot import Colors, Pilot, PilotParameters, PilotStep, learn_colors
+from matchset.app.flight.pilot import Pilot, PilotParameters, PilotStep
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
+from matchset.localization.markers.ball_colors import Colors, learn_colors
 from matchset.sim.vehicle import VehiclePose
 from matchset.sim.world import relative_position
 
@@ -50,9 +51,9 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         at 1 m/s and 0.7 m off, and chains of ten fall at 133 ms. With 2.2 s at 67 ms, and 3.2 s in general, the
         neighbor has moved out of sight of one that a hand holds. Chosen by: rendered chains of ten, 1.7 s at 67 ms and
         2.2 s at 133 ms, docs/log.md, 2026-11-23.
-    sight_ahead : float
-        One that waits is armed sooner if the ball that it watches will have left its picture in so long, s. More begins
-        beside a neighbor that moves faster; less loses more of them.
+    sight_ahead, sight_margin : float
+        One that waits is armed sooner if the middle of the ball that it watches will be so near to the border of its
+        picture, in radii of the ball, in so long, s. More begins beside a neighbor that moves faster; less loses more.
     """
 
     duration: float = 60.0
@@ -60,6 +61,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     stagger: float = 1.0
     stagger_delays: float = 7.5
     sight_ahead: float = 0.6
+    sight_margin: float = 2.0
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
     linked: LinkedParameters = LinkedParameters()
@@ -75,6 +77,8 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             raise ValueError(f"stagger_delays must be within 0 ... 60, got {self.stagger_delays}")
         if not 0.0 <= self.sight_ahead <= 60.0:
             raise ValueError(f"sight_ahead must be within 0 ... 60, got {self.sight_ahead}")
+        if not 0.0 <= self.sight_margin <= 10.0:
+            raise ValueError(f"sight_margin must be within 0 ... 10, got {self.sight_margin}")
 
     def arming_time(self, follower: int) -> float:
         """When a follower, from 0, is armed at the latest, s: until then a hand holds it."""
@@ -98,7 +102,8 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             if pilot.armed or pilot.killed or pilot.landing:
                 continue
             leads = number + 1 < len(pilots) and pilots[number + 1].armed  # its neighbor flies
-            if time >= self.arming_time(number) or (leads and pilot.is_losing_sight(self.sight_ahead)):
+            sooner = leads and pilot.is_losing_sight(self.sight_ahead, self.sight_margin)
+            if sooner or time >= self.arming_time(number):
                 found.append(pilot)
         return found
 

@@ -2,12 +2,13 @@
 
 import time
 
-from matchset.app.flight.pilot import Colors, Outlines, Pilot, PilotParameters
+from matchset.app.flight.pilot import Outlines, Pilot, PilotParameters
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.links.link import Link
 from matchset.links.simulated import SimulatedCamera
 from matchset.localization.localizer import Localizer
+from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track

@@ -7,7 +7,7 @@ It does not know where pictures come from and where commands go, so it flies a s
 import itertools
 import math
 import time
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import msgspec
 import numpy as np
@@ -20,11 +20,11 @@ from matchset.control.command import Command
 from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
 from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
 from matchset.control.safety import SafetyInputs, SafetyParameters, SafetyState, safety_filter
-from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.links.link import Link
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
+from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.neighbor_ball import AssociationParameters, find_neighbor_ball
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
@@ -33,8 +33,6 @@ from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
-# geometry: in the sample picture, from the marker's middle to a pixel of the ball beside it, as a share of the width
-BALL_BESIDE_MARKER = 0.0625
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
 """Of a step, in their order; `PilotStep.stage_times` has their computing times."""
 Outlines = tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...]]
@@ -56,13 +54,6 @@ class Camera(Protocol):
 
     def now(self) -> float:
         """Return the time on the clock of the pictures, s."""
-
-
-class Colors(NamedTuple):
-    """Color models of the ball, with its marker, and of the marker: the paper's filters a and b."""
-
-    ball: ColorModel
-    marker: ColorModel
 
 
 class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
@@ -244,10 +235,22 @@ class Pilot:
         """
         self.landing = reason
 
-    def is_losing_sight(self, ahead: float) -> bool:
-        """Whether the ball that it watches will have left the picture in so long, s; False where that is not known."""
-        expected = self._follower.expected(self.camera.now() + ahead)
-        return expected is not None and self._pixel(expected) is None
+    def is_losing_sight(self, ahead: float, margin: float) -> bool:
+        """Whether the ball that it watches will come near the border of the picture; False if that is not known.
+
+        Parameters
+        ----------
+        ahead : float
+            How long from now, s.
+        margin : float
+            How near the middle of the ball comes to the border, radii of the ball.
+        """
+        expected = self._follower.expected(self.camera.now() + ahead, reach=math.inf)
+        if expected is None:
+            return False
+        radius = self.parameters.target.radius
+        outward = expected * (1.0, 1.0, 0.0) / max(float(np.hypot(*expected[:2])), radius)
+        return self._pixel(expected + margin * radius * outward) is None
 
     def step(self) -> PilotStep:
         """Wait for the newest picture and answer it with a command.
@@ -383,18 +386,3 @@ class Pilot:
             return None
         x, y = self.camera.model.project(position[np.newaxis])[0]
         return float(x), float(y)
-
-
-def learn_colors(sample: Frame) -> Colors:
-    """Learn the colors from a picture of the ball in the middle, its marker toward the camera.
-
-    Parameters
-    ----------
-    sample : Frame
-        The ball at about 1 m: its marker holds the middle, and a point 3 marker radii to the left shows the ball.
-    """
-    height, width = sample.image.shape[:2]
-    x, y = (width - 1) / 2.0, (height - 1) / 2.0
-    marker = ColorModel.pick(sample.image, x, y)
-    ball = ColorModel.pick(sample.image, x - BALL_BESIDE_MARKER * width, y)
-    return Colors(ball | marker, marker)

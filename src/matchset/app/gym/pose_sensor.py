@@ -3,11 +3,11 @@
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.pilot import learn_colors
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
+from matchset.localization.markers.ball_colors import learn_colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.flight.flight import ChainStep
-from matchset.app.flight.pilot import Colors, PilotStep
+from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import (
     ColorsMessage,
     Outcome,
@@ -25,6 +25,7 @@ from matchset.image.bags.ros_image import COMPRESSED_IMAGE, NANO, read_picture
 from matchset.image.color import ColorModel
 from matchset.image.files.picture import decode_picture
 from matchset.image.frame import Frame
+from matchset.localization.markers.ball_colors import Colors
 from matchset.sim.vehicle import VehiclePose
 
 M = TypeVar("M")

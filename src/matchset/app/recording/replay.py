@@ -7,12 +7,13 @@ import msgspec
 import numpy as np
 
 from matchset.app.flight.flight import ChainStep
-from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
+from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.recording.devices import RecordedCamera, RecordedLink
 from matchset.app.recording.encoding import outcome_of, vehicle_pose
 from matchset.app.recording.messages import StepMessage
 from matchset.app.recording.reader import RecordedChainStep, RecordingReader
 from matchset.image.frame import Frame
+from matchset.localization.markers.ball_colors import learn_colors
 
 
 class StepDifference(NamedTuple):

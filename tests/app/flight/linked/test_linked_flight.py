@@ -12,7 +12,7 @@ from matchset.app.flight.flight import FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
 from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.linked.linked_flight import LinkedFlight
-from matchset.app.flight.pilot import Pilot, PilotStep, learn_colors
+from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.flight.score import FlightScorer
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay
@@ -21,6 +21,7 @@ from matchset.control.command import Command
 from matchset.control.safety import SafetyState
 from matchset.image.errors import LinkError
 from matchset.links.simulated import SimulatedChain, SimulationParameters
+from matchset.localization.markers.ball_colors import learn_colors
 from matchset.tracking.track import Lost
 
 COUNTDOWN, DURATION, DESCENT = 0.5, 3.0, 2.0
@@ -151,7 +152,7 @@ class ScriptedPilot:
     def land(self, reason: str) -> None:
         self.landing = reason
 
-    def is_losing_sight(self, ahead: float) -> bool:  # noqa: ARG002
+    def is_losing_sight(self, ahead: float, margin: float) -> bool:  # noqa: ARG002
         return False
 
     def step(self) -> PilotStep:

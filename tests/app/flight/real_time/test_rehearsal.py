@@ -9,7 +9,7 @@ import pytest
 from fakes import FakePort
 
 from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.pilot import Colors, Pilot, PilotStep, learn_colors
+from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.app.recording.devices import RecordedCamera
 from matchset.control.command import Command
@@ -17,6 +17,7 @@ from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.simulated import SimulatedChain, SimulationParameters
+from matchset.localization.markers.ball_colors import Colors, learn_colors
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost, Track
 
@@ -118,7 +119,7 @@ def test_a_pause_shorter_than_the_failsafe_is_flown_through(filmed: Filmed) -> N
 
 def test_the_simulated_chain_is_cut_as_a_real_one() -> None:
     world = SimulationParameters(vehicles=3, seed=5, silent=0.4, silent_for=0.3)
-    with Flight(FlightParameters(duration=1.0, world=world)) as flight:
+    with Flight(FlightParameters(duration=1.0, together=2, world=world)) as flight:
         last = list(flight)[-1]
     for step in last.steps:
         assert (step.safety.phase, step.command) == ("cut", Command())

@@ -16,7 +16,7 @@ from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.linked.linked_flight import LinkedFlight
 from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.linked.parameters import LinkedFollower
-from matchset.app.flight.pilot import Colors, Pilot
+from matchset.app.flight.pilot import Pilot
 from matchset.app.flight.real_time.rehearsal import RehearsalLink
 from matchset.app.track.target_options import load_color
 from matchset.camera.camera_model import CameraModel
@@ -26,6 +26,7 @@ from matchset.image.video import Video
 from matchset.links.connect import connect
 from matchset.links.link import Link
 from matchset.links.simulated import FPS
+from matchset.localization.markers.ball_colors import Colors
 
 MOST_FOLLOWERS = 19  # format: the last vehicle of a chain of 20 follows nobody
 

@@ -52,7 +52,7 @@ def test_every_parameters_struct_is_listed_once() -> None:
 def test_the_tools_of_the_site_have_a_group_and_ci_builds_it() -> None:
     groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
     assert {"mkdocs-material", "mkdocstrings"} <= {re.split(r"[\[><=]", name)[0] for name in groups["docs"]}
-    assert re.search(r"^within \d+ docs$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+    assert "make docs" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
 def test_the_site_loads_nothing_from_the_network() -> None:

@@ -254,10 +254,8 @@ class EgoMotion(Copied):
 
         Parameters
         ----------
-        speed : float
-            Downward, m/s.
-        time : float
-            s, as in `at`.
+        speed, time : float
+            Downward, m/s; s, as in `at`.
         """
         change_speed(self._block, speed, time - self.delay)
 

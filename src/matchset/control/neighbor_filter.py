@@ -149,14 +149,6 @@ class NeighborFilter(Copied):
         forecast_all(self._block, times, self.time, self.yaw_time, max_extrapolation, numbers)
         return numbers
 
-
-def named(numbers: Floats) -> list[Forecast]:
-    """Name the numbers of forecasts, (n, 4, 4)."""
-    return [
-        Forecast(AxisForecast(*x), AxisForecast(*y), AxisForecast(*z), AxisForecast(*yaw))
-        for x, y, z, yaw in numbers.tolist()
-    ]
-
     @property
     def vertical_speed(self) -> float:
         """Speed of its drift along y, downward, in the frame at rest, m/s."""
@@ -165,6 +157,14 @@ def named(numbers: Floats) -> list[Forecast]:
     def add_vertical_speed(self, speed: float) -> None:
         """Add to the vertical speed of its drift, downward, m/s: dead reckoning was found to be wrong by that."""
         self._estimate[VERTICAL, SPEED] += speed
+
+
+def named(numbers: Floats) -> list[Forecast]:
+    """Name the numbers of forecasts, (n, 4, 4)."""
+    return [
+        Forecast(AxisForecast(*x), AxisForecast(*y), AxisForecast(*z), AxisForecast(*yaw))
+        for x, y, z, yaw in numbers.tolist()
+    ]
 
 
 def _doubt(accepted: int) -> str:

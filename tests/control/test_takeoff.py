@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from matchset.control.command import Command
@@ -51,6 +51,7 @@ def test_before_it_lifts_off_and_later_speeds_stay_whose_they_are() -> None:
         assert own.at(1.3).velocity[1] == 0.0
 
 
+@settings(deadline=None)
 @given(st.floats(0.0, 1.49), st.floats(1e-3, 1.0))
 def test_what_is_handed_over_changes_no_difference_of_speeds(lifted: float, since: float) -> None:
     own, neighbor = risen(0.5, TakeoffParameters(duration=0.0))

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import matchset as ms
-from matchset.image.candidates import NearParameters, circle_near
 from matchset.image.click_region import circle_at, disc_mask, regions_at_click
+from matchset.image.clicks.clear_disc import NearParameters, clearest_disc, disc_alone, disc_in_place_of, is_outlined
 from matchset.image.color_learning import ClickParameters, ColorParameters, RegionParameters
 
 Picture = npt.NDArray[np.uint8]
@@ -181,9 +181,14 @@ def test_how_a_click_is_understood_can_be_said() -> None:
     assert (regions[0] & ~disc((480, 640), radius=34.0)).any()
     assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == circle
     no_circle = ColorParameters(click=ClickParameters(min_score=1.0))
-    assert regions_at_click(image, X + 5.0, Y, no_circle)[1] is None
+    found = regions_at_click(image, X + 5.0, Y, no_circle)[1]
+    assert found is not None
+    assert found[2] < 24.5  # a disc that stands out from its ring, in place of the ball of r = 34
     nothing = ColorParameters(click=ClickParameters(min_score=1.0, near=NearParameters(min_rim=1.1)))
-    with pytest.raises(ValueError, match=r"no background is left to learn from, nor is an outline .* click elsewhere"):
+    assert regions_at_click(image, X + 5.0, Y, nothing)[1] is None
+    with pytest.raises(
+        ValueError, match=r"no background is left to learn from, nor does anything round .* click elsewhere"
+    ):
         ms.ColorModel.pick(image, X + 5.0, Y, nothing)
 
 
@@ -204,7 +209,51 @@ def test_a_small_ball_between_blocks_is_not_refused(radius: float) -> None:
 
 
 def test_a_picture_without_edges_has_no_circle_near_a_point() -> None:
-    assert circle_near(np.full((60, 80, 3), 90, np.uint8), 40.0, 30.0, NearParameters()) is None
+    assert clearest_disc(np.full((60, 80, 3), 90, np.uint8), 40.0, 30.0, NearParameters(), 0.1) is None
+
+
+def faint(seed: int, radius: float = 6.0, step: float = 16.0, noise: float = 12.0) -> Picture:
+    """A disc at (80, 60) whose step is about the noise of a pixel: no outline is closed."""
+    rng = np.random.default_rng(seed)
+    rows, columns = np.indices((120, 160))
+    inside = np.hypot(columns - 80.0, rows - 60.0) < radius
+    values = 110.0 + step * inside[:, :, np.newaxis] * np.array((0.2, 1.0, -0.6)) + rng.normal(0, noise, (120, 160, 3))
+    return np.asarray(np.clip(np.rint(values), 0, 255), np.uint8)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_faint_disc_that_no_outline_closes_is_found_by_its_ring(seed: int) -> None:
+    found = clearest_disc(faint(seed), 82.0, 58.0, NearParameters(), 1.4)
+    assert found is not None
+    assert math.hypot(found.circle[0] - 80.0, found.circle[1] - 60.0) < 2.0
+    assert 0.6 < found.circle[2] / 6.0 < 1.6
+    gray = faint(seed, step=40.0).max(axis=2)
+    found = clearest_disc(gray, 82.0, 58.0, NearParameters(), 1.4)
+    assert found is not None
+    assert math.hypot(found.circle[0] - 80.0, found.circle[1] - 60.0) < 2.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_has_no_clear_disc_and_an_outline_needs_a_step(seed: int) -> None:
+    noise = faint(seed, step=0.0)
+    assert clearest_disc(noise, 80.0, 60.0, NearParameters(), 1.4) is None
+    assert disc_alone(noise, 80.0, 60.0, NearParameters()) is None
+    with pytest.raises(ValueError, match="click elsewhere"):
+        ms.ColorModel.pick(faint(seed, step=0.0, noise=4.0), 80.0, 60.0)
+    assert is_outlined(faint(seed, step=60.0), (80.0, 60.0, 6.0), NearParameters())
+    assert not is_outlined(np.full((120, 160, 3), 90, np.uint8), (80.0, 60.0, 6.0), NearParameters())
+
+
+def test_a_weak_large_circle_yields_to_a_clear_disc_in_it_and_to_no_other() -> None:
+    image, limits = faint(0, step=60.0, noise=3.0), NearParameters()
+    assert disc_in_place_of((0.05, (80.0, 60.0, 40.0)), image, 81.0, 60.0, limits) is not None
+    assert disc_in_place_of((0.05, (80.0, 60.0, 8.0)), image, 81.0, 60.0, limits) is None
+    assert disc_in_place_of((0.5, (80.0, 60.0, 40.0)), image, 81.0, 60.0, limits) is None
+    found = disc_in_place_of(None, image, 81.0, 60.0, limits)
+    assert found is not None
+    assert found == pytest.approx((80.0, 60.0, 6.0), abs=1.0)
+    with pytest.raises(ValueError, match="radii"):
+        NearParameters(radii=(5.0, 3.0))
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (160, 80), (90, 140)])
@@ -251,6 +300,9 @@ def test_a_copy_keeps_circle_and_note_and_a_file_does_not(tmp_path: Path) -> Non
     assert copy.note == color.note != ""
     color.save(tmp_path / "ball.npz")
     loaded = ms.ColorModel.load(tmp_path / "ball.npz")
+    assert color.is_local
+    assert copy.is_local
+    assert loaded.is_local
     np.testing.assert_array_equal(loaded.table, color.table)
     assert loaded.circle is None
     assert loaded.note == ""

@@ -90,40 +90,6 @@ class ProposalParameters(msgspec.Struct, frozen=True):
 PROPOSAL = ProposalParameters()
 
 
-class NearParameters(msgspec.Struct, frozen=True):
-    """Which circles around a point are compared where no region has a closed outline.
-
-    Chosen on refused clicks on balls of r = 5 to 12 px in compressed pictures (docs/log.md): tennis and green balls.
-
-    Parameters
-    ----------
-    radii : tuple of float
-        Least and largest radius, px: larger balls have regions, for smaller ones no outline can be told.
-    sizes : int
-        Radii between them, in equal ratios.
-    scaled : float
-        Radius to which the picture is brought for each of them, px: the smoothing of `lab_of` goes with the ball then.
-    around : float
-        How far beyond the circle the picture is looked at, in radii.
-    offset, step : float
-        How far from the center the point may be, and the distance of the centers that are compared, in radii.
-    full_size : float
-        Radius from which a circle is not taken to be chance because it is small, px.
-    min_rim : float
-        Least share of the directions in which the outline is an edge: less begins at chance outlines, more refuses
-        balls behind a finger or before their own color.
-    """
-
-    radii: tuple[float, float] = (3.0, 24.0)
-    sizes: int = 10
-    scaled: float = 20.0
-    around: float = 3.0
-    offset: float = 0.8
-    step: float = 0.2
-    full_size: float = 6.0
-    min_rim: float = 0.4
-
-
 class Candidate(msgspec.Struct, frozen=True):
     """A ball-like circle.
 
@@ -172,45 +138,6 @@ def find_candidates(image: Picture, limit: int = 9) -> list[Candidate]:
         if not any(_same(circle, other) for _, other in kept):
             kept.append((score, circle))
     return [_candidate(lab, circle, score, scale) for score, circle in kept]
-
-
-def circle_near(image: Picture, x: float, y: float, limits: NearParameters) -> CircleTuple | None:
-    """Find the clearest outline of a small circle around a point, whatever regions there are.
-
-    Regions of a small ball in a compressed picture have ragged outlines, or run into the background. So circles of many
-    centers and radii are scored, each radius in an enlargement of its own.
-
-    Parameters
-    ----------
-    image : ndarray of shape (h, w, 3) or (h, w), uint8
-        BGR or gray.
-    x, y : float
-        The point, px.
-    limits : NearParameters
-
-    Returns
-    -------
-    (x, y, radius) or None
-        In px; None where no outline is an edge in enough directions.
-    """
-    best, most = None, 0.0
-    for radius in np.geomspace(*limits.radii, limits.sizes).tolist():
-        half, scale = limits.around * radius, limits.scaled / radius
-        left, top = max(round(x - half), 0), max(round(y - half), 0)
-        window = image[top : round(y + half) + 1, left : round(x + half) + 1]
-        how = cv2.INTER_CUBIC if scale > 1.0 else cv2.INTER_AREA
-        lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
-        reach = int(limits.offset / limits.step)
-        for down, across in np.ndindex(2 * reach + 1, 2 * reach + 1):
-            dx, dy = limits.step * radius * (across - reach), limits.step * radius * (down - reach)
-            if dx * dx + dy * dy > (limits.offset * radius) ** 2:
-                continue
-            place = (x + dx - left + 0.5) * scale - 0.5, (y + dy - top + 0.5) * scale - 0.5, limits.scaled
-            score = score_circle(lab, place)
-            clear = score.rim**3 * score.contrast * score.even * min(radius / limits.full_size, 1.0) ** 0.5
-            if score.rim >= limits.min_rim and clear > most:
-                best, most = (x + dx, y + dy, radius), clear
-    return best
 
 
 def lab_of(image: npt.NDArray[Any]) -> LabImage:

@@ -2,7 +2,8 @@
 
 Two ways see different things. A region grown in color stops at a stripe or a shadow of the target and leaks where the
 background is alike; the most ball-like circle around the click knows no color and sees round things only. Where both
-agree the target is what either shows; where the region leaks or holds a part of the circle, the circle decides.
+agree the target is what either shows; where the region leaks or holds a part of the circle, the circle decides. Where
+no circle stands out, the disc that stands out most from its ring is the target (`clicks.clear_disc`).
 """
 
 import itertools
@@ -15,6 +16,7 @@ import numpy.typing as npt
 
 from matchset.image.candidates import lab_of, propose_circles
 from matchset.image.circle_score import SCORE, median, score_circle
+from matchset.image.clicks.clear_disc import disc_in_place_of
 from matchset.image.color_learning import (
     DEFAULT,
     Bytes,
@@ -263,7 +265,7 @@ def regions_at_click(
     regions : list of ndarray of shape (h, w), bool
         Likeliest first.
     circle : (x, y, radius) or None
-        The most ball-like circle around the click, px, if one stands out.
+        The most ball-like circle around the click, or else the disc that stands out most, px, if one does.
     """
     values, limits = features(image, parameters), parameters.region
     region = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
@@ -273,6 +275,9 @@ def regions_at_click(
     if round_region is not None:
         return [region], round_region
     found = circle_at(image, x, y, parameters.click)
+    clear = disc_in_place_of(found, image, x, y, parameters.click.near)
+    if clear is not None:
+        return [disc_mask(region.shape, clear, limits.rim)], clear
     if found is None:
         return [region], None
     circle = found[1]

@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
-from matchset.image.candidates import circle_near
 from matchset.image.circle_score import Sample, sample_of
 from matchset.image.click_region import background_mask, circle_around, disc_mask, grow_region, regions_at_click, tells
+from matchset.image.clicks.clear_disc import disc_alone, is_outlined
 from matchset.image.color_learning import DEFAULT, ColorParameters, bin_centers, cells_of, features, log_odds_between
 from matchset.image.display.png import png_of
 from matchset.image.display.swatch import colors_in_words, swatch_of
@@ -27,6 +27,7 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 
 LIMIT = 4.0  # format: largest log-odds that a table holds, since any one pixel can be wrong
+REFUSED = "pick ({:g}, {:g}): {}, nor does anything round stand out there: click elsewhere"  # format: of a refusal
 WHITE = 127  # format: table value of a pixel that is surely target, the largest signed byte
 
 
@@ -47,6 +48,8 @@ class ColorModel(Copied):
         Where a search may begin, px: the most ball-like circle around the click, or else that of the region there.
     sample : Sample or None
         What was around that circle in the picture that was clicked.
+    is_local : bool
+        Whether it was learned against what is next to the target alone, since its color is all over the picture.
     note : str
         What a user should know of how it was learned; empty if nothing.
 
@@ -60,7 +63,7 @@ class ColorModel(Copied):
         self.gray: Gray = gray
         self.circle: tuple[float, float, float] | None = None
         self.sample: Sample | None = None
-        self.note = ""
+        self.is_local, self.note = False, ""
         try:
             values = np.array(log_odds, np.float32)
         except (TypeError, ValueError):
@@ -156,20 +159,23 @@ class ColorModel(Copied):
             if isinstance(model, ColorModel):
                 model.circle = circle_around(targets[0])
                 return model
-            circle = circle_near(image, x, y, parameters.click.near)
+            circle = disc_alone(image, x, y, parameters.click.near)
             if circle is None:
-                raise ValueError(f"pick ({x:g}, {y:g}): {model}, nor is an outline around it closed: click elsewhere")
+                raise ValueError(REFUSED.format(x, y, model))
             targets = [disc_mask(image.shape, circle, parameters.region.rim)]
         found: list[ColorModel] = []
         for target in targets:
             model = cls._told_apart(image, target, background_mask(target, parameters), parameters)
-            if isinstance(model, str):
-                continue
-            model.circle = circle
-            found.append(model)
-            if tells(model, image, target, circle, parameters.region):
-                return model
+            if isinstance(model, ColorModel):
+                model.circle = circle
+                found.append(model)
+                if tells(model, image, target, circle, parameters.region):
+                    return model
         near = cls._in_its_surroundings(image, targets[-1], circle, parameters)
+        if isinstance(near, str):
+            if found:
+                return found[0]
+            raise ValueError(REFUSED.format(x, y, near))
         disc = disc_mask(image.shape, circle, parameters.region.rim)
         return found[0] if found and not tells(near, image, disc, circle, parameters.region) else near
 
@@ -180,17 +186,16 @@ class ColorModel(Copied):
         target: npt.NDArray[np.bool_],
         circle: tuple[float, float, float],
         parameters: ColorParameters,
-    ) -> "ColorModel":
-        """Learn what tells the target from what is next to it, where its color is all over the picture.
-
-        Where not even that helps, only contrast counts (`edges`).
-        """
+    ) -> "ColorModel | str":
+        """Learn what tells the target from what is next to it, or else follow its outline; without one, say why not."""
         outside = background_mask(target, parameters) & disc_mask(target.shape, circle, parameters.surroundings)
         model = cls._told_apart(image, target, outside, parameters)
         how = "learned against what is next to it"
         if isinstance(model, str):
+            if not is_outlined(image, circle, parameters.click.near):
+                return model
             model, how = cls.edges().for_image(image), "only edges are followed, which is less sure"
-        model.circle = circle
+        model.circle, model.is_local = circle, not model.gray
         model.note = f"the color at ({circle[0]:.0f}, {circle[1]:.0f}) is all over the picture: {how}"
         return model
 
@@ -321,7 +326,7 @@ class ColorModel(Copied):
     def copy(self) -> "ColorModel":
         """Make a model of its own, so that adapting it leaves this one alone."""
         model = ColorModel(self.log_odds, self.gray)
-        model.circle, model.sample, model.note = self.circle, self.sample, self.note
+        model.circle, model.sample, model.is_local, model.note = self.circle, self.sample, self.is_local, self.note
         return model
 
     def scores(self, pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
@@ -370,7 +375,7 @@ class ColorModel(Copied):
         path : str or Path
             Where; the name is taken as it is.
         """
-        write_color(Path(path), ColorFile(self.log_odds, self.gray, self.sample))
+        write_color(Path(path), ColorFile(self.log_odds, self.gray, self.sample, self.is_local))
 
     @classmethod
     def load(cls, path: str | Path) -> "ColorModel":
@@ -390,5 +395,5 @@ class ColorModel(Copied):
             model = cls(kept.log_odds, kept.gray)
         except ValueError as error:
             raise ValueError(f"not a color file: {path} ({error})") from error
-        model.sample = kept.sample
+        model.sample, model.is_local = kept.sample, kept.is_local
         return model

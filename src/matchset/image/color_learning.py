@@ -19,7 +19,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.candidates import NearParameters
+from matchset.image.clicks.clear_disc import NearParameters
 
 Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float32]
@@ -117,7 +117,7 @@ class ClickParameters(msgspec.Struct, frozen=True):
     around_least : float
         Radius from which a circle is one around another and not the same, in radii.
     near : NearParameters
-        Which circles are compared where neither a region nor its color stands out.
+        Which discs are compared where no circle stands out.
     """
 
     half_widths: tuple[float, ...] = (140.0, 36.0)

@@ -294,7 +294,7 @@ class Tracker(Copied, Generic[S]):
             elif self._hint is not None:
                 if self._holds_hint(estimate.state):
                     merit += self.parameters.detection.hint_bonus
-                elif self._fitter.validate_detection(estimate, Prior.NONE if self._frames == 1 else Prior.PRESENT):
+                elif self._fitter.validate_detection(estimate, self._unseen.elsewhere(self.color, self._frames == 1)):
                     continue
             elif not (self._is_expected(estimate) or self._is_alone(image, estimate)):
                 continue
@@ -355,8 +355,9 @@ class Tracker(Copied, Generic[S]):
         here, there = gate_of(self._family, predicted), gate_of(self._family, estimate.state)
         if here.near(there, limits):
             return True
-        prior = Prior.NONE if here.alone(there, limits) else Prior.PRESENT
-        valid = not self._fitter.validate_detection(estimate, prior)
+        valid = not self._fitter.validate_detection(
+            estimate, self._unseen.elsewhere(self.color, here.alone(there, limits))
+        )
         return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
 
     def _confirm(self, image: Image, state: Floats, predicted: Floats | None) -> str | None:
@@ -388,7 +389,7 @@ class Tracker(Copied, Generic[S]):
             return Prior.HERE
         weighs = self._fitter.weighs(self.color)
         if self._hint is None:
-            return Prior.PRESENT if weighs and self._last is not None else Prior.NONE
+            return self._unseen.elsewhere(self.color, not weighs or self._last is None)
         return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
 
     def _shape_of(self, state: Floats) -> S | None:

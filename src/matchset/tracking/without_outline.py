@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
 from matchset.tracking.motion import Gate
 from matchset.tracking.parameters import TrackerParameters
@@ -32,6 +33,8 @@ class WithoutOutline:
     ----------
     prominence : Prominence
         Whether the target is alone with its color.
+    seen : bool
+        Whether the outline of the target was seen.
     """
 
     def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
@@ -39,11 +42,13 @@ class WithoutOutline:
         self.prominence = Prominence(parameters.prominence, parameters.search)
         self._discs = ColorDiscs(parameters.color_disc, self.prominence)
         self._template = Template(parameters.template)
+        self.seen = False
 
     def forget(self) -> None:
         """Be as one is that has seen nothing."""
         self._discs.forget()
         self._template.forget()
+        self.seen = False
 
     def remember(self, image: Image, color: ColorModel, seen: Gate, time: float) -> None:
         """Remember the color and the looks of a target whose outline is seen.
@@ -57,10 +62,24 @@ class WithoutOutline:
         time : float
             Of the picture, s.
         """
+        self.seen = True
         if self._step.fitter.weighs(color):
             self._discs.measure(image, color, seen)
         if self._step.is_disc:
             self._template.learn(image, seen, time)
+
+    def elsewhere(self, color: ColorModel, unknown: bool) -> Prior:
+        """Say what is known of a shape that is not where somebody clicked, nor where the target is expected.
+
+        A color that was learned against what is next to the target may be anywhere else.
+
+        Parameters
+        ----------
+        color : ColorModel
+        unknown : bool
+            Whether nothing is known of it in any case.
+        """
+        return Prior.NONE if unknown or (color.is_local and not self.seen) else Prior.PRESENT
 
     def take(
         self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, time: float, interval: float

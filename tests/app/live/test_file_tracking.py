@@ -181,7 +181,7 @@ def test_diameter_and_view_locate_what_was_found_before(feed: FileFeed, path: Pa
     tracked(feed)
     feed.ask(FieldOfView(1.0))
     feed.ask(Diameter(1, 0.28))
-    wait(lambda: feed.seen.state.targets[0].position)
+    wait(lambda: feed.seen.state.targets and feed.seen.state.targets[0].position)
     camera = ms.CameraModel.from_fov(WIDTH, HEIGHT, 1.0)
     pose = ms.Localizer(camera, ms.BallTarget(diameter=0.28)).update(by_hand(path, CLICK, False)[CLICK])
     assert isinstance(pose, Pose)

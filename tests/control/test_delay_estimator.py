@@ -107,3 +107,12 @@ def test_bad_numbers_are_refused() -> None:
     for name in ("noise", "contrast", "first_time", "last_time", "max_rate"):
         with pytest.raises(ValueError, match=name):
             DelayEstimatorParameters(**{name: -1.0})
+
+
+def test_a_parabola_whose_least_lies_far_outside_leads_to_the_last_delay_that_is_compared() -> None:
+    rising = 1e-3 * np.array((0.0, 1.0, 2.1, 3.3, 4.6, 6.0, 7.5, 9.1))
+    for left, expected in ((rising, DELAYS[0]), (rising[::-1].copy(), DELAYS[-1])):
+        estimator = DelayEstimator(DELAYS)
+        for _ in range(1200):
+            estimator.update(left, STEP)
+        assert estimator.extra == pytest.approx(expected, abs=1e-3)

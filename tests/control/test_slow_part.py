@@ -43,3 +43,10 @@ def test_a_long_gap_does_not_upset_it() -> None:
     slow.forget()
     slow.update((4.0, 4.0, 4.0), 0.033)
     assert slow.values == [4.0, 4.0, 4.0]
+
+
+def test_a_jump_over_a_long_gap_is_come_near_to_and_not_past_by_much() -> None:
+    slow = SlowPart(0.3)
+    for value in (1.0, 2.0, 2.0, 2.0):
+        slow.update((value, value, value), 5.0)
+        assert all(0.9 < each < 2.2 for each in slow.values)

@@ -28,11 +28,12 @@ def showing() -> Iterator[Served]:
     with served() as made:
 
         def show() -> None:
-            number = 0
+            number = 1
             while not ended.wait(0.003):
                 made.feed.show(seen_of(number, found=number % 2 == 0))
                 number += 1
 
+        made.feed.show(seen_of(0))  # whoever joins sees a target
         thread = threading.Thread(target=show)
         thread.start()
         try:

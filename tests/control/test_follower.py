@@ -86,13 +86,13 @@ def test_it_goes_around_a_neighbor_that_turns_and_turns_with_it() -> None:
     world = World(Follower(), (0.0, 0.0, -1.5))
     run(world, 2.0)
     world.neighbor_yaw = 0.35
-    answers = run(world, 24.0, 2.0)  # a turn looks like a trim at first, which takes 10 s to unlearn
+    answers = run(world, 25.0, 2.0)  # a turn looks like a trim at first, which takes 10 s to unlearn
     assert world.place(14.0) == pytest.approx((0.0, 0.0, 1.5), abs=0.02)
-    assert world.motion.at(26.0).yaw == pytest.approx(0.35, abs=0.02)
+    assert world.motion.at(27.0).yaw == pytest.approx(0.35, abs=0.02)
     answer = answers[-1]
     assert answer is not None
     assert abs(answer.bearing) < 0.02
-    assert (answer.side, answer.height, answer.heading) == pytest.approx(world.place(26.0), abs=0.02)
+    assert (answer.side, answer.height, answer.heading) == pytest.approx(world.place(27.0), abs=0.02)
 
 
 @pytest.mark.parametrize("trim", [0.175, -0.175])

@@ -126,10 +126,35 @@ def test_it_says_nothing_before_it_has_enough_poses_close_together() -> None:
     assert worst(results(delay=0.5, begin=0.0, steps=range(0, 180, 6))) == 0.0
 
 
+def watched(parameters: MotionConsistencyParameters, steps: int) -> tuple[MotionConsistency, list[tuple[float, bool]]]:
+    """Evidence, and whether pictures may be those of now, of pictures that are half a second old from 3 s on."""
+    model, ego, consistency, said = EgoMotion(), EgoMotion(), MotionConsistency(parameters), []
+    for step in range(steps):
+        time = step / FPS
+        there = ego.at(time if time < 3.0 else time - 0.5)
+        away = there.rotation.T @ (BALL - there.position)
+        pose = Pose(position=away, rotation_matrix=None, covariance=np.eye(6), observed="position", time=time)
+        consistency.update(pose, model)
+        said.append((consistency.evidence, consistency.holds))
+        for each in (ego, model):
+            each.update(AttitudeCommand(pitch=0.1 * math.sin(8.0 * time)), time + LATENCY)
+    return consistency, said
+
+
+@pytest.mark.parametrize("confirmations", [1, 2, 3])
+def test_so_many_poses_in_a_row_must_give_too_much_evidence(confirmations: int) -> None:
+    said = watched(MotionConsistencyParameters(confirmations=confirmations), 120)[1]
+    row = 0
+    for evidence, holds in said:
+        row = row + 1 if evidence > LIMIT else 0
+        assert holds == (row < confirmations)
+    assert not all(holds for _, holds in said)
+    alone = watched(MotionConsistencyParameters(confirmations=1000), 120)[1]
+    assert all(holds for _, holds in alone)
+
+
 def test_after_a_reset_it_begins_anew() -> None:
-    consistency = MotionConsistency()
-    assert consistency.holds
-    consistency.evidence = 10.0
+    consistency = watched(MotionConsistencyParameters(), 120)[0]
     assert not consistency.holds
     consistency.reset()
     assert consistency.holds

@@ -6,8 +6,11 @@ follows its stick s through a first-order lag of the motors and a damped second-
     L db/dt = s - b,    T^2 t'' = b - t - 2 z T t',
 
 and accelerates the vehicle level, ``dv/dt = g tan(t) / m - v / D``, with the ratio m of moved mass to carried mass and
-the drag time D. The constant stick offset that holds the vehicle still, its trim, is no tilt and is subtracted before.
-The position drifts; it serves to compare moments less than a second apart.
+the drag time D (to the right that is over the cosine of the pitch). The yaw rate y' that is commanded is that of a
+gyroscope, which turns with its vehicle: with the roll r and the pitch p the yaw turns by ``(y' - p' sin r) / (cos r cos
+p)``, ten degrees in a third of a second where both change at once. The constant stick offset that holds the vehicle
+still, its trim, is no tilt and is subtracted before. The position drifts; it serves to compare moments less than a
+second apart.
 """
 
 import math
@@ -208,14 +211,7 @@ class EgoMotion(Copied):
         precompile()
 
     def update(self, command: AttitudeCommand, now: float) -> None:
-        """Note a command that was sent.
-
-        Parameters
-        ----------
-        command : AttitudeCommand
-        now : float
-            When, s; later than before.
-        """
+        """Note a command that was sent, and when, s; later than before."""
         extend(self._block, now)
         self._command[:] = command
 
@@ -249,15 +245,17 @@ class EgoMotion(Copied):
         """
         interpolate_all(self._block, times, self.delay, states)
 
-    def add_vertical_speed(self, speed: float, time: float) -> None:
-        """Change the vertical speed from a time on; where the vehicle was then stays the same.
+    def add_velocity(self, velocity: Floats, time: float) -> None:
+        """Change the velocity from a time on; where the vehicle was then stays the same.
 
         Parameters
         ----------
-        speed, time : float
-            Downward, m/s; s, as in `at`.
+        velocity : ndarray of shape (3,), float64
+            In the frame at rest, m/s.
+        time : float
+            s, as in `at`.
         """
-        change_speed(self._block, speed, time - self.delay)
+        change_velocity(self._block, velocity, time - self.delay)
 
 
 @helper
@@ -279,9 +277,10 @@ def propagate(work: Any, before: Block, step: float, after: Block) -> None:
         new.tilt[k] = old.tilt[k] + step * new.tilt_rate[k]
     new.yaw_rate = old.yaw_rate + (command.yaw_rate - old.yaw_rate) * step / (model.yaw_lag + step)
     new.lift = old.lift + (command.lift - old.lift) * step / (model.lift_lag + step)
-    new.yaw = old.yaw + new.yaw_rate * step
+    turned = new.yaw_rate - math.sin(new.tilt[0]) * new.tilt_rate[1]
+    new.yaw = old.yaw + step * turned / (math.cos(new.tilt[0]) * math.cos(new.tilt[1]))
     gravity = GRAVITY / model.effective_mass_ratio
-    right, forward = gravity * math.tan(new.tilt[0]), gravity * math.tan(new.tilt[1])
+    right, forward = gravity * math.tan(new.tilt[0]) / math.cos(new.tilt[1]), gravity * math.tan(new.tilt[1])
     c, s = math.cos(new.yaw), math.sin(new.yaw)
     drag = max(1.0 - step / model.drag_time, 0.0)
     new.velocity[0] = drag * old.velocity[0] + (right * c + forward * s) * step
@@ -367,14 +366,15 @@ def interpolate_all(block: Block, times: Floats, delay: float, states: Floats) -
 
 
 @kernel(refcount=False)
-def change_speed(block: Block, speed: float, time: float) -> None:
-    """Add a speed along y to the states after a time, and to the last one, from which others are extrapolated."""
+def change_velocity(block: Block, velocity: Floats, time: float) -> None:
+    """Add a velocity to the states after a time, and to the last one, from which others are extrapolated."""
     work = block.view(WORK)[0]
     for k in range(max(work.count - CAPACITY, 0), work.count):
         state = work.ring[k % CAPACITY].view(STATE)[0]
         if state.time > time or k == work.count - 1:
-            state.velocity[1] += speed
-            state.position[1] += speed * (state.time - time)
+            for axis in range(3):
+                state.velocity[axis] += velocity[axis]
+                state.position[axis] += velocity[axis] * (state.time - time)
 
 
 @kernel(refcount=False)
@@ -390,10 +390,10 @@ def write_rotation(block: Block, rotation: Floats) -> None:
 
 
 def precompile() -> None:
-    """Compile the kernels that Python calls, with the types that `EgoMotion` hands over."""
+    """Compile the kernels that Python calls."""
     block, states = new_block(WORK), np.zeros((1, STATE_SIZE))
     extend(block, 0.0)
     interpolate_one(block, 0.0, states[0])
     interpolate_all(block, np.zeros(1), 0.0, states)
-    change_speed(block, 0.0, 0.0)
+    change_velocity(block, np.zeros(3), 0.0)
     write_rotation(states[0], np.empty((3, 3)))

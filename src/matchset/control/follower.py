@@ -13,11 +13,12 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.control.chain.gain_schedule import Gains, GainSchedule, GainScheduleParameters
 from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters
-from matchset.control.command import Command
+from matchset.control.command import Command, clip
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
-from matchset.control.learned.takeoff import TakeoffParameters, attribute_vertical_speed
+from matchset.control.learned.common_motion import CommonMotionParameters, hand_over
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
@@ -30,6 +31,7 @@ from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
 Floats = npt.NDArray[np.float64]
+Pair = tuple[float, float]
 
 
 class RelativeSetpoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -85,16 +87,13 @@ class FollowerParameters(
         Its integral learns a trim; its lead is the lag of this loop and more: an answered turn is no trim.
     hover_throttle : float
         Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate (``hover``).
-    horizontal_lead : float
-        Time from the first to the full effect of a command, s, for which the level axes are predicted. More is calmer,
-        until the prediction fails. Decision 074; about tilt_lag + tilt_time (``lead``).
-    vertical_lead : float
-        The same for the height. Chosen by: decision 074; about lift_lag (``rise_lead``).
-    oscillation_feedforward : float
-        Share of the setpoint's oscillating acceleration that is flown at once, 0 ... 1. More follows a steady swing
-        closer, and passes it on to the next of the chain. Chosen by: decision 074 (``ahead``).
-    drift_feedforward : float
-        The same for its other acceleration. Chosen by: decision 074 (``drift``).
+    horizontal_lead, vertical_lead : float
+        Time from the first to the full effect of a command, s, for which level axes and height are predicted. More is
+        calmer, until the prediction fails. Decision 074; about tilt_lag + tilt_time, and lift_lag (``lead``,
+        ``rise_lead``).
+    oscillation_feedforward, drift_feedforward : float
+        Shares of the setpoint's oscillating acceleration, and of its other one, that are flown at once, 0 ... 1. More
+        follows closer, and passes it on to the next of the chain. Chosen by: decision 074 (``ahead``, ``drift``).
     horizontal_speed, vertical_speed : FeedforwardParameters
         Feedforward of the neighbor's speed, level and upward (``pace``, ``rise_pace``).
     ego_motion : EgoMotionParameters
@@ -105,12 +104,12 @@ class FollowerParameters(
         When the motion of the ball does not answer to the commands (``answer``).
     thrust_estimator : ThrustEstimatorParameters
         Estimate of the throttle that hovers (``thrust``).
-    takeoff : TakeoffParameters
-        Whose vertical speed is seen at first.
-    mount : MountParameters
-        How camera and marker are mounted.
-    beyond : NextButOneParameters
-        How much the next-but-one ball counts.
+    common, mount, beyond : CommonMotionParameters, MountParameters, NextButOneParameters
+        Whose velocity the pictures show; how camera and marker are mounted; how the next-but-one ball counts.
+    schedule : GainScheduleParameters
+        The gains that hold where chain and delay are short; those above hold where one of them is long.
+    max_stick : float
+        Largest roll and pitch stick of the low gains, 0 ... 1; with all of it long chains fall in their start.
     max_extrapolation : float
         How long the neighbor's drift goes on after its last pose, s; then it stands still. Estimate (``reach``).
     pose_timeout : float
@@ -153,9 +152,11 @@ class FollowerParameters(
     neighbor: NeighborFilterParameters = NeighborFilterParameters()
     motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
     thrust_estimator: ThrustEstimatorParameters = ThrustEstimatorParameters()
-    takeoff: TakeoffParameters = TakeoffParameters()
+    common: CommonMotionParameters = CommonMotionParameters()
     mount: MountParameters = MountParameters()
     beyond: NextButOneParameters = NextButOneParameters()
+    schedule: GainScheduleParameters = GainScheduleParameters()
+    max_stick: float = 0.8
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
     min_step: float = 1e-3
@@ -195,14 +196,6 @@ class ControlOutput(NamedTuple):
     yaw: PidTerms
 
 
-class LevelTarget(NamedTuple):
-    """Setpoint in the frame at rest: position x, z, velocity, acceleration that is fed forward."""
-
-    position: tuple[float, float]
-    velocity: tuple[float, float]
-    acceleration: tuple[float, float]
-
-
 class Follower:
     """Holds a setpoint beside one neighbor. The constructor compiles all kernels.
 
@@ -236,6 +229,8 @@ class Follower:
         self._up, self._yaw = Pid(self.parameters.vertical), Pid(self.parameters.yaw)
         level, vertical = self.parameters.horizontal_speed, self.parameters.vertical_speed
         self._speed_x, self._speed_y, self._speed_z = map(SpeedFeedforward, (level, vertical, level))
+        low = Gains(self.parameters.horizontal, level, vertical, max_stick=self.parameters.max_stick)
+        self._schedule = GainSchedule(low, self.parameters.schedule)
         self._pose_time = self._time = -math.inf
         self._upright = 1.0  # cosine of the tilt at which the last command acts
 
@@ -261,7 +256,7 @@ class Follower:
             pose = self.mount.turn(pose)
             if self.neighbor.update(pose, own):
                 lifted = pose.time - self.thrust.lift_time
-                attribute_vertical_speed(self.ego_motion, self.neighbor, lifted, since, parameters.takeoff)
+                hand_over(self.ego_motion, (self.neighbor, self.beyond.ball), lifted, since, parameters.common)
                 self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
                 self.thrust.delay = self.ego_motion.delay
                 upright = math.cos(own.roll) * math.cos(own.pitch)
@@ -332,6 +327,10 @@ class Follower:
     def _control(self, acts: float, step: float) -> ControlOutput:
         """Run the controllers for a command that begins to act at a time."""
         parameters, model = self.parameters, self.parameters.ego_motion
+        gains = self._schedule.update(acts - self.neighbor.time, step, acts - self.thrust.lift_time)
+        self._right.parameters = self._forward.parameters = gains.horizontal
+        self._speed_x.parameters = self._speed_z.parameters = gains.horizontal_speed
+        self._speed_y.parameters = gains.vertical_speed
         times = acts, acts + parameters.horizontal_lead, acts + parameters.vertical_lead
         own, own_level, own_vertical = self.ego_motion.at_times(times)
         ball, ball_level, ball_vertical = self.beyond.at_times(self.neighbor, times, parameters.max_extrapolation)
@@ -346,40 +345,43 @@ class Follower:
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         yaw_rate = self._yaw.update(0.0, -bearing, step)
         gravity = GRAVITY / model.effective_mass_ratio
-        stick = 1.0 if acts >= self.thrust.lift_time else 0.0  # in a hand a flight controller's integrals wind up
+        most = gains.max_stick if acts >= self.thrust.lift_time else 0.0  # in a hand integrals wind up
         self._upright = max(math.cos(own.roll) * math.cos(own.pitch), parameters.min_tilt_cosine)
         desired = DesiredCommand(
-            stick * math.atan(right / gravity) / model.full_tilt,
-            stick * math.atan(forward / gravity) / model.full_tilt,
-            stick * yaw_rate / model.full_yaw_rate,
+            clip(math.atan(right / gravity) / model.full_tilt, -most, most),
+            clip(math.atan(forward / gravity) / model.full_tilt, -most, most),
+            yaw_rate / model.full_yaw_rate if most else 0.0,
             self.hover_throttle * (1.0 + up / gravity) / self._upright,
         )
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
-        terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
+        terms = (each.terms for each in (self._right, self._forward, self._up, self._yaw))
         return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms)
 
     def _accelerate_up(self, own: EgoState, ball: Forecast, step: float) -> float:
         """Acceleration upward that leads to the setpoint, m/s^2."""
         error = own.position.item(1) - ball.y.value + self.setpoint.height
-        return self._up.update(0.0, -error, step, self._speed_y.output(ball.y.speed) - own.velocity.item(1))
+        ahead = -self._schedule.gains.vertical_drift_feedforward * ball.y.drift_acceleration
+        return ahead + self._up.update(0.0, -error, step, self._speed_y.output(ball.y.speed) - own.velocity.item(1))
 
     def _accelerate_level(self, own: EgoState, ball: Forecast, yaw: float, step: float) -> tuple[float, float]:
         """Accelerations to the right and forward that lead to the setpoint, m/s^2."""
-        goal = self._level_target(ball)
+        place, speed, (ax, az) = self._level_target(ball)
         cos, sin = math.cos(yaw), math.sin(yaw)
         position, velocity = own.position.tolist(), own.velocity.tolist()
-        x, z = goal.position[0] - position[0], goal.position[1] - position[2]
-        vx, vz = goal.velocity[0] - velocity[0], goal.velocity[1] - velocity[2]
+        x, z = place[0] - position[0], place[1] - position[2]
+        vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
         right, forward = x * cos - z * sin, x * sin + z * cos
         right_speed, forward_speed = vx * cos - vz * sin, vx * sin + vz * cos
-        ax, az = goal.acceleration
         return (
             self._right.update(0.0, -right, step, -right_speed) + ax * cos - az * sin,
             self._forward.update(0.0, -forward, step, -forward_speed) + ax * sin + az * cos,
         )
 
-    def _level_target(self, ball: Forecast) -> LevelTarget:
-        """Find the setpoint in the frame at rest; the level ball frame, z out, y down, x = y cross z, turns with it."""
+    def _level_target(self, ball: Forecast) -> tuple[Pair, Pair, Pair]:
+        """Find place, velocity and acceleration of the setpoint along x and z of the frame at rest.
+
+        The level ball frame, z out, y down, x = y cross z, turns with the ball.
+        """
         sin, cos, yaw_rate = math.sin(ball.yaw.value), math.cos(ball.yaw.value), ball.yaw.speed
         side, heading = self.setpoint.side, self.setpoint.heading
         x, z = side * cos + heading * sin, heading * cos - side * sin  # from the ball to the setpoint
@@ -388,7 +390,7 @@ class Follower:
             swing * axis.oscillation_acceleration + drift * axis.drift_acceleration
             for axis in (ball.x, ball.z, ball.yaw)
         )
-        return LevelTarget(
+        return (
             (ball.x.value + x, ball.z.value + z),
             (
                 self._speed_x.output(ball.x.speed) + yaw_rate * z,

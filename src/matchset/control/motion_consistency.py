@@ -43,7 +43,12 @@ class MotionConsistencyParameters(
     frozen=True,
     kw_only=True,
     forbid_unknown_fields=True,
-    rename={"max_evidence": "limit", "settling_time": "begin", "delay_estimator": "latency"},
+    rename={
+        "max_evidence": "limit",
+        "confirmations": "agreeing",
+        "settling_time": "begin",
+        "delay_estimator": "latency",
+    },
 ):
     """When pictures are taken to be old; the key in a file is in parentheses if another one.
 
@@ -78,8 +83,11 @@ class MotionConsistencyParameters(
     noise : float
         Standard deviation of what a perfect model leaves, rad: that of a picture.
     max_evidence : float
-        Largest evidence with which a vehicle flies on. In flights without fault 1.8 was the largest, in a gust of wind,
+        Largest evidence with which a vehicle flies on. In flights without fault 1.9 was the largest, in a gust of wind,
         1.5 with Betaflight, and 1.2 in all others (``limit``).
+    confirmations : int
+        So many poses in a row must give more than that: in gusts one alone did. More is a picture later each
+        (``agreeing``).
     settling_time : float
         Time after the start in which nothing is said of old pictures, s: the vehicle is in a hand or on the ground,
         which its dead reckoning does not know (``begin``).
@@ -101,6 +109,7 @@ class MotionConsistencyParameters(
     memory: float = 0.5
     noise: float = 0.001
     max_evidence: float = 1.85
+    confirmations: int = 2
     settling_time: float = 0.8
     delay_estimator: DelayEstimatorParameters = DelayEstimatorParameters()
 
@@ -109,7 +118,7 @@ class MotionConsistencyParameters(
         require(self, ("few",), lambda value: value <= self.least, "at most least")
         require(self, ("least",), lambda value: value <= self.window, "at most window")
         require(self, ("after",), lambda value: 1 <= value <= self.least, "within 1 ... least")
-        require(self, ("stride",), lambda value: value >= 1, "1 or more")
+        require(self, ("stride", "confirmations"), lambda value: value >= 1, "1 or more")
         require_positive(self, ("max_duration", "spacing", "noise", "max_evidence", "settling_time"))
         require_not_negative(self, ("memory", "latest"))
         require(self, ("memory",), lambda value: value < 1.0, "below 1")
@@ -161,11 +170,12 @@ class MotionConsistency:
     @property
     def holds(self) -> bool:
         """Whether the pictures may be those of now."""
-        return self.evidence <= self.parameters.max_evidence
+        return self._against < self.parameters.confirmations
 
     def reset(self) -> None:
         """Forget everything but the latency: the vehicle does not fly."""
         self._count, self._settled, self._begin, self._time, self.evidence = 0, 0, math.inf, -math.inf, 0.0
+        self._against = 0  # poses in a row whose evidence is too large
         self.latency.reset()
 
     def update(self, pose: Pose, ego: EgoMotion, flies: bool = True) -> None:
@@ -194,6 +204,7 @@ class MotionConsistency:
         known = count > parameters.few and 0.0 < time - self._window.item(-count, TIME) <= parameters.max_duration
         evidence = self._measure(count) if known else 0.0
         self.evidence = evidence if settled else 0.0
+        self._against = self._against + 1 if self.evidence > parameters.max_evidence else 0
         if known and self.evidence <= 0.5 * parameters.max_evidence:  # old pictures are no latency
             self.latency.update(self._left, time - self._time)
             ego.delay = max(ego.parameters.delay + self.latency.extra, 0.0)

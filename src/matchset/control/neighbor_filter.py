@@ -16,7 +16,6 @@ from matchset.control.ego_motion import STATE, STATE_SIZE, EgoState, write_rotat
 from matchset.control.neighbor_model import (
     AXES,
     ORDER,
-    VERTICAL,
     YAW,
     AxisForecast,
     AxisGroup,
@@ -150,13 +149,13 @@ class NeighborFilter(Copied):
         return numbers
 
     @property
-    def vertical_speed(self) -> float:
-        """Speed of its drift along y, downward, in the frame at rest, m/s."""
-        return float(self._estimate[VERTICAL, SPEED])
+    def velocity(self) -> Floats:
+        """Velocity of its drift in the frame at rest, (3,), m/s."""
+        return self._estimate[:YAW, SPEED].copy()
 
-    def add_vertical_speed(self, speed: float) -> None:
-        """Add to the vertical speed of its drift, downward, m/s: dead reckoning was found to be wrong by that."""
-        self._estimate[VERTICAL, SPEED] += speed
+    def add_velocity(self, velocity: Floats) -> None:
+        """Add to the velocity of its drift, (3,), m/s: dead reckoning was found to be wrong by that."""
+        self._estimate[:YAW, SPEED] += velocity
 
 
 def named(numbers: Floats) -> list[Forecast]:

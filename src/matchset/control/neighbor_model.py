@@ -122,7 +122,7 @@ class NeighborFilterParameters(
     oscillation_damping: float = 0.021
     oscillation_sigma: float = 0.075
     yaw_oscillation_sigma: float = 0.03
-    tilt_sigma: float = 0.025
+    tilt_sigma: float = 0.04
     yaw_sigma: float = 0.01
     systematic_sigma: float = 0.005
     gate: float = 5.0

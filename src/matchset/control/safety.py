@@ -87,7 +87,7 @@ class SafetyParameters(
         not allow a jump of the sticks.
     """
 
-    max_tilt: float = 0.8
+    max_tilt: float = 1.0
     max_yaw: float = 1.0
     min_throttle: float = 0.2
     max_throttle: float = 0.9

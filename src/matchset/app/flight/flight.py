@@ -15,6 +15,7 @@ from matchset.app.flight.outline_pilot import OutlinePilot
 from matchset.app.flight.pilot import Pilot, PilotParameters, PilotStep
 from matchset.app.flight.real_time.memory import steady_memory
 from matchset.camera.camera_model import CameraModel
+from matchset.control.chain.long_chain import LongChainParameters, in_chain
 from matchset.image.frame import Frame
 from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
 from matchset.localization.markers.ball_colors import Colors, learn_colors
@@ -37,7 +38,9 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     world : SimulationParameters
         The world, its cameras and its links.
     pilot : PilotParameters
-        Every follower's loop.
+        Every follower's loop, in a short chain.
+    long : LongChainParameters
+        What is otherwise in a long one.
     linked : LinkedParameters
         Times of a real flight.
     together : int
@@ -64,6 +67,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     sight_margin: float = 2.0
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
+    long: LongChainParameters = LongChainParameters()
     linked: LinkedParameters = LinkedParameters()
 
     def __post_init__(self) -> None:
@@ -79,6 +83,12 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             raise ValueError(f"sight_ahead must be within 0 ... 60, got {self.sight_ahead}")
         if not 0.0 <= self.sight_margin <= 10.0:
             raise ValueError(f"sight_margin must be within 0 ... 10, got {self.sight_margin}")
+
+    @property
+    def loop(self) -> PilotParameters:
+        """Every follower's loop in a chain of this length."""
+        follower = in_chain(self.pilot.follower, self.world.vehicles - 1, self.long)
+        return msgspec.structs.replace(self.pilot, follower=follower)
 
     def arming_time(self, follower: int) -> float:
         """When a follower, from 0, is armed at the latest, s: until then a hand holds it."""
@@ -300,7 +310,7 @@ class Flight(ChainFlight):
         cameras, links = self.chain.cameras, self.chain.links
         self.samples: tuple[Frame, ...] = tuple(camera.sample() for camera in cameras)
         self.setup = FlightSetup(self.parameters, tuple(camera.model for camera in cameras), self.samples)
-        self._index, pilot = 0, self.parameters.pilot
+        self._index, pilot = 0, self.parameters.loop
         self.colors: tuple[Colors, ...] = ()
         self.pilots: tuple[Pilot, ...]
         if self.parameters.world.quick:

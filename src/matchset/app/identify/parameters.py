@@ -91,6 +91,7 @@ def _careful_follower(follower: FollowerParameters, parameters: IdentifyParamete
         follower,
         horizontal=replace(follower.horizontal, **dict(zip(gains, level, strict=True))),
         vertical=replace(follower.vertical, **dict(zip(gains, rise, strict=True))),
+        schedule=replace(follower.schedule, weight=0.0),
         ego_motion=replace(follower.ego_motion, delay=parameters.delay),
         motion_consistency=replace(follower.motion_consistency, earliest=parameters.earliest),
         neighbor=replace(follower.neighbor, tilt_sigma=parameters.tilt, yaw_sigma=parameters.yaw),

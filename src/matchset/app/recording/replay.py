@@ -57,7 +57,7 @@ class Replay:
         self._cameras = [RecordedCamera(model) for model in setup.cameras]
         self._links = [RecordedLink(number) for number in range(1, setup.followers + 1)]
         colors = setup.colors or [learn_colors(sample) for sample in setup.samples]
-        pilot = setup.parameters.pilot
+        pilot = setup.parameters.loop
         self._pilots = [
             Pilot(camera, link, color, pilot)
             for camera, link, color in zip(self._cameras, self._links, colors, strict=True)

@@ -145,7 +145,7 @@ def open_followers(
             stack.callback(cameras[-1].close)
         samples = tuple(_sample(camera) for camera in cameras)
         pilots = [
-            Pilot(camera, RehearsalLink(), each.colors, parameters.pilot)
+            Pilot(camera, RehearsalLink(), each.colors, parameters.loop)
             for camera, each in zip(cameras, files, strict=True)
         ]
         for pilot, follower in zip(pilots, followers, strict=True):

@@ -58,11 +58,11 @@ def test_scores_are_those_of_plain_loops(seed: int, dx: float, dy: float) -> Non
     here, there = slow_shares(inside), slow_shares(around)
     learned = learn_local_color(image, (x, y), RADIUS, LIMITS)
     assert learned is not None
-    found = learned.scores(image)
+    found, floor = learned.scores(image), LIMITS.floor / min(len(inside), len(around))
     for row in range(20, 80, 7):
         for column in range(30, 90, 7):
             bin_ = tuple(int(v) // 8 for v in lab[row, column])
-            odds = math.log((here.get(bin_, 0.0) + LIMITS.floor) / (there.get(bin_, 0.0) + LIMITS.floor))
+            odds = math.log((here.get(bin_, 0.0) + floor) / (there.get(bin_, 0.0) + floor))
             assert found[row, column] == pytest.approx(min(max(odds / LIMITS.most, -1.0), 1.0), abs=1e-3)
 
 

@@ -2,9 +2,9 @@
 
 The color model of a click knows the pixels that were clicked and the background of that time. A ball's shaded rim, its
 pale cap, or leaves of about its color are told apart better by what is inside and around it now: with histograms of
-both, p and q, each smoothed, the log-odds of a color are
+both, p and q, each smoothed, and n the pixels of the smaller one, the log-odds of a color are
 
-    ln((p + floor) / (q + floor)),
+    ln((p + floor / n) / (q + floor / n)),
 
 as in region-based tracking (Prisacariu & Reid, 2012; Stoiber et al., 2022). They are bounded, so that a color that is
 rare in both decides nothing.
@@ -48,7 +48,8 @@ class LocalColorParameters(msgspec.Struct, frozen=True):
     fewest : int
         Cells of each that are needed.
     floor : float
-        Share of a color that is not there: more believes rare colors less.
+        Cells that are added to each color: more believes colors that were seen once or twice less. With 0.006, balls in
+        noise were seen where none were.
     most : float
         Largest log-odds, which count as a full score.
     weight : float
@@ -60,7 +61,7 @@ class LocalColorParameters(msgspec.Struct, frozen=True):
     farthest: float = 1.9
     cells: int = 64
     fewest: int = 8
-    floor: float = 1e-5
+    floor: float = 0.1
     most: float = 4.0
     weight: float = 0.5
 
@@ -118,7 +119,8 @@ def learn_local_color(
     if min(np.count_nonzero(inside), np.count_nonzero(around)) < limits.fewest:
         return None
     here, there = _histogram(bins[inside]), _histogram(bins[around])
-    seen, floor, table = np.flatnonzero(here + there), np.float32(limits.floor), np.zeros(len(here), np.float32)
+    seen, table = np.flatnonzero(here + there), np.zeros(len(here), np.float32)
+    floor = np.float32(limits.floor / min(np.count_nonzero(inside), np.count_nonzero(around)))
     odds = np.log((here[seen] + floor) / (there[seen] + floor))
     table[seen] = np.clip(odds / np.float32(limits.most), -1.0, 1.0)
     return LocalColor(table)

@@ -39,7 +39,7 @@ class ReachParameters(msgspec.Struct, frozen=True):
         changed at most, a shape is taken for the one that was lost: it was in the picture there.
     alone, alone_growth : float
         Distance from the prediction, in half-widths, and factor of size, from which on nothing speaks for a detection
-        but itself. The factor was 2.6 to 7 in four rendered false locks after a ball had left, where more was allowed;
+        but itself. The factor was 1.8 to 7 in five rendered false locks after a ball had left, where more was allowed;
         more finds again what was followed at a wrong size, and things that are not the target.
     """
 
@@ -53,7 +53,7 @@ class ReachParameters(msgspec.Struct, frozen=True):
     remembered: float = 1.5
     remembered_growth: float = 1.4
     alone: float = 3.0
-    alone_growth: float = 2.0
+    alone_growth: float = 1.7
 
 
 class Gate(NamedTuple):

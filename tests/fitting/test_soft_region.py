@@ -82,3 +82,20 @@ def test_sharp_disc_is_no_other_shape() -> None:
     found = find_soft_region(streak(0.0, 1.0), (X + 3.0, Y, RADIUS), LIMITS)
     assert found is not None
     assert not found.is_other(LIMITS)
+
+
+@pytest.mark.parametrize("length", [30.0, 45.0, 60.0])
+def test_a_streak_agrees_with_a_swept_disc(length: float) -> None:
+    found = find_soft_region(streak(length, 4.0), (X + 3.0, Y, 1.2 * RADIUS), LIMITS)
+    assert found is not None
+    assert found.swept > 0.94
+    assert abs(found.x - X) < 1.0
+    assert found.worth(LIMITS) == LIMITS.worth
+
+
+def test_half_a_disc_agrees_with_none() -> None:
+    plain = np.full((240, 300, 3), 120, np.uint8)
+    rows, columns = np.mgrid[0:240, 0:300]
+    plain[(np.hypot(columns - X, rows - Y) < RADIUS) & (rows > Y)] = (40, 190, 210)
+    found = find_soft_region(plain, (X, Y, RADIUS), LIMITS)
+    assert found is None or found.worth(LIMITS) == 0.0

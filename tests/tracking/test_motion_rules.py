@@ -19,7 +19,7 @@ SLOW_FROM, PARAMETERS, STATES = 3, 3, 5  # three parameters and two modes, as a 
 
 @pytest.fixture(autouse=True)
 def _plain(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("extrapolate", "open_window"):
+    for name in ("extrapolate", "open_window", "remember_size"):
         monkeypatch.setattr(motion, name, interpreted(getattr(motion, name)))
 
 
@@ -39,6 +39,10 @@ def work(**changes: Any) -> Any:
         typical_half_width=0.0,
         offset_moment=0.0,
         speed_moment=0.0,
+        size_log=0.0,
+        size_trend=0.0,
+        size_count=0.0,
+        size_time=0.0,
     )
     for name, value in changes.items():
         setattr(moving, name, value)
@@ -225,5 +229,44 @@ def test_the_typical_size_follows_well_confirmed_fits_only() -> None:
     ):
         record = work(typical_half_width=typical)
         record.fit.msac_score = score
-        interpreted(motion.correct_size)(record)
+        interpreted(motion.correct_size)(record, 1.0)
         assert record.motion.typical_half_width == pytest.approx(expected)
+
+
+def sizes_seen(record: Any, sizes: list[float], score: float = 0.8, begin: float = 1.0) -> list[float]:
+    """Sizes that are remembered after each of some sightings, a thirtieth of a second apart, px."""
+    remembered = []
+    for k, size in enumerate(sizes):
+        record.fit.half_width, record.fit.msac_score = size, score
+        interpreted(motion.remember_size)(record, begin + k / 30.0)
+        remembered.append(math.exp(record.motion.size_log))
+    return remembered
+
+
+def test_a_wrong_size_for_a_few_frames_is_hardly_remembered() -> None:
+    remembered = sizes_seen(work(), [20.0] * 15 + [26.0] * 3 + [20.0] * 15)
+    assert max(remembered) < 20.8
+    assert remembered[-1] == pytest.approx(20.0, rel=0.01)
+
+
+def test_a_ball_that_grows_slowly_is_followed() -> None:
+    sizes = [20.0 * 1.01**k for k in range(60)]
+    remembered = sizes_seen(work(), sizes)
+    assert remembered[-1] == pytest.approx(sizes[-1], rel=0.04)
+
+
+def test_the_first_sightings_count_in_full_and_bad_ones_hardly() -> None:
+    assert sizes_seen(work(), [20.0, 22.0], 1.0)[-1] == pytest.approx(math.sqrt(20.0 * 22.0), rel=1e-9)
+    assert sizes_seen(work(), [20.0] + [24.0] * 10, 0.0)[-1] == pytest.approx(20.0)
+
+
+def test_the_usual_size_is_known_for_a_while_and_no_longer() -> None:
+    record = work()
+    assert motion.usual_size(record, (1.0, 1.0 / 30.0)) is None
+    sizes_seen(record, [20.0] * 5)
+    last = 1.0 + 4.0 / 30.0
+    found = motion.usual_size(record, (last + 0.1, 1.0 / 30.0))
+    assert found is not None
+    assert found == pytest.approx((math.log(20.0), 3.0))
+    assert motion.usual_size(record, (last + LIMITS.size_kept_s, 1.0 / 30.0)) is None
+    assert sizes_seen(record, [30.0], begin=last + LIMITS.size_kept_s)[-1] == pytest.approx(30.0)

@@ -6,7 +6,8 @@ points as the outline has parameters are drawn, on lines that lie apart, and giv
 whether they have an edge point on it. The best of those are fitted to what agrees with them.
 
 An outline's score is the share of the lines that agree, less the target's color seen beyond it: something may hide a
-part of the target, but the target is never where it is not.
+part of the target, but the target is never where it is not. The color is half that of the model, half what tells the
+inside of the fit from what is around it in this picture (`regions/local_color.py`).
 """
 
 from typing import NamedTuple
@@ -16,6 +17,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.regions.local_color import LocalColorParameters, learn_local_color
 from matchset.image.color import ColorModel
 
 Floats = npt.NDArray[np.float64]
@@ -82,6 +84,8 @@ class ConsensusParameters(msgspec.Struct, frozen=True):
         What the target's color beyond an outline costs, and what it is worth within.
     seen : float
         Least share of the lines that an outline must cross where they were read.
+    local_color : LocalColorParameters
+        How the colors inside and around are learned in the picture at hand.
     """
 
     reach: float = 0.4
@@ -117,6 +121,7 @@ class ConsensusParameters(msgspec.Struct, frozen=True):
     outside: float = 0.5
     inside: float = 0.1
     seen: float = 0.5
+    local_color: LocalColorParameters = LocalColorParameters()
 
 
 class Proposals(NamedTuple):
@@ -298,7 +303,12 @@ def _read_profiles(
     read = cv2.remap(image, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     pixels = np.asarray(read, np.uint8).reshape(*columns.shape, -1)
     seen = (columns >= 0) & (columns <= image.shape[1] - 1) & (rows >= 0) & (rows <= image.shape[0] - 1)
-    white = np.where(seen, color.scores(pixels).reshape(columns.shape) / 127.0, 0.0)
+    white = color.scores(pixels).reshape(columns.shape) / 127.0
+    x, y = outline[:, :2].mean(axis=0).tolist()
+    local = learn_local_color(image, (x, y), half_width, limits.local_color)
+    if local:
+        white = white + limits.local_color.weight * (local.scores(pixels) - white)
+    white = np.where(seen, white, 0.0)
     contrast = np.where(seen, _contrast(pixels, half_width, limits), 0.0)
     lever = round(max(limits.lever * half_width, limits.min_lever_px))
     found, weights = _edge_points(contrast, 0.5 * _difference(white, lever), limits)

@@ -37,6 +37,16 @@ class MotionParameters(msgspec.Struct, frozen=True):
     typical_gain, typical_min_score : float
         Share of its change that the typical half-width follows, and the MSAC score from which a fit may change it.
         Chosen by hand; `python -m benchmarks --only false_locks` would show a change.
+    size_gain : float
+        Share of a change of ln(half-width) that the remembered size follows at once, where the outline agrees wholly.
+        It and the next three: chosen by hand, once; `python -m benchmarks --only real` would show a change.
+    size_trend, size_trend_memory : float
+        Share that its rate of change follows, per frame, and what a frame leaves of that rate.
+    size_step : float
+        Largest change that counts: a size that is wrong for a few frames is soon forgotten. The first sightings count
+        in full.
+    size_kept_s : float
+        After so long without a sighting the size is not remembered, s.
     """
 
     gain: float = 0.7
@@ -47,6 +57,11 @@ class MotionParameters(msgspec.Struct, frozen=True):
     min_sigma: float = 0.3
     typical_gain: float = 0.1
     typical_min_score: float = 0.75
+    size_gain: float = 0.15
+    size_trend: float = 0.02
+    size_trend_memory: float = 0.95
+    size_step: float = 0.04
+    size_kept_s: float = 1.0
 
 
 class WindowParameters(msgspec.Struct, frozen=True):

@@ -113,6 +113,8 @@ class SoftRegion(NamedTuple):
         The disc, px.
     agreement : float
         Intersection over union of region and disc.
+    swept : float
+        The same with the disc that has the region's moments, swept along its longer axis.
     rim : float
         Width of its rim where that is sharper, in half-widths.
     """
@@ -121,12 +123,13 @@ class SoftRegion(NamedTuple):
     y: float
     half_width: float
     agreement: float
+    swept: float
     rim: float
 
     def worth(self, limits: SoftRegionParameters) -> float:
         """Say what the region adds to the score of its outline: nothing where its rim is sharp, or it is no disc."""
         softness = (self.rim - limits.soft) / (limits.softer - limits.soft)
-        roundness = (self.agreement - limits.agreement) / (limits.agrees - limits.agreement)
+        roundness = (max(self.agreement, self.swept) - limits.agreement) / (limits.agrees - limits.agreement)
         return limits.worth * min(max(softness, 0.0), 1.0) * min(max(roundness, 0.0), 1.0)
 
     def is_other(self, limits: SoftRegionParameters) -> bool:
@@ -168,7 +171,7 @@ def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> 
     SoftRegion or None
         None where nothing tells the inside from what is around it, or the region is not where it was expected.
     """
-    found, told, agreement = disc, None, 0.0
+    found, told, agreement, swept = disc, None, 0.0, 0.0
     if disc[2] < limits.min_half_width:
         return None
     for _ in range(limits.rounds):
@@ -181,13 +184,14 @@ def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> 
         if region is None:
             return None
         before, (found, agreement) = found, _disc_of(region, window, found)
+        swept = _swept_agreement(region)
         if math.dist(before, found) < limits.still * window.step:
             break
     assert told is not None
     ratio, away_from = found[2] / disc[2], math.dist(found[:2], disc[:2]) / disc[2]
     if not 1.0 / limits.growth < ratio < limits.growth or away_from > limits.move:
         return None
-    return SoftRegion(*found, agreement, _rim(image, told, found, limits))
+    return SoftRegion(*found, agreement, swept, _rim(image, told, found, limits))
 
 
 def _read(image: Image, disc: Disc, limits: SoftRegionParameters) -> _Window | None:
@@ -247,6 +251,26 @@ def _disc_of(region: Mask, window: _Window, seen_from: Disc) -> tuple[Disc, floa
     size = math.sqrt(area / math.pi) * window.step
     disc = np.hypot(window.across - dx, window.down[:, np.newaxis] - dy) <= size
     return (seen_from[0] + dx, seen_from[1] + dy, size), float((disc & region).sum() / (disc | region).sum())
+
+
+def _swept_agreement(region: Mask) -> float:
+    """Intersection over union of a region and the swept disc that has its area and moments.
+
+    A disc of radius r swept along 2 a has the area A = pi r^2 + 4 a r, and across its way the variance
+    V = r^2 / 3 - pi r^4 / (12 A): a quadratic equation of r^2.
+    """
+    rows, columns = np.nonzero(region)
+    area, places = float(len(rows)), np.vstack((columns - columns.mean(), rows - rows.mean()))
+    variances, axes = np.linalg.eigh(places @ places.T / area)
+    root = 1.0 / 9.0 - math.pi * float(variances[0]) / (3.0 * area)
+    size = math.sqrt(6.0 * area / math.pi * (1.0 / 3.0 - math.sqrt(max(root, 0.0))))
+    size = min(size, math.sqrt(area / math.pi))
+    half = max(area - math.pi * size**2, 0.0) / (4.0 * size)
+    down, across = np.indices(region.shape)
+    across, down = across - columns.mean(), down - rows.mean()
+    along = np.clip(across * axes[0, 1] + down * axes[1, 1], -half, half)
+    swept = np.hypot(across - along * axes[0, 1], down - along * axes[1, 1]) <= size
+    return float((swept & region).sum() / (swept | region).sum())
 
 
 def _rim(image: Image, told: _Discriminant, disc: Disc, limits: SoftRegionParameters) -> float:

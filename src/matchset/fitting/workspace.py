@@ -153,7 +153,8 @@ class Motion:
 
     Time of the last sighting, s; speed, px/s; innovation, px; half-width over the last well-confirmed frames, px; sums
     over the last frames of the speed times the field offset along it, px^2/s, and of the speed squared; from which
-    number on the state changes slowly.
+    number on the state changes slowly. The size remembered: ln(half-width / px), its change per second, how many
+    sightings that rests on, and the time of the last one, s.
     """
 
     time: float
@@ -163,6 +164,10 @@ class Motion:
     offset_moment: float
     speed_moment: float
     slow_from: float
+    size_log: float
+    size_trend: float
+    size_count: float
+    size_time: float
 
 
 class Scalars:

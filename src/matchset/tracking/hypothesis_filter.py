@@ -7,7 +7,9 @@ hides it changes, while the ball hardly changes its size and moves as one. So ev
     L(k) = score + max over j of (memory L(j) - penalty(j -> k)),
 
 and the likeliest is taken (Viterbi, 1967). The penalty is the squared change of the logarithm of the size and of the
-place beside what the motion expects, in standard deviations, and bounded, since a target may turn up from behind.
+place beside what the motion expects, in standard deviations, and bounded, since a target may turn up from behind. Each
+score is less by how unlikely its size is beside the size remembered, bounded too: the outlines of a few frames may
+drift with what hides them, while a rigid ball grows and shrinks slowly.
 """
 
 import math
@@ -19,6 +21,7 @@ import numpy.typing as npt
 from matchset.fitting.consensus import Proposals
 
 Floats = npt.NDArray[np.float64]
+Ahead = tuple[Floats, tuple[float, float] | None]
 
 MIN_HALF_WIDTH = 1.0  # geometry: of an outline, px
 
@@ -42,6 +45,9 @@ class HypothesisFilterParameters(msgspec.Struct, frozen=True):
         Standard deviations of the change of ln(size) and of the place beside its prediction, in half-widths, per frame.
     most : float
         Largest penalty.
+    usual_sigma, most_unusual : float
+        Standard deviation of ln(size) beside the size remembered, grown with the root of the frames missed, and the
+        largest penalty for it. 0.05 to 0.1 are as good; a penalty of 8 holds on to wrong sizes (docs/log.md).
     remembered_s : float
         For how long outlines are remembered, s.
     temperature : float
@@ -61,6 +67,8 @@ class HypothesisFilterParameters(msgspec.Struct, frozen=True):
     size_sigma: float = 0.015
     place_sigma: float = 0.1
     most: float = 8.0
+    usual_sigma: float = 0.07
+    most_unusual: float = 4.0
     remembered_s: float = 1.0
     temperature: float = 4.0
     least_score: float = 0.2
@@ -101,7 +109,7 @@ class HypothesisFilter:
         self.time = time
 
     def choose(
-        self, proposals: Proposals, places: Floats, expected: Floats, frame: tuple[float, float], preferred: bool
+        self, proposals: Proposals, places: Floats, ahead: Ahead, frame: tuple[float, float], preferred: bool
     ) -> int:
         """Say which outline is likeliest, and remember all.
 
@@ -110,16 +118,20 @@ class HypothesisFilter:
         proposals : Proposals
         places : ndarray of shape (k, 2), float64
             Their centers, px.
-        expected : ndarray of shape (2,), float64
-            By how much the target is expected to have moved since its last sighting, px.
+        ahead : tuple of (ndarray of shape (2,), float64) and (tuple of two floats, or None)
+            By how much the target is expected to have moved since its last sighting, px; and its usual size, see
+            `usual_size`, None where that is not known.
         frame : tuple of float
             Time of the frame and since the frame before, s.
         preferred : bool
             Whether the first outline is preferred, or the others are.
         """
-        limits, (time, interval) = self.limits, frame
+        limits, (time, interval), (expected, usual) = self.limits, frame, ahead
         log_odds, sizes = limits.score_weight * proposals.scores, np.maximum(proposals.half_widths, MIN_HALF_WIDTH)
         log_odds[0] += limits.preference if preferred else -limits.preference
+        if usual:
+            unusual = (np.log(sizes) - usual[0]) / (limits.usual_sigma * math.sqrt(usual[1]))
+            log_odds -= np.minimum(0.5 * unusual**2, limits.most_unusual)
         if len(self._sizes) and time - self.time < limits.remembered_s:
             apart = math.sqrt(max((time - self.time) / interval, 1.0))
             growth = np.log(sizes[:, np.newaxis] / self._sizes) / (limits.size_sigma * apart)

@@ -39,7 +39,7 @@ class ReachParameters(msgspec.Struct, frozen=True):
         changed at most, a shape is taken for the one that was lost: it was in the picture there.
     alone, alone_growth : float
         Distance from the prediction, in half-widths, and factor of size, from which on nothing speaks for a detection
-        but itself. The factor was 2.6 to 7 in four rendered false locks after a ball had left, where more was allowed;
+        but itself. The factor was 1.8 to 7 in five rendered false locks after a ball had left, where more was allowed;
         more finds again what was followed at a wrong size, and things that are not the target.
     """
 
@@ -53,7 +53,7 @@ class ReachParameters(msgspec.Struct, frozen=True):
     remembered: float = 1.5
     remembered_growth: float = 1.4
     alone: float = 3.0
-    alone_growth: float = 2.0
+    alone_growth: float = 1.7
 
 
 class Gate(NamedTuple):
@@ -165,9 +165,44 @@ def correct_motion(work: Record, time: float) -> None:
 
 
 @helper
-def correct_size(work: Record) -> None:
-    """Correct the typical half-width with a well-confirmed fit."""
+def remember_size(work: Record, time: float) -> None:
+    """Let the remembered size follow a fit that was accepted at a time, s: slowly, and less where less of it agrees.
+
+    The size of a rigid ball is smooth, while a hand or a highlight takes in a wrong outline for a few frames. So
+    ln(half-width) and its trend follow bounded steps.
+    """
     motion, limits = work.motion, work.motion_limits
+    size, passed = math.log(max(work.fit.half_width, 1.0)), time - motion.size_time
+    if motion.size_count == 0.0 or not passed < limits.size_kept_s:
+        motion.size_log, motion.size_trend, motion.size_count, motion.size_time = size, 0.0, 1.0, time
+    elif passed > 0.0:
+        motion.size_count += 1.0
+        gain = max(limits.size_gain, 1.0 / motion.size_count)
+        most = limits.size_step * gain / limits.size_gain
+        expected = motion.size_log + passed * motion.size_trend
+        change = min(max(size - expected, -most), most) * min(max(work.fit.msac_score, 0.0), 1.0)
+        motion.size_log = expected + gain * change
+        motion.size_trend = limits.size_trend_memory * motion.size_trend + limits.size_trend * change / passed
+        motion.size_time = time
+
+
+def usual_size(work: Record, frame: tuple[float, float]) -> tuple[float, float] | None:
+    """Size that is remembered, for a frame at a time, s, an interval after the one before; None where none is.
+
+    Returns ln(half-width / px) and how many frames ago that was known, at least 1.
+    """
+    motion, (time, interval) = work.motion, frame
+    passed = time - float(motion.size_time)
+    if float(motion.size_count) == 0.0 or not passed < float(work.motion_limits.size_kept_s):
+        return None
+    return float(motion.size_log) + passed * float(motion.size_trend), max(passed / interval, 1.0)
+
+
+@helper
+def correct_size(work: Record, time: float) -> None:
+    """Correct the size remembered, and the typical half-width with a well-confirmed fit, at a time, s."""
+    motion, limits = work.motion, work.motion_limits
+    remember_size(work, time)
     if work.fit.msac_score > limits.typical_min_score:
         typical = motion.typical_half_width
         new = typical + limits.typical_gain * (work.fit.half_width - typical)
@@ -194,7 +229,7 @@ def correct(work: Record, time: float) -> int:
     if not near or is_weak(work.fit, work.validation):
         return Rejection.AMBIGUOUS.value
     correct_motion(work, time)
-    correct_size(work)
+    correct_size(work, time)
     return Rejection.NONE.value
 
 
@@ -206,7 +241,7 @@ def make_accept(layout: "np.dtype[np.void]") -> Callable[[Block, float], None]:
     def accept(block: Block, time: float) -> None:
         work = block.view(layout)[0]
         correct_motion(work, time)
-        correct_size(work)
+        correct_size(work, time)
 
     return accept
 

@@ -29,7 +29,7 @@ from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
 from matchset.tracking.hypothesis_filter import HypothesisFilter
 from matchset.tracking.initialization import noise_in
-from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept
+from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept, usual_size
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher
 
@@ -227,8 +227,8 @@ class TrackStep(Copied, Generic[S]):
         scores = found.scores.copy()
         if worth:
             found.scores[2] = max(float(scores[2]), 0.0) + worth
-        places, preferred = (traced + found.steps)[:, :2], not estimate.rejection
-        which = self._filter.choose(found, places, predicted[:2] - last[:2], frame, preferred)
+        places, ahead = (traced + found.steps)[:, :2], (predicted[:2] - last[:2], usual_size(fitter.work, frame))
+        which = self._filter.choose(found, places, ahead, frame, preferred=not estimate.rejection)
         state, reach = estimate.state.copy(), max(limits.range_share * size, limits.min_range_px)
         state[:p] = traced + found.steps[which]
         fields = fitter.work.field_offset.fitted.copy()

@@ -32,7 +32,6 @@ Image = npt.NDArray[np.uint8]
 
 MIN_POINTS, MAX_POINTS = 16, MAX_LINES  # format: capacity of the workspace
 
-
 NO_FIT = FitStatistics(*(0,) * len(FitStatistics._fields))
 NOT_FOUND = Estimate(np.zeros(0), NO_FIT, Rejection.NOT_FOUND)
 
@@ -133,6 +132,7 @@ class Tracker(Copied, Generic[S]):
         limits = self.parameters.initialization
         sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
         initialize(self._fitter.work, shape.state, self._time, sigma)
+        self._fitter.work.motion.size_count = 0.0
         self._initial = self._last = shape
         self.mode = Mode.TRACKING
 
@@ -160,7 +160,7 @@ class Tracker(Copied, Generic[S]):
         self._hint = None if shape is not None or hint is None else checked_point("the hint", hint)
         self._fitter.forget()
         motion = self._fitter.work.motion
-        motion.typical_half_width = motion.offset_moment = motion.speed_moment = 0.0
+        motion.typical_half_width = motion.offset_moment = motion.speed_moment = motion.size_count = 0.0
         self._forget_frames()
         if shape is not None:
             self.start(shape)

@@ -19,14 +19,14 @@ from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.pilot import PilotStep
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
-from matchset.control.safety import SafetyState
+from matchset.control.safety import SafetyParameters, SafetyState
 from matchset.image.frame import Frame
 from matchset.links.simulated import SimulationParameters
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 
-RULES = Rules()
+RULES = Rules(SafetyParameters(max_tilt=0.8))
 IMAGE = np.zeros((120, 160, 3), np.uint8)
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 32)
 CIRCLE = Circle(80.0, 60.0, 20.0)

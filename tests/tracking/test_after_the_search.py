@@ -18,26 +18,25 @@ from matchset.tracking.tracker import Tracker
 Picture = npt.NDArray[np.uint8]
 EVIDENCE = EvidenceParameters()
 BY_LOOKS_NEVER = TemplateParameters(largest_px=0.0)
-UNSURE = TrackerParameters().reach.unsure
 STILL, JUMP = 5, 12.0  # frames at rest, px in the frame after
 
 
-def picture(x: float, radius: float = 14.0) -> Picture:
+def picture(x: float) -> Picture:
     rows, columns = np.indices((240, 320))
     image = np.random.default_rng(3).normal(130.0, 3.0, (240, 320, 3))
-    image[np.hypot(columns - x, rows - 120.0) < radius] = (60.0, 180.0, 70.0)
+    image[np.hypot(columns - x, rows - 120.0) < 14.0] = (60.0, 180.0, 70.0)
     return cv2.GaussianBlur(np.clip(image, 0, 255).astype(np.uint8), (0, 0), 0.8).astype(np.uint8)
 
 
-def rested(sightings: int = STILL, radius: float = 14.0) -> Tracker[ms.Circle]:
+def rested() -> Tracker[ms.Circle]:
     """Tracker of a ball that has been at rest, and that is known neither by its color nor by its looks alone."""
     image, outline_alone = (
-        picture(150.0, radius),
+        picture(150.0),
         TrackerParameters(color_disc=ColorDiscParameters(least=9.0), template=BY_LOOKS_NEVER),
     )
     color = ms.ColorModel.pick(image, 150.0, 120.0)
     tracker = ms.Tracker(ms.Circle, color, start=(150.0, 120.0), parameters=outline_alone)
-    for index in range(sightings):
+    for index in range(STILL):
         assert tracker.update(ms.Frame(image, index / 30.0, index))
     return tracker
 
@@ -89,25 +88,3 @@ def test_a_fit_in_the_gate_needs_no_search(monkeypatch: pytest.MonkeyPatch) -> N
     tracker = rested()
     monkeypatch.setattr(Tracker, "_choose", None)  # so that a search would fail
     assert tracker.update(ms.Frame(picture(152.0), STILL / 30.0, STILL))
-
-
-@pytest.mark.parametrize("sightings", [1, STILL])
-def test_a_ball_seen_once_needs_less_evidence_where_it_went(monkeypatch: pytest.MonkeyPatch, sightings: int) -> None:
-    tracker = rested(sightings)
-    weak(monkeypatch, EVIDENCE.followed - 0.1)
-    assert bool(tracker.update(ms.Frame(picture(150.0 + JUMP), sightings / 30.0, sightings))) is (sightings == 1)
-
-
-@pytest.mark.parametrize(("sightings", "found"), [(2, True), (UNSURE + 1, False)])
-def test_a_part_that_was_clicked_becomes_the_whole(
-    monkeypatch: pytest.MonkeyPatch, sightings: int, found: bool
-) -> None:
-    tracker = rested(sightings, part := 7.0)
-    weak(monkeypatch, EVIDENCE.present + 0.1)
-    answer = tracker.update(ms.Frame(picture(151.0), sightings / 30.0, sightings))
-    assert bool(answer) is found
-    if isinstance(answer, ms.Track):
-        assert answer.shape.radius == pytest.approx(2.0 * part, abs=0.5)
-        then = tracker.update(ms.Frame(picture(152.0), (sightings + 1) / 30.0, sightings + 1))
-        assert isinstance(then, ms.Track)  # at rest in size: it does not go on growing
-        assert then.shape.radius == pytest.approx(2.0 * part, abs=0.5)

@@ -115,18 +115,6 @@ def test_alone_is_what_is_far_or_of_another_size() -> None:
         assert there.alone(here, REACH) is expected
 
 
-def test_a_part_lies_in_what_is_larger_while_its_size_is_not_sure() -> None:
-    here, larger, memory = Gate(0.0, 0.0, 10.0), REACH.alone_growth * 10.0, work()
-    for there, sightings, expected in (
-        (Gate(0.0, larger, larger + 0.01), REACH.unsure, True),
-        (Gate(0.0, larger, larger + 0.01), REACH.unsure + 1, False),
-        (Gate(0.0, larger + 0.02, larger + 0.01), 1, False),
-        (Gate(0.0, 0.0, larger - 0.01), 1, False),
-    ):
-        memory.motion.size_count = float(sightings)
-        assert motion.is_part(memory, here, there, REACH) is expected
-
-
 def test_near_is_near_in_place_and_in_size() -> None:
     here, near = Gate(0.0, 0.0, 10.0), REACH.near * 10.0
     assert here.near(Gate(0.0, 0.99 * near, 10.0), REACH)

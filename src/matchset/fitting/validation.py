@@ -76,8 +76,7 @@ class Prior(enum.Enum):
     ASKED
         Nothing, but somebody asks for this one picture.
     CLICKED
-        Somebody clicked at it in this very picture, and this is the circle that was found around the click; or it was
-        seen once, so that its speed is not known, and this is where the fit that began there ended.
+        Somebody clicked at it in this very picture, and this is the circle that was found around the click.
     FOLLOWED
         It was tracked until now, this is where the fit that began at its prediction ended, and a search found nothing.
     """

@@ -41,9 +41,6 @@ class ReachParameters(msgspec.Struct, frozen=True):
         Distance from the prediction, in half-widths, and factor of size, from which on nothing speaks for a detection
         but itself. The factor was 1.8 to 7 in five rendered false locks after a ball had left, where more was allowed;
         more finds again what was followed at a wrong size, and things that are not the target.
-    unsure : int
-        For how many sightings the size is not sure: what was clicked, and is followed, may be the lit part of a ball.
-        By hand; that of the clicks that mean a part was seen to be one after 3.
     """
 
     jump: float = 2.0
@@ -57,7 +54,6 @@ class ReachParameters(msgspec.Struct, frozen=True):
     remembered_growth: float = 1.4
     alone: float = 3.0
     alone_growth: float = 1.7
-    unsure: int = 5
 
 
 class Gate(NamedTuple):
@@ -200,21 +196,6 @@ def usual_size(work: Record, frame: tuple[float, float]) -> tuple[float, float] 
     if float(motion.size_count) == 0.0 or not passed < float(work.motion_limits.size_kept_s):
         return None
     return float(motion.size_log) + passed * float(motion.size_trend), max(passed / interval, 1.0)
-
-
-def is_part(work: Record, part: Gate, whole: Gate, limits: ReachParameters) -> bool:
-    """Whether a prediction whose size is not sure yet is but a part of a larger shape, which holds its center.
-
-    Somebody who clicks at the lit part of a ball means the ball.
-    """
-    larger = whole.half_width > limits.alone_growth * part.half_width
-    return larger and part.distance(whole) < whole.half_width and float(work.motion.size_count) <= limits.unsure
-
-
-def begin_size(work: Record, state: Floats) -> None:
-    """Take the size of a state for that which was followed, at rest; the center and its speed are kept."""
-    motion, s = work.motion, len(state)
-    motion.last_state[2:s], motion.velocity[2:s], motion.size_count = state[2:], 0.0, 0.0
 
 
 @helper

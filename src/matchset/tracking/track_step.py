@@ -29,7 +29,7 @@ from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.hypotheses import Hypotheses
 from matchset.tracking.hypothesis_filter import HypothesisFilter
 from matchset.tracking.initialization import noise_in
-from matchset.tracking.motion import Gate, begin_size, gate_of, in_gate, initialize, is_part, make_accept, usual_size
+from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept, usual_size
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher
 
@@ -84,6 +84,8 @@ class TrackStep(Copied, Generic[S]):
 
     def track(self, image: Image, color: ColorModel, time: float, interval: float, index: int) -> Estimate | None:
         """Track the shape into the frame (Alg. 3); the estimate that was rejected, None if one was accepted.
+
+        Where the first fit is rejected, ambiguous or outside the gate, others are tried.
 
         Parameters
         ----------
@@ -155,17 +157,15 @@ class TrackStep(Copied, Generic[S]):
         here, there = gate_of(self.fitter.family, predicted), gate_of(self.fitter.family, estimate.state)
         if interpreted(in_gate)(self.fitter.work, there.half_width, here.half_width):
             return Rejection.NONE
-        work, limits = self.fitter.work, self.parameters.reach
-        whole = self.is_disc and is_part(work, here, there, limits)
-        alone = here.alone(there, limits) and not whole
+        alone = here.alone(there, self.parameters.reach)
         rejection = self.fitter.validate_detection(estimate, Prior.NONE if alone else Prior.PRESENT)
-        if whole and not rejection:
-            begin_size(work, estimate.state)
-        elif not here.reachable(there, missed, limits):
+        if not here.reachable(there, missed, self.parameters.reach):
             return rejection or Rejection.UNREACHABLE
-        doubted = alone or whole or self.given or self.without_outline
-        prior = Prior.CLICKED if float(work.motion.size_count) == 1.0 else Prior.FOLLOWED
-        if rejection and not doubted and not self.fitter.validate_detection(estimate, prior):
+        if (
+            rejection
+            and not (alone or self.given or self.without_outline)
+            and not self.fitter.validate_detection(estimate, Prior.FOLLOWED)
+        ):
             self._spare = self.fitter.block.copy(), self.spread
         return rejection
 
@@ -253,8 +253,10 @@ class TrackStep(Copied, Generic[S]):
         return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
 
     def _region(self, image: Image, state: Floats) -> SoftRegion | None:
-        limits, here = self.parameters.soft_region, gate_of(self.fitter.family, state)
-        return find_soft_region(image, here, limits) if self.is_disc else None
+        if not self.is_disc:
+            return None
+        here = float(state[0]), float(state[1]), float(self.fitter.family.half_width(state))
+        return find_soft_region(image, here, self.parameters.soft_region)
 
     def is_other_shape(self, image: Image, state: Floats) -> bool:
         """Say whether the region at a state is another shape than a disc, where that is seen and discs are tracked.
@@ -289,8 +291,6 @@ class TrackStep(Copied, Generic[S]):
         reach = max(limits.range_share * float(fitter.family.half_width(state)), limits.min_range_px)
         window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=True)
         fitted = fitter.weigh(fitter.fit(image, color, state, window), image, color)
-        if prior is Prior.CLICKED and (fitted.evidence or 0.0) < (estimate.evidence or 0.0):
-            prior = Prior.HERE  # what a click promises is the circle around it
         if fitter.validate_detection(fitted, prior):
             fitter.block[:] = made
             return estimate

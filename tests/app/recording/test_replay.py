@@ -82,7 +82,7 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     real = ["kind", "colors", "countdown", "fps", "devices"]
     assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras", *real]
     waiting = ["together", "stagger", "stagger_delays", "sight_ahead", "sight_margin"]
-    parameters = ["duration", *waiting, "world", "pilot", "linked"]
+    parameters = ["duration", *waiting, "world", "pilot", "long", "linked"]
     assert list(messages["/configuration"]["parameters"]) == parameters
     assert list(messages["/follower_1/sample"]) == ["index", "time", "png"]
     assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped", "landing"]

@@ -112,3 +112,9 @@ def test_lengths_that_are_none_are_refused(bad: dict[str, int]) -> None:
 def test_a_tilt_that_is_none_is_refused() -> None:
     with pytest.raises(ValueError, match="tilt"):
         LongChainParameters(tilt_sigma=0.0)
+
+
+@pytest.mark.parametrize("bad", [-0.1, 1.1, math.nan])
+def test_a_largest_stick_that_is_none_is_refused(bad: float) -> None:
+    with pytest.raises(ValueError, match="max_stick"):
+        FollowerParameters(max_stick=bad)

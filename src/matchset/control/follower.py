@@ -23,7 +23,7 @@ from matchset.control.motion_consistency import MotionConsistency, MotionConsist
 from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
-from matchset.control.parameter_checks import require, require_not_negative, require_positive
+from matchset.control.parameter_checks import require, require_not_negative, require_positive, require_share
 from matchset.control.pid import Pid, PidParameters, PidTerms
 from matchset.control.safety import DesiredCommand
 from matchset.control.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
@@ -165,9 +165,9 @@ class FollowerParameters(
 
     def __post_init__(self) -> None:
         require(self, ("hover_throttle",), lambda value: 0.0 < value < 1.0, "within 0 ... 1")
-        feedforward = ("oscillation_feedforward", "drift_feedforward")
-        times = ("horizontal_lead", "vertical_lead", "max_extrapolation", "pose_timeout")
-        require_not_negative(self, (*feedforward, *times))
+        require_share(self, ("max_stick",))
+        require_not_negative(self, ("oscillation_feedforward", "drift_feedforward", "horizontal_lead"))
+        require_not_negative(self, ("vertical_lead", "max_extrapolation", "pose_timeout"))
         require_positive(self, ("min_step", "max_step", "min_tilt_cosine"))
 
 

@@ -353,7 +353,7 @@ def label(
     clip: Path,
     starts: Path,
     sheets: Annotated[Path | None, typer.Option(help="Folder for sheets of enlarged crops.")] = None,
-    labels: Annotated[Path, typer.Option(help="Folder for the truth file.")] = HERE / "labels",
+    labels: Annotated[Path, typer.Option(help="Folder for the truth file.")] = HERE / "labels" / "fitted",
     side: Annotated[int, typer.Option(help="Side of a crop on the sheets, px.")] = 320,
 ) -> None:
     """Fit the circles of STARTS in CLIP and write the truth file of the clip's name."""

@@ -9,7 +9,7 @@ from benchmarks.real.streak import fit_streak, still_background
 from matchset.app.track.score import read_truth
 
 REAL = Path(__file__).resolve().parents[2] / "benchmarks" / "real"
-LABELS = sorted((REAL / "labels").glob("*.csv"))
+LABELS = sorted((REAL / "labels" / "fitted").glob("*.csv"))
 LEAST_ROWS = 25
 
 

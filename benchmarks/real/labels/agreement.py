@@ -1,10 +1,11 @@
 """How exact the labels are: `python -m benchmarks.real.labels.agreement --data DIR`.
 
 A tracker can be no more exact than what it is held against. Rows that were labelled once more, blind, are scored
-against the labels as a tracker's answers are: the share of them within 5 px is what a careful person reaches.
+against other labels of them as a tracker's answers are: the share of them within 5 px is what a careful person reaches.
 """
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -14,10 +15,22 @@ import typer
 from rich.console import Console
 
 from benchmarks.real.clips import LABELS, find_clips
+from benchmarks.real.labels.consensus import LABELLINGS
 from matchset.app.track.score import VALID_BELOW_PX, TruthRow, read_truth
 
-BLIND = LABELS / "blind"
-HEADINGS = ("clip", "rows", "within 5 px", "\\|Δx\\|", "\\|Δy\\|", "\\|Δr\\|", "sum, px", "labelled twice", "sum, px")
+DIFFERENCES = ("\\|Δx\\|", "\\|Δy\\|", "\\|Δr\\|", "sum, px")
+HEADINGS = ("clip", "labels", "rows", "within 5 px", *DIFFERENCES, "labelled twice", "sum, px")
+    "clip",
+    "labels",
+    "rows",
+    "within 5 px",
+    "\\|Δx\\|",
+    "\\|Δy\\|",
+    "\\|Δr\\|",
+    "sum, px",
+    "labelled twice",
+    "sum, px",
+)
 
 
 class Agreement(msgspec.Struct, frozen=True):
@@ -50,28 +63,37 @@ def agreement(one: Sequence[TruthRow], other: Sequence[TruthRow]) -> Agreement |
     return Agreement(len(pairs), float(np.mean(total < VALID_BELOW_PX)), (x, y, radius, float(np.median(total))))
 
 
-def line(name: str, labels: Sequence[TruthRow], folder: Path = BLIND) -> str:
-    """Write a clip's line of the table; empty if it was not labelled once more."""
-    path = folder / f"{name}.csv"
-    blind = read_truth(path) if path.exists() else []
-    found = agreement(labels, blind)
-    if found is None:
-        return ""
-    second = folder / "again" / path.name
-    twice = agreement(blind, read_truth(second)) if second.exists() else None
-    cells = [name, str(found.rows), f"{found.right:.0%}", *(f"{each:.1f}" for each in found.medians)]
-    cells += [str(twice.rows), f"{twice.medians[3]:.1f}"] if twice else ["-", "-"]
-    return f"| {' | '.join(cells)} |"
+def labellings(name: str, truths: Sequence[TruthRow], folder: Path = LABELS) -> dict[str, Sequence[TruthRow]]:
+    """Return the labels of a clip, by the folder they are in; a truth that is not ours is `truth`."""
+    paths = {kind: folder / kind / f"{name}.csv" for kind in LABELLINGS}
+    known: dict[str, Sequence[TruthRow]] = {kind: read_truth(path) for kind, path in paths.items() if path.exists()}
+    return known if "fitted" in known else {"truth": truths, **known}
+
+
+def lines(name: str, known: Mapping[str, Sequence[TruthRow]], folder: Path = LABELS) -> list[str]:
+    """Write a clip's lines of the table, one for each pair of labellings that have rows in common."""
+    written = []
+    for one, other in itertools.combinations(known, 2):
+        found = agreement(known[one], known[other])
+        if found is None:
+            continue
+        again = folder / other / "again" / f"{name}.csv"
+        twice = agreement(known[other], read_truth(again)) if again.exists() else None
+        cells = [name, f"{one}, {other}", str(found.rows), f"{found.right:.0%}"]
+        cells += [f"{each:.1f}" for each in found.medians]
+        cells += [str(twice.rows), f"{twice.medians[3]:.1f}"] if twice else ["-", "-"]
+        written.append(f"| {' | '.join(cells)} |")
+    return written
 
 
 def main(data: Annotated[Path, typer.Option(help="Folder of the real clips.")]) -> None:
     """Compare the labels of real clips with those that were made blind."""
     clips, _ = find_clips(data)
     console = Console(width=200)
-    for cells in (HEADINGS, ["---", *["---:"] * (len(HEADINGS) - 1)]):
+    for cells in (HEADINGS, ["---", "---", *["---:"] * (len(HEADINGS) - 2)]):
         console.print(f"| {' | '.join(cells)} |", highlight=False, markup=False)
     for clip in clips:
-        if text := line(clip.name, clip.truths):
+        for text in lines(clip.name, labellings(clip.name, clip.truths)):
             console.print(text, highlight=False, markup=False)
 
 

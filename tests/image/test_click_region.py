@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import matchset as ms
-from matchset.image.click_region import circle_at, disc_mask, regions_at_click
+from matchset.image.click_region import disc_mask, regions_at_click
+from matchset.image.clicks.circle_at_click import ClickParameters, circle_at
 from matchset.image.clicks.clear_disc import NearParameters, clearest_disc, disc_alone, disc_in_place_of, is_outlined
-from matchset.image.color_learning import ClickParameters, ColorParameters, RegionParameters
+from matchset.image.color_learning import ColorParameters, RegionParameters
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]

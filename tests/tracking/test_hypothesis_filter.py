@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from matchset.fitting.consensus import Proposals
-from matchset.tracking.hypothesis_filter import HypothesisFilter, HypothesisFilterParameters
+from matchset.tracking.outlines.hypothesis_filter import HypothesisFilter, HypothesisFilterParameters
 
 Floats = npt.NDArray[np.float64]
 LIMITS = HypothesisFilterParameters()

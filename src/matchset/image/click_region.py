@@ -8,19 +8,18 @@ no circle stands out, the disc that stands out most from its ring is the target 
 
 import itertools
 import math
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.candidates import lab_of, propose_circles
-from matchset.image.circle_score import SCORE, median, score_circle
+from matchset.image.circle_score import median
+from matchset.image.clicks.circle_at_click import circle_at
 from matchset.image.clicks.clear_disc import disc_in_place_of
 from matchset.image.color_learning import (
     DEFAULT,
     Bytes,
-    ClickParameters,
     ColorParameters,
     Floats,
     Mask,
@@ -29,6 +28,7 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
+from matchset.image.disc_network.at_click import ball_at, is_same
 
 Circle3 = tuple[float, float, float]
 
@@ -169,85 +169,6 @@ def background_mask(region: Mask, parameters: ColorParameters = DEFAULT) -> Mask
     return outside.astype(bool)
 
 
-def circle_at(
-    image: Bytes, x: float, y: float, limits: ClickParameters = DEFAULT.click
-) -> tuple[float, Circle3] | None:
-    """Find the most ball-like circle that holds a point.
-
-    Parameters
-    ----------
-    image : ndarray of shape (h, w, 3) or (h, w), uint8
-        BGR or gray.
-    x, y : float
-        The point, px.
-    limits : ClickParameters
-
-    Returns
-    -------
-    tuple of float and (x, y, radius), or None
-        Its score, 0 ... 1, and where it is, px; None where no circle stands out.
-    """
-    best: _Seen | None = None
-    seen: list[_Seen] = []
-    for half in (*limits.half_widths, float(max(image.shape[:2]))):
-        seen += _circles_around(image, (x, y), half, limits)
-        best = max(seen, key=lambda each: each.score, default=None)
-        if best is not None and best.score > limits.clear_score:
-            break
-    if best is None or best.score <= limits.min_score:
-        return None
-    best = _whole_ball(best, seen, limits)
-    return best.score, best.circle
-
-
-class _Seen(NamedTuple):
-    """A circle, px of the picture, with its scores and its score whatever the color."""
-
-    score: float
-    outline: float
-    rim: float
-    circle: Circle3
-
-
-def _circles_around(image: Bytes, click: tuple[float, float], half: float, limits: ClickParameters) -> list[_Seen]:
-    """Circles that hold a click, in a window around it."""
-    x, y = click
-    left, top = max(round(x - half), 0), max(round(y - half), 0)
-    window = image[top : round(y + half) + 1, left : round(x + half) + 1]
-    scale = min(limits.window_px / max(window.shape[:2]), limits.max_enlargement)
-    how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
-    lab = lab_of(np.ascontiguousarray(cv2.resize(window, None, fx=scale, fy=scale, interpolation=how)))
-    place = (x - left + 0.5) * scale - 0.5, (y - top + 0.5) * scale - 0.5
-    seen = []
-    for circle in _distinct(propose_circles(lab, place), limits.same_px):
-        if np.hypot(circle[0] - place[0], circle[1] - place[1]) > limits.offset * circle[2]:
-            continue
-        score = score_circle(lab, circle)
-        size = min(1.0, circle[2] / limits.full_size) / min(1.0, circle[2] / SCORE.full_size)
-        whole = (circle[0] + 0.5) / scale - 0.5 + left, (circle[1] + 0.5) / scale - 0.5 + top, circle[2] / scale
-        seen.append(_Seen(score.whole * size, score.outline * size, score.rim, whole))
-    return seen
-
-
-def _whole_ball(best: _Seen, seen: list[_Seen], limits: ClickParameters) -> _Seen:
-    """Circle with the clearest outline around the best one, if it is about as clear; otherwise the best one."""
-    x, y, radius = best.circle
-    around = [
-        each
-        for each in seen
-        if limits.around_least < each.circle[2] / radius < limits.around
-        and math.hypot(each.circle[0] - x, each.circle[1] - y) + radius < each.circle[2]
-        and each.rim >= limits.around_rim
-        and each.outline > limits.around_score * best.outline
-    ]
-    return max(around, key=lambda each: each.outline, default=best)
-
-
-def _distinct(circles: list[Circle3], same_px: float) -> list[Circle3]:
-    """One of the circles that agree to about a pixel: many thresholds show the same region."""
-    return list({tuple(round(value / same_px) for value in circle): circle for circle in circles}.values())
-
-
 def regions_at_click(
     image: Bytes, x: float, y: float, parameters: ColorParameters = DEFAULT
 ) -> tuple[list[Mask], Circle3 | None]:
@@ -272,15 +193,16 @@ def regions_at_click(
     points = points_of(region)
     extent = float(cv2.minEnclosingCircle(points)[1])
     round_region = _circle_of(points, extent, limits)
-    if round_region is not None:
+    found = circle_at(image, x, y, parameters.click) if round_region is None else (1.0, round_region)
+    ball = ball_at(image, x, y, [found[1]] if found else [], parameters.ball)
+    if round_region is not None and (ball is None or is_same(ball, round_region, parameters.ball)):
         return [region], round_region
-    found = circle_at(image, x, y, parameters.click)
-    clear = disc_in_place_of(found, image, x, y, parameters.click.near)
+    clear = None if ball else disc_in_place_of(found, image, x, y, parameters.click.near)
     if clear is not None:
         return [disc_mask(region.shape, clear, limits.rim)], clear
-    if found is None:
+    circle = ball or (found[1] if found else None)
+    if circle is None:
         return [region], None
-    circle = found[1]
     disc = disc_mask(region.shape, circle, limits.rim)
     if not disc.any():
         return [region], circle

@@ -19,7 +19,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.clicks.clear_disc import NearParameters
+from matchset.image.clicks.circle_at_click import ClickParameters
+from matchset.image.disc_network.at_click import BallAtClickParameters
 
 Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float32]
@@ -88,53 +89,6 @@ class RegionParameters(msgspec.Struct, frozen=True):
     own: float = 0.1
 
 
-class ClickParameters(msgspec.Struct, frozen=True):
-    """Where circles around a click are looked for: in windows of about one size, each in a scale of its own.
-
-    Chosen by hand on `python -m benchmarks --only real`.
-
-    Parameters
-    ----------
-    half_widths : tuple of float
-        Half the side of the windows around the click, px; the whole picture comes last.
-    window_px : int
-        Side to which a window is brought: a smaller one is enlarged, a larger one reduced. More finds circles more
-        exactly and takes longer.
-    max_enlargement : float
-        Largest factor of that.
-    offset : float
-        How far from the center of a circle the click may be, in radii.
-    full_size : float
-        Radius from which a circle in a window is not taken to be chance because it is small, px of the window.
-    min_score, clear_score : float
-        Least score of a circle, and the score from which windows of other sizes are not looked at.
-    same_px : float
-        Circles that agree to so many px of the window are one.
-    around, around_rim, around_score : float
-        A circle around the best one, at most so many times as large, whose outline is an edge in this share of the
-        directions, takes its place if whatever the color it scores at least this share: then the best one is the lit
-        or painted part of a ball. More than 0.75 leaves such parts; less than 0.65 takes in the ground of some balls.
-    around_least : float
-        Radius from which a circle is one around another and not the same, in radii.
-    near : NearParameters
-        Which discs are compared where no circle stands out.
-    """
-
-    half_widths: tuple[float, ...] = (140.0, 36.0)
-    window_px: int = 280
-    max_enlargement: float = 4.0
-    offset: float = 0.95
-    full_size: float = 24.0
-    min_score: float = 0.05
-    clear_score: float = 0.3
-    same_px: float = 1.5
-    around: float = 2.0
-    around_rim: float = 0.7
-    around_score: float = 0.7
-    around_least: float = 1.25
-    near: NearParameters = NearParameters()
-
-
 class ColorParameters(msgspec.Struct, frozen=True):
     """How a color is learned from a click or a box.
 
@@ -182,6 +136,8 @@ class ColorParameters(msgspec.Struct, frozen=True):
         When a circle around a click takes the place of the grown region.
     click : ClickParameters
         Where circles around a click are looked for.
+    ball : BallAtClickParameters
+        How the network of discs looks for a ball around a click.
     """
 
     smoothing_px: float = 2.0
@@ -210,6 +166,7 @@ class ColorParameters(msgspec.Struct, frozen=True):
     most_false: float = 0.5
     region: RegionParameters = RegionParameters()
     click: ClickParameters = ClickParameters()
+    ball: BallAtClickParameters = BallAtClickParameters()
 
 
 DEFAULT = ColorParameters()

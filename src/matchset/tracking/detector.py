@@ -15,7 +15,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
-from matchset.tracking.hypotheses import Hypotheses, HypothesisParameters
+from matchset.tracking.outlines.hypotheses import Hypotheses, HypothesisParameters
 from matchset.tracking.search.voting import Searcher
 from matchset.tracking.track import Track
 

@@ -8,10 +8,11 @@ from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.color_adaptation import AdaptationParameters
 from matchset.tracking.detector import DetectionParameters
-from matchset.tracking.hypotheses import HypothesisParameters
-from matchset.tracking.hypothesis_filter import HypothesisFilterParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
+from matchset.tracking.outlines.hypotheses import HypothesisParameters
+from matchset.tracking.outlines.hypothesis_filter import HypothesisFilterParameters
+from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters
 from matchset.tracking.search.prominence import ProminenceParameters
 from matchset.tracking.search.template import TemplateParameters
@@ -60,6 +61,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How those are weighed against the frames before.
     soft_region : SoftRegionParameters
         How the region of a blurred target is found, and what it is worth among those.
+    network : NetworkParameters
+        When the network of discs is believed beside edge points.
     initialization : InitializationParameters
         How tracking begins at a given shape.
     search : SearchParameters
@@ -87,6 +90,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     consensus: ConsensusParameters = ConsensusParameters()
     hypothesis_filter: HypothesisFilterParameters = HypothesisFilterParameters()
     soft_region: SoftRegionParameters = SoftRegionParameters()
+    network: NetworkParameters = NetworkParameters()
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()

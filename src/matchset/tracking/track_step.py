@@ -13,9 +13,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.consensus import Consensus
 from matchset.fitting.fitter import Estimate, Fitter
-from matchset.fitting.soft_region import SoftRegion, find_soft_region
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
@@ -26,10 +24,10 @@ from matchset.numeric.record import Block
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.hypotheses import Hypotheses
-from matchset.tracking.hypothesis_filter import HypothesisFilter
 from matchset.tracking.initialization import noise_in
-from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept, usual_size
+from matchset.tracking.motion import Gate, gate_of, in_gate, initialize, make_accept
+from matchset.tracking.outlines.hypotheses import Hypotheses
+from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher
 
@@ -37,9 +35,6 @@ S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
-SAME_OFFSET = 1e-3  # theorem: share by which a field offset that is taken for half a frame's way differs: rounding
-MAX_DISC_PARAMETERS = 3  # geometry: center and size
-SAME_AWAY = 1e-3  # theorem: points of a circle of 20 px are equally far from its center, but for rounding, px
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
 
@@ -56,6 +51,8 @@ class TrackStep(Copied, Generic[S]):
     ----------
     faint : int
         For how many frames the shape has been seen faintly.
+    outlines : OutlineChoice
+        Chooses an outline where a fit is ambiguous or a detection.
     given : bool
         Whether the shape was given by somebody and no picture has confirmed it yet.
     without_outline : bool
@@ -64,19 +61,15 @@ class TrackStep(Copied, Generic[S]):
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
-        self.spread: Floats | None = None
         self.without_outline = False
         self._spare: tuple[Block, Floats | None] | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
-        self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
-        self._filter = HypothesisFilter(parameters.hypothesis_filter)
-        away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
-        self.is_disc = len(fitter.family.parameters) <= MAX_DISC_PARAMETERS and bool(np.ptp(away) < SAME_AWAY)
+        self.outlines = OutlineChoice(fitter, parameters)
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint, self.spread, self._spare, self.given, self.without_outline = 0, None, None, False, False
-        self._filter.forget()
+        self.faint, self._spare, self.given, self.without_outline = 0, None, False, False
+        self.outlines.forget()
         self._make_derived()
 
     def _derive(self) -> None:
@@ -96,7 +89,7 @@ class TrackStep(Copied, Generic[S]):
         index : int
             Number of the frame.
         """
-        fitter, self.spread, self._spare = self.fitter, None, None
+        fitter, self.outlines.spread, self._spare = self.fitter, None, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
             self.without_outline = False
@@ -143,8 +136,8 @@ class TrackStep(Copied, Generic[S]):
             stretched = self._with_modes(image, color, estimate, speed)
             if stretched is not None:
                 estimate = stretched
-            elif self._draws_outlines(color):
-                estimate = self._by_consensus(image, color, estimate, (time, interval), speed)
+            elif self.outlines.draws(color):
+                estimate = self.outlines.choose(image, color, estimate, (time, interval), speed)
             else:
                 estimate = self._test_hypotheses(image, color, estimate, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
@@ -166,7 +159,7 @@ class TrackStep(Copied, Generic[S]):
             and not (alone or self.given or self.without_outline)
             and not self.fitter.validate_detection(estimate, Prior.FOLLOWED)
         ):
-            self._spare = self.fitter.block.copy(), self.spread
+            self._spare = self.fitter.block.copy(), self.outlines.spread
         return rejection
 
     def _confidence_lost(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
@@ -184,14 +177,6 @@ class TrackStep(Copied, Generic[S]):
             self.faint = 0
         return Rejection.FADED if self.faint > limits.faint_frames else Rejection.NONE
 
-    def _draws_outlines(self, color: ColorModel) -> bool:
-        """Whether outlines are drawn from edge points: not where those of two fields, known apart, would be mixed."""
-        fitter, limits = self.fitter, self.parameters.consensus
-        apart = math.hypot(*fitter.work.field_offset.expected.tolist())
-        half = self.parameters.fields.frame_share * float(fitter.work.window.speed)
-        mixed = apart > limits.max_field_offset_px and math.isclose(apart, half, rel_tol=SAME_OFFSET)
-        return len(fitter.family.parameters) <= limits.most_parameters and fitter.weighs(color) and not mixed
-
     def _with_modes(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate | None:
         """Fit with larger modes, as a lens may ask for; None, and the workspace as it was, where that is no better."""
         limits, fitter, made = self.parameters.hypotheses, self.fitter, self.fitter.block.copy()
@@ -205,96 +190,6 @@ class TrackStep(Copied, Generic[S]):
             return stretched
         fitter.block[:] = made
         return None
-
-    def _by_consensus(
-        self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
-    ) -> Estimate:
-        """Fit the likeliest of the outlines that edge points around an ambiguous fit ask for.
-
-        A fit that was rejected needs evidence of the outline; without it, it is as it was.
-        """
-        fitter, limits, p = self.fitter, self.parameters.hypothesis_filter, len(self.fitter.family.parameters)
-        motion, step = fitter.work.motion, np.zeros(p)
-        if float(fitter.work.iteration.moved) > 0.0:  # the outline was traced before the last step
-            step = fitter.work.step[:p].copy()
-        traced, predicted, last = estimate.state[:p] - step, motion.predicted[:p].copy(), motion.last_state.copy()
-        if self._filter.time < float(motion.time):
-            self._filter.begin(last[:2], float(fitter.family.half_width(last)), float(motion.time))
-        size = estimate.fit.half_width
-        region, worth = self._soft_region(image, estimate.state)
-        given = np.array([step, predicted - traced, *([region[:p] - traced] if worth else [])])
-        found = self._consensus.propose(image, color, fitter.outline, size, given)
-        scores = found.scores.copy()
-        if worth:
-            found.scores[2] = max(float(scores[2]), 0.0) + worth
-        places, ahead = (traced + found.steps)[:, :2], (predicted[:2] - last[:2], usual_size(fitter.work, frame))
-        which = self._filter.choose(found, places, ahead, frame, preferred=not estimate.rejection)
-        state, reach = estimate.state.copy(), max(limits.range_share * size, limits.min_range_px)
-        state[:p] = traced + found.steps[which]
-        fields = fitter.work.field_offset.fitted.copy()
-        fitted = fitter.fit(image, color, state, SearchWindow(reach, initial_sigma=limits.sigma_share * reach))
-        fitter.work.window.speed, fitter.work.field_offset.fitted[:] = speed, fields  # learned from the first fit
-        rejection = fitted.rejection
-        if not rejection and estimate.rejection:
-            unseen = fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
-            if unseen or scores[which] < limits.least_score:
-                rejection = estimate.rejection
-        self.spread = self._filter.spread(found.steps, which)
-        if rejection:
-            self._filter.forget()
-            self.spread = None
-        return fitted._replace(rejection=rejection)
-
-    def _soft_region(self, image: Image, state: Floats) -> tuple[Floats, float]:
-        """State of the region of a blurred target around a fit, and what it is worth; 0 where its rim is sharp."""
-        limits, family = self.parameters.soft_region, self.fitter.family
-        region = self._region(image, state)
-        worth = region.worth(limits) if region else 0.0
-        return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
-
-    def _region(self, image: Image, state: Floats) -> SoftRegion | None:
-        if not self.is_disc:
-            return None
-        here = float(state[0]), float(state[1]), float(self.fitter.family.half_width(state))
-        return find_soft_region(image, here, self.parameters.soft_region)
-
-    def is_other_shape(self, image: Image, state: Floats) -> bool:
-        """Say whether the region at a state is another shape than a disc, where that is seen and discs are tracked.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        state : ndarray of shape (s,), float64
-        """
-        region = self._region(image, state)
-        return region is not None and region.is_other(self.parameters.soft_region)
-
-    def on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
-        """Fit a detection anew from the region of a blurred target, if it is one and that is a detection too.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
-        estimate : Estimate
-            The last fit, which was confirmed.
-        prior : Prior
-            What was known of it beforehand.
-        """
-        fitter, limits = self.fitter, self.parameters.hypothesis_filter
-        if not self._draws_outlines(color):
-            return estimate
-        state, worth = self._soft_region(image, estimate.state)
-        if worth <= self.parameters.soft_region.sure * self.parameters.soft_region.worth:
-            return estimate
-        made = fitter.block.copy()
-        reach = max(limits.range_share * float(fitter.family.half_width(state)), limits.min_range_px)
-        window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=True)
-        fitted = fitter.weigh(fitter.fit(image, color, state, window), image, color)
-        if fitter.validate_detection(fitted, prior):
-            fitter.block[:] = made
-            return estimate
-        return fitted
 
     def _test_hypotheses(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate:
         """Fit the hypotheses around an ambiguous fit; the best of all, fitted once more."""
@@ -316,11 +211,11 @@ class TrackStep(Copied, Generic[S]):
         """
         if self._spare is None:
             return False
-        self.fitter.block[:], self.spread = self._spare
+        self.fitter.block[:], self.outlines.spread = self._spare
         self.accept(time)
         return True
 
-    def take_disc(self, image: Image, color: ColorModel, disc: Gate, sigma: float, when: tuple[float, bool]) -> bool:
+    def take_disc(self, image: Image, color: ColorModel, disc: Gate, spread: Floats, when: tuple[float, bool]) -> bool:
         """Take a disc that no edges confirm for the target, unless it is seen to be another shape.
 
         Parameters
@@ -328,24 +223,23 @@ class TrackStep(Copied, Generic[S]):
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
         disc : Gate
-        sigma : float
-            Standard deviation of its center and half-width, half-widths.
+        spread : ndarray of shape (3, 3), float64
+            Covariance of its center and half-width, px^2.
         when : (float, bool)
             Time, s, and whether it is nowhere near where the target was expected.
         """
         time, begins = when
-        fitter, p = self.fitter, len(self.fitter.family.parameters)
+        fitter, p, sigma = self.fitter, len(self.fitter.family.parameters), math.sqrt(float(np.diag(spread).mean()))
         state = fitter.family.from_coarse(disc.x, disc.y, disc.half_width).state
-        if self.is_other_shape(image, state):
+        if self.outlines.is_other_shape(image, state):
             return False
-        sigma *= disc.half_width
         fitter.fit(image, color, state, SearchWindow(sigma))  # edge points near it
         covariance = fitter.work.covariance
         fitter.state[:], covariance[:], fitter.work.fit.msac_score = state, sigma**2 * np.eye(*covariance.shape), 0.0
         if begins:
             initialize(fitter.work, state, time, self.parameters.initialization.detected_share * disc.half_width)
         self.accept(time)
-        covariance[:], self.spread, self.without_outline = 0.0, sigma**2 * np.eye(p), True
+        covariance[:], self.outlines.spread, self.without_outline = 0.0, spread[:p, :p].copy(), True
         return True
 
     def accept(self, time: float) -> None:

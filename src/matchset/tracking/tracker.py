@@ -212,7 +212,7 @@ class Tracker(Copied, Generic[S]):
             if lost is not None:
                 return lost
         self.mode = Mode.TRACKING
-        track = track_of(self._fitter, self._last, self._time, self._step.spread)
+        track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread)
         self._last = track.shape
         if self._step.without_outline:
             return track
@@ -342,7 +342,7 @@ class Tracker(Copied, Generic[S]):
             return False
         last, found = self._family.half_width(self._last.state), gate_of(self._family, estimate.state)
         alone = self._unseen.prominence.recognizes(image, self.color, float(last), found)
-        return alone and not self._step.is_other_shape(image, estimate.state)
+        return alone and not self._step.outlines.is_other_shape(image, estimate.state)
 
     def _holds_hint(self, state: Floats) -> bool:
         """Whether a shape holds the point that was given."""
@@ -373,7 +373,7 @@ class Tracker(Copied, Generic[S]):
         rejection = fitter.validate_detection(estimate, self._prior(predicted))
         if rejection or not family.half_width(estimate.state) > 0.0:  # the second fit ran away
             return fitter.validator.describe(rejection, estimate.fit)
-        estimate = self._step.on_soft_region(image, self.color, estimate, self._prior(predicted))
+        estimate = self._step.outlines.of_detection(image, self.color, estimate, self._prior(predicted), predicted)
         if predicted is None:
             sigma = self.parameters.initialization.detected_share * float(family.half_width(state))
             initialize(fitter.work, estimate.state, self._time, sigma)

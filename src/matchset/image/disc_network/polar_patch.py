@@ -1,0 +1,109 @@
+"""The picture around a circle along rays from its center, whatever its size and color: `read_patch`.
+
+64 rays are read in 32 places each, from 0.3 to 1.7 radii. A picture of a large circle is reduced before, so that a
+place is about a pixel wide. Of each place there are five numbers: its color in CIE Lab, less the median color of the
+middle and in units of the spread of all; the log-odds of that color inside the circle against around it, from smoothed
+histograms of both; and whether it is in the picture.
+"""
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+Patch = npt.NDArray[np.float32]
+Circle3 = tuple[float, float, float]
+
+# All of these are a part of what the weights were learned for: training reads its pictures by this file.
+RAYS, PLACES, NUMBERS = 64, 32, 5  # format: of a patch
+SIZE = 20.0  # format: radius to which larger circles are reduced, px
+NEAREST, FARTHEST = 0.3, 1.7  # format: first and last place of a ray, radii
+MIDDLE, INSIDE, AROUND = 0.7, 0.85, 1.2  # format: places of the median color and of the two histograms, radii
+BINS = np.array((16, 24, 24))  # format: of the histograms, for L, a and b
+LAB_LOW = np.array((0.0, -64.0, -64.0), np.float32)  # format: first color of them
+LAB_RANGE = np.array((100.0, 128.0, 128.0), np.float32)  # format: what they span
+FLOOR, MOST = 5e-4, 4.0  # format: share added to each color, and the log-odds that count as 1
+LAB_UNIT, LEAST_SPREAD, SPREAD = 0.02, 0.08, 0.7  # format: of the colors
+ROOM = 1.8  # geometry: how far the picture is cut out around the circle, radii
+LEAST_SIDE = 4  # format: of that, px
+
+ANGLES = 2.0 * np.pi * np.arange(RAYS) / RAYS
+DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+RADII = np.linspace(NEAREST, FARTHEST, PLACES)
+
+
+def read_patch(image: Image, circle: Circle3) -> Patch | None:
+    """Read a picture around a circle.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8
+        BGR.
+    circle : (x, y, radius)
+        px.
+
+    Returns
+    -------
+    ndarray of shape (64, 32, 5), float32, or None
+        By ray, place and number; None where hardly anything of it is in the picture.
+    """
+    x, y, radius = circle
+    height, width = image.shape[:2]
+    left, top = (max(math.floor(center - ROOM * radius) - 2, 0) for center in (x, y))
+    right, bottom = min(math.ceil(x + ROOM * radius) + 3, width), min(math.ceil(y + ROOM * radius) + 3, height)
+    if right - left < LEAST_SIDE or bottom - top < LEAST_SIDE:
+        return None
+    cut, scales = _reduced(image[top:bottom, left:right], min(SIZE / radius, 1.0))
+    lab = cv2.cvtColor(cut.astype(np.float32) / np.float32(255.0), cv2.COLOR_BGR2Lab)
+    columns, rows = (center + radius * RADII * DIRECTIONS[:, k, np.newaxis] for k, center in enumerate((x, y)))
+    seen = (columns >= 0.0) & (columns <= width - 1.0) & (rows >= 0.0) & (rows <= height - 1.0)
+    across, down = (
+        ((at - start + 0.5) * scale - 0.5).astype(np.float32)
+        for at, start, scale in ((columns, left, scales[0]), (rows, top, scales[1]))
+    )
+    read = cv2.remap(lab, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    colors = np.asarray(read, np.float32)
+    patch = np.empty((RAYS, PLACES, NUMBERS), np.float32)
+    patch[..., :3] = _normalized(colors * np.float32(LAB_UNIT))
+    patch[..., 3] = _log_odds(colors, seen)
+    patch[..., 4] = seen
+    return patch
+
+
+def _reduced(cut: Image, scale: float) -> tuple[Image, tuple[float, float]]:
+    """Reduce a part of a picture; with the scales along both axes that came of it."""
+    if scale >= 1.0:
+        return cut, (1.0, 1.0)
+    height, width = cut.shape[:2]
+    columns, rows = max(round(scale * width), 2), max(round(scale * height), 2)
+    small = np.asarray(cv2.resize(cut, (columns, rows), interpolation=cv2.INTER_AREA), np.uint8)
+    return small, (columns / width, rows / height)
+
+
+def _normalized(colors: Patch) -> Patch:
+    """Colors less the median of the middle, in units of the spread of all."""
+    middle = np.median(colors[:, RADII < MIDDLE].reshape(-1, 3), axis=0)
+    apart = colors - middle
+    return np.asarray(apart * (SPREAD / max(math.sqrt(float(np.mean(apart**2))), LEAST_SPREAD)), np.float32)
+
+
+def _log_odds(colors: Patch, seen: npt.NDArray[np.bool_]) -> Patch:
+    """Log-odds of each place's color, inside against around, -1 ... 1."""
+    bins = np.clip(((colors - LAB_LOW) / LAB_RANGE * BINS).astype(np.int32), 0, BINS - 1)
+    which = (bins[..., 0] * BINS[1] + bins[..., 1]) * BINS[2] + bins[..., 2]
+    weights = RADII * seen
+    inside, around = (_histogram(which[:, part], weights[:, part]) for part in (RADII < INSIDE, RADII > AROUND))
+    odds = np.log((inside + np.float32(FLOOR)) / (around + np.float32(FLOOR))) / np.float32(MOST)
+    return np.asarray(np.clip(odds, -1.0, 1.0)[which], np.float32)
+
+
+def _histogram(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
+    """Share of each color, by the area of its places, smoothed with its neighbors."""
+    counts = np.bincount(which.ravel(), weights.ravel(), minlength=int(np.prod(BINS)))
+    shares = counts.astype(np.float32).reshape(BINS)
+    for axis in range(3):
+        shares = np.float32(0.5) * shares + np.float32(0.25) * (np.roll(shares, 1, axis) + np.roll(shares, -1, axis))
+    return np.asarray(shares.ravel() / max(float(shares.sum()), 1e-6), np.float32)

@@ -1,0 +1,181 @@
+"""Outlines of discs by the network of `image/disc_network`, and how others are weighed against them: `NetworkOutlines`.
+
+Edge points say where contrasts are, not whose they are: a hand, a tube or leaves of its color make better ones than a
+ball's shaded rim. The network has seen many balls, and says where the outline is and how sure that is. An outline is
+less likely by its distance from there, as by Student's t distribution with `freedom` degrees, since a network is wrong
+more often than a normal distribution allows:
+
+    log-likelihood = -(freedom + 3) / 2 ln(1 + d' P d / (inflation freedom)),    P the precision of the disc.
+"""
+
+from collections.abc import Iterable, Sequence
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.image.color import ColorModel
+from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
+from matchset.image.disc_network.polar_patch import Circle3
+
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+Mask = npt.NDArray[np.bool_]
+
+CHANNELS = 3  # format: of a picture with color
+DISC = 3  # format: parameters of a disc
+
+
+class NetworkParameters(msgspec.Struct, frozen=True):
+    """When the network is believed.
+
+    Chosen on nine real clips, three starts of three clicks each; the weights of the network know none of them
+    (docs/log.md). `python -m benchmarks --only real,false_locks` would show a change.
+
+    Parameters
+    ----------
+    follow : FollowParameters
+        How it is led to a ball.
+    moved : float
+        Farthest way from where it began, sum of the changes of x, y and radius in radii: beyond, it is led elsewhere.
+    freedom, inflation : float
+        Degrees of freedom of its errors, and by how much their covariance is larger than it says. Less inflation
+        believes it more beside edge points.
+    most : float
+        Largest loss of log-likelihood of an outline.
+    sure : float
+        Log-odds of a ball from which a detection is compared with it.
+    clear : float
+        Log-odds from which it is taken where a fit differs from it.
+    alone : float
+        Log-odds from which it is taken where the fit was rejected: more loses blurred balls, less follows other things.
+    differs, differs_much : float
+        Squared distance, in its standard deviations, from which a fit that was confirmed and a detection differ from
+        it: edge points are more exact where both agree.
+    far : float
+        How far from the prediction it may be where the fit was rejected, radii.
+    middle, color_share : float
+        Share of the pixels within so many radii that must have the target's color.
+    lost : float
+        Log-odds from which a lost target is there, ...
+    growth : float
+        ... if its size differs from the last one by no more than this factor, ...
+    lightness, chroma : float
+        ... and the median color of its middle by no more than this, units of CIE Lab.
+    """
+
+    follow: FollowParameters = FollowParameters()
+    moved: float = 1.0
+    freedom: float = 3.0
+    inflation: float = 4.0
+    most: float = 12.0
+    sure: float = 1.0
+    clear: float = 2.0
+    alone: float = 5.0
+    differs: float = 12.0
+    differs_much: float = 20.0
+    far: float = 1.0
+    middle: float = 0.7
+    color_share: float = 0.3
+    lost: float = 2.0
+    growth: float = 1.6
+    lightness: float = 30.0
+    chroma: float = 12.0
+
+
+class NetworkOutlines:
+    """Finds discs by the network and weighs outlines against them.
+
+    Parameters
+    ----------
+    limits : NetworkParameters
+    """
+
+    def __init__(self, limits: NetworkParameters) -> None:
+        self.limits = limits
+
+    def discs(self, image: Image, starts: Iterable[Floats]) -> list[Disc]:
+        """Discs to which the network is led from several starts; none of a gray picture.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        starts : iterable of ndarray of shape (>= 3,), float64
+            x, y and radius, px.
+        """
+        if image.shape[2] != CHANNELS:
+            return []
+        found, network = [], DiscNetwork.load()
+        for start in starts:
+            x, y, radius = start[:DISC].tolist()
+            disc = network.follow(image, (x, y, radius), self.limits.follow)
+            if disc is not None and np.abs(disc.circle - start[:DISC]).sum() < self.limits.moved * radius:
+                found.append(disc)
+        return found
+
+    def log_likelihoods(self, discs: Sequence[Disc], states: Floats) -> Floats:
+        """Log-likelihood of outlines beside the discs, that of the nearest one.
+
+        Parameters
+        ----------
+        discs : sequence of Disc
+            At least one.
+        states : ndarray of shape (k, 3), float64
+
+        Returns
+        -------
+        ndarray of shape (k,), float64
+        """
+        limits = self.limits
+        nearest = np.min([squared_distances(disc, states) for disc in discs], axis=0)
+        odds = -0.5 * (limits.freedom + DISC) * np.log1p(nearest / (limits.inflation * limits.freedom))
+        return np.asarray(np.maximum(odds, -limits.most))
+
+    def has_color(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
+        """Whether enough of the middle of a disc has the target's color."""
+        part, inside = middle_of(image, circle, self.limits.middle)
+        if not inside.any():
+            return False
+        return bool((color.scores(part).reshape(inside.shape)[inside] > 0).mean() > self.limits.color_share)
+
+    def median_color(self, image: Image, circle: Circle3) -> Floats | None:
+        """Median color of the middle of a disc, CIE Lab; None of a gray picture and outside of the picture."""
+        part, inside = middle_of(image, circle, self.limits.middle)
+        if image.shape[2] != CHANNELS or not inside.any():
+            return None
+        lab = cv2.cvtColor(part.astype(np.float32) / np.float32(255.0), cv2.COLOR_BGR2Lab)
+        return np.asarray(np.median(lab[inside], axis=0), np.float64)
+
+    def is_alike(self, one: Floats, other: Floats) -> bool:
+        """Whether two median colors may be those of the same ball."""
+        apart = np.abs(one - other)
+        return bool(apart[0] <= self.limits.lightness and np.hypot(apart[1], apart[2]) <= self.limits.chroma)
+
+
+def likeliest(discs: Sequence[Disc], least: float) -> Disc | None:
+    """Disc with the highest log-odds, if these are above the least."""
+    best = max(discs, key=lambda disc: disc.log_odds, default=None)
+    return best if best is not None and best.log_odds > least else None
+
+
+def squared_distances(disc: Disc, states: Floats) -> Floats:
+    """Squared distance of states from a disc, in its standard deviations (Mahalanobis); of shape (...,)."""
+    apart = states - disc.circle
+    return np.asarray(np.einsum("...i,ij,...j->...", apart, disc.precision, apart))
+
+
+def middle_of(image: Image, circle: Circle3, share: float) -> tuple[Image, Mask]:
+    """Part of a picture around the middle of a disc, and which of its pixels are in that."""
+    (x, y, radius), (height, width) = circle, image.shape[:2]
+    reach = share * radius
+    left, top = max(round(x - reach), 0), max(round(y - reach), 0)
+    rows, columns = range(top, min(round(y + reach) + 1, height)), range(left, min(round(x + reach) + 1, width))
+    part = np.ascontiguousarray(image[top : max(rows.stop, top), left : max(columns.stop, left)])
+    down, across = np.array(rows, np.float64) - y, np.array(columns, np.float64) - x
+    return part, np.asarray(np.hypot(across, down[:, np.newaxis]) <= reach)
+
+
+def covariance_of(disc: Disc) -> Floats:
+    """Covariance of a disc's center and radius, px^2."""
+    return np.asarray(np.linalg.inv(disc.precision), np.float64)

@@ -1,0 +1,265 @@
+"""Chooses an outline where a fit alone does not say which is the target's: `OutlineChoice`.
+
+Where a fit is ambiguous the outlines that edge points ask for, the region of a blurred target and what the network of
+discs sees are weighed together, and against the frames before. Of a detection, which has no frames before, the region
+and the network are asked.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.fitting.consensus import Consensus, Proposals
+from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.soft_region import SoftRegion, find_soft_region
+from matchset.fitting.validation import Prior, Rejection
+from matchset.fitting.workspace import SearchWindow
+from matchset.image.color import ColorModel
+from matchset.image.disc_network.network import Disc
+from matchset.shapes.shape import outline
+from matchset.tracking.motion import usual_size
+from matchset.tracking.outlines.hypothesis_filter import HypothesisFilter
+from matchset.tracking.outlines.network_outlines import (
+    DISC,
+    NetworkOutlines,
+    covariance_of,
+    likeliest,
+    squared_distances,
+)
+from matchset.tracking.parameters import TrackerParameters
+
+Floats = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
+SAME_OFFSET = 1e-3  # theorem: share by which a field offset that is taken for half a frame's way differs: rounding
+SAME_AWAY = 1e-3  # theorem: points of a circle of 20 px are equally far from its center, but for rounding, px
+HALF_WIDTH = 20.0  # geometry: of the shape that is looked at for that, px
+
+
+class OutlineChoice:
+    """Chooses outlines of one family.
+
+    Parameters
+    ----------
+    fitter : Fitter
+    parameters : TrackerParameters
+
+    Attributes
+    ----------
+    is_disc : bool
+        Whether the shapes are discs, which have a region and a network.
+    network : NetworkOutlines
+    spread : ndarray of shape (p, p), float64, or None
+        Covariance of the outlines that were weighed last; None where there was no choice.
+    """
+
+    def __init__(self, fitter: Fitter[Any], parameters: TrackerParameters) -> None:
+        self._fitter, self._parameters = fitter, parameters
+        self.network = NetworkOutlines(parameters.network)
+        self.spread: Floats | None = None
+        self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
+        self._filter = HypothesisFilter(parameters.hypothesis_filter)
+        away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
+        self.is_disc = len(fitter.family.parameters) <= DISC and bool(np.ptp(away) < SAME_AWAY)
+
+    def forget(self) -> None:
+        """Remember no outlines."""
+        self.spread = None
+        self._filter.forget()
+
+    def draws(self, color: ColorModel) -> bool:
+        """Whether outlines are drawn from edge points: not where those of two fields, known apart, would be mixed."""
+        fitter, limits = self._fitter, self._parameters.consensus
+        apart = math.hypot(*fitter.work.field_offset.expected.tolist())
+        half = self._parameters.fields.frame_share * float(fitter.work.window.speed)
+        mixed = apart > limits.max_field_offset_px and math.isclose(apart, half, rel_tol=SAME_OFFSET)
+        return len(fitter.family.parameters) <= limits.most_parameters and fitter.weighs(color) and not mixed
+
+    def choose(
+        self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
+    ) -> Estimate:
+        """Fit the likeliest of the outlines around an ambiguous fit.
+
+        A fit that was rejected needs evidence of the outline; without it, it is as it was.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        estimate : Estimate
+            The ambiguous fit.
+        frame : tuple of float
+            Time of the frame and since the frame before, s.
+        speed : float
+            Of the target, px per frame.
+        """
+        fitter, p, motion = self._fitter, len(self._fitter.family.parameters), self._fitter.work.motion
+        step = np.zeros(p)
+        if float(fitter.work.iteration.moved) > 0.0:  # the outline was traced before the last step
+            step = fitter.work.step[:p].copy()
+        traced, predicted = estimate.state[:p] - step, motion.predicted[:p].copy()
+        discs = self.network.discs(image, (predicted, estimate.state[:p])) if self.is_disc else []
+        found, scores = self._proposals(image, color, estimate, traced, step, discs)
+        which = self._likeliest(found, traced, frame, preferred=not estimate.rejection)
+        fields = fitter.work.field_offset.fitted.copy()
+        fitted = self._fit(image, color, estimate.state, traced + found.steps[which])
+        fitter.work.window.speed, fitter.work.field_offset.fitted[:] = speed, fields  # learned from the first fit
+        taken = self._taken(image, color, fitted, discs, predicted)
+        if taken is not None:
+            self.spread = None
+            return taken
+        rejection = fitted.rejection
+        if not rejection and estimate.rejection:
+            unseen = fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
+            if unseen or scores[which] < self._parameters.hypothesis_filter.least_score:
+                rejection = estimate.rejection
+        self.spread = self._filter.spread(found.steps, which)
+        if rejection:
+            self.forget()
+        return fitted._replace(rejection=rejection)
+
+    def _proposals(
+        self,
+        image: Image,
+        color: ColorModel,
+        estimate: Estimate,
+        traced: Floats,
+        step: Floats,
+        discs: Sequence[Disc],
+    ) -> tuple[Proposals, Floats]:
+        """Outlines with their scores, and those scores without what region and network add."""
+        limits, predicted = self._parameters.hypothesis_filter, self._fitter.work.motion.predicted[: len(traced)]
+        region, worth = self._soft_region(image, estimate.state)
+        others = [region[: len(traced)] - traced] if worth else []
+        others += [np.array(disc.circle) - traced for disc in discs]
+        given = np.array([step, predicted - traced, *others])
+        found = self._consensus.propose(image, color, self._fitter.outline, estimate.fit.half_width, given)
+        scores = found.scores.copy()
+        if worth:
+            found.scores[2] = max(float(scores[2]), 0.0) + worth
+        if discs:
+            found.scores[:] += self.network.log_likelihoods(discs, traced + found.steps) / limits.score_weight
+        return found, scores
+
+    def _likeliest(self, found: Proposals, traced: Floats, frame: tuple[float, float], preferred: bool) -> int:
+        """Which outline is likeliest by all that is known of the frames before."""
+        motion = self._fitter.work.motion
+        p = len(traced)
+        last, predicted = motion.last_state[:p].copy(), motion.predicted[:p]
+        if self._filter.time < float(motion.time):
+            self._filter.begin(last[:2], float(self._fitter.family.half_width(last)), float(motion.time))
+        ahead = predicted[:2] - last[:2], usual_size(self._fitter.work, frame)
+        return self._filter.choose(found, (traced + found.steps)[:, :2], ahead, frame, preferred=preferred)
+
+    def _fit(self, image: Image, color: ColorModel, state: Floats, begin: Floats, unknown: bool = False) -> Estimate:
+        """Fit in a narrow window around an outline."""
+        limits, whole = self._parameters.hypothesis_filter, state.copy()
+        whole[: len(begin)] = begin
+        reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
+        window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
+        return self._fitter.fit(image, color, whole, window)
+
+    def _taken(
+        self, image: Image, color: ColorModel, fitted: Estimate, discs: Sequence[Disc], predicted: Floats
+    ) -> Estimate | None:
+        """Take the network's disc for a fit that differs from it or was rejected; None where the fit stays."""
+        limits = self.network.limits
+        disc = likeliest(discs, limits.alone if fitted.rejection else limits.clear)
+        if disc is None:
+            return None
+        if fitted.rejection:
+            differs = math.dist(disc.circle[:2], predicted[:2].tolist()) < limits.far * disc.circle[2]
+        else:
+            differs = float(squared_distances(disc, fitted.state[:DISC])) > limits.differs
+        return self._take(disc, fitted) if differs and self.network.has_color(image, color, disc.circle) else None
+
+    def _take(self, disc: Disc, fitted: Estimate) -> Estimate:
+        """Make the last fit a disc of the network."""
+        work = self._fitter.work
+        self._fitter.state[:DISC] = disc.circle
+        work.covariance[:DISC, :DISC] = covariance_of(disc)
+        return fitted._replace(state=self._fitter.state.copy(), rejection=Rejection.NONE)
+
+    def _soft_region(self, image: Image, state: Floats) -> tuple[Floats, float]:
+        """State of the region of a blurred target around a fit, and what it is worth; 0 where its rim is sharp."""
+        limits, family = self._parameters.soft_region, self._fitter.family
+        region = self._region(image, state)
+        worth = region.worth(limits) if region else 0.0
+        return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
+
+    def _region(self, image: Image, state: Floats) -> SoftRegion | None:
+        if not self.is_disc:
+            return None
+        here = float(state[0]), float(state[1]), float(self._fitter.family.half_width(state))
+        return find_soft_region(image, here, self._parameters.soft_region)
+
+    def is_other_shape(self, image: Image, state: Floats) -> bool:
+        """Say whether the region at a state is another shape than a disc, where that is seen and discs are tracked.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        state : ndarray of shape (s,), float64
+        """
+        region = self._region(image, state)
+        return region is not None and region.is_other(self._parameters.soft_region)
+
+    def of_detection(
+        self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior, predicted: Floats | None
+    ) -> Estimate:
+        """Fit a detection anew from the region of a blurred target, and from what the network sees.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        estimate : Estimate
+            The last fit, which was confirmed.
+        prior : Prior
+            What was known of it beforehand.
+        predicted : ndarray of shape (s,), float64, or None
+            Where the target was expected.
+        """
+        if not self.draws(color):
+            return estimate
+        starts = [estimate.state.copy(), *([] if predicted is None else [predicted])]
+        region = self._on_soft_region(image, color, estimate, prior)
+        return self._on_network(image, color, region, prior, [region.state, *starts]) if self.is_disc else region
+
+    def _on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
+        """Fit a detection anew from its region, if that is blurred and the fit is a detection too."""
+        fitter = self._fitter
+        state, worth = self._soft_region(image, estimate.state)
+        if worth <= self._parameters.soft_region.sure * self._parameters.soft_region.worth:
+            return estimate
+        made = fitter.block.copy()
+        fitted = fitter.weigh(self._fit(image, color, state, state, unknown=True), image, color)
+        if fitter.validate_detection(fitted, prior):
+            fitter.block[:] = made
+            return estimate
+        return fitted
+
+    def _on_network(
+        self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior, starts: Sequence[Floats]
+    ) -> Estimate:
+        """Fit a detection anew from the network's disc, or take that, if the detection differs much from it."""
+        fitter, limits = self._fitter, self.network.limits
+        disc = likeliest(self.network.discs(image, starts), limits.sure)
+        if disc is None or not self.network.has_color(image, color, disc.circle):
+            return estimate
+        near = math.dist(disc.circle[:2], estimate.state[:2].tolist()) < max(estimate.state[2], disc.circle[2])
+        if not near or squared_distances(disc, estimate.state[:DISC]) < limits.differs_much:
+            return estimate
+        made = fitter.block.copy()
+        begin = np.array(disc.circle)
+        fitted = fitter.weigh(self._fit(image, color, estimate.state, begin, unknown=True), image, color)
+        unseen = fitter.validate_detection(fitted, prior)
+        if disc.log_odds > limits.clear and (unseen or squared_distances(disc, fitted.state[:DISC]) > limits.differs):
+            return self._take(disc, fitted)
+        if unseen:
+            fitter.block[:] = made
+            return estimate
+        return fitted

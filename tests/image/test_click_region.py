@@ -15,6 +15,7 @@ from matchset.image.click_region import disc_mask, regions_at_click
 from matchset.image.clicks.circle_at_click import ClickParameters, circle_at
 from matchset.image.clicks.clear_disc import NearParameters, clearest_disc, disc_alone, disc_in_place_of, is_outlined
 from matchset.image.color_learning import ColorParameters, RegionParameters
+from matchset.image.disc_network.at_click import BallAtClickParameters
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
@@ -181,11 +182,12 @@ def test_how_a_click_is_understood_can_be_said() -> None:
     assert circle is not None
     assert (regions[0] & ~disc((480, 640), radius=34.0)).any()
     assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == circle
-    no_circle = ColorParameters(click=ClickParameters(min_score=1.0))
+    no_network = BallAtClickParameters(used=False)
+    no_circle = ColorParameters(click=ClickParameters(min_score=1.0), ball=no_network)
     found = regions_at_click(image, X + 5.0, Y, no_circle)[1]
     assert found is not None
     assert found[2] < 24.5  # a disc that stands out from its ring, in place of the ball of r = 34
-    nothing = ColorParameters(click=ClickParameters(min_score=1.0, near=NearParameters(min_rim=1.1)))
+    nothing = ColorParameters(click=ClickParameters(min_score=1.0, near=NearParameters(min_rim=1.1)), ball=no_network)
     assert regions_at_click(image, X + 5.0, Y, nothing)[1] is None
     with pytest.raises(
         ValueError, match=r"no background is left to learn from, nor does anything round .* click elsewhere"

@@ -10,6 +10,7 @@ import pytest
 import matchset as ms
 from matchset.fitting.evidence import EvidenceParameters
 from matchset.fitting.fitter import Fitter
+from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters
 from matchset.tracking.search.template import TemplateParameters
@@ -29,10 +30,12 @@ def picture(x: float) -> Picture:
 
 
 def rested() -> Tracker[ms.Circle]:
-    """Tracker of a ball that has been at rest, and that is known neither by its color nor by its looks alone."""
+    """Tracker of a ball that has been at rest, and that is known neither by its color, the network nor its looks alone."""
     image, outline_alone = (
         picture(150.0),
-        TrackerParameters(color_disc=ColorDiscParameters(least=9.0), template=BY_LOOKS_NEVER),
+        TrackerParameters(
+            color_disc=ColorDiscParameters(least=9.0), template=BY_LOOKS_NEVER, network=NetworkParameters(used=False)
+        ),
     )
     color = ms.ColorModel.pick(image, 150.0, 120.0)
     tracker = ms.Tracker(ms.Circle, color, start=(150.0, 120.0), parameters=outline_alone)

@@ -13,13 +13,14 @@ from matchset.fitting.fitter import Fitter
 from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.clip import Clip
+from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
 EVIDENCE = EvidenceParameters()
-BY_OUTLINE = TrackerParameters(template=TemplateParameters(largest_px=0.0))
+BY_OUTLINE = TrackerParameters(template=TemplateParameters(largest_px=0.0), network=NetworkParameters(used=False))
 
 
 def picture(*balls: tuple[float, float], radius: float = 14.0) -> Picture:

@@ -7,7 +7,10 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
+from matchset.image.color_learning import ColorParameters
+from matchset.image.disc_network.at_click import BallAtClickParameters
 from matchset.tracking.motion import Gate
+from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters, ColorDiscs, disc_filter, find_color_disc
 from matchset.tracking.search.prominence import Prominence, ProminenceParameters
@@ -18,7 +21,7 @@ Picture = npt.NDArray[np.uint8]
 Places = tuple[tuple[float, float], ...]
 GREEN = (70.0, 150.0, 60.0)
 BEGIN, RADIUS = (60.0, 90.0), 12.0
-BY_COLOR_ALONE = TrackerParameters(template=TemplateParameters(largest_px=0.0))
+BY_COLOR_ALONE = TrackerParameters(template=TemplateParameters(largest_px=0.0), network=NetworkParameters(used=False))
 
 
 def picture(balls: Places, blur: float = 1.0, seed: int = 0, other: bool = False) -> Picture:
@@ -37,7 +40,8 @@ def place(frame: int) -> tuple[float, float]:
 
 
 def follow(pictures: list[Picture], parameters: TrackerParameters = BY_COLOR_ALONE) -> list[ms.Track[ms.Circle] | None]:
-    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(pictures[0], *BEGIN), start=BEGIN, parameters=parameters)
+    color = ms.ColorModel.pick(pictures[0], *BEGIN, ColorParameters(ball=BallAtClickParameters(used=False)))
+    tracker = ms.Tracker(ms.Circle, color, start=BEGIN, parameters=parameters)
     answers = [tracker.update(image) for image in pictures]
     return [answer if isinstance(answer, ms.Track) else None for answer in answers]
 

@@ -7,6 +7,7 @@ import pytest
 
 import matchset as ms
 from matchset.tracking.motion import Gate
+from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters
 from matchset.tracking.search.template import Template, TemplateParameters
@@ -15,8 +16,9 @@ Picture = npt.NDArray[np.uint8]
 BEGIN, RADIUS = (60.0, 90.0), 9.0
 FPS = 30.0
 NO_COLOR = ColorDiscParameters(least=9.0)
-BY_LOOKS = TrackerParameters(color_disc=NO_COLOR)
-NEVER = TrackerParameters(color_disc=NO_COLOR, template=TemplateParameters(largest_px=0.0))
+NO_NETWORK = NetworkParameters(used=False)
+BY_LOOKS = TrackerParameters(color_disc=NO_COLOR, network=NO_NETWORK)
+NEVER = TrackerParameters(color_disc=NO_COLOR, network=NO_NETWORK, template=TemplateParameters(largest_px=0.0))
 
 
 def picture(ball: tuple[float, float] | None, blur: float = 1.0, seed: int = 0, clutter: float = 0.0) -> Picture:

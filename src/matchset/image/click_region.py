@@ -214,7 +214,8 @@ def regions_at_click(
     if solid >= limits.whole and both / union < limits.same and both > limits.large * float(disc.sum()):
         return [region, disc], circle
     if shared >= limits.part:
-        part = _target_of(image, disc, region, parameters) & _alike(values, region, limits)
+        small = both <= limits.large * float(disc.sum())
+        part = _target_of(image, disc, region, parameters) & _alike(values, region, limits, gray_too=small)
         return [region | part, disc], circle
     is_disc = len(points) > limits.disc * math.pi * extent**2 * solid  # its hull is, whatever is printed on it
     beside = not region[round(y), round(x)] and not is_disc
@@ -303,12 +304,14 @@ def _solidity(points: Points) -> float:
     return len(points) / max(float(cv2.contourArea(cv2.convexHull(points))), 1.0)
 
 
-def _alike(values: Floats, region: Mask, limits: RegionParameters) -> Mask:
-    """Pixels of about the hue of a region, and those without one; all of them where the region has none."""
+def _alike(values: Floats, region: Mask, limits: RegionParameters, gray_too: bool) -> Mask:
+    """Pixels of about the hue of a region, and maybe those without one; all of them where the region has none."""
     u, v = values[..., 0], values[..., 1]
     typical = complex(float(u[region].mean()), float(v[region].mean()))
     if abs(typical) < limits.gray:
         return np.ones(region.shape, bool)
     along = u * (typical.real / abs(typical)) + v * (typical.imag / abs(typical))
     chroma = np.hypot(u, v)
-    return np.asarray((along > math.cos(limits.hue) * chroma) | (chroma < limits.gray))
+    return np.asarray(
+        (along > math.cos(limits.hue) * chroma) & (chroma >= limits.gray) | gray_too & (chroma < limits.gray)
+    )

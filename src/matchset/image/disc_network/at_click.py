@@ -19,6 +19,8 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
+    used : bool
+        Whether the network is asked at all.
     smallest, largest : float
         Radii of the first and the last circle around the click: px, and as a share of the longer side of the picture.
     growth : float
@@ -35,13 +37,14 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
         Largest difference of a coordinate from a round region that is the same, in radii: its own color is known best.
     """
 
+    used: bool = True
     smallest: float = 4.0
     largest: float = 0.35
     growth: float = 1.35
     follow: FollowParameters = FollowParameters(most_step=0.35)
     holds: float = 1.02
     grown: float = 3.0
-    sure: float = 1.0
+    sure: float = 1.5
     same: float = 0.15
 
 
@@ -64,9 +67,9 @@ def ball_at(
     (x, y, radius) or None
         px; None where none is likely, and of a gray picture.
     """
-    if image.ndim != CHANNELS or image.shape[2] != CHANNELS:
+    if not limits.used or image.ndim != CHANNELS or image.shape[2] != CHANNELS:
         return None
-    network = DiscNetwork.load()
+    network = DiscNetwork.packaged()
     best: Disc | None = None
     for start in (*known, *_around(image, x, y, limits)):
         disc = network.follow(image, start, limits.follow)

@@ -100,8 +100,8 @@ class DiscNetwork:
 
     @staticmethod
     @functools.cache
-    def load() -> "DiscNetwork":
-        """Load the network of the package, once."""
+    def packaged() -> "DiscNetwork":
+        """Read the network of the package, once."""
         with np.load(FILE) as file:
             return DiscNetwork({name: file[name].astype(np.float32) for name in file.files})
 

@@ -30,7 +30,7 @@ LAB_UNIT, LEAST_SPREAD, SPREAD = 0.02, 0.08, 0.7  # format: of the colors
 ROOM = 1.8  # geometry: how far the picture is cut out around the circle, radii
 LEAST_SIDE = 4  # format: of that, px
 
-ANGLES = 2.0 * np.pi * np.arange(RAYS) / RAYS
+ANGLES = 2.0 * np.pi * np.arange(RAYS) / RAYS  # geometry: of the rays, rad
 DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
 RADII = np.linspace(NEAREST, FARTHEST, PLACES)
 

@@ -35,6 +35,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
+    used : bool
+        Whether it is asked at all: without it ambiguous frames take a tenth of the time, and more of them are wrong.
     follow : FollowParameters
         How it is led to a ball.
     moved : float
@@ -65,6 +67,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         ... and the median color of its middle by no more than this, units of CIE Lab.
     """
 
+    used: bool = True
     follow: FollowParameters = FollowParameters()
     moved: float = 1.0
     freedom: float = 3.0
@@ -96,7 +99,9 @@ class NetworkOutlines:
         self.limits = limits
 
     def discs(self, image: Image, starts: Iterable[Floats]) -> list[Disc]:
-        """Discs to which the network is led from several starts; none of a gray picture.
+        """Discs in the picture to which the network is led from several starts; none of a gray picture.
+
+        Of a disc whose center is outside, too little is seen.
 
         Parameters
         ----------
@@ -104,13 +109,16 @@ class NetworkOutlines:
         starts : iterable of ndarray of shape (>= 3,), float64
             x, y and radius, px.
         """
-        if image.shape[2] != CHANNELS:
+        if image.shape[2] != CHANNELS or not self.limits.used:
             return []
-        found, network = [], DiscNetwork.load()
+        found, network = [], DiscNetwork.packaged()
+        height, width = image.shape[:2]
         for start in starts:
             x, y, radius = start[:DISC].tolist()
             disc = network.follow(image, (x, y, radius), self.limits.follow)
-            if disc is not None and np.abs(disc.circle - start[:DISC]).sum() < self.limits.moved * radius:
+            if disc is None or np.abs(disc.circle - start[:DISC]).sum() >= self.limits.moved * radius:
+                continue
+            if 0.0 <= disc.circle[0] <= width - 1 and 0.0 <= disc.circle[1] <= height - 1:
                 found.append(disc)
         return found
 

@@ -1,0 +1,130 @@
+"""When the network of discs is believed, and what it changes in a track."""
+
+import copy
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.stats import multivariate_t
+
+import matchset as ms
+from matchset.image.color_learning import ColorParameters
+from matchset.image.disc_network.at_click import BallAtClickParameters
+from matchset.image.disc_network.network import Disc
+from matchset.tracking.outlines.network_outlines import (
+    NetworkOutlines,
+    NetworkParameters,
+    covariance_of,
+    likeliest,
+    middle_of,
+    squared_distances,
+)
+from matchset.tracking.parameters import TrackerParameters
+
+Picture = npt.NDArray[np.uint8]
+PRECISION = np.array(((1.0, 0.2, 0.1), (0.2, 0.8, 0.0), (0.1, 0.0, 0.5)))
+DISC = Disc((50.0, 40.0, 12.0), PRECISION, 3.0)
+
+
+def picture(x: float, hidden: float = 0.0, seed: int = 0) -> Picture:
+    """A green ball before a wall; what hides it from the left up to so many px from its center has sharper edges."""
+    rows, columns = np.indices((180, 320), np.float64)
+    away = np.hypot(columns - x, rows - 90.0)
+    share = np.clip(26.0 - away + 0.5, 0.0, 1.0)[..., np.newaxis]
+    shade = (1.0 - 0.35 * np.clip((rows - 90.0) / 26.0, -1.0, 1.0))[..., np.newaxis]
+    image = (
+        np.full((180, 320, 3), (150.0, 155.0, 165.0)) * (1.0 - share) + np.array((80.0, 150.0, 90.0)) * shade * share
+    )
+    image = cv2.GaussianBlur(image, (0, 0), 1.5)
+    if hidden:
+        image[(columns < x - hidden) & (np.abs(rows - 95.0) < 22.0)] = (90.0, 120.0, 190.0)
+    return np.asarray(np.clip(image + np.random.default_rng(seed).normal(0.0, 3.0, image.shape), 0, 255), np.uint8)
+
+
+def test_log_likelihoods_are_those_of_students_t_distribution_but_for_a_constant() -> None:
+    limits = NetworkParameters(most=1e9)
+    states = np.array(DISC.circle) + np.random.default_rng(0).normal(0.0, 3.0, (20, 3))
+    shape = limits.inflation * covariance_of(DISC)
+    expected = multivariate_t(DISC.circle, shape, limits.freedom).logpdf(states)
+    found = NetworkOutlines(limits).log_likelihoods([DISC], states)
+    assert found - found[0] == pytest.approx(expected - expected[0])
+    assert NetworkOutlines(NetworkParameters()).log_likelihoods([DISC], states + 1e4) == pytest.approx(-12.0)
+
+
+def test_the_nearest_of_several_discs_counts() -> None:
+    other, states = DISC._replace(circle=(90.0, 40.0, 12.0)), np.array(((50.0, 40.0, 12.0), (90.0, 40.0, 12.0)))
+    assert NetworkOutlines(NetworkParameters()).log_likelihoods([DISC, other], states) == pytest.approx((0.0, 0.0))
+
+
+def test_distances_and_the_likeliest_disc() -> None:
+    apart = np.array((1.0, -2.0, 3.0))
+    assert float(squared_distances(DISC, np.array(DISC.circle) + apart)) == pytest.approx(apart @ PRECISION @ apart)
+    assert covariance_of(DISC) @ PRECISION == pytest.approx(np.eye(3), abs=1e-12)
+    weak = DISC._replace(log_odds=1.0)
+    assert likeliest([weak, DISC], 2.0) is DISC
+    assert likeliest([weak], 2.0) is None
+    assert likeliest([], 2.0) is None
+
+
+@pytest.mark.parametrize("circle", [(20.0, 15.0, 9.0), (2.0, 1.0, 9.0), (39.0, 29.0, 6.0), (-50.0, 10.0, 5.0)])
+def test_the_middle_of_a_disc_is_what_lies_within_a_share_of_its_radius(circle: tuple[float, float, float]) -> None:
+    image = np.arange(30 * 40 * 3, dtype=np.int64).reshape(30, 40, 3).astype(np.uint8)
+    part, inside = middle_of(image, circle, 0.7)
+    rows, columns = np.indices(image.shape[:2])
+    expected = image[np.hypot(columns - circle[0], rows - circle[1]) <= 0.7 * circle[2]]
+    assert sorted(part[inside].tolist()) == sorted(expected.tolist())
+
+
+def test_the_color_of_a_disc_is_compared() -> None:
+    image, outlines = picture(100.0), NetworkOutlines(NetworkParameters())
+    color = ms.ColorModel.pick(image, 100.0, 90.0)
+    assert outlines.has_color(image, color, (100.0, 90.0, 26.0))
+    assert not outlines.has_color(image, color, (200.0, 90.0, 26.0))
+    assert not outlines.has_color(image, color, (900.0, 90.0, 26.0))
+    ball, wall = (outlines.median_color(image, (x, 90.0, 26.0)) for x in (100.0, 200.0))
+    assert ball is not None
+    assert wall is not None
+    assert outlines.is_alike(ball, ball)
+    assert not outlines.is_alike(ball, wall)
+    assert outlines.median_color(image, (900.0, 90.0, 26.0)) is None
+    assert outlines.median_color(image[:, :, :1], (100.0, 90.0, 26.0)) is None
+
+
+def test_discs_are_in_the_picture_and_near_to_where_they_began() -> None:
+    image, outlines = picture(100.0), NetworkOutlines(NetworkParameters())
+    (disc,) = outlines.discs(image, [np.array((104.0, 88.0, 24.0))])
+    assert np.abs(np.subtract(disc.circle, (100.0, 90.0, 26.0))).sum() < 3.0
+    assert outlines.discs(image[:, :, :1], [np.array((104.0, 88.0, 24.0))]) == []
+    assert NetworkOutlines(NetworkParameters(used=False)).discs(image, [np.array((104.0, 88.0, 24.0))]) == []
+    cut = np.ascontiguousarray(image[:, 112:])
+    assert outlines.discs(cut, [np.array((-12.0, 90.0, 26.0))]) == []
+
+
+def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:
+    shown = [(60.0 + 3.0 * k, 0.0 if k < 5 else 12.0) for k in range(25)]
+    errors = {}
+    for used in (True, False):
+        color = ms.ColorModel.pick(picture(60.0), 60.0, 90.0, ColorParameters(ball=BallAtClickParameters(used=used)))
+        parameters = TrackerParameters(network=NetworkParameters(used=used))
+        tracker = ms.Tracker(ms.Circle, color, start=(60.0, 90.0), parameters=parameters, fps=30.0)
+        answers = [(x, tracker.update(picture(x, hidden, k))) for k, (x, hidden) in enumerate(shown)]
+        errors[used] = [
+            abs(a.shape.x - x) + abs(a.shape.y - 90.0) + abs(a.shape.radius - 26.0) if isinstance(a, ms.Track) else 99.0
+            for x, a in answers
+        ]
+    assert max(errors[True]) < 4.0
+    assert float(np.mean(errors[True])) <= float(np.mean(errors[False])) + 0.2
+
+
+def test_copies_of_a_tracker_go_on_alike() -> None:
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(picture(60.0), 60.0, 90.0), start=(60.0, 90.0), fps=30.0)
+    for k in range(6):
+        tracker.update(picture(60.0 + 3.0 * k, 12.0 if k > 3 else 0.0, k))
+    other = copy.deepcopy(tracker)
+    one, two = (each.update(picture(78.0, 12.0, 6)) for each in (tracker, other))
+    assert isinstance(one, ms.Track)
+    assert isinstance(two, ms.Track)
+    assert one.shape == two.shape
+    assert math.isfinite(one.shape.x)

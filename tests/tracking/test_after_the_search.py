@@ -30,12 +30,10 @@ def picture(x: float) -> Picture:
 
 
 def rested() -> Tracker[ms.Circle]:
-    """Tracker of a ball that has been at rest, and that is known neither by its color, the network nor its looks alone."""
-    image, outline_alone = (
-        picture(150.0),
-        TrackerParameters(
-            color_disc=ColorDiscParameters(least=9.0), template=BY_LOOKS_NEVER, network=NetworkParameters(used=False)
-        ),
+    """Tracker of a ball that has been at rest, and that is known by its outline alone."""
+    image = picture(150.0)
+    outline_alone = TrackerParameters(
+        color_disc=ColorDiscParameters(least=9.0), template=BY_LOOKS_NEVER, network=NetworkParameters(used=False)
     )
     color = ms.ColorModel.pick(image, 150.0, 120.0)
     tracker = ms.Tracker(ms.Circle, color, start=(150.0, 120.0), parameters=outline_alone)

@@ -20,17 +20,6 @@ from matchset.app.track.score import VALID_BELOW_PX, TruthRow, read_truth
 
 DIFFERENCES = ("\\|Δx\\|", "\\|Δy\\|", "\\|Δr\\|", "sum, px")
 HEADINGS = ("clip", "labels", "rows", "within 5 px", *DIFFERENCES, "labelled twice", "sum, px")
-    "clip",
-    "labels",
-    "rows",
-    "within 5 px",
-    "\\|Δx\\|",
-    "\\|Δy\\|",
-    "\\|Δr\\|",
-    "sum, px",
-    "labelled twice",
-    "sum, px",
-)
 
 
 class Agreement(msgspec.Struct, frozen=True):

@@ -312,6 +312,5 @@ def _alike(values: Floats, region: Mask, limits: RegionParameters, gray_too: boo
         return np.ones(region.shape, bool)
     along = u * (typical.real / abs(typical)) + v * (typical.imag / abs(typical))
     chroma = np.hypot(u, v)
-    return np.asarray(
-        (along > math.cos(limits.hue) * chroma) & (chroma >= limits.gray) | gray_too & (chroma < limits.gray)
-    )
+    colored = chroma >= limits.gray
+    return np.asarray(colored & (along > math.cos(limits.hue) * chroma) | ~colored & gray_too)

@@ -58,7 +58,8 @@ class RegionParameters(msgspec.Struct, frozen=True):
         and no other circle is looked for, which takes most of the time of a click.
     hue, gray : float
         Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
-        below which a pixel has no hue: a marker on a ball is another thing than the ball.
+        below which a pixel has no hue, and belongs to a region that is a small part of the circle: a marker on a ball
+        is another thing than the ball.
     rarer : float
         Log-odds, circle against background, from which a pixel of the circle belongs to the target.
     contrast, ring : float, tuple of float

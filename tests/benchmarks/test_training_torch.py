@@ -1,0 +1,104 @@
+"""How the network of discs is learned, where PyTorch is: the package and its tests do without."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("torch")
+
+import torch
+from benchmarks.training import train
+from benchmarks.training.augmentation import AugmentationParameters, varied
+from benchmarks.training.examples import Examples
+
+from matchset.image.disc_network.network import FILE, DiscNetwork
+
+SMALL = train.NetworkParameters(width=12)
+
+
+def patches_of(seed: int, count: int) -> torch.Tensor:
+    return torch.from_numpy(np.random.default_rng(seed).normal(0.0, 0.7, (count, 64, 32, 5)).astype(np.float32))
+
+
+def as_the_package_sees(network: train.Network, path: Path) -> DiscNetwork:
+    train.export(network, path)
+    with np.load(path) as file:
+        return DiscNetwork({name: file[name].astype(np.float32) for name in file.files})
+
+
+@pytest.mark.parametrize("width", [12, 64])
+def test_the_package_sees_what_the_network_in_pytorch_sees(width: int, tmp_path: Path) -> None:
+    torch.manual_seed(width)
+    network = train.Network(train.NetworkParameters(width=width)).half().float()  # as it is exported
+    package, patches = as_the_package_sees(network, tmp_path / "weights.npz"), patches_of(1, 6)
+    with torch.no_grad():
+        output = network(patches)
+    for index, patch in enumerate(patches.numpy()):
+        seen = package.see(patch)
+        assert output.step[index].numpy() == pytest.approx(seen.step, abs=2e-5)
+        assert output.precision[index].numpy() == pytest.approx(seen.precision, rel=1e-4, abs=2e-3)
+        assert float(output.log_odds[index]) == pytest.approx(seen.log_odds, abs=2e-5)
+
+
+def test_weights_of_the_package_can_be_begun_with_and_are_exported_as_they_were() -> None:
+    network = train.Network()
+    train.begin_with(network, FILE)
+    with np.load(FILE) as file:
+        exported = train.weights_of(network)
+        assert set(file.files) == set(exported)
+        assert all(np.array_equal(file[name], exported[name]) for name in file.files)
+
+
+def test_a_state_can_be_begun_with(tmp_path: Path) -> None:
+    one, other = train.Network(SMALL), train.Network(SMALL)
+    torch.save(one.state_dict(), tmp_path / "one.pt")
+    train.begin_with(other, tmp_path / "one.pt")
+    with torch.no_grad():
+        assert torch.equal(one(patches_of(2, 3)).step, other(patches_of(2, 3)).step)
+
+
+def test_turned_and_mirrored_rays_lead_where_they_did() -> None:
+    """A patch that is a bump in the direction of its target stays one."""
+    angles = 2.0 * np.pi * np.arange(64) / 64
+    targets = torch.tensor([[0.3, -0.2, 0.1, 1.0], [-0.1, 0.25, 0.0, 1.0]])
+    chance = torch.Generator().manual_seed(3)
+    for _ in range(12):
+        right, down = targets[:, :1].numpy(), targets[:, 1:2].numpy()
+        along = (right * np.cos(angles) + down * np.sin(angles)).astype(np.float32)
+        patches = torch.zeros((2, 64, 32, 5))
+        patches[..., 4] = torch.from_numpy(along)[:, :, None]
+        new, moved = varied(patches, targets, chance, AugmentationParameters())
+        right, down = moved[:, :1].numpy(), moved[:, 1:2].numpy()
+        assert new[:, :, 0, 4].numpy() == pytest.approx(right * np.cos(angles) + down * np.sin(angles), abs=1e-5)
+        assert torch.equal(moved[:, 2:], targets[:, 2:])
+
+
+def test_the_loss_is_least_at_the_target() -> None:
+    limits, precision = train.LearningParameters(), 100.0 * torch.eye(3).expand(2, 3, 3)
+    targets = torch.tensor([[0.1, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0]])
+    odds = torch.tensor([2.0, -2.0])
+
+    def loss(step: float, log_odds: torch.Tensor) -> float:
+        told = torch.tensor([[step, 0.0, 0.0], [9.0, 9.0, 9.0]])
+        return float(train.loss_of(train.Output(told, precision, log_odds), targets, limits))
+
+    assert loss(0.1, odds) < min(loss(0.05, odds), loss(0.15, odds), loss(0.1, -odds))
+
+
+def test_a_network_learns_and_is_judged_on_what_it_has_not_seen() -> None:
+    random = np.random.default_rng(0)
+    there = (random.random(400) < 0.5).astype(np.float32)
+    patches = random.normal(0.0, 0.3, (400, 64, 32, 5)).astype(np.float16)
+    patches[..., 3] += (there[:, None, None] * np.where(np.arange(32) < 16, 1.0, -1.0)).astype(np.float16)
+    targets = np.zeros((400, 4), np.float32)
+    targets[:, 3] = there
+    limits = train.LearningParameters(network=SMALL, batch=32, first_steps=5)
+    score = train.train(Examples(patches, targets), 0.05, train.Learner(limits), limits)
+    assert score.area > 0.95
+    assert "false at 10 % missed" in str(score)
+
+
+def test_too_few_examples_are_an_error() -> None:
+    with pytest.raises(ValueError, match="a step needs 256"):
+        train.held_back(200, train.LearningParameters())

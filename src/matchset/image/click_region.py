@@ -214,7 +214,7 @@ def regions_at_click(
     if solid >= limits.whole and both / union < limits.same and both > limits.large * float(disc.sum()):
         return [region, disc], circle
     if shared >= limits.part:
-        small = both <= limits.large * float(disc.sum())
+        small = both <= limits.little * float(disc.sum())
         part = _target_of(image, disc, region, parameters) & _alike(values, region, limits, gray_too=small)
         return [region | part, disc], circle
     is_disc = len(points) > limits.disc * math.pi * extent**2 * solid  # its hull is, whatever is printed on it
@@ -312,5 +312,5 @@ def _alike(values: Floats, region: Mask, limits: RegionParameters, gray_too: boo
         return np.ones(region.shape, bool)
     along = u * (typical.real / abs(typical)) + v * (typical.imag / abs(typical))
     chroma = np.hypot(u, v)
-    colored = chroma >= limits.gray
+    colored = chroma >= max(limits.gray, limits.vivid * abs(typical))
     return np.asarray(colored & (along > math.cos(limits.hue) * chroma) | ~colored & gray_too)

@@ -58,8 +58,12 @@ class RegionParameters(msgspec.Struct, frozen=True):
         and no other circle is looked for, which takes most of the time of a click.
     hue, gray : float
         Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
-        below which a pixel has no hue, and belongs to a region that is a small part of the circle: a marker on a ball
-        is another thing than the ball.
+        below which a pixel has no hue: a marker on a ball is another thing than the ball.
+    vivid : float
+        Share of the region's chroma below which a pixel has no hue either: what hides a ball mixes with it at its edges.
+    little : float
+        Share of the circle's pixels in the region up to which pixels without a hue belong to the target: shade or
+        highlight of a ball of which little was grown, else what hides it.
     rarer : float
         Log-odds, circle against background, from which a pixel of the circle belongs to the target.
     contrast, ring : float, tuple of float
@@ -84,6 +88,8 @@ class RegionParameters(msgspec.Struct, frozen=True):
     disc_px: float = 8.0
     hue: float = 0.3
     gray: float = 0.03
+    vivid: float = 0.4
+    little: float = 0.25
     rarer: float = 0.0
     contrast: float = 0.4
     ring: tuple[float, float] = (1.15, 1.6)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at, is_same
+from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at
 from matchset.image.disc_network.network import MOVES, DiscNetwork, FollowParameters
 from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RADII, RAYS, read_patch
 
@@ -151,12 +151,9 @@ def test_the_middle_of_a_streak_is_found_with_the_radius_of_the_ball() -> None:
 
 @pytest.mark.parametrize("click", [(150.0, 110.0), (135.0, 110.0), (160.0, 125.0)])
 def test_the_ball_around_a_click_is_found(click: tuple[float, float]) -> None:
-    limits = BallAtClickParameters()
-    found = ball_at(picture(), *click, [], limits)
+    found = ball_at(picture(), *click, [], BallAtClickParameters())
     assert found is not None
     assert error(found) < 3.0
-    assert is_same(found, BALL, limits)
-    assert not is_same(found, (150.0, 118.0, 30.0), limits)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -28,7 +28,7 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
-from matchset.image.disc_network.at_click import ball_at, is_same
+from matchset.image.disc_network.at_click import ball_at
 
 Circle3 = tuple[float, float, float]
 
@@ -193,10 +193,10 @@ def regions_at_click(
     points = points_of(region)
     extent = float(cv2.minEnclosingCircle(points)[1])
     round_region = _circle_of(points, extent, limits)
-    found = circle_at(image, x, y, parameters.click) if round_region is None else (1.0, round_region)
-    ball = ball_at(image, x, y, [found[1]] if found else [], parameters.ball)
-    if round_region is not None and (ball is None or is_same(ball, round_region, parameters.ball)):
+    if round_region is not None:
         return [region], round_region
+    found = circle_at(image, x, y, parameters.click)
+    ball = ball_at(image, x, y, [found[1]] if found else [], parameters.ball)
     clear = None if ball else disc_in_place_of(found, image, x, y, parameters.click.near)
     if clear is not None:
         return [disc_mask(region.shape, clear, limits.rim)], clear

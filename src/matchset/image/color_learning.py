@@ -60,7 +60,8 @@ class RegionParameters(msgspec.Struct, frozen=True):
         Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
         below which a pixel has no hue: a marker on a ball is another thing than the ball.
     vivid : float
-        Share of the region's chroma below which a pixel has no hue either: what hides a ball mixes with it at its edges.
+        Share of the region's chroma below which a pixel has no hue either: what hides a ball mixes with it at its
+        edges.
     little : float
         Share of the circle's pixels in the region up to which pixels without a hue belong to the target: shade or
         highlight of a ball of which little was grown, else what hides it.

@@ -33,8 +33,6 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
         Factor by which a disc may be larger than the circle that led to it.
     sure : float
         Least log-odds of a ball.
-    same : float
-        Largest difference of a coordinate from a round region that is the same, in radii: its own color is known best.
     """
 
     used: bool = True
@@ -45,7 +43,6 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     holds: float = 1.02
     grown: float = 3.0
     sure: float = 1.5
-    same: float = 0.15
 
 
 def ball_at(
@@ -87,8 +84,3 @@ def _around(image: Image, x: float, y: float, limits: BallAtClickParameters) -> 
     while radius < limits.largest * max(image.shape[:2]):
         yield x, y, radius
         radius *= limits.growth
-
-
-def is_same(one: Circle3, other: Circle3, limits: BallAtClickParameters) -> bool:
-    """Whether two circles agree."""
-    return max(abs(a - b) for a, b in zip(one, other, strict=True)) < limits.same * other[2]

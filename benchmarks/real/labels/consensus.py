@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.real.clips import LABELS
 from matchset.app.tables import read_csv
-from matchset.app.track.score import TRUTH_COLUMNS, VALID_BELOW_PX, Circle3, TruthRow, read_truth
+from matchset.app.track.score import TRUTH_COLUMNS, VALID_BELOW_PX, TruthRow, error_px, read_truth
 
 LABELLINGS = ("fitted", "blind", "blind_second")
 
@@ -54,13 +54,9 @@ def consensus(labels: Sequence[TruthRow], rule: ConsensusRule | None = None) -> 
 def _agree(one: TruthRow, other: TruthRow, rule: ConsensusRule) -> bool:
     if one.circle is None or other.circle is None or not (one.tight or other.tight):
         return False
-    apart = difference(one.circle, other.circle)
-    return apart <= min(rule.within_px, rule.within_share * min(one.circle[2], other.circle[2]))
-
-
-def difference(one: Circle3, other: Circle3) -> float:
-    """Sum of the differences of x, y and radius, px: the error of Eq. 10."""
-    return float(np.abs(np.subtract(one, other)).sum())
+    return error_px(one.circle, other.circle) <= min(
+        rule.within_px, rule.within_share * min(one.circle[2], other.circle[2])
+    )
 
 
 def merged(name: str, folder: Path = LABELS) -> list[TruthRow]:

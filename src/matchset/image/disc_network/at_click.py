@@ -64,7 +64,7 @@ def ball_at(
     (x, y, radius) or None
         px; None where none is likely, and of a gray picture.
     """
-    if not limits.used or image.ndim != CHANNELS or image.shape[2] != CHANNELS:
+    if not limits.used or image.shape[2:] != (CHANNELS,):
         return None
     network = DiscNetwork.packaged()
     best: Disc | None = None

@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.click_region import disc_mask
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
 from matchset.image.disc_network.polar_patch import Circle3
@@ -148,9 +149,11 @@ class NetworkOutlines:
         return bool((color.scores(part).reshape(inside.shape)[inside] > 0).mean() > self.limits.color_share)
 
     def median_color(self, image: Image, circle: Circle3) -> Floats | None:
-        """Median color of the middle of a disc, CIE Lab; None of a gray picture and outside of the picture."""
+        """Median color of the middle of a disc, CIE Lab; None of a gray picture, outside of the picture and unused."""
+        if image.shape[2] != CHANNELS or not self.limits.used:
+            return None
         part, inside = middle_of(image, circle, self.limits.middle)
-        if image.shape[2] != CHANNELS or not inside.any():
+        if not inside.any():
             return None
         lab = cv2.cvtColor(part.astype(np.float32) / np.float32(255.0), cv2.COLOR_BGR2Lab)
         return np.asarray(np.median(lab[inside], axis=0), np.float64)
@@ -180,8 +183,7 @@ def middle_of(image: Image, circle: Circle3, share: float) -> tuple[Image, Mask]
     left, top = max(round(x - reach), 0), max(round(y - reach), 0)
     rows, columns = range(top, min(round(y + reach) + 1, height)), range(left, min(round(x + reach) + 1, width))
     part = np.ascontiguousarray(image[top : max(rows.stop, top), left : max(columns.stop, left)])
-    down, across = np.array(rows, np.float64) - y, np.array(columns, np.float64) - x
-    return part, np.asarray(np.hypot(across, down[:, np.newaxis]) <= reach)
+    return part, disc_mask(part.shape[:2], (x - left, y - top, radius), share)
 
 
 def covariance_of(disc: Disc) -> Floats:

@@ -20,7 +20,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.shapes.shape import outline
-from matchset.tracking.motion import usual_size
+from matchset.tracking.motion import gate_of, usual_size
 from matchset.tracking.outlines.hypothesis_filter import HypothesisFilter
 from matchset.tracking.outlines.network_outlines import (
     DISC,
@@ -191,10 +191,8 @@ class OutlineChoice:
         return (family.from_coarse(*region[:3], state).state, worth) if region and worth else (state, 0.0)
 
     def _region(self, image: Image, state: Floats) -> SoftRegion | None:
-        if not self.is_disc:
-            return None
-        here = float(state[0]), float(state[1]), float(self._fitter.family.half_width(state))
-        return find_soft_region(image, here, self._parameters.soft_region)
+        limits, here = self._parameters.soft_region, gate_of(self._fitter.family, state)
+        return find_soft_region(image, here, limits) if self.is_disc else None
 
     def is_other_shape(self, image: Image, state: Floats) -> bool:
         """Say whether the region at a state is another shape than a disc, where that is seen and discs are tracked.
@@ -227,7 +225,9 @@ class OutlineChoice:
             return estimate
         starts = [estimate.state.copy(), *([] if predicted is None else [predicted])]
         region = self._on_soft_region(image, color, estimate, prior)
-        return self._on_network(image, color, region, prior, [region.state, *starts]) if self.is_disc else region
+        if region is not estimate:
+            starts = [region.state, *starts]
+        return self._on_network(image, color, region, prior, starts) if self.is_disc else region
 
     def _on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
         """Fit a detection anew from its region, if that is blurred and the fit is a detection too."""

@@ -1,6 +1,6 @@
 """The colors of a ball before light falls on it: `ball_colors`.
 
-A ball has a color of its own, or that of its surroundings, and is plain, mottled, marbled or has seams.
+A ball has a color of its own, or that of its surroundings, and is plain, mottled, marbled or has seams or spots.
 """
 
 import cv2
@@ -68,8 +68,8 @@ class PatternParameters(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    shares : (float, float, float)
-        Of mottled and marbled balls, and of those with seams; the others are plain.
+    shares : (float, float, float, float)
+        Of mottled and marbled balls, and of those with seams and with spots; the others are plain.
     mottle : (float, float)
         Standard deviation of the brightness of a mottled ball, as a share.
     mottle_size : (float, float)
@@ -94,9 +94,19 @@ class PatternParameters(msgspec.Struct, frozen=True):
         Distance of a seam's plane from the ball's center, radii.
     seam_width : (float, float)
         Half the width of a seam, radii.
+    spots : (int, int)
+        Least and largest number of spots: a logo, a marker.
+    spot_differs : float
+        Standard deviation of a channel of their color from the ball's, of 255.
+    spot_size : (float, float)
+        Half the angle of a spot, seen from the ball's center, rad.
+    spot_faces : float
+        Share of spots that face the camera, about.
+    spot_turned : float
+        Standard deviation of the direction of those, along x and y.
     """
 
-    shares: tuple[float, float, float] = (0.25, 0.15, 0.1)
+    shares: tuple[float, float, float, float] = (0.22, 0.13, 0.1, 0.15)
     mottle: Range = (0.03, 0.2)
     mottle_size: Range = (0.08, 0.6)
     second: float = 50.0
@@ -109,6 +119,11 @@ class PatternParameters(msgspec.Struct, frozen=True):
     seam_light: float = 90.0
     seam_offset: Range = (-0.5, 0.5)
     seam_width: Range = (0.03, 0.1)
+    spots: Counts = (1, 3)
+    spot_differs: float = 70.0
+    spot_size: Range = (0.12, 0.6)
+    spot_faces: float = 0.6
+    spot_turned: float = 0.25
 
 
 class BallParameters(msgspec.Struct, frozen=True):
@@ -159,6 +174,8 @@ def ball_colors(
         colors = _mixed(colors, 1.0 / (1.0 + np.exp(-np.float32(slope) * (noise - np.float32(level)))), second)
     elif kind == 2:
         colors = _seamed(random, colors, color, circle[2], normal, pattern)
+    elif kind == 3:
+        colors = _spotted(random, colors, color, circle[2], normal, pattern)
     return colors
 
 
@@ -202,6 +219,27 @@ def _seamed(
         distance = np.abs(plane[0] * x + plane[1] * y + plane[2] * z - offset)
         share = np.clip((np.float32(within(random, limits.seam_width)) - distance) * np.float32(radius), 0.0, 1.0)
         colors = _mixed(colors, np.asarray(share, np.float32), seam)
+    return colors
+
+
+def _spotted(
+    random: Random,
+    colors: Singles,
+    color: Floats,
+    radius: float,
+    normal: tuple[Offsets, Singles],
+    limits: PatternParameters,
+) -> Singles:
+    """Draw spots: where cones from the center cut the ball."""
+    (x, y), z = normal
+    for _ in range(count_within(random, limits.spots)):
+        toward = random.normal(size=3)
+        if happens(random, limits.spot_faces):
+            toward = np.append(limits.spot_turned * toward[:2], 1.0)
+        middle, size = unit(toward).astype(np.float32), within(random, limits.spot_size)
+        depth = (middle[0] * x + middle[1] * y + middle[2] * z - np.float32(np.cos(size))) / np.float32(np.sin(size))
+        share = np.clip(depth * np.float32(radius) + np.float32(0.5), 0.0, 1.0)
+        colors = _mixed(colors, share, np.clip(color + random.normal(0.0, limits.spot_differs, 3), 0.0, FULL))
     return colors
 
 

@@ -1,4 +1,4 @@
-"""Shapes that are no balls, in the place of one: polygons, long ellipses, stripes and blobs, or nothing at all."""
+"""Shapes that are no balls, in the place of one: polygons, long ellipses, stripes, rings, blobs, or nothing at all."""
 
 import msgspec
 import numpy as np
@@ -14,6 +14,7 @@ from benchmarks.training.layers import (
     band,
     blob,
     count_within,
+    disc,
     ellipse,
     happens,
     polygon,
@@ -28,8 +29,8 @@ class OtherShapeParameters(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    shares : (float, float, float, float)
-        Of scenes with nothing, a polygon, an ellipse and a stripe; the others have blobs.
+    shares : (float, float, float, float, float)
+        Of scenes with nothing, a polygon, an ellipse, a stripe and a ring; the others have blobs.
     corners : (int, int)
         Least and largest number of a polygon's corners.
     polygon_size : (float, float)
@@ -48,12 +49,14 @@ class OtherShapeParameters(msgspec.Struct, frozen=True):
         Standard deviation of a stripe's middle from the center, radii.
     stripe_width : (float, float)
         Half its width, radii.
+    ring_hole : (float, float)
+        Radius of a ring's hole, radii.
     blobs : (int, int)
         Least and largest number of blobs.
     blob : BlobParameters
     """
 
-    shares: tuple[float, float, float, float] = (0.3, 0.3, 0.2, 0.1)
+    shares: tuple[float, float, float, float, float] = (0.28, 0.28, 0.19, 0.1, 0.05)
     corners: Counts = (3, 6)
     polygon_size: Range = (0.9, 1.3)
     turned: float = 0.6
@@ -64,6 +67,7 @@ class OtherShapeParameters(msgspec.Struct, frozen=True):
     short_axis: Range = (0.3, 0.75)
     stripe_offset: float = 0.3
     stripe_width: Range = (0.3, 1.0)
+    ring_hole: Range = (0.4, 0.85)
     blobs: Counts = (2, 5)
     blob: BlobParameters = BlobParameters(apart=(0.0, 1.2), corners=(4, 8), size=(0.3, 0.9), uneven=0.4)
 
@@ -97,6 +101,9 @@ def other_shape(random: Random, size: Size, circle: Circle3, limits: OtherShapeP
         middle = random.normal(0.0, limits.stripe_offset) * circle[2]
         half = within(random, limits.stripe_width) * circle[2]
         return band(size, circle, any_angle(random), (middle - half, middle + half))
+    if kind == 4:
+        x, y, radius = circle
+        return disc(size, circle) - disc(size, (x, y, within(random, limits.ring_hole) * radius))
     masks = [blob(random, size, circle, limits.blob) for _ in range(count_within(random, limits.blobs))]
     return np.asarray(np.max(masks, axis=0), np.float32)
 

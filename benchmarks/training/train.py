@@ -40,7 +40,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Numbers that are known of a ray after each layer.
     """
 
-    width: int = 64
+    width: int = 96
 
 
 class LearningParameters(msgspec.Struct, frozen=True):
@@ -157,16 +157,36 @@ def export(network: Network, path: Path) -> None:
 
 
 def begin_with(network: Network, path: Path) -> None:
-    """Give a network the weights of one that was learned before: the state of a `.pt`, or an exported `.npz`."""
-    if path.suffix != ".npz":
-        network.load_state_dict(torch.load(path, weights_only=True))
-        return
-    with np.load(path) as file, torch.no_grad():
+    """Give a network the weights of one that was learned before: the state of a `.pt`, or an exported `.npz`.
+
+    One that is wider goes on from there: of what it knows besides, nothing counts at first (Chen et al., Net2Net).
+    """
+    earlier = _earlier(path)
+    with torch.no_grad():
         for name, layer in layers_of(network):
-            outs, ins = layer.weight.shape[:2]
-            weight = torch.from_numpy(file[f"{name}.w"].astype(np.float32)).reshape(-1, ins, outs).permute(2, 1, 0)
-            layer.weight.copy_(weight.reshape(layer.weight.shape))
-            layer.bias.copy_(torch.from_numpy(file[f"{name}.b"].astype(np.float32)))
+            weight, bias = earlier[f"{name}.weight"], earlier[f"{name}.bias"]
+            halves = 2 if name == "cls" else 1  # means and maxima, one after the other
+            for new, known in zip(layer.weight.chunk(halves, 1), weight.chunk(halves, 1), strict=True):
+                outs, ins = known.shape[:2]
+                new[:outs].zero_()
+                new[:outs, :ins].copy_(known)
+            layer.bias[: len(bias)].copy_(bias)
+
+
+def _earlier(path: Path) -> dict[str, torch.Tensor]:
+    """Weights and biases of a network that was learned before, by layer, as PyTorch has them."""
+    if path.suffix != ".npz":
+        state: dict[str, torch.Tensor] = torch.load(path, weights_only=True)
+        return state
+    state = {}
+    with np.load(path) as file:
+        for name, reach in {"first": 1, **dict.fromkeys(STEPS, KERNEL), "out": 1, "cls": 0}.items():
+            weight = torch.from_numpy(file[f"{name}.w"].astype(np.float32))
+            outs = weight.shape[1]
+            shape = (reach, -1, outs) if reach else (-1, outs)
+            state[f"{name}.weight"] = weight.reshape(shape).moveaxis(-1, 0).transpose(1, -1) if reach else weight.T
+            state[f"{name}.bias"] = torch.from_numpy(file[f"{name}.b"].astype(np.float32))
+    return state
 
 
 def loss_of(output: Output, targets: torch.Tensor, limits: LearningParameters) -> torch.Tensor:
@@ -326,11 +346,12 @@ def main(
     out: Annotated[Path, typer.Option(help="Weights to write, .npz; their state goes beside it, .pt.")],
     minutes: Annotated[float, typer.Option(help="How long to learn.", min=0.01)] = 30.0,
     begin: Annotated[Path | None, typer.Option(help="Weights to begin with, .pt or .npz.")] = None,
+    width: Annotated[int, typer.Option(help="Numbers that are known of a ray.", min=1)] = NetworkParameters().width,
     threads: Annotated[int, typer.Option(help="Threads of PyTorch.", min=1)] = 1,
 ) -> None:
     """Learn the weights of the network, and say how good it is on examples held back."""
     torch.set_num_threads(threads)
-    limits = LearningParameters()
+    limits = LearningParameters(network=NetworkParameters(width))
     learner, read = Learner(limits, begin), read_examples(examples)
     try:
         score = train(read, minutes, learner, limits)

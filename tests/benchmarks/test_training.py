@@ -6,12 +6,18 @@ import cv2
 import msgspec
 import numpy as np
 import pytest
-from benchmarks.training.ball import BallColorParameters, BallParameters, PatternParameters
+from benchmarks.training.ball import (
+    BallColorParameters,
+    BallParameters,
+    PatternParameters,
+    ball_colors,
+    surface_normal,
+)
 from benchmarks.training.camera import CameraParameters
 from benchmarks.training.covers import CoverParameters, with_covers
 from benchmarks.training.examples import ExampleParameters, Examples, make_examples, read_examples, write_examples
 from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_palm
-from benchmarks.training.layers import band, disc, which, within
+from benchmarks.training.layers import band, disc, offsets, which, within
 from benchmarks.training.light import LightParameters
 from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
 from benchmarks.training.photographs import REPOSITORY, PhotographParameters, Photographs, fetch, find_photographs
@@ -25,7 +31,7 @@ PERFECT = CameraParameters(blurs=0.0, gain=0.0, gamma=0.0, exposure=(1.0, 1.0), 
 FLAT = LightParameters(ambient=(1.0, 1.0), shades=0.0, rims=0.0, highlights=0.0, grounds=0.0)
 RED = BallParameters(
     color=BallColorParameters(shares=(0.0, 1.0), hues=1, saturation=(255, 255), value=(255, 255)),
-    pattern=PatternParameters(shares=(0.0, 0.0, 0.0)),
+    pattern=PatternParameters(shares=(0.0, 0.0, 0.0, 0.0)),
 )
 PLAIN = SceneParameters(
     radius=(5.0, 40.0),
@@ -161,14 +167,36 @@ def test_other_shapes_are_no_discs() -> None:
     random, circle = np.random.default_rng(4), (50.0, 50.0, 20.0)
     round_one = disc((100, 100), circle)
     # without regular hexagons, whose area is close to a disc's
-    limits = OtherShapeParameters(shares=(0.0, 0.4, 0.3, 0.2), corners=(3, 4))
+    limits = OtherShapeParameters(shares=(0.0, 0.3, 0.2, 0.2, 0.1), corners=(3, 4))
     for _ in range(40):
         mask = other_shape(random, (100, 100), circle, limits)
         assert mask.dtype == np.float32
         assert 0.0 <= mask.min() <= mask.max() <= 1.0
         assert np.minimum(mask, round_one).sum() < 0.97 * np.maximum(mask, round_one).sum()
-    nothing = msgspec.structs.replace(limits, shares=(1.0, 0.0, 0.0, 0.0))
+    nothing = msgspec.structs.replace(limits, shares=(1.0, 0.0, 0.0, 0.0, 0.0))
     assert not other_shape(random, (100, 100), circle, nothing).any()
+
+
+def test_a_ring_has_a_hole() -> None:
+    circle = (50.0, 50.0, 20.0)
+    rings = OtherShapeParameters(shares=(0.0, 0.0, 0.0, 0.0, 1.0), ring_hole=(0.5, 0.5))
+    mask = other_shape(np.random.default_rng(3), (100, 100), circle, rings)
+    assert mask[50, 50] == mask[50, 57] == mask[50, 73] == 0.0
+    assert mask[50, 65] == mask[35, 50] == 1.0
+
+
+def test_a_ball_has_spots_and_is_still_round() -> None:
+    random, radius = np.random.default_rng(6), 20.0
+    place = offsets((60, 60), (30.0, 30.0, radius))
+    spotted = msgspec.structs.replace(
+        RED, pattern=PatternParameters(shares=(0.0, 0.0, 0.0, 1.0), spots=(1, 1), spot_faces=1.0, spot_turned=0.0)
+    )
+    for _ in range(8):
+        around = np.full((60, 60, 3), GRAY, np.float32)
+        colors = ball_colors(random, around, (30.0, 30.0, radius), surface_normal(place), spotted)
+        differs = np.abs(colors - colors[30, 2]).sum(axis=2) > 1.0
+        assert differs[30, 30] or not differs.any()  # a spot in the middle, unless it has the ball's color
+        assert not differs[np.hypot(*place) > np.sin(spotted.pattern.spot_size[1]) + 0.1].any()
 
 
 def test_a_band_is_between_its_lines() -> None:

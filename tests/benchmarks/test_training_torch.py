@@ -27,7 +27,7 @@ def as_the_package_sees(network: train.Network, path: Path) -> DiscNetwork:
         return DiscNetwork({name: file[name].astype(np.float32) for name in file.files})
 
 
-@pytest.mark.parametrize("width", [12, 64])
+@pytest.mark.parametrize("width", [12, 96])
 def test_the_package_sees_what_the_network_in_pytorch_sees(width: int, tmp_path: Path) -> None:
     torch.manual_seed(width)
     network = train.Network(train.NetworkParameters(width=width)).half().float()  # as it is exported
@@ -48,6 +48,19 @@ def test_weights_of_the_package_can_be_begun_with_and_are_exported_as_they_were(
         exported = train.weights_of(network)
         assert set(file.files) == set(exported)
         assert all(np.array_equal(file[name], exported[name]) for name in file.files)
+
+
+def test_a_wider_network_goes_on_from_a_narrower_one(tmp_path: Path) -> None:
+    narrow, wide = train.Network(SMALL), train.Network(train.NetworkParameters(width=20))
+    torch.save(narrow.state_dict(), tmp_path / "narrow.pt")
+    train.begin_with(wide, tmp_path / "narrow.pt")
+    with torch.no_grad():
+        before, after = narrow(patches_of(3, 4)), wide(patches_of(3, 4))
+    for one, other in zip(before, after, strict=True):
+        assert torch.allclose(one, other, rtol=1e-4, atol=1e-4)
+    targets = torch.tensor([[0.1, 0.0, 0.1, 1.0]] * 4)
+    train.loss_of(wide(patches_of(3, 4)), targets, train.LearningParameters()).backward()
+    assert float(wide.a.weight.grad[:12, 12:].abs().max()) > 0.0  # what is new comes to count
 
 
 def test_a_state_can_be_begun_with(tmp_path: Path) -> None:

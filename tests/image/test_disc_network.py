@@ -151,7 +151,7 @@ def test_the_middle_of_a_streak_is_found_with_the_radius_of_the_ball() -> None:
 
 @pytest.mark.parametrize("click", [(150.0, 110.0), (135.0, 110.0), (160.0, 125.0)])
 def test_the_ball_around_a_click_is_found(click: tuple[float, float]) -> None:
-    found = ball_at(picture(), *click, [], BallAtClickParameters())
+    found = ball_at(picture(), *click, None, BallAtClickParameters())
     assert found is not None
     assert error(found) < 3.0
 
@@ -160,9 +160,9 @@ def test_the_ball_around_a_click_is_found(click: tuple[float, float]) -> None:
 @pytest.mark.parametrize("deviation", [3.0, 12.0])
 def test_noise_holds_no_ball(seed: int, deviation: float) -> None:
     noise = np.random.default_rng(seed).normal(128.0, deviation, (240, 320, 3))
-    assert ball_at(np.asarray(np.clip(noise, 0, 255), np.uint8), 160.0, 120.0, [], BallAtClickParameters()) is None
+    assert ball_at(np.asarray(np.clip(noise, 0, 255), np.uint8), 160.0, 120.0, None, BallAtClickParameters()) is None
 
 
 def test_of_a_gray_picture_and_without_the_network_nothing_is_said() -> None:
-    assert ball_at(picture()[..., 1], 150.0, 110.0, [], BallAtClickParameters()) is None
-    assert ball_at(picture(), 150.0, 110.0, [], BallAtClickParameters(used=False)) is None
+    assert ball_at(picture()[..., 1], 150.0, 110.0, None, BallAtClickParameters()) is None
+    assert ball_at(picture(), 150.0, 110.0, None, BallAtClickParameters(used=False)) is None

@@ -61,9 +61,12 @@ def test_distances_and_the_likeliest_disc() -> None:
     assert float(squared_distances(DISC, np.array(DISC.circle) + apart)) == pytest.approx(apart @ PRECISION @ apart)
     assert covariance_of(DISC) @ PRECISION == pytest.approx(np.eye(3), abs=1e-12)
     weak = DISC._replace(log_odds=1.0)
-    assert likeliest([weak, DISC], 2.0) is DISC
-    assert likeliest([weak], 2.0) is None
-    assert likeliest([], 2.0) is None
+    best = likeliest([weak, DISC], 2.0, 0.5)
+    assert best is not None
+    assert best.circle == pytest.approx(DISC.circle)
+    assert best.log_odds == DISC.log_odds
+    assert likeliest([weak], 2.0, 0.5) is None
+    assert likeliest([], 2.0, 0.5) is None
 
 
 @pytest.mark.parametrize("circle", [(20.0, 15.0, 9.0), (2.0, 1.0, 9.0), (39.0, 29.0, 6.0), (-50.0, 10.0, 5.0)])
@@ -84,8 +87,15 @@ def test_the_color_of_a_disc_is_compared() -> None:
     ball, wall = (outlines.median_color(image, (x, 90.0, 26.0)) for x in (100.0, 200.0))
     assert ball is not None
     assert wall is not None
-    assert outlines.is_alike(ball, ball)
-    assert not outlines.is_alike(ball, wall)
+    near = np.array((4.0, 3.0, 0.0))
+    disc = Disc((100.0, 90.0, 26.0), PRECISION, 3.0)
+    assert outlines.alike(image, disc, ball) == 3.0
+    assert outlines.alike(image, disc, ball + near) == pytest.approx(
+        3.0 - 0.5 * (3.0 / outlines.limits.chroma_sigma) ** 2
+    )
+    assert outlines.alike(image, disc, ball + 10.0 * near) is None
+    assert outlines.alike(image, disc, wall) is None
+    assert outlines.alike(image, disc._replace(circle=(900.0, 90.0, 26.0)), ball) is None
     assert outlines.median_color(image, (900.0, 90.0, 26.0)) is None
     assert outlines.median_color(image[:, :, :1], (100.0, 90.0, 26.0)) is None
 

@@ -196,7 +196,7 @@ def regions_at_click(
     if round_region is not None:
         return [region], round_region
     found = circle_at(image, x, y, parameters.click)
-    ball = ball_at(image, x, y, [found[1]] if found else [], parameters.ball)
+    ball = ball_at(image, x, y, found, parameters.ball)
     clear = None if ball else disc_in_place_of(found, image, x, y, parameters.click.near)
     if clear is not None:
         return [disc_mask(region.shape, clear, limits.rim)], clear

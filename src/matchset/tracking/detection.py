@@ -21,6 +21,7 @@ from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, Start, channels_last, track_of
+from matchset.tracking.search.disc_detector import DiscDetector, DiscDetectorParameters
 from matchset.tracking.search.likely_circle import LikelyCircle, LikelyParameters, circle_of
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 from matchset.tracking.track import Track
@@ -48,6 +49,8 @@ class ChoiceParameters(msgspec.Struct, frozen=True):
         Least mean whiteness in the middle of a fit that is compared.
     same_place, same_px, same_size : float
         Fits are the same within this distance of center, in radii plus px, and of ln(radius).
+    discs : DiscDetectorParameters
+        How the network of discs is asked first.
     likely : LikelyParameters
         How they are compared.
     """
@@ -60,6 +63,7 @@ class ChoiceParameters(msgspec.Struct, frozen=True):
     same_place: float = 0.03
     same_px: float = 0.25
     same_size: float = 0.04
+    discs: DiscDetectorParameters = DiscDetectorParameters()
     likely: LikelyParameters = LikelyParameters()
 
 
@@ -109,11 +113,22 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
         found.append((merit, track))
     found.sort(key=lambda pair: -pair[0])
     if not sure and family is Circle and color.sample is not None and detector.fitter.weighs(color):
-        first = circle_of(found[0][1].shape.state) if found else None
-        spread = _Likeliest(detector, image, color).search(first)
+        spread = DiscDetector(detector.fitter, color, CHOICE.discs).find(image)
         if spread is not None:
-            found[:1] = [(1.0, track_of(detector.fitter, None, frame.time, spread))]
+            best = track_of(detector.fitter, None, frame.time, spread)
+            found = [(1.0, best), *(each for each in found if not _is_around(best, each[1]))]
+        else:
+            first = circle_of(found[0][1].shape.state) if found else None
+            spread = _Likeliest(detector, image, color).search(first)
+            if spread is not None:
+                found[:1] = [(1.0, track_of(detector.fitter, None, frame.time, spread))]
     return [track for _, track in found[:limit]]
+
+
+def _is_around(circle: Track[Any], other: Track[Any]) -> bool:
+    """Whether a circle holds another shape's center."""
+    x, y, radius = circle_of(circle.shape.state)
+    return math.dist(circle_of(other.shape.state)[:2], (x, y)) < radius
 
 
 def _is_sure(estimate: Estimate) -> bool:

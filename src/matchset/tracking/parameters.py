@@ -14,6 +14,7 @@ from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.outlines.hypothesis_filter import HypothesisFilterParameters
 from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.search.color_disc import ColorDiscParameters
+from matchset.tracking.search.disc_search import DiscSearchParameters
 from matchset.tracking.search.prominence import ProminenceParameters
 from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.search.voting import SearchParameters
@@ -73,6 +74,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         When a lost shape is known again by its color alone being there.
     color_disc : ColorDiscParameters
         When a shape whose outline is not confirmed is where its color is.
+    disc_search : DiscSearchParameters
+        Where the network is asked for a lost shape.
     template : TemplateParameters
         When it is where something looks as it did.
     adaptation : AdaptationParameters
@@ -96,6 +99,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     detection: DetectionParameters = DetectionParameters()
     prominence: ProminenceParameters = ProminenceParameters()
     color_disc: ColorDiscParameters = ColorDiscParameters()
+    disc_search: DiscSearchParameters = DiscSearchParameters()
     template: TemplateParameters = TemplateParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     brightness: BrightnessParameters = BrightnessParameters()

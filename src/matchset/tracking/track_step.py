@@ -215,8 +215,8 @@ class TrackStep(Copied, Generic[S]):
         self.accept(time)
         return True
 
-    def take_disc(self, image: Image, color: ColorModel, disc: Gate, spread: Floats, when: tuple[float, bool]) -> bool:
-        """Take a disc that no edges confirm for the target, unless it is seen to be another shape.
+    def take_disc(self, image: Image, color: ColorModel, disc: Gate, spread: Floats, when: tuple[float, bool]) -> None:
+        """Take a disc that no edges confirm for the target.
 
         Parameters
         ----------
@@ -231,8 +231,6 @@ class TrackStep(Copied, Generic[S]):
         time, begins = when
         fitter, p, sigma = self.fitter, len(self.fitter.family.parameters), math.sqrt(float(np.diag(spread).mean()))
         state = fitter.family.from_coarse(disc.x, disc.y, disc.half_width).state
-        if self.outlines.is_other_shape(image, state):
-            return False
         fitter.fit(image, color, state, SearchWindow(sigma))  # edge points near it
         covariance = fitter.work.covariance
         fitter.state[:], covariance[:], fitter.work.fit.msac_score = state, sigma**2 * np.eye(*covariance.shape), 0.0
@@ -240,7 +238,6 @@ class TrackStep(Copied, Generic[S]):
             initialize(fitter.work, state, time, self.parameters.initialization.detected_share * disc.half_width)
         self.accept(time)
         covariance[:], self.outlines.spread, self.without_outline = 0.0, spread[:p, :p].copy(), True
-        return True
 
     def accept(self, time: float) -> None:
         """Correct the motion with the last fit, which was accepted at a time, s."""

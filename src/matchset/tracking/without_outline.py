@@ -5,6 +5,8 @@ Last of all, where the fit and the search found nothing, a disc counts that has 
 (`search.template`). Nothing is learned from it but its looks.
 """
 
+import math
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,10 +14,12 @@ import numpy.typing as npt
 
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
+from matchset.image.disc_network.network import Disc
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.network_outlines import covariance_of, likeliest
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.color_disc import ColorDiscs
+from matchset.tracking.search.disc_search import contrasting_discs
 from matchset.tracking.search.prominence import Prominence
 from matchset.tracking.search.template import Template
 from matchset.tracking.track_step import TrackStep
@@ -46,13 +50,14 @@ class WithoutOutline:
         self._discs = ColorDiscs(parameters.color_disc, self.prominence)
         self._template = Template(parameters.template)
         self._color: Floats | None = None
+        self._half_width = 0.0
         self.seen = False
 
     def forget(self) -> None:
         """Be as one is that has seen nothing."""
         self._discs.forget()
         self._template.forget()
-        self.seen, self._color = False, None
+        self.seen, self._color, self._half_width = False, None, 0.0
 
     def remember(self, image: Image, color: ColorModel, seen: Gate, time: float) -> None:
         """Remember the color and the looks of a target whose outline is seen.
@@ -72,6 +77,7 @@ class WithoutOutline:
         if self._step.outlines.is_disc:
             self._template.learn(image, seen, time)
             self._color = self._step.outlines.network.median_color(image, (seen.x, seen.y, seen.half_width))
+            self._half_width = seen.half_width
 
     def elsewhere(self, color: ColorModel, unknown: bool) -> Prior:
         """Say what is known of a shape that is not where somebody clicked, nor where the target is expected.
@@ -106,6 +112,8 @@ class WithoutOutline:
         if not step.outlines.is_disc:
             return False
         missed = step.missed(time, interval)
+        if self._take_by_network(image, color, last, expected, (missed, time)):
+            return True
         if step.fitter.weighs(color):
             disc = self._discs.find(image, color, expected, missed) if expected else None
             found = disc or self._discs.find_anywhere(image, color, last.half_width)
@@ -113,33 +121,68 @@ class WithoutOutline:
                 return True
         if expected is None:
             return False
-        if self._take_by_network(image, color, last, expected, (missed, time)):
-            return True
         like = self._template.find(image, expected, missed, time)
         return like is not None and self._take(image, color, Gate(*like[:3]), parameters.template.sigma, (time, False))
 
     def _take(self, image: Image, color: ColorModel, disc: Gate, sigma: float, when: tuple[float, bool]) -> bool:
-        """Take a disc whose parameters have a standard deviation, half-widths."""
-        return self._step.take_disc(image, color, disc, (sigma * disc.half_width) ** 2 * np.eye(3), when)
+        """Take a disc whose parameters have a standard deviation, half-widths, unless it is another shape."""
+        if self._is_other_shape(image, disc):
+            return False
+        self._step.take_disc(image, color, disc, (sigma * disc.half_width) ** 2 * np.eye(3), when)
+        return True
+
+    def _take_disc(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool]) -> bool:
+        """Take a disc of the network, unless that is not sure and the region there is another shape."""
+        there = Gate(*disc.circle)
+        if disc.log_odds <= self._parameters.network.renewed and self._is_other_shape(image, there):
+            return False
+        self._step.take_disc(image, color, there, covariance_of(disc), when)
+        return True
+
+    def _is_other_shape(self, image: Image, disc: Gate) -> bool:
+        """Whether the region at a disc is seen to be another shape."""
+        state = self._step.fitter.family.from_coarse(*disc).state
+        return self._step.outlines.is_other_shape(image, state)
 
     def _take_by_network(
-        self, image: Image, color: ColorModel, last: Gate, expected: Gate, when: tuple[float, float]
+        self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, when: tuple[float, float]
     ) -> bool:
-        """Take what the network sees where the target is expected or was last, if it has its size and color."""
-        (missed, time), outlines, limits = when, self._step.outlines, self._parameters.network
-        if self._color is None:
+        """Take what the network sees where the target is expected, was last or may have gone, if it is alike."""
+        (missed, time), limits = when, self._parameters.network
+        if self._color is None or not limits.used:
             return False
-        likely = []
-        for disc in outlines.network.discs(image, [np.array(each[:3]) for each in (expected, last)]):
-            there, seen = Gate(*disc.circle), outlines.network.median_color(image, disc.circle)
-            ratio = max(there.half_width, last.half_width) / min(there.half_width, last.half_width)
-            possible = ratio < limits.growth and expected.reachable(there, missed, self._parameters.reach)
-            if possible and seen is not None and outlines.network.is_alike(seen, self._color):
-                likely.append(disc)
-        best = likeliest(likely, limits.lost)
-        if best is None:
-            return False
-        return self._step.take_disc(image, color, Gate(*best.circle), covariance_of(best), (time, False))
+        begin, search = expected or last, self._parameters.disc_search
+        reach = search.reach * missed * self._half_width
+        best = max(
+            self._alike(image, [begin, last][: 1 + (expected is not None)], begin, reach),
+            key=lambda each: each[0],
+            default=None,
+        )
+        if best is None or best[1].log_odds <= limits.lost:
+            around = begin._replace(half_width=self._half_width)
+            places = contrasting_discs(image, self._color, around, reach, search)
+            places = [each._replace(half_width=search.larger * each.half_width) for each in places]
+            best = max(self._alike(image, places, begin, reach), key=lambda each: each[0], default=None)
+            if best is None or best[0] <= min(limits.far_lost + math.log(missed), limits.anywhere_lost):
+                return False
+        disc = best[1]
+        if disc.log_odds > limits.renewed:
+            self._color = self._step.outlines.network.median_color(image, disc.circle)
+            self._half_width = disc.circle[2]
+        return self._take_disc(image, color, disc, (time, expected is None))
+
+    def _alike(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> Iterator[tuple[float, Disc]]:
+        """Discs that the network sees about some places, within reach, with the size and the color of the target.
+
+        Before each, the log-odds that it is the target.
+        """
+        network, color = self._step.outlines.network, self._color
+        assert color is not None
+        for disc in network.discs(image, [np.array(each[:3]) for each in places], searched=True):
+            there, odds = Gate(*disc.circle), network.alike(image, disc, color)
+            growth = max(there.half_width, self._half_width) / min(there.half_width, self._half_width)
+            if odds is not None and growth < self._parameters.network.growth and begin.distance(there) < reach:
+                yield odds, disc
 
     def begin(self, image: Image, color: ColorModel, clicked: Gate, time: float) -> bool:
         """Begin with a disc that the network sees at the click, or one that looks as what was clicked; whether one is.
@@ -155,10 +198,11 @@ class WithoutOutline:
         if not step.outlines.is_disc or sample is None:
             return False
         network = step.outlines.network
-        disc = likeliest(network.discs(image, [np.array(clicked[:3])]), network.limits.sure)
+        limits = network.limits
+        disc = likeliest(network.discs(image, [np.array(clicked[:3])]), limits.sure, limits.same)
         if disc is not None:
-            self._color = network.median_color(image, disc.circle)
-            return step.take_disc(image, color, Gate(*disc.circle), covariance_of(disc), (time, True))
+            self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
+            return self._take_disc(image, color, disc, (time, True))
         template.learn(sample.image, Gate(*sample.circle), time)
         like = template.find(image, clicked, 1.0, time)
         return like is not None and self._take(

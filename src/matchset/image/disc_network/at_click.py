@@ -1,10 +1,12 @@
 """The ball around a click, by the network: `ball_at`."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import msgspec
+import numpy as np
 
+from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
 from matchset.image.disc_network.polar_patch import Circle3, Image
 
@@ -33,6 +35,14 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
         Factor by which a disc may be larger than the circle that led to it.
     sure : float
         Least log-odds of a ball.
+    precision : float
+        Share of ln sqrt(det P) that is added to the log-odds of a disc, P the inverse of its covariance in radii: of
+        two that may both be the ball, the clearer outline.
+    outlined, spot : float
+        A disc that lies within another one may be a spot on it: if the other one has the circle whose outline stands
+        out by more than the first, the second is added to its log-odds.
+    same : float
+        Discs whose x, y and radius differ by less in all, in radii, are the same ball: what is taken is their mean.
     """
 
     used: bool = True
@@ -43,20 +53,26 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     holds: float = 1.02
     grown: float = 3.0
     sure: float = 1.5
+    precision: float = 0.2
+    outlined: float = 0.5
+    spot: float = 1.0
+    same: float = 0.5
 
 
 def ball_at(
-    image: Image, x: float, y: float, known: Sequence[Circle3], limits: BallAtClickParameters
+    image: Image, x: float, y: float, known: tuple[float, Circle3] | None, limits: BallAtClickParameters
 ) -> Circle3 | None:
     """Find the circle around a click that is likeliest to be a ball.
+
+    Of several that are the same ball it is the mean.
 
     Parameters
     ----------
     image : ndarray of shape (h, w, 3) or (h, w), uint8
     x, y : float
         The click, px.
-    known : sequence of (x, y, radius)
-        Circles that may be the ball's, px, beside those around the click.
+    known : (float, (x, y, radius)) or None
+        Circle that may be the ball's, px, beside those around the click, and how much it stands out, 0 ... 1.
     limits : BallAtClickParameters
 
     Returns
@@ -66,16 +82,35 @@ def ball_at(
     """
     if not limits.used or image.shape[2:] != (CHANNELS,):
         return None
-    network = DiscNetwork.packaged()
-    best: Disc | None = None
-    for start in (*known, *_around(image, x, y, limits)):
-        disc = network.follow(image, start, limits.follow)
-        if disc is None or disc.circle[2] > limits.grown * start[2] or disc.log_odds <= limits.sure:
-            continue
-        holds = math.dist(disc.circle[:2], (x, y)) <= limits.holds * disc.circle[2]
-        if holds and (best is None or disc.log_odds > best.log_odds):
-            best = disc
-    return best.circle if best else None
+    first = _led(image, (x, y), known[1], limits) if known else None
+    found = [
+        disc for disc in (first, *(_led(image, (x, y), at, limits) for at in _around(image, x, y, limits))) if disc
+    ]
+    if not found:
+        return None
+    merits = np.array([disc.log_odds + limits.precision * _clarity(disc) for disc in found])
+    best = int(merits.argmax())
+    if first and known and known[0] > limits.outlined and _is_on(found[best], first):
+        merits[0] += limits.spot
+    return mean_disc(found, merits, limits.same).circle
+
+
+def _led(image: Image, click: tuple[float, float], start: Circle3, limits: BallAtClickParameters) -> Disc | None:
+    """Disc that holds a click and is likely to be a ball, to which the network is led from a circle."""
+    disc = DiscNetwork.packaged().follow(image, start, limits.follow)
+    if disc is None or disc.circle[2] > limits.grown * start[2] or disc.log_odds <= limits.sure:
+        return None
+    return disc if math.dist(disc.circle[:2], click) <= limits.holds * disc.circle[2] else None
+
+
+def _is_on(spot: Disc, disc: Disc) -> bool:
+    """Whether a disc lies within another one."""
+    return math.dist(spot.circle[:2], disc.circle[:2]) + spot.circle[2] < disc.circle[2]
+
+
+def _clarity(disc: Disc) -> float:
+    """Logarithm of the square root of the determinant of a disc's precision, in radii."""
+    return 0.5 * float(np.linalg.slogdet(disc.precision * disc.circle[2] ** 2).logabsdet)
 
 
 def _around(image: Image, x: float, y: float, limits: BallAtClickParameters) -> Iterator[Circle3]:

@@ -25,6 +25,8 @@ MIDDLE, INSIDE, AROUND = 0.7, 0.85, 1.2  # format: places of the median color an
 BINS = np.array((16, 24, 24))  # format: of the histograms, for L, a and b
 LAB_LOW = np.array((0.0, -64.0, -64.0), np.float32)  # format: first color of them
 LAB_RANGE = np.array((100.0, 128.0, 128.0), np.float32)  # format: what they span
+PER_UNIT = (BINS / LAB_RANGE).astype(np.float32)
+LAST = (BINS - 1).astype(np.float32)
 FLOOR, MOST = 5e-4, 4.0  # format: share added to each color, and the log-odds that count as 1
 LAB_UNIT, LEAST_SPREAD, SPREAD = 0.02, 0.08, 0.7  # format: of the colors
 ROOM = 1.8  # geometry: how far the picture is cut out around the circle, radii
@@ -92,12 +94,14 @@ def _normalized(colors: Patch) -> Patch:
 
 def _log_odds(colors: Patch, seen: npt.NDArray[np.bool_]) -> Patch:
     """Log-odds of each place's color, inside against around, -1 ... 1."""
-    bins = np.clip(((colors - LAB_LOW) / LAB_RANGE * BINS).astype(np.int32), 0, BINS - 1)
+    bins = np.clip((colors - LAB_LOW) * PER_UNIT, np.float32(0.0), LAST).astype(np.int32)
     which = (bins[..., 0] * BINS[1] + bins[..., 1]) * BINS[2] + bins[..., 2]
     weights = RADII * seen
-    inside, around = (_histogram(which[:, part], weights[:, part]) for part in (RADII < INSIDE, RADII > AROUND))
-    odds = np.log((inside + np.float32(FLOOR)) / (around + np.float32(FLOOR))) / np.float32(MOST)
-    return np.asarray(np.clip(odds, -1.0, 1.0)[which], np.float32)
+    inside, around = (
+        _histogram(which[:, part], weights[:, part])[which] + np.float32(FLOOR)
+        for part in (RADII < INSIDE, RADII > AROUND)
+    )
+    return np.asarray(np.clip(np.log(inside / around) / np.float32(MOST), -1.0, 1.0), np.float32)
 
 
 def _histogram(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
@@ -105,5 +109,13 @@ def _histogram(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
     counts = np.bincount(which.ravel(), weights.ravel(), minlength=int(np.prod(BINS)))
     shares = counts.astype(np.float32).reshape(BINS)
     for axis in range(3):
-        shares = np.float32(0.5) * shares + np.float32(0.25) * (np.roll(shares, 1, axis) + np.roll(shares, -1, axis))
+        both = np.empty_like(shares)
+        of, to = np.moveaxis(shares, axis, 0), np.moveaxis(both, axis, 0)
+        np.add(of[:-2], of[2:], out=to[1:-1])
+        np.add(of[-1], of[1], out=to[0])
+        np.add(of[-2], of[0], out=to[-1])
+        both += shares
+        both += shares
+        both *= np.float32(0.25)
+        shares = both
     return np.asarray(shares.ravel() / max(float(shares.sum()), 1e-6), np.float32)

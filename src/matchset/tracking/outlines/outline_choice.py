@@ -167,11 +167,13 @@ class OutlineChoice:
     ) -> Estimate | None:
         """Take the network's disc for a fit that differs from it or was rejected; None where the fit stays."""
         limits = self.network.limits
-        disc = likeliest(discs, limits.alone if fitted.rejection else limits.clear)
+        disc = likeliest(discs, limits.alone if fitted.rejection else limits.clear, limits.same)
         if disc is None:
             return None
         if fitted.rejection:
             differs = math.dist(disc.circle[:2], predicted[:2].tolist()) < limits.far * disc.circle[2]
+        elif fitted.fit.msac_score >= limits.sharp:
+            return None
         else:
             differs = float(squared_distances(disc, fitted.state[:DISC])) > limits.differs
         return self._take(disc, fitted) if differs and self.network.has_color(image, color, disc.circle) else None
@@ -227,7 +229,8 @@ class OutlineChoice:
         region = self._on_soft_region(image, color, estimate, prior)
         if region is not estimate:
             starts = [region.state, *starts]
-        return self._on_network(image, color, region, prior, starts) if self.is_disc else region
+        sharp = region.fit.msac_score >= self.network.limits.sharp
+        return region if sharp or not self.is_disc else self._on_network(image, color, region, prior, starts)
 
     def _on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
         """Fit a detection anew from its region, if that is blurred and the fit is a detection too."""
@@ -247,7 +250,7 @@ class OutlineChoice:
     ) -> Estimate:
         """Fit a detection anew from the network's disc, or take that, if the detection differs much from it."""
         fitter, limits = self._fitter, self.network.limits
-        disc = likeliest(self.network.discs(image, starts), limits.sure)
+        disc = likeliest(self.network.discs(image, starts), limits.sure, limits.same)
         if disc is None or not self.network.has_color(image, color, disc.circle):
             return estimate
         near = math.dist(disc.circle[:2], estimate.state[:2].tolist()) < max(estimate.state[2], disc.circle[2])

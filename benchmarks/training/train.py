@@ -182,9 +182,8 @@ def _earlier(path: Path) -> dict[str, torch.Tensor]:
     with np.load(path) as file:
         for name, reach in {"first": 1, **dict.fromkeys(STEPS, KERNEL), "out": 1, "cls": 0}.items():
             weight = torch.from_numpy(file[f"{name}.w"].astype(np.float32))
-            outs = weight.shape[1]
-            shape = (reach, -1, outs) if reach else (-1, outs)
-            state[f"{name}.weight"] = weight.reshape(shape).moveaxis(-1, 0).transpose(1, -1) if reach else weight.T
+            by_ray = weight.reshape(reach, -1, weight.shape[1]).permute(2, 1, 0) if reach else weight.T
+            state[f"{name}.weight"] = by_ray
             state[f"{name}.bias"] = torch.from_numpy(file[f"{name}.b"].astype(np.float32))
     return state
 

@@ -6,7 +6,7 @@ Last of all, where the fit and the search found nothing, a disc counts that has 
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -153,16 +153,12 @@ class WithoutOutline:
             return False
         begin, search = expected or last, self._parameters.disc_search
         reach = search.reach * missed * self._half_width
-        best = max(
-            self._alike(image, [begin, last][: 1 + (expected is not None)], begin, reach),
-            key=lambda each: each[0],
-            default=None,
-        )
+        best = self._likeliest(image, [last] if expected is None else [expected, last], begin, reach)
         if best is None or best[1].log_odds <= limits.lost:
             around = begin._replace(half_width=self._half_width)
             places = contrasting_discs(image, self._color, around, reach, search)
             places = [each._replace(half_width=search.larger * each.half_width) for each in places]
-            best = max(self._alike(image, places, begin, reach), key=lambda each: each[0], default=None)
+            best = self._likeliest(image, places, begin, reach)
             if best is None or best[0] <= min(limits.far_lost + math.log(missed), limits.anywhere_lost):
                 return False
         disc = best[1]
@@ -171,18 +167,19 @@ class WithoutOutline:
             self._half_width = disc.circle[2]
         return self._take_disc(image, color, disc, (time, expected is None))
 
-    def _alike(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> Iterator[tuple[float, Disc]]:
-        """Discs that the network sees about some places, within reach, with the size and the color of the target.
+    def _likeliest(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> tuple[float, Disc] | None:
+        """Likeliest disc that the network sees about some places, within reach, with the target's size and color.
 
-        Before each, the log-odds that it is the target.
+        Before it, the log-odds that it is the target.
         """
-        network, color = self._step.outlines.network, self._color
+        network, color, likely = self._step.outlines.network, self._color, list[tuple[float, Disc]]()
         assert color is not None
         for disc in network.discs(image, [np.array(each[:3]) for each in places], searched=True):
             there, odds = Gate(*disc.circle), network.alike(image, disc, color)
             growth = max(there.half_width, self._half_width) / min(there.half_width, self._half_width)
             if odds is not None and growth < self._parameters.network.growth and begin.distance(there) < reach:
-                yield odds, disc
+                likely.append((odds, disc))
+        return max(likely, key=lambda each: each[0], default=None)
 
     def begin(self, image: Image, color: ColorModel, clicked: Gate, time: float) -> bool:
         """Begin with a disc that the network sees at the click, or one that looks as what was clicked; whether one is.

@@ -7,8 +7,17 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Fitter
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
+from matchset.image.color_adaptation import (
+    AdaptationParameters,
+    RelightingParameters,
+    adapt_table,
+    adaptation_block,
+    gains_between,
+    relit,
+    thinned,
+)
 
+Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 
@@ -18,11 +27,13 @@ class ColorAdapting:
     Parameters
     ----------
     limits : AdaptationParameters
+    relighting : RelightingParameters
     """
 
-    def __init__(self, limits: AdaptationParameters) -> None:
-        self._limits, self._block = limits, adaptation_block(limits)
+    def __init__(self, limits: AdaptationParameters, relighting: RelightingParameters) -> None:
+        self._limits, self._block, self._relighting = limits, adaptation_block(limits), relighting
         self._learned = np.zeros(0, np.float32)
+        self._view: Image | None = None
 
     def begin(self, color: ColorModel) -> None:
         """Take a color as it was learned: it is not forgotten.
@@ -31,7 +42,7 @@ class ColorAdapting:
         ----------
         color : ColorModel
         """
-        self._learned = color.log_odds.copy()
+        self._learned, self._view = color.log_odds.copy(), None
 
     def adapt(self, image: Image, color: ColorModel, fitter: Fitter[Any], frames: int) -> None:
         """Adapt to a shape that is whole and well confirmed, a quarter of its surroundings at a time.
@@ -47,6 +58,8 @@ class ColorAdapting:
             How many pictures there were.
         """
         limits = self._limits
+        if self._view is None:
+            self._view = thinned(image, self._relighting.side)
         if frames % limits.period or color.gray == "edges" or not limits.rate > 0.0:
             return
         fit = fitter.statistics
@@ -56,3 +69,34 @@ class ColorAdapting:
             x, y = fitter.state.tolist()[:2]
             quadrant = frames // limits.period % 4
             adapt_table(image, *tables, outline, interior, x, y, quadrant, self._block)
+            self._view = thinned(image, self._relighting.side)
+
+    def gains(self, image: Image, color: ColorModel) -> Floats | None:
+        """Gain of each channel since the color was last confirmed, where the light of the whole picture has changed.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+
+        Returns
+        -------
+        ndarray of shape (channels,), float64, or None
+        """
+        if not self._relighting.used or color.gray or self._view is None:
+            return None
+        return gains_between(self._view, thinned(image, self._relighting.side), self._relighting)
+
+    def relit(self, image: Image, color: ColorModel, gains: Floats) -> ColorModel:
+        """Take a color in the light of a picture, after such a change.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        gains : ndarray of shape (channels,), float64
+        """
+        changed = relit(color, gains)
+        self.begin(changed)
+        self._view = thinned(image, self._relighting.side)
+        return changed

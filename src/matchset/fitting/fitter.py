@@ -103,6 +103,10 @@ class Estimate(NamedTuple):
         return is_fitted(self.rejection)
 
 
+NOT_FOUND = Estimate(np.zeros(0), FitStatistics(*(0,) * len(FitStatistics._fields)), Rejection.NOT_FOUND)
+"""Where there is nothing to fit."""
+
+
 @functools.cache
 def make_answer(layout: "np.dtype[np.void]") -> Callable[[Floats, Floats, Block], tuple[float, int]]:
     """Compile ``answer(points, covariance, block)``, see `write_answer`."""

@@ -6,7 +6,7 @@ from matchset.fitting.consensus import ConsensusParameters
 from matchset.fitting.fitter import FittingParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
-from matchset.image.color_adaptation import AdaptationParameters
+from matchset.image.color_adaptation import AdaptationParameters, RelightingParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
@@ -80,6 +80,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         When it is where something looks as it did.
     adaptation : AdaptationParameters
         How the color follows the light.
+    relighting : RelightingParameters
+        When the light of the whole picture has changed at once.
     brightness : BrightnessParameters
         How a level between dark and light is found and used, for what has no color.
     coast : float
@@ -102,5 +104,6 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     disc_search: DiscSearchParameters = DiscSearchParameters()
     template: TemplateParameters = TemplateParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
+    relighting: RelightingParameters = RelightingParameters()
     brightness: BrightnessParameters = BrightnessParameters()
     coast: float = 0.35

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.color_adapting import ColorAdapting
-from matchset.fitting.fitter import Estimate, Fitter
-from matchset.fitting.validation import Prior, Rejection
-from matchset.fitting.workspace import MAX_LINES, FitStatistics, SearchWindow
+from matchset.fitting.fitter import NOT_FOUND, Estimate, Fitter
+from matchset.fitting.validation import Prior
+from matchset.fitting.workspace import MAX_LINES, SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
 from matchset.numeric.arguments import check_kind, checked_count, checked_point
@@ -18,10 +18,10 @@ from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
+from matchset.tracking.detectors import Detectors
 from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.voting import Searcher, stride_for
 from matchset.tracking.track import Lost, Mode, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
 from matchset.tracking.without_outline import WithoutOutline
@@ -31,9 +31,6 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 MIN_POINTS, MAX_POINTS = 16, MAX_LINES  # format: capacity of the workspace
-
-NO_FIT = FitStatistics(*(0,) * len(FitStatistics._fields))
-NOT_FOUND = Estimate(np.zeros(0), NO_FIT, Rejection.NOT_FOUND)
 
 
 class Tracker(Copied, Generic[S]):
@@ -93,9 +90,9 @@ class Tracker(Copied, Generic[S]):
         self._family, self._hint = family, start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
-        self._adapting = ColorAdapting(self.parameters.adaptation)
+        self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
         self._unseen = WithoutOutline(self._step, self.parameters)
-        self._detectors: dict[int, Detector[S]]
+        self._detectors = Detectors(self._fitter, self.parameters)
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
@@ -169,7 +166,7 @@ class Tracker(Copied, Generic[S]):
         """Be as a tracker is that has seen nothing."""
         self.color, self.mode = self._given.copy(), Mode.SEARCHING
         self._adapting.begin(self.color)
-        self._detectors = {}
+        self._detectors.forget()
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
@@ -203,9 +200,9 @@ class Tracker(Copied, Generic[S]):
         image = self._checked(frame)
         if self._initial is not None or (self.color.gray and self.mode is Mode.SEARCHING):
             self._prepare(image)
-        rejected: Estimate | None = NOT_FOUND
-        if self.mode is not Mode.SEARCHING:
-            rejected = self._step.track(image, self.color, self._time, self._interval, self._frames)
+        rejected = self._tracked(image)
+        if rejected is not None and self._relight(image):
+            rejected = self._tracked(image)
         if rejected is not None:
             reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
             lost = self._detect(image, reason)
@@ -220,6 +217,20 @@ class Tracker(Copied, Generic[S]):
             self._unseen.remember(image, self.color, gate_of(self._family, track.shape.state), self._time)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
+
+    def _tracked(self, image: Image) -> Estimate | None:
+        """Track the shape into a picture; the estimate that was rejected, None if one was accepted."""
+        if self.mode is Mode.SEARCHING:
+            return NOT_FOUND
+        return self._step.track(image, self.color, self._time, self._interval, self._frames)
+
+    def _relight(self, image: Image) -> bool:
+        """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
+        gains = self._adapting.gains(image, self.color)
+        if gains is not None:
+            self.color = self._adapting.relit(image, self.color, gains)
+            self._unseen.relight(gains)
+        return gains is not None
 
     def _checked(self, frame: Picture) -> Image:
         """Check a picture against those before it; return it as (h, w, channels)."""
@@ -292,7 +303,7 @@ class Tracker(Copied, Generic[S]):
                 if not (self._passes_gate(estimate, predicted) or self._is_alone(image, estimate)):
                     continue
             elif self._hint is not None:
-                if self._holds_hint(estimate.state):
+                if math.dist(estimate.state[:2].tolist(), self._hint) < self._family.half_width(estimate.state):
                     merit += self.parameters.detection.hint_bonus
                 elif self._fitter.validate_detection(estimate, self._unseen.elsewhere(self.color, self._frames == 1)):
                     continue
@@ -304,18 +315,11 @@ class Tracker(Copied, Generic[S]):
 
     def _detector(self, image: Image, predicted: Floats | None) -> Detector[S]:
         """Detector for pictures of this size, whose cells suit the shape that is expected."""
-        limits, size = self.parameters, math.inf
+        circle = self.color.circle
+        size = math.inf if circle is None else self.parameters.detection.smaller * circle[2]
         if predicted is not None:
             size = float(self._family.half_width(predicted))
-        elif self.color.circle is not None:
-            size = limits.detection.smaller * self.color.circle[2]
-        stride = stride_for(image.shape[1], limits.search, size)
-        if stride not in self._detectors:
-            searcher = Searcher(image.shape[1], image.shape[0], limits.search, size)
-            self._detectors[stride] = Detector(
-                self._fitter, searcher, limits.detection, limits.hypotheses, limits.brightness
-            )
-        return self._detectors[stride]
+        return self._detectors.suited(image, size)
 
     def _clicked(self) -> S | None:
         """Shape of the circle that was found around the click, if that is where the search shall begin."""
@@ -343,11 +347,6 @@ class Tracker(Copied, Generic[S]):
         last, found = self._family.half_width(self._last.state), gate_of(self._family, estimate.state)
         alone = self._unseen.prominence.recognizes(image, self.color, float(last), found)
         return alone and not self._step.outlines.is_other_shape(image, estimate.state)
-
-    def _holds_hint(self, state: Floats) -> bool:
-        """Whether a shape holds the point that was given."""
-        assert self._hint is not None
-        return math.dist(state[:2].tolist(), self._hint) < self._family.half_width(state)
 
     def _passes_gate(self, estimate: Estimate, predicted: Floats) -> bool:
         """Whether a detection can be the lost shape: near its prediction, or farther off with full evidence."""

@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -78,6 +79,20 @@ class WithoutOutline:
             self._template.learn(image, seen, time)
             self._color = self._step.outlines.network.median_color(image, (seen.x, seen.y, seen.half_width))
             self._half_width = seen.half_width
+
+    def relight(self, gains: Floats) -> None:
+        """Remember the color in another light.
+
+        Parameters
+        ----------
+        gains : ndarray of shape (channels,), float64
+            By which the channels of all pixels were multiplied.
+        """
+        if self._color is None:
+            return
+        pixel = cv2.cvtColor(self._color.astype(np.float32).reshape(1, 1, 3), cv2.COLOR_Lab2BGR)
+        changed = np.clip(pixel * gains.astype(np.float32), 0.0, 1.0)
+        self._color = cv2.cvtColor(changed, cv2.COLOR_BGR2Lab).reshape(3).astype(np.float64)
 
     def elsewhere(self, color: ColorModel, unknown: bool) -> Prior:
         """Say what is known of a shape that is not where somebody clicked, nor where the target is expected.

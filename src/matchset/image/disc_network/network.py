@@ -25,6 +25,9 @@ Weights = dict[str, npt.NDArray[np.float32]]
 
 FILE = Path(__file__).resolve().parent / "weights.npz"
 STEPS = {"a": 1, "b": 2, "c": 4, "d": 8}  # format: of the convolutions, in rays
+AROUND = {name: np.add.outer(np.arange(RAYS), step * np.arange(-2, 3)) % RAYS for name, step in STEPS.items()}
+"""Format: of each ray the five rays that a convolution sees, itself in the middle."""
+
 PRECISION = 30.0  # format: of a circle of which nothing is seen, 1 / radii^2
 LOG_PRECISIONS = (-6.0, 8.0)  # format: of a ray, least and largest
 MOVES = np.column_stack((DIRECTIONS, np.ones(RAYS)))  # theorem: how the outline moves along the rays with x, y, radius
@@ -119,9 +122,8 @@ class DiscNetwork:
             See `read_patch`.
         """
         rays = np.maximum(self._layer("first", patch.reshape(RAYS, -1)), 0.0)
-        for name, step in STEPS.items():
-            around = [np.roll(rays, k * step, axis=0) for k in (2, 1, 0, -1, -2)]
-            rays = rays + np.maximum(self._layer(name, np.concatenate(around, axis=1)), 0.0)
+        for name, around in AROUND.items():
+            rays = rays + np.maximum(self._layer(name, rays[around].reshape(RAYS, -1)), 0.0)
         out = self._layer("out", rays).astype(np.float64)
         there = self._layer("cls", np.concatenate((rays.mean(axis=0), rays.max(axis=0))))
         weights = np.exp(np.clip(out[:, 1], *LOG_PRECISIONS))

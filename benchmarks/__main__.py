@@ -34,6 +34,7 @@ MODULES = {
     "reacquisition": "tracking.reacquisition",
     "false_locks": "tracking.false_locks",
     "real": "real.section",
+    "real_copies": "real.copies.section",
     "contest_accuracy": "contest.accuracy",
     "contest_summary": "contest.summary",
     "contest_figure6": "contest.paper:run_figure6",

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.training.ball import BallParameters, ball_colors, surface_normal
-from benchmarks.training.camera import CameraParameters, taken
+from benchmarks.training.camera import CameraParameters, VideoParameters, taken, through_video
 from benchmarks.training.covers import CoverParameters, with_covers
 from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_palm
 from benchmarks.training.layers import (
@@ -132,6 +132,8 @@ class SceneParameters(msgspec.Struct, frozen=True):
         Share of pictures whose border is moved into the ball.
     cut_at : (float, float)
         Distance of the border from the ball's center then, radii.
+    videos : float
+        Share of pictures that are the last one of a coded video.
     background : BackgroundParameters
     ball : BallParameters
     light : LightParameters
@@ -139,6 +141,7 @@ class SceneParameters(msgspec.Struct, frozen=True):
     covers : CoverParameters
     others : OtherShapeParameters
     camera : CameraParameters
+    video : VideoParameters
     """
 
     radius: Range = (4.0, 60.0)
@@ -156,6 +159,7 @@ class SceneParameters(msgspec.Struct, frozen=True):
     moving_hidden: float = 0.4
     cut: float = 0.12
     cut_at: Range = (0.2, 0.95)
+    videos: float = 0.4
     background: BackgroundParameters = BackgroundParameters()
     ball: BallParameters = BallParameters()
     light: LightParameters = LightParameters()
@@ -163,6 +167,7 @@ class SceneParameters(msgspec.Struct, frozen=True):
     covers: CoverParameters = CoverParameters()
     others: OtherShapeParameters = OtherShapeParameters()
     camera: CameraParameters = CameraParameters()
+    video: VideoParameters = VideoParameters()
 
 
 class Scene(NamedTuple):
@@ -211,6 +216,8 @@ def render(random: Random, photographs: Photographs, is_ball: bool, limits: Scen
     drawn, sweep = _drawn(random, photographs.crop(random, (side, side)), circle, photographs, (is_ball, limits))
     image = taken(random, np.clip(drawn, 0.0, FULL), radius, scale, limits.camera)
     x, y, radius = (x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5, radius / scale
+    if happens(random, limits.videos):
+        image = through_video(random, image, (x, y, radius), limits.video)
     if happens(random, limits.cut):
         image, left, top = _cut(random, image, (x, y, radius), limits.cut_at)
         x, y = x - left, y - top

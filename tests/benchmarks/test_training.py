@@ -13,7 +13,7 @@ from benchmarks.training.ball import (
     ball_colors,
     surface_normal,
 )
-from benchmarks.training.camera import CameraParameters
+from benchmarks.training.camera import CameraParameters, VideoParameters, through_video
 from benchmarks.training.covers import CoverParameters, with_covers
 from benchmarks.training.examples import ExampleParameters, Examples, make_examples, read_examples, write_examples
 from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_palm
@@ -38,6 +38,7 @@ PLAIN = SceneParameters(
     hands=0.0,
     moving=0.0,
     cut=0.0,
+    videos=0.0,
     background=BackgroundParameters(blurs=0.0, faded=0.0, shadows=0.0, alike=0.0),
     ball=RED,
     light=FLAT,
@@ -144,6 +145,39 @@ def test_a_hidden_and_blurred_ball_is_still_a_picture(photographs: Photographs) 
         assert scene.image.dtype == np.uint8
         assert min(scene.image.shape[:2]) > 3
         assert np.hypot(*scene.sweep) >= 0.5 * 1.3 * scene.circle[2] - 1e-9
+
+
+@pytest.mark.parametrize("mpeg4", [0.0, 1.0])
+@pytest.mark.parametrize("radius", [4.3, 21.0])
+def test_the_last_picture_of_a_good_video_is_the_picture_and_of_a_bad_one_still_shows_the_ball(
+    mpeg4: float, radius: float, wall: Photographs
+) -> None:
+    pytest.importorskip("av")
+    scene = render(np.random.default_rng(7), wall, True, msgspec.structs.replace(PLAIN, radius=(radius, radius)))
+    good = VideoParameters(mpeg4=mpeg4, crf=(1.0, 1.0), quantizer=(1, 1))
+    bad = VideoParameters(mpeg4=mpeg4, crf=(40.0, 40.0), quantizer=(28, 28), step=(0.5, 0.5))
+    few, many = (through_video(np.random.default_rng(3), scene.image, scene.circle, limits) for limits in (good, bad))
+    for coded in (few, many):
+        assert coded.shape == scene.image.shape
+        assert coded.dtype == np.uint8
+    off_few, off_many = (float(np.abs(coded.astype(float) - scene.image).mean()) for coded in (few, many))
+    assert off_few < off_many < 40.0
+    assert off_few < 10.0  # the colors have half the resolution
+    x, y, _ = (round(value) for value in scene.circle)
+    blue, _, red = many[y, x].astype(int)
+    assert red > blue + 60
+
+
+def test_earlier_pictures_differ_by_the_way_of_the_ball_and_end_with_the_picture(wall: Photographs) -> None:
+    pytest.importorskip("av")
+    scene = render(np.random.default_rng(8), wall, True, PLAIN)
+    still = VideoParameters(step=(0.0, 0.0), carried=0.0, mpeg4=0.0, crf=(12.0, 12.0))
+    moved = msgspec.structs.replace(still, step=(0.7, 0.7))
+    pictures = (through_video(np.random.default_rng(3), scene.image, scene.circle, each) for each in (still, moved))
+    first, second = pictures
+    for coded in (first, second):
+        assert np.abs(coded.astype(float) - scene.image).mean() < 10.0
+    assert np.any(first != second)
 
 
 def test_hands_and_covers_change_the_picture_and_keep_it_finite(photographs: Photographs) -> None:

@@ -37,6 +37,15 @@ DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
 RADII = np.linspace(NEAREST, FARTHEST, PLACES)
 
 
+def _ring_blur(count: int) -> Patch:
+    """Matrix that gives each number of a ring half of its own and a quarter of each of its neighbors'."""
+    own = np.eye(count, dtype=np.float32)
+    return 0.5 * own + 0.25 * (np.roll(own, 1, axis=0) + np.roll(own, -1, axis=0))
+
+
+BLURS = tuple(_ring_blur(int(count)) for count in BINS)  # theorem: of the histograms, along L, a and b
+
+
 def read_patch(image: Image, circle: Circle3) -> Patch | None:
     """Read a picture around a circle.
 
@@ -97,25 +106,20 @@ def _log_odds(colors: Patch, seen: npt.NDArray[np.bool_]) -> Patch:
     bins = np.clip((colors - LAB_LOW) * PER_UNIT, np.float32(0.0), LAST).astype(np.int32)
     which = (bins[..., 0] * BINS[1] + bins[..., 1]) * BINS[2] + bins[..., 2]
     weights = RADII * seen
-    inside, around = (
-        _histogram(which[:, part], weights[:, part])[which] + np.float32(FLOOR)
-        for part in (RADII < INSIDE, RADII > AROUND)
-    )
+    parts = np.stack([_counts(which[:, part], weights[:, part]) for part in (RADII < INSIDE, RADII > AROUND)])
+    inside, around = (shares[which] + np.float32(FLOOR) for shares in _smoothed(parts))
     return np.asarray(np.clip(np.log(inside / around) / np.float32(MOST), -1.0, 1.0), np.float32)
 
 
-def _histogram(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
-    """Share of each color, by the area of its places, smoothed with its neighbors."""
-    counts = np.bincount(which.ravel(), weights.ravel(), minlength=int(np.prod(BINS)))
-    shares = counts.astype(np.float32).reshape(BINS)
-    for axis in range(3):
-        both = np.empty_like(shares)
-        of, to = np.moveaxis(shares, axis, 0), np.moveaxis(both, axis, 0)
-        np.add(of[:-2], of[2:], out=to[1:-1])
-        np.add(of[-1], of[1], out=to[0])
-        np.add(of[-2], of[0], out=to[-1])
-        both += shares
-        both += shares
-        both *= np.float32(0.25)
-        shares = both
-    return np.asarray(shares.ravel() / max(float(shares.sum()), 1e-6), np.float32)
+def _counts(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
+    """How much of each color there is, by the area of its places."""
+    return np.bincount(which.ravel(), weights.ravel(), minlength=int(np.prod(BINS))).astype(np.float32)
+
+
+def _smoothed(counts: Patch) -> Patch:
+    """Shares of colors, shape (n, colors), half of each from its neighbors along L, a and b, as if these were rings."""
+    along_l, along_a, along_b = BLURS
+    blurred = along_a @ counts.reshape(-1, *BINS) @ along_b
+    blurred = along_l @ blurred.reshape(len(counts), BINS[0], -1)
+    shares = blurred.reshape(len(counts), -1)
+    return np.asarray(shares / np.maximum(shares.sum(axis=1, keepdims=True), 1e-6), np.float32)

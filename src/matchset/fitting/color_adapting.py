@@ -34,6 +34,7 @@ class ColorAdapting:
         self._limits, self._block, self._relighting = limits, adaptation_block(limits), relighting
         self._learned = np.zeros(0, np.float32)
         self._view: Image | None = None
+        self._kept = 0
 
     def begin(self, color: ColorModel) -> None:
         """Take a color as it was learned: it is not forgotten.
@@ -59,7 +60,7 @@ class ColorAdapting:
         """
         limits = self._limits
         if self._view is None:
-            self._view = thinned(image, self._relighting.side)
+            self._keep(image, frames)
         if frames % limits.period or color.gray == "edges" or not limits.rate > 0.0:
             return
         fit = fitter.statistics
@@ -69,7 +70,12 @@ class ColorAdapting:
             x, y = fitter.state.tolist()[:2]
             quadrant = frames // limits.period % 4
             adapt_table(image, *tables, outline, interior, x, y, quadrant, self._block)
-            self._view = thinned(image, self._relighting.side)
+            if frames - self._kept >= self._relighting.period:
+                self._keep(image, frames)
+
+    def _keep(self, image: Image, frames: int) -> None:
+        """Keep a few pixels of a picture in whose light the color is right."""
+        self._view, self._kept = thinned(image, self._relighting.side), frames
 
     def gains(self, image: Image, color: ColorModel) -> Floats | None:
         """Gain of each channel since the color was last confirmed, where the light of the whole picture has changed.

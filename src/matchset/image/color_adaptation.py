@@ -82,6 +82,8 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     ----------
     used : bool
         Whether that is looked for, where the target was not confirmed.
+    period : int
+        Frames from one picture that is kept to the next, at least: less costs time, more is off where light drifts.
     side : int
         Pixels that are compared along the longer side of a picture, about.
     darkest, brightest : float
@@ -96,7 +98,8 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     """
 
     used: bool = True
-    side: int = 64
+    period: int = 15
+    side: int = 32
     darkest: float = 16.0
     brightest: float = 240.0
     share: float = 0.2

@@ -37,7 +37,7 @@ gain = st.floats(0.65, 1.5)
 def test_gains_are_found_though_the_ball_has_moved(gains: tuple[float, float, float], x: float) -> None:
     before, now = thinned(picture(90.0, 120.0), LIMITS.side), thinned(picture(x, 150.0, gains, 1), LIMITS.side)
     found = gains_between(before, now, LIMITS)
-    if np.abs(np.log(gains)).max() > LIMITS.least + 0.01:
+    if np.abs(np.log(gains)).max() > LIMITS.least + 0.05:
         assert found is not None
         np.testing.assert_allclose(found, gains, rtol=0.03)
     elif np.abs(np.log(gains)).max() < LIMITS.least - 0.01:

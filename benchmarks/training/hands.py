@@ -1,4 +1,4 @@
-"""Hands that hold a ball: a palm behind it, and fingers and a thumb in front."""
+"""Hands that hold a ball: a palm behind it, fingers and a thumb in front, and fingers around its rim."""
 
 import math
 from typing import NamedTuple
@@ -81,6 +81,18 @@ class HandParameters(msgspec.Struct, frozen=True):
         Distances of its joint and of its end, which is in the hand, radii.
     thumb_width : (float, float)
         Its width as a share of a finger's.
+    grips : float
+        Share of hands with parts of fingers around the rim of the ball, and, apart from it, with such in front of it.
+    grip_arc : (float, float)
+        How much of the rim they are around, rad.
+    grip_behind, grip_before : (float, float)
+        Distance of their middles from the rim, in halves of their width, of those behind the ball and in front of it.
+    grip_spacing : (float, float)
+        Distance of two of them along the rim, in halves of their width.
+    grip_length : (float, float)
+        Their length, radii.
+    grip_light : (float, float)
+        Light on each as a share of that on the hand: between fingers it is dark.
     """
 
     skin: Colors = ((70.0, 165.0), (100.0, 185.0), (140.0, 238.0))
@@ -108,6 +120,13 @@ class HandParameters(msgspec.Struct, frozen=True):
     thumb_joint: float = 1.6
     thumb_end: float = 2.0
     thumb_width: Range = (1.0, 1.4)
+    grips: float = 0.45
+    grip_arc: Range = (0.8, 4.5)
+    grip_behind: Range = (-0.3, 1.3)
+    grip_before: Range = (0.3, 1.6)
+    grip_spacing: Range = (1.3, 2.4)
+    grip_length: Range = (0.1, 0.9)
+    grip_light: Range = (0.55, 1.1)
 
 
 def skin_color(random: Random, skin: Colors, light: Range) -> Singles:
@@ -128,6 +147,29 @@ def with_palm(random: Random, picture: Singles, circle: Circle3, hand: Hand, lim
     end = away(start, hand.angle, limits.palm_length * radius)
     mask = line(picture.shape[:2], (start, end), within(random, limits.palm_width) * radius)
     return over(picture, mask, surface(random, mask, hand.color, radius, limits.material))
+
+
+def with_grip(
+    random: Random, picture: Singles, circle: Circle3, hand: Hand, chosen: tuple[Range, HandParameters]
+) -> Singles:
+    """Draw parts of fingers around the rim of a ball, one beside the other, about where the hand comes from.
+
+    Told how far from the rim, in halves of their width.
+    """
+    apart, limits = chosen
+    radius, arc = circle[2], within(random, limits.grip_arc)
+    angle = hand.angle + random.normal(0.0, limits.end_bend) - 0.5 * arc
+    end = angle + arc
+    while angle < end:
+        half_width = within(random, limits.finger_width)
+        middle = away(circle[:2], angle, (1.0 + within(random, apart) * half_width) * radius)
+        direction, reach = any_angle(random), 0.5 * within(random, limits.grip_length) * radius
+        ends = away(middle, direction, -reach), away(middle, direction, reach)
+        mask = line(picture.shape[:2], ends, half_width * radius)
+        color = hand.color * np.float32(within(random, limits.grip_light))
+        picture = over(picture, mask, surface(random, mask, color, radius, limits.material))
+        angle += within(random, limits.grip_spacing) * half_width
+    return picture
 
 
 def with_fingers(random: Random, picture: Singles, circle: Circle3, hand: Hand, limits: HandParameters) -> Singles:

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.training.ball import BallParameters, ball_colors, surface_normal
 from benchmarks.training.camera import CameraParameters, VideoParameters, taken, through_video
 from benchmarks.training.covers import CoverParameters, with_covers
-from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_palm
+from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
 from benchmarks.training.layers import (
     FINE,
     SHIFT,
@@ -42,6 +42,7 @@ from benchmarks.training.photographs import Photographs
 from matchset.image.disc_network.polar_patch import Circle3, Image
 
 FULL = 255.0  # brightest, of 8 bits
+STILL = 0.0, 0.0
 
 
 class BackgroundParameters(msgspec.Struct, frozen=True):
@@ -126,6 +127,10 @@ class SceneParameters(msgspec.Struct, frozen=True):
         Share of those in which it does so by more than its diameter, about.
     sweep, fast_sweep : (float, float)
         How far it moves, radii.
+    shaken : float
+        Share of the other scenes in which all moves: the ball with its hand, or the camera.
+    shake : (float, float)
+        How far, radii.
     moving_hidden : float
         Share of moving balls that something is in front of; of others it is all, which `covers` may leave free.
     cut : float
@@ -156,6 +161,8 @@ class SceneParameters(msgspec.Struct, frozen=True):
     fast: float = 0.25
     sweep: Range = (0.1, 1.3)
     fast_sweep: Range = (1.3, 2.6)
+    shaken: float = 0.3
+    shake: Range = (0.1, 0.9)
     moving_hidden: float = 0.4
     cut: float = 0.12
     cut_at: Range = (0.2, 0.95)
@@ -239,6 +246,8 @@ def _drawn(
     if hand is not None:
         if happens(random, limits.palms):
             picture = with_palm(random, picture, circle, hand, limits.hand)
+        if happens(random, limits.hand.grips):
+            picture = with_grip(random, picture, circle, hand, (limits.hand.grip_behind, limits.hand))
         around = picture
     size = picture.shape[:2]
     normal = surface_normal(offsets(size, circle))
@@ -246,7 +255,7 @@ def _drawn(
     if is_ball and happens(random, limits.background.alike):
         picture = _with_things(random, picture, circle, pixel_at(colors, *circle[:2]), limits.background)
     mask = disc(size, circle) if is_ball else other_shape(random, size, circle, limits.others)
-    sweep, hidden = (0.0, 0.0), True
+    sweep, hidden = STILL, True
     if happens(random, limits.moving):
         reach = limits.fast_sweep if happens(random, limits.fast) else limits.sweep
         picture, sweep = _with_moving(random, picture, mask, colors, within(random, reach) * circle[2])
@@ -255,8 +264,13 @@ def _drawn(
         picture = over(picture, mask, colors)
     if hidden and hand is not None:
         picture = with_fingers(random, picture, circle, hand, limits.hand)
+        if happens(random, limits.hand.grips):
+            picture = with_grip(random, picture, circle, hand, (limits.hand.grip_before, limits.hand))
     elif hidden:
         picture = with_covers(random, picture, circle, photographs, limits.covers)
+    if sweep == STILL and happens(random, limits.shaken):
+        way, sweep = _any_way(random, within(random, limits.shake) * circle[2])
+        picture = np.asarray(cv2.filter2D(picture, -1, way, borderType=cv2.BORDER_REPLICATE), np.float32)
     return picture, sweep
 
 
@@ -298,6 +312,14 @@ def _with_moving(
     random: Random, picture: Singles, mask: Singles, colors: Singles, length: float
 ) -> tuple[Singles, tuple[float, float]]:
     """Draw a shape that moves by a length, px, in a random direction; with half its way along x and y."""
+    way, half = _any_way(random, length)
+    smeared = cv2.filter2D(mask, -1, way)[..., np.newaxis]
+    moved = picture * (1.0 - smeared) + cv2.filter2D(colors * mask[..., np.newaxis], -1, way)
+    return np.asarray(moved, np.float32), half
+
+
+def _any_way(random: Random, length: float) -> tuple[Singles, tuple[float, float]]:
+    """Kernel that smears along a line of a length, px, in a random direction; with half of that line along x and y."""
     angle = within(random, (0.0, math.pi))
     half = 0.5 * length * math.cos(angle), 0.5 * length * math.sin(angle)
     side = (int(max(length, 1.0)) | 1) + 2  # odd, so that it has a middle
@@ -306,9 +328,7 @@ def _with_moving(
     way = np.zeros((side, side), np.float32)
     cv2.line(way, start, end, (1.0,), 1, cv2.LINE_AA, SHIFT)
     way /= way.sum()
-    smeared = cv2.filter2D(mask, -1, way)[..., np.newaxis]
-    moved = picture * (1.0 - smeared) + cv2.filter2D(colors * mask[..., np.newaxis], -1, way)
-    return np.asarray(moved, np.float32), half
+    return way, half
 
 
 def _cut(random: Random, image: Image, circle: Circle3, limits: Range) -> tuple[Image, int, int]:

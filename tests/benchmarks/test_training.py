@@ -16,7 +16,7 @@ from benchmarks.training.ball import (
 from benchmarks.training.camera import CameraParameters, VideoParameters, through_video
 from benchmarks.training.covers import CoverParameters, with_covers
 from benchmarks.training.examples import ExampleParameters, Examples, make_examples, read_examples, write_examples
-from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_palm
+from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
 from benchmarks.training.layers import band, disc, offsets, which, within
 from benchmarks.training.light import LightParameters
 from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
@@ -37,6 +37,7 @@ PLAIN = SceneParameters(
     radius=(5.0, 40.0),
     hands=0.0,
     moving=0.0,
+    shaken=0.0,
     cut=0.0,
     videos=0.0,
     background=BackgroundParameters(blurs=0.0, faded=0.0, shadows=0.0, alike=0.0),
@@ -195,6 +196,35 @@ def test_hands_and_covers_change_the_picture_and_keep_it_finite(photographs: Pho
         assert not np.array_equal(palm, plain)
         assert not np.array_equal(fingers, plain)
     assert np.array_equal(with_covers(random, plain, circle, photographs, PLAIN.covers), plain)
+
+
+def test_a_grip_lies_around_the_rim_and_leaves_the_middle_free(wall: Photographs) -> None:
+    picture, circle = np.zeros((120, 120, 3), np.float32), (60.0, 60.0, 24.0)
+    limits = HandParameters(grip_length=(0.1, 0.3), grip_arc=(3.0, 3.0))
+    random = np.random.default_rng(4)
+    hand = any_hand(random, limits)
+    drawn = with_grip(random, picture, circle, hand, (limits.grip_before, limits)).max(axis=2) > 0
+    rows, columns = np.indices(drawn.shape)
+    away = np.hypot(columns - 60.0, rows - 60.0) / 24.0
+    assert not drawn[away < 0.6].any()
+    assert 0.1 < drawn[(away > 0.95) & (away < 1.05)].mean() < 0.9
+    assert not drawn[away > 2.1].any()
+
+
+def test_a_shaken_scene_is_smeared_as_a_whole_about_its_circle(wall: Photographs) -> None:
+    limits = msgspec.structs.replace(PLAIN, radius=(20.0, 20.0), shaken=1.0, shake=(0.8, 0.8))
+    sharp = render(np.random.default_rng(6), wall, True, msgspec.structs.replace(limits, shaken=0.0))
+    shaken = render(np.random.default_rng(6), wall, True, limits)
+    assert shaken.circle == sharp.circle
+    assert np.hypot(*shaken.sweep) == pytest.approx(0.4 * 20.0)
+    redness = [scene.image[..., 2].astype(float) - scene.image[..., 0] for scene in (sharp, shaken)]
+    rows, columns = np.indices(redness[0].shape)
+    for axis in (rows, columns):
+        before, after = (
+            float((each.clip(60.0) - 60.0).ravel() @ axis.ravel() / (each.clip(60.0) - 60.0).sum()) for each in redness
+        )
+        assert after == pytest.approx(before, abs=0.5)
+    assert np.abs(redness[0] - redness[1]).max() > 30.0
 
 
 def test_other_shapes_are_no_discs() -> None:

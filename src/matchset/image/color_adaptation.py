@@ -94,7 +94,8 @@ class RelightingParameters(msgspec.Struct, frozen=True):
         Largest median deviation of the logarithm of the ratios from their median: with more the view has changed, not
         the light. More finds changes of the light before a camera that moves, and some that are none.
     least : float
-        Least change of a channel, as a logarithm, beside that deviation: less is left to the slow learning.
+        Least change of a channel, as a logarithm, which must be more than that deviation too: less is left to the slow
+        learning.
     """
 
     used: bool = True
@@ -104,7 +105,7 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     brightest: float = 240.0
     share: float = 0.2
     spread: float = 0.25
-    least: float = 0.05
+    least: float = 0.1
 
 
 _LIMITS = record_dtype(AdaptationParameters)
@@ -138,7 +139,7 @@ def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Fl
     ratios = np.log(pixels[1, whole] / pixels[0, whole])
     changes = np.median(ratios, axis=0)
     spread = np.median(np.abs(ratios - changes), axis=0)
-    changed = bool((np.abs(changes) > limits.least + spread).any())
+    changed = bool((np.abs(changes) > np.maximum(limits.least, spread)).any())
     return np.exp(changes) if changed and spread.max() < limits.spread else None
 
 

@@ -73,7 +73,7 @@ def test_a_color_in_another_light_takes_the_same_pixels_for_the_target(gains: tu
     now = picture(200.0, 100.0, gains, 3)
     inside = np.hypot(COLUMNS - 200.0, ROWS - 100.0) < 22.0
     outside = np.hypot(COLUMNS - 200.0, ROWS - 100.0) > 26.0
-    changed = relit(color, np.array(gains))
+    changed = relit(color, color.log_odds, np.array(gains))
     mask = changed.mask(now) > 0
     assert mask[inside].mean() > 0.95
     assert mask[outside].mean() < 0.05
@@ -88,7 +88,8 @@ def test_a_color_in_another_light_takes_the_same_pixels_for_the_target(gains: tu
 def test_a_gray_model_is_relit_too() -> None:
     image = np.full((120, 160), 60, np.uint8)
     image[np.hypot(*(np.indices(image.shape) - 60.0)) < 20.0] = 120
-    changed = relit(ColorModel.pick(image, 60, 60), np.array((1.5,)))
+    color = ColorModel.pick(image, 60, 60)
+    changed = relit(color, color.log_odds, np.array((1.5,)))
     np.testing.assert_array_equal(changed.mask(image + image // 2) > 0, image == 120)
 
 

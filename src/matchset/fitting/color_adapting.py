@@ -18,6 +18,7 @@ from matchset.image.color_adaptation import (
 )
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 Image = npt.NDArray[np.uint8]
 
 
@@ -33,8 +34,7 @@ class ColorAdapting:
     def __init__(self, limits: AdaptationParameters, relighting: RelightingParameters) -> None:
         self._limits, self._block, self._relighting = limits, adaptation_block(limits), relighting
         self._learned = np.zeros(0, np.float32)
-        self._view: Image | None = None
-        self._kept = 0
+        self._kept: tuple[Image, Singles] | None = None
 
     def begin(self, color: ColorModel) -> None:
         """Take a color as it was learned: it is not forgotten.
@@ -43,7 +43,7 @@ class ColorAdapting:
         ----------
         color : ColorModel
         """
-        self._learned, self._view = color.log_odds.copy(), None
+        self._learned, self._kept = color.log_odds.copy(), None
 
     def adapt(self, image: Image, color: ColorModel, fitter: Fitter[Any], frames: int) -> None:
         """Adapt to a shape that is whole and well confirmed, a quarter of its surroundings at a time.
@@ -59,8 +59,6 @@ class ColorAdapting:
             How many pictures there were.
         """
         limits = self._limits
-        if self._view is None:
-            self._keep(image, frames)
         if frames % limits.period or color.gray == "edges" or not limits.rate > 0.0:
             return
         fit = fitter.statistics
@@ -70,31 +68,35 @@ class ColorAdapting:
             x, y = fitter.state.tolist()[:2]
             quadrant = frames // limits.period % 4
             adapt_table(image, *tables, outline, interior, x, y, quadrant, self._block)
-            if frames - self._kept >= self._relighting.period:
-                self._keep(image, frames)
 
-    def _keep(self, image: Image, frames: int) -> None:
-        """Keep a few pixels of a picture in whose light the color is right."""
-        self._view, self._kept = thinned(image, self._relighting.side), frames
-
-    def gains(self, image: Image, color: ColorModel) -> Floats | None:
-        """Gain of each channel since the color was last confirmed, where the light of the whole picture has changed.
+    def keep(self, image: Image, color: ColorModel) -> None:
+        """Keep a color, and a few pixels of a picture in whose light it is right.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
+        """
+        if self._relighting.used and not color.gray:
+            self._kept = thinned(image, self._relighting.side), color.log_odds.copy()
+
+    def gains(self, image: Image) -> Floats | None:
+        """Gain of each channel since a color was kept, where the light of the whole picture has changed.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
 
         Returns
         -------
         ndarray of shape (channels,), float64, or None
         """
-        if not self._relighting.used or color.gray or self._view is None:
+        if self._kept is None:
             return None
-        return gains_between(self._view, thinned(image, self._relighting.side), self._relighting)
+        return gains_between(self._kept[0], thinned(image, self._relighting.side), self._relighting)
 
     def relit(self, image: Image, color: ColorModel, gains: Floats) -> ColorModel:
-        """Take a color in the light of a picture, after such a change.
+        """Take the color that was kept in the light of a picture, after such a change.
 
         Parameters
         ----------
@@ -102,7 +104,7 @@ class ColorAdapting:
         color : ColorModel
         gains : ndarray of shape (channels,), float64
         """
-        changed = relit(color, gains)
+        changed = relit(color, color.log_odds if self._kept is None else self._kept[1], gains)
         self.begin(changed)
-        self._view = thinned(image, self._relighting.side)
+        self.keep(image, changed)
         return changed

@@ -82,8 +82,6 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     ----------
     used : bool
         Whether that is looked for, where the target was not confirmed.
-    period : int
-        Frames from one picture that is kept to the next, at least: less costs time, more is off where light drifts.
     side : int
         Pixels that are compared along the longer side of a picture, about.
     darkest, brightest : float
@@ -99,7 +97,6 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     """
 
     used: bool = True
-    period: int = 15
     side: int = 32
     darkest: float = 16.0
     brightest: float = 240.0
@@ -143,17 +140,19 @@ def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Fl
     return np.exp(changes) if changed and spread.max() < limits.spread else None
 
 
-def relit(model: color.ColorModel, gains: Floats) -> color.ColorModel:
+def relit(model: color.ColorModel, log_odds: Singles, gains: Floats) -> color.ColorModel:
     """Model of the same target in another light: a pixel is what it was before its channels were multiplied.
 
     Parameters
     ----------
     model : ColorModel
         A color; one of brightness finds its level in each picture.
+    log_odds : ndarray of shape (32768,) or (256,), float32
+        As they were in the light before.
     gains : ndarray of shape (channels,), float64
     """
     bins = BINS if model.channels == 3 else LEVELS
-    table = model.log_odds.reshape((bins,) * len(gains))
+    table = log_odds.reshape((bins,) * len(gains))
     for axis, gain in enumerate(gains):
         size = LEVELS / bins
         values = size * (np.arange(bins) + 0.5) - 0.5

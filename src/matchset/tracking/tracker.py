@@ -215,6 +215,7 @@ class Tracker(Copied, Generic[S]):
             return track
         if rejected is not None or self._unseen.prominence.is_due(self._frames):
             self._unseen.remember(image, self.color, gate_of(self._family, track.shape.state), self._time)
+            self._adapting.keep(image, self.color)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
 
@@ -226,7 +227,7 @@ class Tracker(Copied, Generic[S]):
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
-        gains = self._adapting.gains(image, self.color)
+        gains = self._adapting.gains(image)
         if gains is not None:
             self.color = self._adapting.relit(image, self.color, gains)
             self._unseen.relight(gains)

@@ -56,6 +56,9 @@ METHODS = {
 REMARKS = tuple(METHODS)
 
 
+LEAST_BEND = 1e-6  # theorem: of a slope along a ray, CIELAB per px: less is rounding of an even picture
+
+
 class LabelParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How a rim is measured; chosen on the two labelled clips, see `check`.
 
@@ -202,7 +205,7 @@ def _rim_points(lab: Floats, circle: Floats, angles: Floats, reach: float, param
     rows = np.arange(len(angles))
     before, peak, after = slope[rows, best - 1], slope[rows, best], slope[rows, best + 1]
     bend = 2.0 * peak - before - after
-    is_peak = (before > 0) & (after > 0) & (peak >= before) & (peak >= after) & (bend > 0)
+    is_peak = (before > 0) & (after > 0) & (peak >= before) & (peak >= after) & (bend > LEAST_BEND)
     if not is_peak.any():
         return np.empty((0, 2))
     is_peak &= peak > parameters.least_peak * np.median(peak[is_peak])

@@ -24,11 +24,11 @@ from benchmarks.training.layers import (
     happens,
     within,
 )
+from matchset.app.films.codecs import EVEN
 from matchset.image.disc_network.polar_patch import Circle3, Image
 
 FULL = 255.0  # brightest, of 8 bits
 FRAMES_PER_SECOND = 30
-EVEN = 2  # px: with half the color, sides are multiples of this
 
 
 class CameraParameters(msgspec.Struct, frozen=True):

@@ -1,6 +1,5 @@
 """A worse copy of a real clip, and its truth: `Copy`, `write_copy`."""
 
-import hashlib
 import math
 from collections.abc import Iterator
 from fractions import Fraction
@@ -14,12 +13,12 @@ import numpy.typing as npt
 
 import matchset as ms
 from benchmarks.real.clips import Clip
+from matchset.app.films.codecs import EVEN
 from matchset.app.track.score import TruthRow
 
 Image = npt.NDArray[np.uint8]
 
 FRAMES_PER_SECOND = 30
-EVEN = 2  # px: with half the color, sides are multiples of this
 
 
 class Copy(msgspec.Struct, frozen=True):
@@ -77,8 +76,7 @@ def write_copy(copy: Copy, clip: Clip, folder: Path) -> Clip:
     """
     width, height = (EVEN * round(size * copy.width / clip.width / EVEN) for size in (clip.width, clip.height))
     rows, kept = {row.frame: row for row in clip.truths}, list[TruthRow]()
-    stem = hashlib.sha1(copy.name.encode(), usedforsecurity=False).hexdigest()[:12]
-    video = folder / f"{stem}.mp4"
+    video = folder / f"{copy.name}.mp4"
     with _Writer(video, (width, height), copy.crf) as writer:
         for count, (frame, image) in enumerate(_pictures(copy, clip, (width, height), set(rows))):
             writer.add(image)

@@ -80,31 +80,27 @@ class ColorAdapting:
         if self._relighting.used and not color.gray:
             self._kept = thinned(image, self._relighting.side), color.log_odds.copy()
 
-    def gains(self, image: Image) -> Floats | None:
-        """Gain of each channel since a color was kept, where the light of the whole picture has changed.
-
-        Parameters
-        ----------
-        image : ndarray of shape (h, w, channels), uint8
-
-        Returns
-        -------
-        ndarray of shape (channels,), float64, or None
-        """
-        if self._kept is None:
-            return None
-        return gains_between(self._kept[0], thinned(image, self._relighting.side), self._relighting)
-
-    def relit(self, image: Image, color: ColorModel, gains: Floats) -> ColorModel:
-        """Take the color that was kept in the light of a picture, after such a change.
+    def relight(self, image: Image, color: ColorModel) -> tuple[ColorModel, Floats] | None:
+        """Take the color that was kept in the light of a picture, where that has changed as a whole.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
         color : ColorModel
-        gains : ndarray of shape (channels,), float64
+
+        Returns
+        -------
+        ColorModel
+        ndarray of shape (channels,), float64
+            By which the channels of all pixels were multiplied since then.
         """
-        changed = relit(color, color.log_odds if self._kept is None else self._kept[1], gains)
+        if self._kept is None:
+            return None
+        view, log_odds = self._kept
+        gains = gains_between(view, thinned(image, self._relighting.side), self._relighting)
+        if gains is None:
+            return None
+        changed = relit(color, log_odds, gains)
         self.begin(changed)
         self.keep(image, changed)
-        return changed
+        return changed, gains

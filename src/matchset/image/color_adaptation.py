@@ -76,7 +76,8 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
 class RelightingParameters(msgspec.Struct, frozen=True):
     """When the light of a picture has changed as a whole.
 
-    Chosen by hand; `python -m benchmarks --only real` would show a change.
+    `spread` and `least` were chosen on worse copies of real clips, the others by hand (docs/log.md); `python -m
+    benchmarks --only real_copies,false_locks` would show a change.
 
     Parameters
     ----------

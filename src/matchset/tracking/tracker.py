@@ -227,11 +227,11 @@ class Tracker(Copied, Generic[S]):
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
-        gains = self._adapting.gains(image)
-        if gains is not None:
-            self.color = self._adapting.relit(image, self.color, gains)
+        changed = self._adapting.relight(image, self.color)
+        if changed is not None:
+            self.color, gains = changed
             self._unseen.relight(gains)
-        return gains is not None
+        return changed is not None
 
     def _checked(self, frame: Picture) -> Image:
         """Check a picture against those before it; return it as (h, w, channels)."""

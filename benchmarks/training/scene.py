@@ -127,6 +127,8 @@ class SceneParameters(msgspec.Struct, frozen=True):
         Share of those in which it does so by more than its diameter, about.
     sweep, fast_sweep : (float, float)
         How far it moves, radii.
+    gamma : (float, float)
+        Light adds up in a camera, not what is written of it: what is seen during the exposure is summed to this power.
     shaken : float
         Share of the other scenes in which all moves: the ball with its hand, or the camera.
     shake : (float, float)
@@ -161,6 +163,7 @@ class SceneParameters(msgspec.Struct, frozen=True):
     fast: float = 0.25
     sweep: Range = (0.1, 1.3)
     fast_sweep: Range = (1.3, 2.6)
+    gamma: Range = (1.0, 2.2)
     shaken: float = 0.3
     shake: Range = (0.1, 0.9)
     moving_hidden: float = 0.4
@@ -258,7 +261,8 @@ def _drawn(
     sweep, hidden = STILL, True
     if happens(random, limits.moving):
         reach = limits.fast_sweep if happens(random, limits.fast) else limits.sweep
-        picture, sweep = _with_moving(random, picture, mask, colors, within(random, reach) * circle[2])
+        way, sweep = _any_way(random, within(random, reach) * circle[2])
+        picture = _with_moving(picture, mask, colors, way, within(random, limits.gamma))
         hidden = happens(random, limits.moving_hidden)
     else:
         picture = over(picture, mask, colors)
@@ -270,7 +274,7 @@ def _drawn(
         picture = with_covers(random, picture, circle, photographs, limits.covers)
     if sweep == STILL and happens(random, limits.shaken):
         way, sweep = _any_way(random, within(random, limits.shake) * circle[2])
-        picture = np.asarray(cv2.filter2D(picture, -1, way, borderType=cv2.BORDER_REPLICATE), np.float32)
+        picture = _shaken(picture, way, within(random, limits.gamma))
     return picture, sweep
 
 
@@ -308,14 +312,19 @@ def _with_things(
     return picture
 
 
-def _with_moving(
-    random: Random, picture: Singles, mask: Singles, colors: Singles, length: float
-) -> tuple[Singles, tuple[float, float]]:
-    """Draw a shape that moves by a length, px, in a random direction; with half its way along x and y."""
-    way, half = _any_way(random, length)
+def _with_moving(picture: Singles, mask: Singles, colors: Singles, way: Singles, gamma: float) -> Singles:
+    """Draw a shape that moves along a way while light is summed, to a power of what is written of it."""
     smeared = cv2.filter2D(mask, -1, way)[..., np.newaxis]
-    moved = picture * (1.0 - smeared) + cv2.filter2D(colors * mask[..., np.newaxis], -1, way)
-    return np.asarray(moved, np.float32), half
+    light, behind = (np.clip(each / FULL, 0.0, 1.0) ** np.float32(gamma) for each in (colors, picture))
+    summed = behind * (1.0 - smeared) + cv2.filter2D(light * mask[..., np.newaxis], -1, way)
+    return np.asarray(FULL * np.clip(summed, 0.0, 1.0) ** np.float32(1.0 / gamma), np.float32)
+
+
+def _shaken(picture: Singles, way: Singles, gamma: float) -> Singles:
+    """Smear a whole picture along a way: light is summed, to a power of what is written of it."""
+    light = np.clip(picture / FULL, 0.0, 1.0) ** np.float32(gamma)
+    summed = cv2.filter2D(light, -1, way, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(FULL * np.clip(summed, 0.0, 1.0) ** np.float32(1.0 / gamma), np.float32)
 
 
 def _any_way(random: Random, length: float) -> tuple[Singles, tuple[float, float]]:

@@ -211,10 +211,11 @@ def test_two_fits_at_one_time_change_no_velocity() -> None:
     assert record.motion.last_state[0] == 105.0
 
 
-def test_the_field_offset_of_a_fast_shape_is_noted_for_its_speed() -> None:
-    for speed, noted in ((2.0 * FIELDS.min_speed, True), (0.5 * FIELDS.min_speed, False)):
+def test_the_field_offset_of_a_fast_shape_that_is_seen_well_is_noted_for_its_speed() -> None:
+    well, faintly, fast = FIELDS.min_score + 0.1, FIELDS.min_score - 0.1, 2.0 * FIELDS.min_speed
+    for speed, score, noted in ((fast, well, True), (0.5 * FIELDS.min_speed, well, False), (fast, faintly, False)):
         record = work(velocity=np.array([30.0, 40.0, 0.0, 0.0, 0.0]), offset_moment=10.0, speed_moment=100.0)
-        record.window.speed = speed
+        record.window.speed, record.fit.msac_score = speed, score
         record.field_offset.fitted[:] = 0.5, 0.25
         interpreted(motion.correct_motion)(record, 1.1)
         expected = (FIELDS.memory * 10.0 + 25.0, FIELDS.memory * 100.0 + 2500.0) if noted else (10.0, 100.0)

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from unittest.mock import Mock
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from scipy.stats import multivariate_t
 
 import matchset as ms
+from matchset.fitting.validation import ValidationParameters
 from matchset.image.color_learning import ColorParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters
 from matchset.image.disc_network.network import Disc
@@ -21,6 +23,7 @@ from matchset.tracking.outlines.network_outlines import (
     middle_of,
     squared_distances,
 )
+from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
 
 Picture = npt.NDArray[np.uint8]
@@ -124,6 +127,44 @@ def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:
         ]
     assert max(errors[True]) < 4.0
     assert float(np.mean(errors[True])) <= float(np.mean(errors[False])) + 0.2
+
+
+def followed(moved: float, known: float, log_odds: float, *, drawn: bool = True) -> tuple[float, bool]:
+    """Where an ambiguous ball is, beside the truth along x, if the network sees it moved; whether outlines were drawn.
+
+    `known` is the inverse variance of each number that it says.
+    """
+    color, always = ms.ColorModel.pick(picture(60.0), 60.0, 90.0), 2.0
+    parameters = TrackerParameters(
+        validation=ValidationParameters(ambiguous_msac_score=always), network=NetworkParameters(sharp=always)
+    )
+    tracker = ms.Tracker(ms.Circle, color, start=(60.0, 90.0), parameters=parameters, fps=30.0)
+    for k in range(6):
+        tracker.update(picture(60.0 + 3.0 * k, 12.0 if k > 3 else 0.0, k))
+    disc = Disc((78.0 + moved, 90.0, 26.0), known * np.eye(3), log_odds)
+    with pytest.MonkeyPatch.context() as patch:
+        weighed = Mock(wraps=OutlineChoice._proposals, autospec=True)
+        patch.setattr(OutlineChoice, "_proposals", lambda *arguments: weighed(*arguments))
+        patch.setattr(NetworkOutlines, "discs", lambda *_, **__: [disc])
+        if not drawn:
+            patch.setattr(OutlineChoice, "draws", lambda *_: False)
+        answer = tracker.update(picture(78.0, 12.0, 6))
+    assert isinstance(answer, ms.Track)
+    return answer.shape.x - 78.0, weighed.called
+
+
+def test_a_disc_that_is_sure_is_the_prior_of_an_ambiguous_fit() -> None:
+    vague, weighed, sure = (followed(0.8, known, 4.0)[0] for known in (1e-3, 30.0, 1e4))
+    assert abs(vague) < 0.3
+    assert vague < weighed < sure
+    assert sure == pytest.approx(0.8, abs=0.1)
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+def test_outlines_are_drawn_where_the_network_sees_no_ball(drawn: bool) -> None:
+    limits = NetworkParameters()
+    assert followed(0.0, 1.0, limits.clear + 0.1, drawn=drawn)[1] is False
+    assert followed(0.0, 1.0, limits.clear - 0.1, drawn=drawn)[1] is drawn
 
 
 def test_copies_of_a_tracker_go_on_alike() -> None:

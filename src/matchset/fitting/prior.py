@@ -110,6 +110,9 @@ class FieldParameters(msgspec.Struct, frozen=True):
     ----------
     min_speed : float
         Speed from which the field offset is fitted, px per frame.
+    min_score : float
+        MSAC score from which a fit tells how far the fields are apart. Less learns a noisy link's fields sooner, more
+        takes fewer hands and blurred rims for a second field.
     memory : float
         Share of what is known about the fields that one frame leaves.
     still_speed : float
@@ -128,6 +131,7 @@ class FieldParameters(msgspec.Struct, frozen=True):
     """
 
     min_speed: float = 0.5
+    min_score: float = 0.5
     memory: float = 0.9
     still_speed: float = 120.0
     frame_share: float = 0.5

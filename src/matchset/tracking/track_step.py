@@ -136,10 +136,9 @@ class TrackStep(Copied, Generic[S]):
             stretched = self._with_modes(image, color, estimate, speed)
             if stretched is not None:
                 estimate = stretched
-            elif self.outlines.draws(color):
-                estimate = self.outlines.choose(image, color, estimate, (time, interval), speed)
             else:
-                estimate = self._test_hypotheses(image, color, estimate, speed)
+                chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
+                estimate = chosen or self._test_hypotheses(image, color, estimate, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)

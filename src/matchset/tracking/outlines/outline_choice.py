@@ -1,8 +1,9 @@
 """Chooses an outline where a fit alone does not say which is the target's: `OutlineChoice`.
 
-Where a fit is ambiguous the outlines that edge points ask for, the region of a blurred target and what the network of
-discs sees are weighed together, and against the frames before. Of a detection, which has no frames before, the region
-and the network are asked.
+Where a fit is ambiguous the network of discs is asked: where it sees a ball, its disc is the prior of the fit to the
+edge points. Otherwise the outlines that edge points ask for, the region of a blurred target and what the network sees
+are weighed together, and against the frames before. Of a detection, which has no frames before, the region and the
+network are asked.
 """
 
 import math
@@ -80,10 +81,11 @@ class OutlineChoice:
 
     def choose(
         self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
-    ) -> Estimate:
-        """Fit the likeliest of the outlines around an ambiguous fit.
+    ) -> Estimate | None:
+        """Fit the network's disc, or else the likeliest of the outlines around an ambiguous fit.
 
-        A fit that was rejected needs evidence of the outline; without it, it is as it was.
+        A fit that was rejected needs evidence of the outline; without it, it is as it was. None, and the workspace as
+        it was, where the network sees no ball and no outlines are drawn.
 
         Parameters
         ----------
@@ -96,17 +98,20 @@ class OutlineChoice:
         speed : float
             Of the target, px per frame.
         """
-        fitter, p, motion = self._fitter, len(self._fitter.family.parameters), self._fitter.work.motion
+        fitter, p = self._fitter, len(self._fitter.family.parameters)
+        predicted = fitter.work.motion.predicted[:p].copy()
+        asked = self.is_disc and fitter.weighs(color)
+        discs = self.network.discs(image, (predicted, estimate.state[:p])) if asked else []
+        near = self._near_disc(image, color, estimate, discs, speed)
+        if near is not None or not self.draws(color):
+            return near
         step = np.zeros(p)
         if float(fitter.work.iteration.moved) > 0.0:  # the outline was traced before the last step
             step = fitter.work.step[:p].copy()
-        traced, predicted = estimate.state[:p] - step, motion.predicted[:p].copy()
-        discs = self.network.discs(image, (predicted, estimate.state[:p])) if self.is_disc else []
+        traced = estimate.state[:p] - step
         found, scores = self._proposals(image, color, estimate, traced, step, discs)
         which = self._likeliest(found, traced, frame, preferred=not estimate.rejection)
-        fields = fitter.work.field_offset.fitted.copy()
-        fitted = self._fit(image, color, estimate.state, traced + found.steps[which])
-        fitter.work.window.speed, fitter.work.field_offset.fitted[:] = speed, fields  # learned from the first fit
+        fitted = self._fit_following(image, color, estimate.state, traced + found.steps[which], speed)
         taken = self._taken(image, color, fitted, discs, predicted)
         if taken is not None:
             self.spread = None
@@ -120,6 +125,40 @@ class OutlineChoice:
         if rejection:
             self.forget()
         return fitted._replace(rejection=rejection)
+
+    def _near_disc(
+        self, image: Image, color: ColorModel, estimate: Estimate, discs: Sequence[Disc], speed: float
+    ) -> Estimate | None:
+        """Fit with the network's disc as the prior; None, and the workspace as it was, where that sees no ball.
+
+        A fit that was rejected needs evidence of the outline.
+        """
+        fitter, limits = self._fitter, self.network.limits
+        disc = likeliest(discs, limits.clear, limits.same)
+        sharp = not estimate.rejection and estimate.fit.msac_score >= limits.sharp
+        if disc is None or sharp or not self.network.has_color(image, color, disc.circle):
+            return None
+        made, predicted = fitter.block.copy(), fitter.work.motion.predicted[:DISC].copy()
+        fitted = self._fit_following(image, color, estimate.state, np.array(disc.circle), speed, disc)
+        taken = self._taken(image, color, fitted, [disc], predicted)
+        if taken is not None:
+            return taken
+        unseen = estimate.rejection and fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
+        if fitted.rejection or unseen:
+            fitter.block[:] = made
+            return None
+        self.spread = covariance_of(disc)
+        return fitted
+
+    def _fit_following(
+        self, image: Image, color: ColorModel, state: Floats, begin: Floats, speed: float, disc: Disc | None = None
+    ) -> Estimate:
+        """Fit around an outline of a target that is followed: what is known of its motion is of the first fit."""
+        work = self._fitter.work
+        fields = work.field_offset.fitted.copy()
+        fitted = self._fit(image, color, state, begin, prior=disc)
+        work.window.speed, work.field_offset.fitted[:] = speed, fields
+        return fitted
 
     def _proposals(
         self,
@@ -154,13 +193,31 @@ class OutlineChoice:
         ahead = predicted[:2] - last[:2], usual_size(self._fitter.work, frame)
         return self._filter.choose(found, (traced + found.steps)[:, :2], ahead, frame, preferred=preferred)
 
-    def _fit(self, image: Image, color: ColorModel, state: Floats, begin: Floats, unknown: bool = False) -> Estimate:
-        """Fit in a narrow window around an outline."""
-        limits, whole = self._parameters.hypothesis_filter, state.copy()
+    def _fit(
+        self,
+        image: Image,
+        color: ColorModel,
+        state: Floats,
+        begin: Floats,
+        *,
+        unknown: bool = False,
+        prior: Disc | None = None,
+    ) -> Estimate:
+        """Fit in a narrow window around an outline, which is the middle of a disc that is the prior, if there is one.
+
+        Of a disc whose direction of motion is `unknown` nothing else is known.
+        """
+        limits, whole, work = self._parameters.hypothesis_filter, state.copy(), self._fitter.work
         whole[: len(begin)] = begin
         reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
-        window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
-        return self._fitter.fit(image, color, whole, window)
+        known = prior is not None
+        window = SearchWindow(reach, 0.0, limits.sigma_share * reach, velocity_unknown=unknown, use_prior=known)
+        sigma = work.motion.prior_sigma.copy()
+        if prior is not None:
+            work.motion.prior_sigma[:DISC] = np.sqrt(np.diag(covariance_of(prior)))
+        fitted = self._fitter.fit(image, color, whole, window)
+        work.motion.prior_sigma[:] = sigma
+        return fitted
 
     def _taken(
         self, image: Image, color: ColorModel, fitted: Estimate, discs: Sequence[Disc], predicted: Floats

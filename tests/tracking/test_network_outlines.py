@@ -81,6 +81,42 @@ def test_the_middle_of_a_disc_is_what_lies_within_a_share_of_its_radius(circle: 
     assert sorted(part[inside].tolist()) == sorted(expected.tolist())
 
 
+def test_two_measurements_of_a_circle_are_weighed_by_their_inverse_covariances() -> None:
+    limits, circle, sigma = NetworkParameters(), (54.0, 38.0, 13.0), 2.0
+    found = NetworkOutlines(limits).weighed(DISC, circle, sigma)
+    ours, other = limits.inflation * covariance_of(DISC), sigma**2 * np.eye(3)
+    gain = ours @ np.linalg.inv(ours + other)  # Kalman's
+    assert found.circle == pytest.approx(np.array(DISC.circle) + gain @ np.subtract(circle, DISC.circle))
+    assert covariance_of(found) == pytest.approx((np.eye(3) - gain) @ ours)
+    assert found.log_odds == DISC.log_odds
+
+
+def streak(length: float) -> Picture:
+    """A dark ball before a wall, r = 26 at (160, 90), that moves while the picture is taken."""
+    rows, columns = np.indices((180, 320), np.float64)
+    shares = [
+        np.clip(26.5 - np.hypot(columns - 160.0 - along, rows - 90.0), 0.0, 1.0)
+        for along in np.linspace(-0.5 * length, 0.5 * length, 65)
+    ]
+    share = np.mean(shares, axis=0)[..., np.newaxis]
+    image = np.array((150.0, 155.0, 165.0)) * (1.0 - share) + np.array((60.0, 110.0, 60.0)) * share
+    noisy = cv2.GaussianBlur(image, (0, 0), 2.5) + np.random.default_rng(0).normal(0.0, 2.0, image.shape)
+    return np.asarray(np.clip(noisy, 0, 255), np.uint8)
+
+
+@pytest.mark.parametrize(("length", "weighed"), [(40.0, True), (0.0, False)])
+def test_the_region_of_a_streak_is_weighed_with_the_disc(length: float, weighed: bool) -> None:
+    image = streak(length)
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160.0, 90.0), start=(160.0, 90.0), fps=30.0)
+    tracker.update(image)
+    disc = Disc((166.0, 90.0, 26.0), np.diag((0.05, 0.5, 0.5)), 4.0)
+    found = tracker._step.outlines._with_region(image, disc, np.array(disc.circle))
+    assert (found is not disc) is weighed
+    if weighed:
+        assert found.circle[:2] == pytest.approx((160.0, 90.0), abs=0.5)
+        assert 26.0 < found.circle[2] < 1.1 * 26.0  # up to a tenth too large
+
+
 def test_the_color_of_a_disc_is_compared() -> None:
     image, outlines = picture(100.0), NetworkOutlines(NetworkParameters())
     color = ms.ColorModel.pick(image, 100.0, 90.0)

@@ -33,7 +33,7 @@ ALONG = np.linspace(0.4, 1.6, 49)  # geometry: where a line across the rim is re
 class SoftRegionParameters(msgspec.Struct, frozen=True):
     """How the region of a blurred target is found, and what it is worth.
 
-    `level`, `soft`, `softer` and `worth` were chosen on real clips (docs/log.md), the others by hand;
+    `level`, `soft`, `softer`, `worth` and `sigma` were chosen on real clips (docs/log.md), the others by hand;
     `python -m benchmarks --only real` would show a change.
 
     Parameters
@@ -70,7 +70,10 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     worth : float
         What a region adds to the score of its outline (`Consensus`), 1 is that of a perfect outline.
     sure : float
-        Share of that from which a detection is fitted anew from its region.
+        Share of that from which a detection is fitted anew from its region, and which weighs beside the network's disc.
+    sigma : float
+        Standard deviation of its center and half-width there, in half-widths: less believes the region more, whose size
+        is up to a tenth too large where a streak is long. 0.05 is as good (docs/log.md).
     round : float
         Agreement below which a region with a sharp rim is no disc: that of a square is 0.83, of other cards less.
     min_half_width : float
@@ -100,6 +103,7 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     agrees: float = 0.88
     worth: float = 0.3
     sure: float = 0.5
+    sigma: float = 0.03
     round: float = 0.85
     min_half_width: float = 5.0
 

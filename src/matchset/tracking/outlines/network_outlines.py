@@ -165,6 +165,25 @@ class NetworkOutlines:
         odds = -0.5 * (limits.freedom + DISC) * np.log1p(nearest / (limits.inflation * limits.freedom))
         return np.asarray(np.maximum(odds, -limits.most))
 
+    def weighed(self, disc: Disc, circle: Circle3, sigma: float) -> Disc:
+        """Mean of a disc and another measurement of its circle, weighed by their inverse covariances.
+
+        Parameters
+        ----------
+        disc : Disc
+            Its covariance is inflated: of blurred balls it knows less than it says.
+        circle : (x, y, radius)
+        sigma : float
+            Standard deviation of each number of that, px.
+
+        Returns
+        -------
+        Disc
+        """
+        known, other = disc.precision / self.limits.inflation, np.eye(DISC) / sigma**2
+        x, y, radius = np.linalg.solve(known + other, known @ disc.circle + other @ circle).tolist()
+        return Disc((x, y, radius), known + other, disc.log_odds)
+
     def has_color(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
         """Whether enough of the middle of a disc has the target's color."""
         part, inside = middle_of(image, circle, self.limits.middle)

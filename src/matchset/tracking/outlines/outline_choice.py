@@ -1,9 +1,9 @@
 """Chooses an outline where a fit alone does not say which is the target's: `OutlineChoice`.
 
 Where a fit is ambiguous the network of discs is asked: where it sees a ball, its disc is the prior of the fit to the
-edge points. Otherwise the outlines that edge points ask for, the region of a blurred target and what the network sees
-are weighed together, and against the frames before. Of a detection, which has no frames before, the region and the
-network are asked.
+edge points, weighed with the region if the rim is a ramp. Otherwise the outlines that edge points ask for, the region
+of a blurred target and what the network sees are weighed together, and against the frames before. Of a detection,
+which has no frames before, the region and the network are asked.
 """
 
 import math
@@ -138,6 +138,7 @@ class OutlineChoice:
         sharp = not estimate.rejection and estimate.fit.msac_score >= limits.sharp
         if disc is None or sharp or not self.network.has_color(image, color, disc.circle):
             return None
+        disc = self._with_region(image, disc, estimate.state)
         made, predicted = fitter.block.copy(), fitter.work.motion.predicted[:DISC].copy()
         fitted = self._fit_following(image, color, estimate.state, np.array(disc.circle), speed, disc)
         taken = self._taken(image, color, fitted, [disc], predicted)
@@ -149,6 +150,15 @@ class OutlineChoice:
             return None
         self.spread = covariance_of(disc)
         return fitted
+
+    def _with_region(self, image: Image, disc: Disc, state: Floats) -> Disc:
+        """Weigh the network's disc with the region there, if the rim of that is a ramp all around."""
+        there = state.copy()
+        there[:DISC] = disc.circle
+        limits, region = self._parameters.soft_region, self._region(image, there)
+        if region is None or region.worth(limits) <= limits.sure * limits.worth:
+            return disc
+        return self.network.weighed(disc, (region.x, region.y, region.half_width), limits.sigma * region.half_width)
 
     def _fit_following(
         self, image: Image, color: ColorModel, state: Floats, begin: Floats, speed: float, disc: Disc | None = None
@@ -310,6 +320,7 @@ class OutlineChoice:
         disc = likeliest(self.network.discs(image, starts), limits.sure, limits.same)
         if disc is None or not self.network.has_color(image, color, disc.circle):
             return estimate
+        disc = self._with_region(image, disc, estimate.state)
         near = math.dist(disc.circle[:2], estimate.state[:2].tolist()) < max(estimate.state[2], disc.circle[2])
         if not near or squared_distances(disc, estimate.state[:DISC]) < limits.differs_much:
             return estimate

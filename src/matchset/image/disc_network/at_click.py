@@ -55,7 +55,7 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     sure: float = 1.5
     precision: float = 0.2
     outlined: float = 0.5
-    spot: float = 1.0
+    spot: float = 1.5
     same: float = 0.5
 
 

@@ -313,18 +313,27 @@ def _with_things(
 
 
 def _with_moving(picture: Singles, mask: Singles, colors: Singles, way: Singles, gamma: float) -> Singles:
-    """Draw a shape that moves along a way while light is summed, to a power of what is written of it."""
+    """Draw a shape that moves along a way while light is summed."""
     smeared = cv2.filter2D(mask, -1, way)[..., np.newaxis]
-    light, behind = (np.clip(each / FULL, 0.0, 1.0) ** np.float32(gamma) for each in (colors, picture))
-    summed = behind * (1.0 - smeared) + cv2.filter2D(light * mask[..., np.newaxis], -1, way)
-    return np.asarray(FULL * np.clip(summed, 0.0, 1.0) ** np.float32(1.0 / gamma), np.float32)
+    moving = cv2.filter2D(_as_light(colors, gamma) * mask[..., np.newaxis], -1, way)
+    summed = _as_light(picture, gamma) * (1.0 - smeared) + moving
+    return _as_written(np.asarray(summed, np.float32), gamma)
 
 
 def _shaken(picture: Singles, way: Singles, gamma: float) -> Singles:
-    """Smear a whole picture along a way: light is summed, to a power of what is written of it."""
-    light = np.clip(picture / FULL, 0.0, 1.0) ** np.float32(gamma)
-    summed = cv2.filter2D(light, -1, way, borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(FULL * np.clip(summed, 0.0, 1.0) ** np.float32(1.0 / gamma), np.float32)
+    """Smear a whole picture along a way while light is summed."""
+    smeared = cv2.filter2D(_as_light(picture, gamma), -1, way, borderType=cv2.BORDER_REPLICATE)
+    return _as_written(np.asarray(smeared, np.float32), gamma)
+
+
+def _as_light(written: Singles, gamma: float) -> Singles:
+    """Read a picture as light, a share of the brightest: that is a power of what is written of it."""
+    return np.asarray(np.clip(written / FULL, 0.0, 1.0) ** np.float32(gamma), np.float32)
+
+
+def _as_written(light: Singles, gamma: float) -> Singles:
+    """Write light as a picture, see `_as_light`."""
+    return np.asarray(FULL * np.clip(light, 0.0, 1.0) ** np.float32(1.0 / gamma), np.float32)
 
 
 def _any_way(random: Random, length: float) -> tuple[Singles, tuple[float, float]]:

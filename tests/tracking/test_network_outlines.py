@@ -179,7 +179,7 @@ def followed(moved: float, known: float, log_odds: float, *, drawn: bool = True)
         tracker.update(picture(60.0 + 3.0 * k, 12.0 if k > 3 else 0.0, k))
     disc = Disc((78.0 + moved, 90.0, 26.0), known * np.eye(3), log_odds)
     with pytest.MonkeyPatch.context() as patch:
-        weighed = Mock(wraps=OutlineChoice._proposals, autospec=True)
+        weighed = Mock(wraps=OutlineChoice._proposals)
         patch.setattr(OutlineChoice, "_proposals", lambda *arguments: weighed(*arguments))
         patch.setattr(NetworkOutlines, "discs", lambda *_, **__: [disc])
         if not drawn:

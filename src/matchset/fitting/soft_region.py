@@ -73,7 +73,8 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
         Share of that from which a detection is fitted anew from its region, and which weighs beside the network's disc.
     sigma : float
         Standard deviation of its center and half-width there, in half-widths: less believes the region more, whose size
-        is up to a tenth too large where a streak is long. 0.05 is as good (docs/log.md).
+        is up to a tenth too large where a streak is long. It counts beside the network's covariance, inflated as
+        `NetworkParameters.inflation` says; 0.05 beside that believes streaks too little (docs/log.md).
     round : float
         Agreement below which a region with a sharp rim is no disc: that of a square is 0.83, of other cards less.
     min_half_width : float

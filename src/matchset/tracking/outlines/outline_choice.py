@@ -213,20 +213,20 @@ class OutlineChoice:
         unknown: bool = False,
         prior: Disc | None = None,
     ) -> Estimate:
-        """Fit in a narrow window around an outline, which is the middle of a disc that is the prior, if there is one.
+        """Fit in a narrow window around an outline; with a prior that begins there, a disc of the network.
 
-        Of a disc whose direction of motion is `unknown` nothing else is known.
+        `unknown`: whether nothing is known of the direction in which it moves.
         """
-        limits, whole, work = self._parameters.hypothesis_filter, state.copy(), self._fitter.work
+        limits, whole = self._parameters.hypothesis_filter, state.copy()
         whole[: len(begin)] = begin
         reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
-        known = prior is not None
-        window = SearchWindow(reach, 0.0, limits.sigma_share * reach, velocity_unknown=unknown, use_prior=known)
-        sigma = work.motion.prior_sigma.copy()
-        if prior is not None:
-            work.motion.prior_sigma[:DISC] = np.sqrt(np.diag(covariance_of(prior)))
-        fitted = self._fitter.fit(image, color, whole, window)
-        work.motion.prior_sigma[:] = sigma
+        window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
+        if prior is None:
+            return self._fitter.fit(image, color, whole, window)
+        sigma, of_motion = self._fitter.work.motion.prior_sigma, self._fitter.work.motion.prior_sigma.copy()
+        sigma[:DISC] = np.sqrt(np.diag(covariance_of(prior)))
+        fitted = self._fitter.fit(image, color, whole, window._replace(use_prior=True))
+        sigma[:] = of_motion
         return fitted
 
     def _taken(

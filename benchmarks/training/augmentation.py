@@ -7,7 +7,7 @@ import torch
 
 from matchset.image.disc_network.polar_patch import RAYS
 
-LIGHTNESS, GREEN_RED, BLUE_YELLOW, LOG_ODDS = range(4)  # numbers of a place, as `polar_patch` orders them
+LIGHTNESS, GREEN_RED, BLUE_YELLOW, LOG_ODDS, SEEN, KNOWN = range(6)  # numbers of a place, as `polar_patch` orders them
 
 
 class AugmentationParameters(msgspec.Struct, frozen=True):
@@ -23,12 +23,15 @@ class AugmentationParameters(msgspec.Struct, frozen=True):
         Share of examples whose light is dark and whose dark is light.
     weakened : float
         Share whose log-odds of colors are multiplied by a number between 0 and 1.
+    unknown : float
+        Share of which no colors are known beforehand.
     """
 
     mirrored: float = 0.5
     scale: float = 0.15
     inverted: float = 0.15
     weakened: float = 0.1
+    unknown: float = 0.3
 
 
 def varied(
@@ -38,7 +41,7 @@ def varied(
 
     Parameters
     ----------
-    patches : Tensor of shape (n, 64, 32, 5)
+    patches : Tensor of shape (n, 64, 32, 6)
     targets : Tensor of shape (n, 4)
     chance : Generator
     limits : AugmentationParameters
@@ -82,4 +85,6 @@ def _recolored(patches: torch.Tensor, chance: torch.Generator, limits: Augmentat
     recolored[..., GREEN_RED] = (torch.cos(hue) * first - torch.sin(hue) * second) * vivid
     recolored[..., BLUE_YELLOW] = (torch.sin(hue) * first + torch.cos(hue) * second) * vivid
     recolored[..., LOG_ODDS] = patches[..., LOG_ODDS] * weak
+    known = torch.rand(each, generator=chance) >= limits.unknown
+    recolored[..., KNOWN] = patches[..., KNOWN] * weak * known
     return recolored

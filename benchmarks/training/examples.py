@@ -2,7 +2,7 @@
 
     python -m benchmarks.training.examples OUT --photographs FOLDER --seed 31 --scenes 14000
 
-writes `patches`, float16 of shape (n, 64, 32, 5), as the package's `read_patch` gives them, and `targets`, float32 of
+writes `patches`, float16 of shape (n, 64, 32, 6), as the package's `read_patch` gives them, and `targets`, float32 of
 shape (n, 4): how far the ball's center is along x and y, how much larger its radius is, all in radii of the circle, and
 1 for a ball; where there is none that is 0, and the others do not count. 14,000 scenes are 1.8 GB.
 """
@@ -20,11 +20,47 @@ import typer
 from benchmarks.training.layers import Floats, Random, Range, Singles, any_angle, away, happens, which, within
 from benchmarks.training.photographs import Photographs
 from benchmarks.training.scene import Scene, SceneParameters, render
-from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RAYS, Circle3, read_patch
+from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RAYS, Circle3, Colors, colors_of, read_patch
 
 Halves = npt.NDArray[np.float16]
 
+FULL = 255.0  # brightest, of 8 bits
 TARGETS = 4  # x, y, radius, and whether there is a ball
+
+
+class KnownParameters(msgspec.Struct, frozen=True):
+    """How the colors of a ball are known from an earlier picture; chosen by hand.
+
+    Parameters
+    ----------
+    light : float
+        Standard deviation of the logarithm by which its light was another.
+    tint : float
+        The same of each channel besides.
+    jumps : float
+        Share of pictures whose light differs by `jump` instead.
+    jump : float
+    off : float
+        Standard deviation of a coordinate of the circle in which they were seen from the ball's, radii.
+    parts : float
+        Share of circles that are a part of the ball.
+    part : (float, float)
+        Radius of those, radii of the ball.
+    part_off : (float, float)
+        Distance of their centers, as a share of what keeps them within it.
+    others : float
+        Share of shapes that are no balls whose colors are those of the ball rendered before.
+    """
+
+    light: float = 0.12
+    tint: float = 0.04
+    jumps: float = 0.1
+    jump: float = 0.4
+    off: float = 0.06
+    parts: float = 0.35
+    part: Range = (0.5, 0.8)
+    part_off: Range = (0.0, 1.0)
+    others: float = 0.5
 
 
 class ExampleParameters(msgspec.Struct, frozen=True):
@@ -54,6 +90,7 @@ class ExampleParameters(msgspec.Struct, frozen=True):
         Standard deviations of a coordinate of a circle from another shape's, radii, each as likely.
     least_radius : float
         Smaller circles are not read, px.
+    known : KnownParameters
     scene : SceneParameters
     """
 
@@ -71,18 +108,19 @@ class ExampleParameters(msgspec.Struct, frozen=True):
     around_size: Range = (1.9, 3.0)
     other_spreads: tuple[float, ...] = (0.02, 0.2)
     least_radius: float = 2.0
+    known: KnownParameters = KnownParameters()
     scene: SceneParameters = SceneParameters()
 
 
 class Example(NamedTuple):
-    """A patch of shape (64, 32, 5), and its target of shape (4,)."""
+    """A patch of shape (64, 32, 6), and its target of shape (4,)."""
 
     patch: Singles
     target: Singles
 
 
 class Examples(NamedTuple):
-    """All patches and targets, of shape (n, 64, 32, 5) and (n, 4)."""
+    """All patches and targets, of shape (n, 64, 32, 6) and (n, 4)."""
 
     patches: Halves
     targets: Singles
@@ -91,13 +129,29 @@ class Examples(NamedTuple):
 def examples_of(random: Random, photographs: Photographs, limits: ExampleParameters) -> list[Example]:
     """Render a ball and another shape, and read them around circles: four near the ball, two that are no balls."""
     ball = render(random, photographs, is_ball=True, limits=limits.scene)
+    known = _known(random, ball, limits.known)
     circles = [(_near(random, ball, limits), True) for _ in range(limits.near)]
     circles.append((_apart(random, ball.circle, limits), False))
-    found = [_example(ball, circle, is_ball, limits) for circle, is_ball in circles]
+    found = [_example(ball, circle, known, (is_ball, limits)) for circle, is_ball in circles]
     other = render(random, photographs, is_ball=False, limits=limits.scene)
     off = random.normal(0.0, random.choice(limits.other_spreads), 3)
-    found.append(_example(other, _moved(other.circle, off, limits), False, limits))
+    colors = known if happens(random, limits.known.others) else _known(random, other, limits.known)
+    found.append(_example(other, _moved(other.circle, off, limits), colors, (False, limits)))
     return [example for example in found if example is not None]
+
+
+def _known(random: Random, scene: Scene, limits: KnownParameters) -> Colors | None:
+    """Colors of a ball from an earlier picture, in another light."""
+    sigma = limits.jump if happens(random, limits.jumps) else limits.light
+    gains = np.exp(random.normal(0.0, sigma) + random.normal(0.0, limits.tint, 3))
+    relit = np.asarray(np.clip(scene.earlier * gains, 0.0, FULL), np.uint8)
+    x, y, radius = scene.earlier_circle
+    if happens(random, limits.parts):
+        size = within(random, limits.part)
+        x, y = away((x, y), any_angle(random), within(random, limits.part_off) * (1.0 - size) * radius)
+        radius *= size
+    right, down, larger = (random.normal(0.0, limits.off, 3) * radius).tolist()
+    return colors_of(relit, (x + right, y + down, radius + larger))
 
 
 def _moved(circle: Circle3, off: Floats, limits: ExampleParameters) -> Circle3:
@@ -127,11 +181,14 @@ def _apart(random: Random, ball: Circle3, limits: ExampleParameters) -> Circle3:
     return *away(ball[:2], any_angle(random), distance * ball[2]), size * ball[2]
 
 
-def _example(scene: Scene, circle: Circle3, is_ball: bool, limits: ExampleParameters) -> Example | None:
+def _example(
+    scene: Scene, circle: Circle3, known: Colors | None, chosen: tuple[bool, ExampleParameters]
+) -> Example | None:
     """Read a scene around a circle; None where that is too small or not in the picture."""
+    is_ball, limits = chosen
     if not circle[2] > limits.least_radius:
         return None
-    patch = read_patch(scene.image, circle)
+    patch = read_patch(scene.image, circle, known)
     if patch is None:
         return None
     step = np.subtract(scene.circle, circle) / circle[2]

@@ -3,6 +3,7 @@
 Scenes of small balls are drawn at twice the size, and reduced by the camera.
 """
 
+import copy
 import math
 from typing import NamedTuple
 
@@ -192,12 +193,18 @@ class Scene(NamedTuple):
     sweep : (float, float)
         Half of that movement, px along x and y.
     is_ball : bool
+    earlier : ndarray of shape (h', w', 3), uint8
+        The same camera's picture of it with nothing in front, at rest.
+    earlier_circle : (x, y, radius)
+        Where it is in that, px.
     """
 
     image: Image
     circle: Circle3
     sweep: tuple[float, float]
     is_ball: bool
+    earlier: Image
+    earlier_circle: Circle3
 
 
 def render(random: Random, photographs: Photographs, is_ball: bool, limits: SceneParameters | None = None) -> Scene:
@@ -223,15 +230,25 @@ def render(random: Random, photographs: Photographs, is_ball: bool, limits: Scen
     radius *= scale
     x, y = (0.5 * side + within(random, (-limits.offset, limits.offset)) * radius for _ in range(2))
     circle = x, y, radius
-    drawn, sweep = _drawn(random, photographs.crop(random, (side, side)), circle, photographs, (is_ball, limits))
-    image = taken(random, np.clip(drawn, 0.0, FULL), radius, scale, limits.camera)
+    drawn = _drawn(random, photographs.crop(random, (side, side)), circle, photographs, (is_ball, limits))
+    earlier = taken(copy.deepcopy(random), np.clip(drawn.earlier, 0.0, FULL), radius, scale, limits.camera)
+    image = taken(random, np.clip(drawn.picture, 0.0, FULL), radius, scale, limits.camera)
     x, y, radius = (x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5, radius / scale
+    before, sweep = (x, y, radius), (drawn.sweep[0] / scale, drawn.sweep[1] / scale)
     if happens(random, limits.videos):
         image = through_video(random, image, (x, y, radius), limits.video)
     if happens(random, limits.cut):
         image, left, top = _cut(random, image, (x, y, radius), limits.cut_at)
         x, y = x - left, y - top
-    return Scene(np.ascontiguousarray(image), (x, y, radius), (sweep[0] / scale, sweep[1] / scale), is_ball)
+    return Scene(np.ascontiguousarray(image), (x, y, radius), sweep, is_ball, earlier, before)
+
+
+class _Drawn(NamedTuple):
+    """A picture, half the movement of the ball in it along x and y, px, and the ball at rest with nothing in front."""
+
+    picture: Singles
+    sweep: tuple[float, float]
+    earlier: Singles
 
 
 def _drawn(
@@ -240,8 +257,8 @@ def _drawn(
     circle: Circle3,
     photographs: Photographs,
     chosen: tuple[bool, SceneParameters],
-) -> tuple[Singles, tuple[float, float]]:
-    """Draw all before a photograph; with half the movement of the ball, px."""
+) -> _Drawn:
+    """Draw all before a photograph."""
     is_ball, limits = chosen
     around = _prepared(random, photograph, circle[2], limits.background)
     picture = _shadowed(random, around, circle, limits.background)
@@ -258,14 +275,14 @@ def _drawn(
     if is_ball and happens(random, limits.background.alike):
         picture = _with_things(random, picture, circle, pixel_at(colors, *circle[:2]), limits.background)
     mask = disc(size, circle) if is_ball else other_shape(random, size, circle, limits.others)
-    sweep, hidden = STILL, True
+    sweep, hidden, earlier = STILL, True, over(picture, mask, colors)
     if happens(random, limits.moving):
         reach = limits.fast_sweep if happens(random, limits.fast) else limits.sweep
         way, sweep = _any_way(random, within(random, reach) * circle[2])
         picture = _with_moving(picture, mask, colors, way, within(random, limits.gamma))
         hidden = happens(random, limits.moving_hidden)
     else:
-        picture = over(picture, mask, colors)
+        picture = earlier
     if hidden and hand is not None:
         picture = with_fingers(random, picture, circle, hand, limits.hand)
         if happens(random, limits.hand.grips):
@@ -275,7 +292,7 @@ def _drawn(
     if sweep == STILL and happens(random, limits.shaken):
         way, sweep = _any_way(random, within(random, limits.shake) * circle[2])
         picture = _shaken(picture, way, within(random, limits.gamma))
-    return picture, sweep
+    return _Drawn(picture, sweep, earlier)
 
 
 def _prepared(random: Random, photograph: Singles, radius: float, limits: BackgroundParameters) -> Singles:

@@ -121,7 +121,7 @@ class Network(torch.nn.Module):  # type: ignore[misc]  # PyTorch is not where ty
         self.register_buffer("moves", torch.tensor(MOVES, dtype=torch.float32), persistent=False)
 
     def forward(self, patches: torch.Tensor) -> Output:
-        """Say what patches of shape (n, 64, 32, 5) show."""
+        """Say what patches of shape (n, 64, 32, 6) show."""
         rays = functional.relu(self.first(patches.flatten(2).transpose(1, 2)))
         for name in STEPS:
             rays = rays + functional.relu(getattr(self, name)(rays))

@@ -23,6 +23,8 @@ from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
 from benchmarks.training.photographs import REPOSITORY, PhotographParameters, Photographs, fetch, find_photographs
 from benchmarks.training.scene import BackgroundParameters, Scene, SceneParameters, render
 
+from matchset.image.disc_network.polar_patch import DIRECTIONS, RADII
+
 GRAY = 128
 EVERYTHING = 1.0  # share
 SEEDS = range(8)
@@ -110,8 +112,23 @@ def test_a_border_cuts_the_ball(seed: int, wall: Photographs) -> None:
 def test_the_same_seed_gives_the_same_scene(photographs: Photographs) -> None:
     one, same, other = (render(np.random.default_rng(seed), photographs, True) for seed in (3, 3, 4))
     assert np.array_equal(one.image, same.image)
-    assert one[1:] == same[1:]
+    assert one[1:4] == same[1:4]
+    assert np.array_equal(one.earlier, same.earlier)
     assert one.circle != other.circle
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_earlier_picture_shows_the_ball_at_rest_with_nothing_in_front(seed: int, wall: Photographs) -> None:
+    moving = msgspec.structs.replace(
+        PLAIN, hands=EVERYTHING, moving=EVERYTHING, moving_hidden=EVERYTHING, cut=EVERYTHING, videos=0.0
+    )
+    scene = render(np.random.default_rng(seed), wall, True, moving)
+    height, width = scene.earlier.shape[:2]
+    inside = disc((height, width), scene.earlier_circle) == 1.0
+    middle = scene.earlier[inside].astype(np.int64)
+    assert np.ptp(middle, axis=0).max() <= 4  # it is plain, and all of it is seen
+    assert middle[:, 2].min() > 200
+    assert scene.earlier_circle[2] == scene.circle[2]
 
 
 @pytest.mark.parametrize("is_ball", [True, False])
@@ -284,7 +301,7 @@ def examples(photographs: Photographs) -> Examples:
 def test_examples_have_the_shape_that_the_network_reads(examples: Examples) -> None:
     patches, targets = examples
     assert patches.dtype == np.float16
-    assert patches.shape[1:] == (64, 32, 5)
+    assert patches.shape[1:] == (64, 32, 6)
     assert targets.dtype == np.float32
     assert targets.shape == (len(patches), 4)
     assert 60 <= len(patches) <= 72
@@ -302,6 +319,19 @@ def test_targets_lead_to_the_ball_or_say_that_there_is_none(examples: Examples) 
     assert np.abs(steps[:, 2]).max() <= limits.radius_share * limits.farthest / (1.0 - limits.farthest)
     assert 0.02 < np.abs(steps).mean() < 0.3
     assert np.abs(steps[:, :2]).max() < 3.0
+
+
+def test_the_colors_of_a_ball_are_known_and_told_from_around_it(examples: Examples) -> None:
+    """Log-odds of the colors known are higher inside the ball than around it, in the mean of all circles near it."""
+    inside, around = list[float](), list[float]()
+    for patch, (right, down, larger, there) in zip(examples.patches, examples.targets, strict=True):
+        if not there:
+            continue
+        away = np.hypot(np.outer(DIRECTIONS[:, 0], RADII) - right, np.outer(DIRECTIONS[:, 1], RADII) - down)
+        share = away / (1.0 + larger)
+        inside.append(float(patch[share < 0.8, 5].mean()))
+        around.append(float(patch[(share > 1.25) & (patch[..., 4] > 0), 5].mean()))
+    assert np.mean(inside) > np.nanmean(around) + 0.4
 
 
 def test_the_same_seed_gives_the_same_examples(photographs: Photographs, examples: Examples) -> None:

@@ -18,7 +18,7 @@ SMALL = train.NetworkParameters(width=12)
 
 
 def patches_of(seed: int, count: int) -> torch.Tensor:
-    return torch.from_numpy(np.random.default_rng(seed).normal(0.0, 0.7, (count, 64, 32, 5)).astype(np.float32))
+    return torch.from_numpy(np.random.default_rng(seed).normal(0.0, 0.7, (count, 64, 32, 6)).astype(np.float32))
 
 
 def as_the_package_sees(network: train.Network, path: Path) -> DiscNetwork:
@@ -79,12 +79,20 @@ def test_turned_and_mirrored_rays_lead_where_they_did() -> None:
     for _ in range(12):
         right, down = targets[:, :1].numpy(), targets[:, 1:2].numpy()
         along = (right * np.cos(angles) + down * np.sin(angles)).astype(np.float32)
-        patches = torch.zeros((2, 64, 32, 5))
+        patches = torch.zeros((2, 64, 32, 6))
         patches[..., 4] = torch.from_numpy(along)[:, :, None]
         new, moved = varied(patches, targets, chance, AugmentationParameters())
         right, down = moved[:, :1].numpy(), moved[:, 1:2].numpy()
         assert new[:, :, 0, 4].numpy() == pytest.approx(right * np.cos(angles) + down * np.sin(angles), abs=1e-5)
         assert torch.equal(moved[:, 2:], targets[:, 2:])
+
+
+def test_colors_known_beforehand_are_left_out_of_some_examples() -> None:
+    patches, targets = torch.ones((200, 64, 32, 6)), torch.zeros((200, 4))
+    new, _ = varied(patches, targets, torch.Generator().manual_seed(1), AugmentationParameters(unknown=0.5))
+    unknown = (new[..., 5] == 0.0).all(dim=2).all(dim=1)
+    assert 70 < int(unknown.sum()) < 130
+    assert not bool((new[..., 3] == 0.0).any())
 
 
 def test_the_loss_is_least_at_the_target() -> None:
@@ -102,7 +110,7 @@ def test_the_loss_is_least_at_the_target() -> None:
 def test_a_network_learns_and_is_judged_on_what_it_has_not_seen() -> None:
     random = np.random.default_rng(0)
     there = (random.random(400) < 0.5).astype(np.float32)
-    patches = random.normal(0.0, 0.3, (400, 64, 32, 5)).astype(np.float16)
+    patches = random.normal(0.0, 0.3, (400, 64, 32, 6)).astype(np.float16)
     patches[..., 3] += (there[:, None, None] * np.where(np.arange(32) < 16, 1.0, -1.0)).astype(np.float16)
     targets = np.zeros((400, 4), np.float32)
     targets[:, 3] = there

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at
 from matchset.image.disc_network.network import MOVES, DiscNetwork, FollowParameters
-from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RADII, RAYS, read_patch
+from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RADII, RAYS, colors_of, read_patch
 
 Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]
@@ -64,6 +64,42 @@ def test_log_odds_are_high_inside_and_low_around() -> None:
     assert patch[:, RADII < 0.8, 3].mean() > 0.7
     assert patch[:, RADII > 1.2, 3].mean() < -0.7
     assert np.abs(patch[..., 3]).max() <= 1.0
+
+
+def known_in(image: Picture, known: npt.NDArray[np.float32] | None) -> Floats:
+    """Log-odds of the colors known at the places around the ball's circle."""
+    patch = read_patch(image, BALL, known)
+    assert patch is not None
+    return np.asarray(patch[..., 5], np.float64)
+
+
+def test_colors_known_from_another_picture_tell_inside_from_around() -> None:
+    other = (90.0, 70.0, 45.0)
+    known = known_in(picture(), colors_of(picture(other, seed=1), other))
+    assert known[:, RADII < 0.8].mean() > 0.6
+    assert known[:, RADII > 1.2].mean() < -0.6
+    assert np.abs(known).max() <= 1.0
+    assert not known_in(picture(), None).any()
+
+
+def test_a_ball_of_another_color_is_told_by_the_colors_known() -> None:
+    known = colors_of(picture(color=(60.0, 60.0, 190.0)), BALL)
+    assert known_in(picture(), known).mean() < -0.2
+
+
+@pytest.mark.parametrize("gain", [0.85, 1.15])
+def test_a_little_more_or_less_light_leaves_the_colors_known(gain: float) -> None:
+    relit = np.asarray(np.clip(picture() * gain, 0, 255), np.uint8)
+    known = known_in(picture(), colors_of(relit, BALL))
+    assert known[:, RADII < 0.8].mean() > 0.3
+
+
+def test_colors_are_shares_and_there_are_none_far_outside() -> None:
+    colors = colors_of(picture(), BALL)
+    assert colors is not None
+    assert colors.min() >= 0.0
+    assert colors.sum() == pytest.approx(1.0, abs=1e-4)
+    assert colors_of(picture(), (-400.0, 110.0, 30.0)) is None
 
 
 def test_places_outside_of_the_picture_are_said_and_a_circle_far_outside_has_no_patch() -> None:

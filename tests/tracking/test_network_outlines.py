@@ -2,7 +2,7 @@
 
 import copy
 import math
-from unittest.mock import Mock
+from unittest.mock import Mock, patch
 
 import cv2
 import numpy as np
@@ -11,10 +11,12 @@ import pytest
 from scipy.stats import multivariate_t
 
 import matchset as ms
+from matchset.fitting.soft_region import SoftRegion
 from matchset.fitting.validation import ValidationParameters
 from matchset.image.color_learning import ColorParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters
-from matchset.image.disc_network.network import Disc
+from matchset.image.disc_network.network import Disc, DiscNetwork
+from matchset.image.disc_network.polar_patch import colors_of
 from matchset.tracking.outlines.network_outlines import (
     NetworkOutlines,
     NetworkParameters,
@@ -91,6 +93,24 @@ def test_two_measurements_of_a_circle_are_weighed_by_their_inverse_covariances()
     assert found.log_odds == DISC.log_odds
 
 
+@pytest.mark.parametrize(("off", "counts"), [(9.0, True), (30.0, False)])
+def test_a_measurement_that_is_of_something_else_does_not_count(off: float, counts: bool) -> None:
+    found = NetworkOutlines(NetworkParameters()).weighed(DISC, (DISC.circle[0] + off, *DISC.circle[1:]), 2.0)
+    assert (found is not DISC) is counts
+
+
+def test_a_region_that_is_less_sure_counts_less() -> None:
+    image, disc = streak(40.0), Disc((166.0, 90.0, 26.0), np.diag((0.5, 0.5, 0.5)), 4.0)
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160.0, 90.0), start=(160.0, 90.0), fps=30.0)
+    tracker.update(image)
+    outlines = tracker._step.outlines
+    moved = []
+    for share in (1.0, 0.6):
+        with patch.object(SoftRegion, "worth", lambda _, limits, share=share: share * limits.worth):
+            moved.append(166.0 - outlines._with_region(image, disc, np.array(disc.circle)).circle[0])
+    assert moved[0] > 1.3 * moved[1] > 0.0
+
+
 def streak(length: float) -> Picture:
     """A dark ball before a wall, r = 26 at (160, 90), that moves while the picture is taken."""
     rows, columns = np.indices((180, 320), np.float64)
@@ -147,6 +167,56 @@ def test_discs_are_in_the_picture_and_near_to_where_they_began() -> None:
     assert NetworkOutlines(NetworkParameters(used=False)).discs(image, [np.array((104.0, 88.0, 24.0))]) == []
     cut = np.ascontiguousarray(image[:, 112:])
     assert outlines.discs(cut, [np.array((-12.0, 90.0, 26.0))]) == []
+
+
+def colors_asked(network: NetworkOutlines, image: Picture) -> npt.NDArray[np.float32]:
+    """Colors that the network is told to look for; none of them where it is told nothing."""
+    with patch.object(DiscNetwork, "follow", return_value=None) as follow:
+        network.discs(image, [np.array((160.0, 90.0, 26.0))])
+    known = follow.call_args.args[3]
+    return np.empty(0, np.float32) if known is None else np.asarray(known, np.float32)
+
+
+def colors_in(image: Picture, circle: tuple[float, float, float]) -> npt.NDArray[np.float32]:
+    """Colors of a circle that is in the picture."""
+    colors = colors_of(image, circle)
+    assert colors is not None
+    return colors
+
+
+def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_light() -> None:
+    network, image, ball = NetworkOutlines(NetworkParameters()), picture(160.0), (160.0, 90.0, 26.0)
+    assert not colors_asked(network, image).size
+    network.relight(np.ones(3))  # of nothing
+    assert not colors_asked(network, image).size
+    network.know(image, ball)
+    assert np.array_equal(colors_asked(network, image), colors_in(image, ball))
+    gains = np.array((0.8, 1.1, 0.9))
+    network.relight(gains)
+    relit = np.asarray(np.clip(image * gains, 0.0, 255.0), np.uint8)
+    assert np.array_equal(colors_asked(network, image), colors_in(relit, ball))
+    network.forget()
+    assert not colors_asked(network, image).size
+
+
+def test_no_colors_are_known_from_a_gray_picture_nor_by_a_network_that_is_not_used() -> None:
+    image = picture(160.0)
+    for network in (NetworkOutlines(NetworkParameters()), NetworkOutlines(NetworkParameters(used=False))):
+        network.know(image[..., :1] if network.limits.used else image, (160.0, 90.0, 26.0))
+        network.limits = NetworkParameters()
+        assert not colors_asked(network, image).size
+
+
+def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() -> None:
+    image = picture(160.0)
+    color = ms.ColorModel.pick(image, 160, 90)
+    assert color.sample is not None
+    tracker = ms.Tracker(ms.Circle, color, start=(160.0, 90.0))
+    expected = colors_in(color.sample.image, color.sample.circle)
+    assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
+    tracker.update(image)
+    tracker.restart((160.0, 90.0))
+    assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
 
 
 def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:

@@ -74,7 +74,8 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     sigma : float
         Standard deviation of its center and half-width there, in half-widths: less believes the region more, whose size
         is up to a tenth too large where a streak is long. It counts beside the network's covariance, inflated as
-        `NetworkParameters.inflation` says; 0.05 beside that believes streaks too little (docs/log.md).
+        `NetworkParameters.inflation` says; 0.05 beside that believes streaks too little (docs/log.md). It is that of a
+        region with all of its worth, and grows with the inverse square of the share of it.
     round : float
         Agreement below which a region with a sharp rim is no disc: that of a square is 0.83, of other cards less.
     min_half_width : float

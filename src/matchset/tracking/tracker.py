@@ -172,7 +172,7 @@ class Tracker(Copied, Generic[S]):
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
         self._step.forget()
-        self._unseen.forget()
+        self._unseen.forget(self.color)
 
     def update(self, frame: Picture) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.

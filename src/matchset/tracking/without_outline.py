@@ -54,8 +54,17 @@ class WithoutOutline:
         self._half_width = 0.0
         self.seen = False
 
-    def forget(self) -> None:
-        """Be as one is that has seen nothing."""
+    def forget(self, color: ColorModel) -> None:
+        """Be as one is that has seen nothing but what the color was learned from.
+
+        Parameters
+        ----------
+        color : ColorModel
+        """
+        network = self._step.outlines.network
+        network.forget()
+        if color.sample is not None:
+            network.know(color.sample.image, color.sample.circle)
         self._discs.forget()
         self._template.forget()
         self.seen, self._color, self._half_width = False, None, 0.0
@@ -88,6 +97,7 @@ class WithoutOutline:
         gains : ndarray of shape (channels,), float64
             By which the channels of all pixels were multiplied.
         """
+        self._step.outlines.network.relight(gains)
         if self._color is None:
             return
         pixel = cv2.cvtColor(self._color.astype(np.float32).reshape(1, 1, 3), cv2.COLOR_Lab2BGR)
@@ -146,10 +156,10 @@ class WithoutOutline:
         self._step.take_disc(image, color, disc, (sigma * disc.half_width) ** 2 * np.eye(3), when)
         return True
 
-    def _take_disc(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool]) -> bool:
+    def _take_disc(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
         """Take a disc of the network, unless that is not sure and the region there is another shape."""
         there = Gate(*disc.circle)
-        if disc.log_odds <= self._parameters.network.renewed and self._is_other_shape(image, there):
+        if disc.log_odds <= sure and self._is_other_shape(image, there):
             return False
         self._step.take_disc(image, color, there, covariance_of(disc), when)
         return True
@@ -180,7 +190,7 @@ class WithoutOutline:
         if disc.log_odds > limits.renewed:
             self._color = self._step.outlines.network.median_color(image, disc.circle)
             self._half_width = disc.circle[2]
-        return self._take_disc(image, color, disc, (time, expected is None))
+        return self._take_disc(image, color, disc, (time, expected is None), limits.renewed)
 
     def _likeliest(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> tuple[float, Disc] | None:
         """Likeliest disc that the network sees about some places, within reach, with the target's size and color.
@@ -214,7 +224,7 @@ class WithoutOutline:
         disc = likeliest(network.discs(image, [np.array(clicked[:3])]), limits.sure, limits.same)
         if disc is not None:
             self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
-            return self._take_disc(image, color, disc, (time, True))
+            return self._take_disc(image, color, disc, (time, True), limits.clicked)
         template.learn(sample.image, Gate(*sample.circle), time)
         like = template.find(image, clicked, 1.0, time)
         return like is not None and self._take(

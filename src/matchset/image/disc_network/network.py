@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.disc_network.polar_patch import DIRECTIONS, RAYS, Circle3, Image, Patch, read_patch
+from matchset.image.disc_network.polar_patch import DIRECTIONS, RAYS, Circle3, Colors, Image, Patch, read_patch
 
 Floats = npt.NDArray[np.float64]
 Weights = dict[str, npt.NDArray[np.float32]]
@@ -118,7 +118,7 @@ class DiscNetwork:
 
         Parameters
         ----------
-        patch : ndarray of shape (64, 32, 5), float32
+        patch : ndarray of shape (64, 32, 6), float32
             See `read_patch`.
         """
         rays = np.maximum(self._layer("first", patch.reshape(RAYS, -1)), 0.0)
@@ -133,7 +133,9 @@ class DiscNetwork:
     def _layer(self, name: str, values: Patch) -> Patch:
         return np.asarray(values @ self._weights[f"{name}.w"] + self._weights[f"{name}.b"])
 
-    def follow(self, image: Image, start: Circle3, limits: FollowParameters) -> Disc | None:
+    def follow(
+        self, image: Image, start: Circle3, limits: FollowParameters, known: Colors | None = None
+    ) -> Disc | None:
         """Go from a circle to the ball's, in rounds.
 
         Parameters
@@ -142,6 +144,8 @@ class DiscNetwork:
         start : (x, y, radius)
             px.
         limits : FollowParameters
+        known : Colors, optional
+            Colors of the ball, from another picture: see `colors_of`.
 
         Returns
         -------
@@ -150,7 +154,7 @@ class DiscNetwork:
         """
         circle, found = np.array(start), None
         for _ in range(limits.rounds):
-            patch = read_patch(image, tuple(circle)) if circle[2] >= limits.least_radius else None
+            patch = read_patch(image, tuple(circle), known) if circle[2] >= limits.least_radius else None
             if patch is None:
                 return None
             seen, scale = self.see(patch), circle[2]

@@ -1,9 +1,10 @@
 """The picture around a circle along rays from its center, whatever its size and color: `read_patch`.
 
 64 rays are read in 32 places each, from 0.3 to 1.7 radii. A picture of a large circle is reduced before, so that a
-place is about a pixel wide. Of each place there are five numbers: its color in CIE Lab, less the median color of the
+place is about a pixel wide. Of each place there are six numbers: its color in CIE Lab, less the median color of the
 middle and in units of the spread of all; the log-odds of that color inside the circle against around it, from smoothed
-histograms of both; and whether it is in the picture.
+histograms of both; whether it is in the picture; and, of a ball whose colors are known from another picture
+(`colors_of`), the log-odds of its color in those against around the circle.
 """
 
 import math
@@ -15,10 +16,11 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 Patch = npt.NDArray[np.float32]
+Colors = npt.NDArray[np.float32]
 Circle3 = tuple[float, float, float]
 
 # All of these are a part of what the weights were learned for: training reads its pictures by this file.
-RAYS, PLACES, NUMBERS = 64, 32, 5  # format: of a patch
+RAYS, PLACES, NUMBERS = 64, 32, 6  # format: of a patch
 SIZE = 20.0  # format: radius to which larger circles are reduced, px
 NEAREST, FARTHEST = 0.3, 1.7  # format: first and last place of a ray, radii
 MIDDLE, INSIDE, AROUND = 0.7, 0.85, 1.2  # format: places of the median color and of the two histograms, radii
@@ -44,10 +46,40 @@ def _ring_blur(count: int) -> Patch:
 
 
 BLURS = tuple(_ring_blur(int(count)) for count in BINS)  # theorem: of the histograms, along L, a and b
+KNOWN_ROUNDS = 4, 2, 2  # format: how often colors from another picture are blurred so, since its light was another
+KNOWN_BLURS = tuple(np.linalg.matrix_power(blur, n) for blur, n in zip(BLURS, KNOWN_ROUNDS, strict=True))
 
 
-def read_patch(image: Image, circle: Circle3) -> Patch | None:
+def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Patch | None:
     """Read a picture around a circle.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3), uint8
+        BGR.
+    circle : (x, y, radius)
+        px.
+    known : Colors, optional
+        Colors of the ball that is looked for, from another picture: see `colors_of`.
+
+    Returns
+    -------
+    ndarray of shape (64, 32, 6), float32, or None
+        By ray, place and number; None where hardly anything of it is in the picture.
+    """
+    read = _read(image, circle)
+    if read is None:
+        return None
+    colors, seen = read
+    patch = np.empty((RAYS, PLACES, NUMBERS), np.float32)
+    patch[..., :3] = _normalized(colors * np.float32(LAB_UNIT))
+    patch[..., 3], patch[..., 5] = _log_odds(colors, seen, known)
+    patch[..., 4] = seen
+    return patch
+
+
+def colors_of(image: Image, circle: Circle3) -> Colors | None:
+    """Shares of the colors inside a circle; None where hardly anything of it is in the picture.
 
     Parameters
     ----------
@@ -58,9 +90,20 @@ def read_patch(image: Image, circle: Circle3) -> Patch | None:
 
     Returns
     -------
-    ndarray of shape (64, 32, 5), float32, or None
-        By ray, place and number; None where hardly anything of it is in the picture.
+    ndarray of shape (9216,), float32, or None
+        By bin of CIE Lab, smoothed.
     """
+    read = _read(image, circle)
+    if read is None:
+        return None
+    colors, seen = read
+    part = RADII < INSIDE
+    counts = _counts(_bins(colors)[:, part], (RADII * seen)[:, part])
+    return np.asarray(_smoothed(counts[np.newaxis], KNOWN_BLURS)[0])
+
+
+def _read(image: Image, circle: Circle3) -> tuple[Patch, npt.NDArray[np.bool_]] | None:
+    """Color of each place, CIE Lab, and whether it is in the picture; None where hardly anything is."""
     x, y, radius = circle
     height, width = image.shape[:2]
     left, top = (max(math.floor(center - ROOM * radius) - 2, 0) for center in (x, y))
@@ -76,12 +119,7 @@ def read_patch(image: Image, circle: Circle3) -> Patch | None:
         for at, start, scale in ((columns, left, scales[0]), (rows, top, scales[1]))
     )
     read = cv2.remap(lab, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    colors = np.asarray(read, np.float32)
-    patch = np.empty((RAYS, PLACES, NUMBERS), np.float32)
-    patch[..., :3] = _normalized(colors * np.float32(LAB_UNIT))
-    patch[..., 3] = _log_odds(colors, seen)
-    patch[..., 4] = seen
-    return patch
+    return np.asarray(read, np.float32), seen
 
 
 def _reduced(cut: Image, scale: float) -> tuple[Image, tuple[float, float]]:
@@ -101,14 +139,21 @@ def _normalized(colors: Patch) -> Patch:
     return np.asarray(apart * (SPREAD / max(math.sqrt(float(np.mean(apart**2))), LEAST_SPREAD)), np.float32)
 
 
-def _log_odds(colors: Patch, seen: npt.NDArray[np.bool_]) -> Patch:
-    """Log-odds of each place's color, inside against around, -1 ... 1."""
-    bins = np.clip((colors - LAB_LOW) * PER_UNIT, np.float32(0.0), LAST).astype(np.int32)
-    which = (bins[..., 0] * BINS[1] + bins[..., 1]) * BINS[2] + bins[..., 2]
-    weights = RADII * seen
+def _log_odds(colors: Patch, seen: npt.NDArray[np.bool_], known: Colors | None) -> tuple[Patch, Patch]:
+    """Log-odds of each place's color against around: inside, and in the colors known, 0 without; -1 ... 1."""
+    which, weights = _bins(colors), RADII * seen
     parts = np.stack([_counts(which[:, part], weights[:, part]) for part in (RADII < INSIDE, RADII > AROUND)])
     inside, around = (shares[which] + np.float32(FLOOR) for shares in _smoothed(parts))
-    return np.asarray(np.clip(np.log(inside / around) / np.float32(MOST), -1.0, 1.0), np.float32)
+    here = np.clip(np.log(inside / around) / np.float32(MOST), -1.0, 1.0)
+    if known is None:
+        return here, np.zeros_like(here)
+    return here, np.clip(np.log((known[which] + np.float32(FLOOR)) / around) / np.float32(MOST), -1.0, 1.0)
+
+
+def _bins(colors: Patch) -> npt.NDArray[np.int32]:
+    """Bin of each color in the histograms."""
+    bins = np.clip((colors - LAB_LOW) * PER_UNIT, np.float32(0.0), LAST).astype(np.int32)
+    return np.asarray((bins[..., 0] * BINS[1] + bins[..., 1]) * BINS[2] + bins[..., 2], np.int32)
 
 
 def _counts(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
@@ -116,9 +161,9 @@ def _counts(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
     return np.bincount(which.ravel(), weights.ravel(), minlength=int(np.prod(BINS))).astype(np.float32)
 
 
-def _smoothed(counts: Patch) -> Patch:
+def _smoothed(counts: Patch, blurs: tuple[Patch, ...] = BLURS) -> Patch:
     """Shares of colors, shape (n, colors), half of each from its neighbors along L, a and b, as if these were rings."""
-    along_l, along_a, along_b = BLURS
+    along_l, along_a, along_b = blurs
     blurred = along_a @ counts.reshape(-1, *BINS) @ along_b
     blurred = along_l @ blurred.reshape(len(counts), BINS[0], -1)
     shares = blurred.reshape(len(counts), -1)

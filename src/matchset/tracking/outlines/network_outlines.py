@@ -20,7 +20,7 @@ from matchset.image.click_region import disc_mask
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
-from matchset.image.disc_network.polar_patch import Circle3
+from matchset.image.disc_network.polar_patch import Circle3, Colors, colors_of
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -59,7 +59,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds from which it is taken where the fit was rejected: more loses blurred balls, less follows other things.
     differs, differs_much : float
         Squared distance, in its standard deviations, from which a fit that was confirmed and a detection differ from
-        it: edge points are more exact where both agree.
+        it: edge points are more exact where both agree. A region that differs as much from it, in the standard
+        deviations of both, is of something else.
     sharp : float
         MSAC score of a confirmed fit from which it is not compared: of 6 clicks on real clips with more, edge points
         were right in 4 and the network in 4, and in rendered sequences edge points were, with a tenth of the error.
@@ -76,6 +77,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         ... if its size differs from the last one by no more than this factor, ...
     renewed : float
         Log-odds of a lost target from which its color is remembered anew, and its region need not be a disc's.
+    clicked : float
+        Log-odds of a disc that was clicked from which its region need not be a disc's.
     lightness, chroma : float
         ... and the median color of its middle by no more than this, units of CIE Lab.
     chroma_sigma : float
@@ -104,6 +107,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     anywhere_lost: float = 4.0
     growth: float = 1.6
     renewed: float = 4.5
+    clicked: float = 3.0
     lightness: float = 30.0
     chroma: float = 12.0
     chroma_sigma: float = 5.0
@@ -119,6 +123,36 @@ class NetworkOutlines:
 
     def __init__(self, limits: NetworkParameters) -> None:
         self.limits = limits
+        self._known: Colors | None = None
+        self._sample: tuple[Image, Circle3] | None = None
+
+    def forget(self) -> None:
+        """Know no colors of the target."""
+        self._known = self._sample = None
+
+    def know(self, image: Image, circle: Circle3) -> None:
+        """Know the colors of the target from a picture that shows it.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        circle : (x, y, radius)
+            px.
+        """
+        if image.shape[2] == CHANNELS and self.limits.used:
+            self._sample, self._known = (image, circle), colors_of(image, circle)
+
+    def relight(self, gains: Floats) -> None:
+        """Know the colors of the target in another light.
+
+        Parameters
+        ----------
+        gains : ndarray of shape (channels,), float64
+            By which the channels of all pixels were multiplied.
+        """
+        if self._sample is not None:
+            image, circle = self._sample
+            self.know(np.asarray(np.clip(image * gains, 0.0, 255.0), np.uint8), circle)
 
     def discs(self, image: Image, starts: Iterable[Floats], *, searched: bool = False) -> list[Disc]:
         """Discs in the picture to which the network is led from several starts; none of a gray picture.
@@ -140,7 +174,7 @@ class NetworkOutlines:
         height, width = image.shape[:2]
         for start in starts:
             x, y, radius = start[:DISC].tolist()
-            disc = network.follow(image, (x, y, radius), follow)
+            disc = network.follow(image, (x, y, radius), follow, self._known)
             if disc is None or np.abs(disc.circle - start[:DISC]).sum() >= self.limits.moved * radius:
                 continue
             if 0.0 <= disc.circle[0] <= width - 1 and 0.0 <= disc.circle[1] <= height - 1:
@@ -168,6 +202,8 @@ class NetworkOutlines:
     def weighed(self, disc: Disc, circle: Circle3, sigma: float) -> Disc:
         """Mean of a disc and another measurement of its circle, weighed by their inverse covariances.
 
+        The disc alone where they differ too much to be the same ball's.
+
         Parameters
         ----------
         disc : Disc
@@ -181,6 +217,9 @@ class NetworkOutlines:
         Disc
         """
         known, other = disc.precision / self.limits.inflation, np.eye(DISC) / sigma**2
+        apart = np.subtract(circle, disc.circle)
+        if apart @ np.linalg.solve(np.linalg.inv(known) + np.linalg.inv(other), apart) > self.limits.differs:
+            return disc
         x, y, radius = np.linalg.solve(known + other, known @ disc.circle + other @ circle).tolist()
         return Disc((x, y, radius), known + other, disc.log_odds)
 

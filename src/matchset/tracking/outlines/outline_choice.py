@@ -156,9 +156,11 @@ class OutlineChoice:
         there = state.copy()
         there[:DISC] = disc.circle
         limits, region = self._parameters.soft_region, self._region(image, there)
-        if region is None or region.worth(limits) <= limits.sure * limits.worth:
+        share = region.worth(limits) / limits.worth if region else 0.0
+        if region is None or share <= limits.sure:
             return disc
-        return self.network.weighed(disc, (region.x, region.y, region.half_width), limits.sigma * region.half_width)
+        sigma = limits.sigma * region.half_width / share**2
+        return self.network.weighed(disc, (region.x, region.y, region.half_width), sigma)
 
     def _fit_following(
         self, image: Image, color: ColorModel, state: Floats, begin: Floats, speed: float, disc: Disc | None = None

@@ -4,7 +4,7 @@
 
 writes `patches`, float16 of shape (n, 64, 32, 6), as the package's `read_patch` gives them, and `targets`, float32 of
 shape (n, 4): how far the ball's center is along x and y, how much larger its radius is, all in radii of the circle, and
-1 for a ball; where there is none that is 0, and the others do not count. 14,000 scenes are 1.8 GB.
+1 for a ball; where there is none that is 0, and the others do not count. 14,000 scenes are 2.1 GB.
 """
 
 import math
@@ -226,11 +226,12 @@ def write_examples(path: Path, examples: Examples) -> None:
 
 
 def read_examples(paths: list[Path]) -> Examples:
-    """Read the examples of files, one after the other."""
+    """Read the examples of files, one after the other; where those were of fewer numbers, the last ones are 0."""
     patches, targets = [], []
     for path in paths:
         with np.load(path) as file:
-            patches.append(file["patches"])
+            read = file["patches"]
+            patches.append(np.pad(read, ((0, 0), (0, 0), (0, 0), (0, NUMBERS - read.shape[3]))))
             targets.append(file["targets"])
     return Examples(np.concatenate(patches), np.concatenate(targets))
 

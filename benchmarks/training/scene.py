@@ -231,6 +231,7 @@ def render(random: Random, photographs: Photographs, is_ball: bool, limits: Scen
     x, y = (0.5 * side + within(random, (-limits.offset, limits.offset)) * radius for _ in range(2))
     circle = x, y, radius
     drawn = _drawn(random, photographs.crop(random, (side, side)), circle, photographs, (is_ball, limits))
+    # by the same camera, and without a change of what is drawn for the picture itself
     earlier = taken(copy.deepcopy(random), np.clip(drawn.earlier, 0.0, FULL), radius, scale, limits.camera)
     image = taken(random, np.clip(drawn.picture, 0.0, FULL), radius, scale, limits.camera)
     x, y, radius = (x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5, radius / scale

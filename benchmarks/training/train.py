@@ -159,12 +159,17 @@ def export(network: Network, path: Path) -> None:
 def begin_with(network: Network, path: Path) -> None:
     """Give a network the weights of one that was learned before: the state of a `.pt`, or an exported `.npz`.
 
-    One that is wider goes on from there: of what it knows besides, nothing counts at first (Chen et al., Net2Net).
+    One that is wider, or reads more numbers of a place, goes on from there: of what it knows besides, nothing counts at
+    first (Chen et al., Net2Net).
     """
     earlier = _earlier(path)
     with torch.no_grad():
         for name, layer in layers_of(network):
             weight, bias = earlier[f"{name}.weight"], earlier[f"{name}.bias"]
+            if name == "first":
+                by_place = weight.reshape(len(weight), PLACES, -1)
+                more = NUMBERS - by_place.shape[2]
+                weight = functional.pad(by_place, (0, more)).reshape(len(weight), -1, 1)
             halves = 2 if name == "cls" else 1  # means and maxima, one after the other
             for new, known in zip(layer.weight.chunk(halves, 1), weight.chunk(halves, 1), strict=True):
                 outs, ins = known.shape[:2]

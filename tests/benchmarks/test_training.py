@@ -347,6 +347,13 @@ def test_examples_are_read_as_they_were_written(tmp_path: Path, examples: Exampl
     assert np.array_equal(read.targets, np.concatenate([examples.targets] * 2))
 
 
+def test_of_examples_of_fewer_numbers_the_last_ones_are_none(tmp_path: Path, examples: Examples) -> None:
+    write_examples(tmp_path / "five.npz", Examples(examples.patches[..., :5], examples.targets))
+    read = read_examples([tmp_path / "five.npz"])
+    assert np.array_equal(read.patches[..., :5], examples.patches[..., :5])
+    assert not read.patches[..., 5].any()
+
+
 def test_drawings_are_left_out_and_large_photographs_reduced(tmp_path: Path) -> None:
     (tmp_path / "below").mkdir()
     picture = np.random.default_rng(0).integers(0, 256, (300, 1300, 3), dtype=np.uint8)

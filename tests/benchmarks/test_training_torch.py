@@ -50,6 +50,17 @@ def test_weights_of_the_package_can_be_begun_with_and_are_exported_as_they_were(
         assert all(np.array_equal(file[name], exported[name]) for name in file.files)
 
 
+def test_weights_of_fewer_numbers_of_a_place_are_those_of_the_first_ones(tmp_path: Path) -> None:
+    one, other, patches = train.Network(SMALL), train.Network(SMALL), patches_of(4, 3)
+    state = one.state_dict()
+    state["first.weight"] = state["first.weight"].reshape(-1, 32, 6)[..., :5].reshape(len(state["first.weight"]), -1, 1)
+    torch.save(state, tmp_path / "five.pt")
+    train.begin_with(other, tmp_path / "five.pt")
+    patches[..., 5] = 0.0
+    with torch.no_grad():
+        assert torch.allclose(one(patches).step, other(patches).step, atol=1e-5)
+
+
 def test_a_wider_network_goes_on_from_a_narrower_one(tmp_path: Path) -> None:
     narrow, wide = train.Network(SMALL), train.Network(train.NetworkParameters(width=20))
     torch.save(narrow.state_dict(), tmp_path / "narrow.pt")

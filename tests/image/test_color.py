@@ -187,6 +187,7 @@ def test_a_file_without_a_sample_is_loaded(tmp_path: Path) -> None:
         (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, -2.0, 2.0)),
         (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, 2.0, 1.0)),
         (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, 2.0, np.inf)),
+        (np.zeros((9, 9, 3), np.uint8), (4.0, 4.0, 1.2e308, 1.2e308)),
     ],
 )
 def test_a_sample_that_is_none_is_refused(

@@ -100,6 +100,10 @@ def test_colors_are_shares_and_there_are_none_far_outside() -> None:
     assert colors.min() >= 0.0
     assert colors.sum() == pytest.approx(1.0, abs=1e-4)
     assert colors_of(picture(), (-400.0, 110.0, 30.0)) is None
+    assert colors_of(picture(), (-27.0, 110.0, 30.0)) is None
+    border = colors_of(picture(), (-15.0, 110.0, 30.0))
+    assert border is not None
+    assert border.sum() == pytest.approx(1.0, abs=1e-4)
 
 
 def test_places_outside_of_the_picture_are_said_and_a_circle_far_outside_has_no_patch() -> None:

@@ -17,6 +17,8 @@ from matchset.image.color_learning import ColorParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters
 from matchset.image.disc_network.network import Disc, DiscNetwork
 from matchset.image.disc_network.polar_patch import colors_of
+from matchset.tracking.compiled_step import tracking_fitter
+from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.network_outlines import (
     NetworkOutlines,
     NetworkParameters,
@@ -27,6 +29,7 @@ from matchset.tracking.outlines.network_outlines import (
 )
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.disc_detector import DiscDetector, DiscDetectorParameters
 
 Picture = npt.NDArray[np.uint8]
 PRECISION = np.array(((1.0, 0.2, 0.1), (0.2, 0.8, 0.0), (0.1, 0.0, 0.5)))
@@ -193,8 +196,11 @@ def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_
     assert np.array_equal(colors_asked(network, image), colors_in(image, ball))
     gains = np.array((0.8, 1.1, 0.9))
     network.relight(gains)
-    relit = np.asarray(np.clip(image * gains, 0.0, 255.0), np.uint8)
+    relit = np.asarray(np.clip(np.rint(image * gains), 0.0, 255.0), np.uint8)
     assert np.array_equal(colors_asked(network, image), colors_in(relit, ball))
+    network.relight(np.array((1.25, 2.0, 1.5)))  # brighter than can be told
+    network.relight(1.0 / (gains * np.array((1.25, 2.0, 1.5))))
+    assert np.array_equal(colors_asked(network, image), colors_in(image, ball))
     network.forget()
     assert not colors_asked(network, image).size
 
@@ -215,8 +221,50 @@ def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() 
     expected = colors_in(color.sample.image, color.sample.circle)
     assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
     tracker.update(image)
+    tracker._unseen.relight(np.array((0.5, 1.0, 1.5)))
+    assert not np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
     tracker.restart((160.0, 90.0))
     assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
+
+
+def test_a_search_knows_the_colors_that_were_clicked() -> None:
+    image = picture(160.0)
+    color = ms.ColorModel.pick(image, 160, 90)
+    with patch.object(NetworkOutlines, "know", autospec=True) as know:
+        DiscDetector(tracking_fitter(ms.Circle, 64), color, DiscDetectorParameters())
+    assert color.sample is not None
+    assert know.call_args.args[1:] == (color.sample.image, color.sample.circle)
+
+
+@pytest.mark.parametrize(("log_odds", "taken"), [(3.5, True), (2.5, False)])
+def test_a_disc_at_a_click_that_is_sure_is_taken_whatever_its_region(log_odds: float, taken: bool) -> None:
+    image = picture(160.0)
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
+    disc = Disc((160.0, 90.0, 26.0), np.eye(3), log_odds)
+    with (
+        patch.object(NetworkOutlines, "discs", return_value=[disc]),
+        patch.object(OutlineChoice, "is_other_shape", return_value=True),
+    ):
+        assert tracker._unseen.begin(image, tracker.color, Gate(*disc.circle), 0.0) is taken
+
+
+@pytest.mark.parametrize(
+    ("log_odds", "expected", "taken"), [(2.2, True, True), (2.2, False, False), (2.7, False, True)]
+)
+def test_a_lost_ball_where_it_was_last_needs_more_once_it_is_not_expected(
+    log_odds: float, expected: bool, taken: bool
+) -> None:
+    image, last = picture(160.0), Gate(160.0, 90.0, 26.0)
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
+    tracker.update(image)
+    disc = Disc((160.0, 90.0, 26.0), np.eye(3), log_odds)
+    with (
+        patch.object(NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if [*starts] else []),
+        patch("matchset.tracking.without_outline.contrasting_discs", return_value=[]),
+        patch.object(OutlineChoice, "is_other_shape", return_value=False),
+    ):
+        found = tracker._unseen._take_by_network(image, tracker.color, last, last if expected else None, (5.0, 1.0))
+    assert found is taken
 
 
 def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:

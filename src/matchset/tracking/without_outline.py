@@ -90,7 +90,7 @@ class WithoutOutline:
             self._half_width = seen.half_width
 
     def relight(self, gains: Floats) -> None:
-        """Remember the color in another light.
+        """Remember the color, and what the network knows of it, in another light.
 
         Parameters
         ----------

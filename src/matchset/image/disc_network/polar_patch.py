@@ -79,7 +79,7 @@ def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Pa
 
 
 def colors_of(image: Image, circle: Circle3) -> Colors | None:
-    """Shares of the colors inside a circle; None where hardly anything of it is in the picture.
+    """Shares of the colors inside a circle; None where nothing of that is in the picture.
 
     Parameters
     ----------
@@ -98,6 +98,8 @@ def colors_of(image: Image, circle: Circle3) -> Colors | None:
         return None
     colors, seen = read
     part = RADII < INSIDE
+    if not seen[:, part].any():
+        return None
     counts = _counts(_bins(colors)[:, part], (RADII * seen)[:, part])
     return np.asarray(_smoothed(counts[np.newaxis], KNOWN_BLURS)[0])
 
@@ -162,7 +164,7 @@ def _counts(which: npt.NDArray[np.int32], weights: Floats) -> Patch:
 
 
 def _smoothed(counts: Patch, blurs: tuple[Patch, ...] = BLURS) -> Patch:
-    """Shares of colors, shape (n, colors), half of each from its neighbors along L, a and b, as if these were rings."""
+    """Shares of colors, shape (n, colors), blurred by a matrix along each of L, a and b, as if these were rings."""
     along_l, along_a, along_b = blurs
     blurred = along_a @ counts.reshape(-1, *BINS) @ along_b
     blurred = along_l @ blurred.reshape(len(counts), BINS[0], -1)

@@ -105,6 +105,6 @@ def _sample(image: npt.NDArray[Any], circle: npt.NDArray[Any]) -> Sample:
         raise ValueError(f"its sample is no picture but {image.dtype} of shape {image.shape}")
     if not (-inner < x < image.shape[1] + inner and -inner < y < image.shape[0] + inner and 0.0 < inner <= radius):
         raise ValueError(f"its circle {(x, y, inner, radius)} is not in its sample")
-    if not math.isfinite(radius):
+    if not math.isfinite(radius) or inner > 2.0 * max(image.shape):  # geometry: the sample holds its circle's middle
         raise ValueError(f"its circle has a radius of {radius}")
     return Sample(image, (x, y, inner), radius)

@@ -75,12 +75,12 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         logarithm of the frames that it was missed, since it may be in more places, up to the second ...
     growth : float
         ... if its size differs from the last one by no more than this factor, ...
+    lightness, chroma : float
+        ... and the median color of its middle by no more than this, units of CIE Lab.
     renewed : float
         Log-odds of a lost target from which its color is remembered anew, and its region need not be a disc's.
     clicked : float
         Log-odds of a disc that was clicked from which its region need not be a disc's.
-    lightness, chroma : float
-        ... and the median color of its middle by no more than this, units of CIE Lab.
     chroma_sigma : float
         Standard deviation of that in chroma, where a target is looked for in a picture, units of CIE Lab.
     """
@@ -106,10 +106,10 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     far_lost: float = 2.5
     anywhere_lost: float = 4.0
     growth: float = 1.6
-    renewed: float = 4.5
-    clicked: float = 3.0
     lightness: float = 30.0
     chroma: float = 12.0
+    renewed: float = 4.5
+    clicked: float = 3.0
     chroma_sigma: float = 5.0
 
 
@@ -125,6 +125,7 @@ class NetworkOutlines:
         self.limits = limits
         self._known: Colors | None = None
         self._sample: tuple[Image, Circle3] | None = None
+        self._gains = np.ones(CHANNELS)
 
     def forget(self) -> None:
         """Know no colors of the target."""
@@ -140,7 +141,7 @@ class NetworkOutlines:
             px.
         """
         if image.shape[2] == CHANNELS and self.limits.used:
-            self._sample, self._known = (image, circle), colors_of(image, circle)
+            self._sample, self._known, self._gains = (image, circle), colors_of(image, circle), np.ones(CHANNELS)
 
     def relight(self, gains: Floats) -> None:
         """Know the colors of the target in another light.
@@ -148,11 +149,12 @@ class NetworkOutlines:
         Parameters
         ----------
         gains : ndarray of shape (channels,), float64
-            By which the channels of all pixels were multiplied.
+            By which the channels of all pixels were multiplied, since the last time.
         """
         if self._sample is not None:
             image, circle = self._sample
-            self.know(np.asarray(np.clip(image * gains, 0.0, 255.0), np.uint8), circle)
+            self._gains = self._gains * gains  # of the picture as it was: what was clipped once would stay so
+            self._known = colors_of(np.asarray(np.clip(np.rint(image * self._gains), 0.0, 255.0), np.uint8), circle)
 
     def discs(self, image: Image, starts: Iterable[Floats], *, searched: bool = False) -> list[Disc]:
         """Discs in the picture to which the network is led from several starts; none of a gray picture.

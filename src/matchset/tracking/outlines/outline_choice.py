@@ -156,10 +156,10 @@ class OutlineChoice:
         there = state.copy()
         there[:DISC] = disc.circle
         limits, region = self._parameters.soft_region, self._region(image, there)
-        share = region.worth(limits) / limits.worth if region else 0.0
-        if region is None or share <= limits.sure:
+        worth = region.worth(limits) if region else 0.0
+        if region is None or worth <= limits.sure * limits.worth:
             return disc
-        sigma = limits.sigma * region.half_width / share**2
+        sigma = limits.sigma * region.half_width * (limits.worth / worth) ** 2
         return self.network.weighed(disc, (region.x, region.y, region.half_width), sigma)
 
     def _fit_following(

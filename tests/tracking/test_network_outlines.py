@@ -249,7 +249,7 @@ def test_a_disc_at_a_click_that_is_sure_is_taken_whatever_its_region(log_odds: f
 
 
 @pytest.mark.parametrize(
-    ("log_odds", "expected", "taken"), [(2.2, True, True), (2.2, False, False), (2.7, False, True)]
+    ("log_odds", "expected", "taken"), [(2.2, True, True), (3.9, False, False), (4.2, False, True)]
 )
 def test_a_lost_ball_where_it_was_last_needs_more_once_it_is_not_expected(
     log_odds: float, expected: bool, taken: bool

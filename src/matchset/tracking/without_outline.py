@@ -179,12 +179,13 @@ class WithoutOutline:
         begin, search = expected or last, self._parameters.disc_search
         reach = search.reach * missed * self._half_width
         best = self._likeliest(image, [last] if expected is None else [expected, last], begin, reach)
-        if best is None or best[1].log_odds <= (limits.far_lost if expected is None else limits.lost):
+        far = min(limits.far_lost + math.log(missed), limits.anywhere_lost)
+        if best is None or best[1].log_odds <= (far if expected is None else limits.lost):
             around = begin._replace(half_width=self._half_width)
             places = contrasting_discs(image, self._color, around, reach, search)
             places = [each._replace(half_width=search.larger * each.half_width) for each in places]
             best = self._likeliest(image, places, begin, reach)
-            if best is None or best[0] <= min(limits.far_lost + math.log(missed), limits.anywhere_lost):
+            if best is None or best[0] <= far:
                 return False
         disc = best[1]
         if disc.log_odds > limits.renewed:

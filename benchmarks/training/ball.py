@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.training.layers import (
+    FULL,
     Counts,
     Floats,
     Offsets,
@@ -25,8 +26,6 @@ from benchmarks.training.layers import (
     within,
 )
 from matchset.image.disc_network.polar_patch import Circle3
-
-FULL = 255.0  # brightest, of 8 bits
 
 
 class BallColorParameters(msgspec.Struct, frozen=True):

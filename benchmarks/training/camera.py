@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 
 from benchmarks.training.layers import (
+    FULL,
     Counts,
     Random,
     Range,
@@ -27,7 +28,6 @@ from benchmarks.training.layers import (
 from matchset.app.films.codecs import EVEN
 from matchset.image.disc_network.polar_patch import Circle3, Image
 
-FULL = 255.0  # brightest, of 8 bits
 FRAMES_PER_SECOND = 30
 
 

@@ -17,14 +17,13 @@ import numpy as np
 import numpy.typing as npt
 import typer
 
-from benchmarks.training.layers import Floats, Random, Range, Singles, any_angle, away, happens, which, within
+from benchmarks.training.layers import FULL, Floats, Random, Range, Singles, any_angle, away, happens, which, within
 from benchmarks.training.photographs import Photographs
 from benchmarks.training.scene import Scene, SceneParameters, render
 from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RAYS, Circle3, Colors, colors_of, read_patch
 
 Halves = npt.NDArray[np.float16]
 
-FULL = 255.0  # brightest, of 8 bits
 TARGETS = 4  # x, y, radius, and whether there is a ball
 
 

@@ -21,6 +21,7 @@ Range = tuple[float, float]
 Counts = tuple[int, int]
 Size = tuple[int, int]
 
+FULL = 255.0  # brightest, of 8 bits
 SHIFT = 4  # bits of a pixel's fraction in the coordinates that OpenCV draws at
 FINE = 1 << SHIFT
 HALF = 0.5  # of a mask: more counts as inside

@@ -6,10 +6,9 @@ Light of one direction and of the surroundings, shade below, a dark rim, a highl
 import msgspec
 import numpy as np
 
-from benchmarks.training.layers import Floats, Offsets, Random, Range, Singles, happens, unit, within
+from benchmarks.training.layers import FULL, Floats, Offsets, Random, Range, Singles, happens, unit, within
 
 TOWARD_CAMERA = np.array((0.0, 0.0, 1.0))
-FULL = 255.0  # brightest, of 8 bits
 
 
 class LightParameters(msgspec.Struct, frozen=True):

@@ -17,6 +17,7 @@ from benchmarks.training.covers import CoverParameters, with_covers
 from benchmarks.training.hands import HandParameters, any_hand, with_fingers, with_grip, with_palm
 from benchmarks.training.layers import (
     FINE,
+    FULL,
     SHIFT,
     BlobParameters,
     Counts,
@@ -42,7 +43,6 @@ from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
 from benchmarks.training.photographs import Photographs
 from matchset.image.disc_network.polar_patch import Circle3, Image
 
-FULL = 255.0  # brightest, of 8 bits
 STILL = 0.0, 0.0
 
 

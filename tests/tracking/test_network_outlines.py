@@ -13,6 +13,7 @@ from scipy.stats import multivariate_t
 import matchset as ms
 from matchset.fitting.soft_region import SoftRegion
 from matchset.fitting.validation import ValidationParameters
+from matchset.image.circle_score import Sample
 from matchset.image.color_learning import ColorParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters
 from matchset.image.disc_network.network import Disc, DiscNetwork
@@ -192,7 +193,7 @@ def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_
     assert not colors_asked(network, image).size
     network.relight(np.ones(3))  # of nothing
     assert not colors_asked(network, image).size
-    network.know(image, ball)
+    network.know(Sample(image, ball, ball[2]))
     assert np.array_equal(colors_asked(network, image), colors_in(image, ball))
     gains = np.array((0.8, 1.1, 0.9))
     network.relight(gains)
@@ -201,14 +202,14 @@ def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_
     network.relight(np.array((1.25, 2.0, 1.5)))  # brighter than can be told
     network.relight(1.0 / (gains * np.array((1.25, 2.0, 1.5))))
     assert np.array_equal(colors_asked(network, image), colors_in(image, ball))
-    network.forget()
+    network.know(None)
     assert not colors_asked(network, image).size
 
 
 def test_no_colors_are_known_from_a_gray_picture_nor_by_a_network_that_is_not_used() -> None:
     image = picture(160.0)
     for network in (NetworkOutlines(NetworkParameters()), NetworkOutlines(NetworkParameters(used=False))):
-        network.know(image[..., :1] if network.limits.used else image, (160.0, 90.0, 26.0))
+        network.know(Sample(image[..., :1] if network.limits.used else image, (160.0, 90.0, 26.0), 26.0))
         network.limits = NetworkParameters()
         assert not colors_asked(network, image).size
 
@@ -233,7 +234,7 @@ def test_a_search_knows_the_colors_that_were_clicked() -> None:
     with patch.object(NetworkOutlines, "know", autospec=True) as know:
         DiscDetector(tracking_fitter(ms.Circle, 64), color, DiscDetectorParameters())
     assert color.sample is not None
-    assert know.call_args.args[1:] == (color.sample.image, color.sample.circle)
+    assert know.call_args.args[1] is color.sample
 
 
 @pytest.mark.parametrize(("log_odds", "taken"), [(3.5, True), (2.5, False)])

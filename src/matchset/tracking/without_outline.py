@@ -61,10 +61,7 @@ class WithoutOutline:
         ----------
         color : ColorModel
         """
-        network = self._step.outlines.network
-        network.forget()
-        if color.sample is not None:
-            network.know(color.sample.image, color.sample.circle)
+        self._step.outlines.network.know(color.sample)
         self._discs.forget()
         self._template.forget()
         self.seen, self._color, self._half_width = False, None, 0.0

@@ -103,8 +103,9 @@ def _sample(image: npt.NDArray[Any], circle: npt.NDArray[Any]) -> Sample:
     x, y, inner, radius = np.asarray(circle, np.float64).tolist()
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] not in (1, 3) or not image.size:  # theorem: h, w, 3
         raise ValueError(f"its sample is no picture but {image.dtype} of shape {image.shape}")
-    if not (-inner < x < image.shape[1] + inner and -inner < y < image.shape[0] + inner and 0.0 < inner <= radius):
+    largest = min(2.0 * max(image.shape), radius)  # geometry: the sample holds the middle of its circle
+    if not (-inner < x < image.shape[1] + inner and -inner < y < image.shape[0] + inner and 0.0 < inner <= largest):
         raise ValueError(f"its circle {(x, y, inner, radius)} is not in its sample")
-    if not math.isfinite(radius) or inner > 2.0 * max(image.shape):  # geometry: the sample holds its circle's middle
+    if not math.isfinite(radius):
         raise ValueError(f"its circle has a radius of {radius}")
     return Sample(image, (x, y, inner), radius)

@@ -16,6 +16,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.circle_score import Sample
 from matchset.image.click_region import disc_mask
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.mean_disc import mean_disc
@@ -124,25 +125,18 @@ class NetworkOutlines:
 
     def __init__(self, limits: NetworkParameters) -> None:
         self.limits = limits
-        self._known: Colors | None = None
-        self._sample: tuple[Image, Circle3] | None = None
-        self._gains = np.ones(CHANNELS)
+        self.know(None)
 
-    def forget(self) -> None:
-        """Know no colors of the target."""
-        self._known = self._sample = None
-
-    def know(self, image: Image, circle: Circle3) -> None:
-        """Know the colors of the target from a picture that shows it.
+    def know(self, sample: Sample | None) -> None:
+        """Know the colors of the target from a picture that shows it, or none of them.
 
         Parameters
         ----------
-        image : ndarray of shape (h, w, channels), uint8
-        circle : (x, y, radius)
-            px.
+        sample : Sample or None
         """
-        if image.shape[2] == CHANNELS and self.limits.used:
-            self._sample, self._known, self._gains = (image, circle), colors_of(image, circle), np.ones(CHANNELS)
+        tells = sample is not None and sample.image.shape[2] == CHANNELS and self.limits.used
+        self._sample, self._gains = sample if tells else None, np.ones(CHANNELS)
+        self._known: Colors | None = None
 
     def relight(self, gains: Floats) -> None:
         """Know the colors of the target in another light.
@@ -153,9 +147,15 @@ class NetworkOutlines:
             By which the channels of all pixels were multiplied, since the last time.
         """
         if self._sample is not None:
-            image, circle = self._sample
             self._gains = self._gains * gains  # of the picture as it was: what was clipped once would stay so
-            self._known = colors_of(np.asarray(np.clip(np.rint(image * self._gains), 0.0, 255.0), np.uint8), circle)
+            self._known = None
+
+    def _colors(self) -> Colors | None:
+        """Colors of the target in the light of now, worked out when they are asked for first."""
+        if self._known is None and self._sample is not None:
+            relit = np.clip(np.rint(self._sample.image * self._gains), 0.0, 255.0)
+            self._known = colors_of(np.asarray(relit, np.uint8), self._sample.circle)
+        return self._known
 
     def discs(self, image: Image, starts: Iterable[Floats], *, searched: bool = False) -> list[Disc]:
         """Discs in the picture to which the network is led from several starts; none of a gray picture.
@@ -172,12 +172,12 @@ class NetworkOutlines:
         """
         if image.shape[2] != CHANNELS or not self.limits.used:
             return []
-        found, network = [], DiscNetwork.packaged()
+        found, network, known = [], DiscNetwork.packaged(), self._colors()
         follow = self.limits.search if searched else self.limits.follow
         height, width = image.shape[:2]
         for start in starts:
             x, y, radius = start[:DISC].tolist()
-            disc = network.follow(image, (x, y, radius), follow, self._known)
+            disc = network.follow(image, (x, y, radius), follow, known)
             if disc is None or np.abs(disc.circle - start[:DISC]).sum() >= self.limits.moved * radius:
                 continue
             if 0.0 <= disc.circle[0] <= width - 1 and 0.0 <= disc.circle[1] <= height - 1:
@@ -220,8 +220,8 @@ class NetworkOutlines:
         Disc
         """
         known, other = disc.precision / self.limits.inflation, np.eye(DISC) / sigma**2
-        apart = np.subtract(circle, disc.circle)
-        if apart @ np.linalg.solve(np.linalg.inv(known) + np.linalg.inv(other), apart) > self.limits.differs:
+        both = np.asarray(np.linalg.inv(np.linalg.inv(known) + sigma**2 * np.eye(DISC)), np.float64)
+        if squared_distances(disc._replace(precision=both), np.array(circle)) > self.limits.differs:
             return disc
         x, y, radius = np.linalg.solve(known + other, known @ disc.circle + other @ circle).tolist()
         return Disc((x, y, radius), known + other, disc.log_odds)

@@ -98,8 +98,7 @@ class DiscDetector:
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius
         self._color = None if sample is None else self._network.median_color(sample.image, sample.circle)
-        if sample is not None:
-            self._network.know(sample.image, sample.circle)
+        self._network.know(sample)
 
     def find(self, image: Image) -> Floats | None:
         """Find the ball, and leave the workspace as its fit made it, or with the network's disc.

@@ -203,6 +203,19 @@ def test_noise_holds_no_ball(seed: int, deviation: float) -> None:
     assert ball_at(np.asarray(np.clip(noise, 0, 255), np.uint8), 160.0, 120.0, None, BallAtClickParameters()) is None
 
 
-def test_of_a_gray_picture_and_without_the_network_nothing_is_said() -> None:
-    assert ball_at(picture()[..., 1], 150.0, 110.0, None, BallAtClickParameters()) is None
+def test_a_gray_picture_is_read_as_one_without_color() -> None:
+    gray = picture()[..., 2]
+    known = colors_of(gray, BALL)
+    patch = read_patch(gray, (152.0, 108.0, 27.0), known)
+    assert patch is not None
+    for image in (gray[..., np.newaxis], np.repeat(gray[..., np.newaxis], 3, axis=2)):
+        same = read_patch(image, (152.0, 108.0, 27.0), colors_of(image, BALL))
+        assert same is not None
+        assert np.array_equal(same, patch)
+    found = ball_at(gray, 135.0, 110.0, None, BallAtClickParameters())
+    assert found is not None
+    assert error(found) < 3.0
+
+
+def test_without_the_network_nothing_is_said() -> None:
     assert ball_at(picture(), 150.0, 110.0, None, BallAtClickParameters(used=False)) is None

@@ -160,14 +160,18 @@ def test_the_color_of_a_disc_is_compared() -> None:
     assert outlines.alike(image, disc, wall) is None
     assert outlines.alike(image, disc._replace(circle=(900.0, 90.0, 26.0)), ball) is None
     assert outlines.median_color(image, (900.0, 90.0, 26.0)) is None
-    assert outlines.median_color(image[:, :, :1], (100.0, 90.0, 26.0)) is None
+    gray = outlines.median_color(image[:, :, :1], (100.0, 90.0, 26.0))
+    assert gray is not None
+    assert np.abs(gray[1:]).max() < 0.1
+    assert NetworkOutlines(NetworkParameters(used=False)).median_color(image, (100.0, 90.0, 26.0)) is None
 
 
 def test_discs_are_in_the_picture_and_near_to_where_they_began() -> None:
     image, outlines = picture(100.0), NetworkOutlines(NetworkParameters())
     (disc,) = outlines.discs(image, [np.array((104.0, 88.0, 24.0))])
     assert np.abs(np.subtract(disc.circle, (100.0, 90.0, 26.0))).sum() < 3.0
-    assert outlines.discs(image[:, :, :1], [np.array((104.0, 88.0, 24.0))]) == []
+    (gray,) = outlines.discs(np.ascontiguousarray(image[:, :, 2:]), [np.array((104.0, 88.0, 24.0))])
+    assert np.abs(np.subtract(gray.circle, (100.0, 90.0, 26.0))).sum() < 3.0
     assert NetworkOutlines(NetworkParameters(used=False)).discs(image, [np.array((104.0, 88.0, 24.0))]) == []
     cut = np.ascontiguousarray(image[:, 112:])
     assert outlines.discs(cut, [np.array((-12.0, 90.0, 26.0))]) == []
@@ -206,12 +210,20 @@ def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_
     assert not colors_asked(network, image).size
 
 
-def test_no_colors_are_known_from_a_gray_picture_nor_by_a_network_that_is_not_used() -> None:
-    image = picture(160.0)
-    for network in (NetworkOutlines(NetworkParameters()), NetworkOutlines(NetworkParameters(used=False))):
-        network.know(Sample(image[..., :1] if network.limits.used else image, (160.0, 90.0, 26.0), 26.0))
-        network.limits = NetworkParameters()
-        assert not colors_asked(network, image).size
+def test_of_a_gray_picture_the_levels_are_known() -> None:
+    network, gray, ball = NetworkOutlines(NetworkParameters()), picture(160.0)[..., :1], (160.0, 90.0, 26.0)
+    network.know(Sample(gray, ball, ball[2]))
+    assert np.array_equal(colors_asked(network, gray), colors_in(gray, ball))
+    network.relight(np.array((0.8,)))
+    relit = np.asarray(np.rint(gray * 0.8), np.uint8)
+    assert np.array_equal(colors_asked(network, gray), colors_in(relit, ball))
+
+
+def test_a_network_that_is_not_used_knows_no_colors() -> None:
+    network, image = NetworkOutlines(NetworkParameters(used=False)), picture(160.0)
+    network.know(Sample(image, (160.0, 90.0, 26.0), 26.0))
+    network.limits = NetworkParameters()
+    assert not colors_asked(network, image).size
 
 
 def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() -> None:

@@ -42,6 +42,8 @@ class Copy(msgspec.Struct, frozen=True):
         Logarithm of the factor of the brightness then, drawn anew each time.
     tint : float
         Standard deviation of the logarithm of the gain of a channel.
+    saturation : float
+        What is left of the color, as a share.
     """
 
     clip: str
@@ -52,12 +54,14 @@ class Copy(msgspec.Struct, frozen=True):
     frames: int = 7
     exposure: tuple[float, float] = (-0.5, 0.4)
     tint: float = 0.1
+    saturation: float = 1.0
 
     @property
     def name(self) -> str:
         """Name of the clip, width, quality, and what else was done."""
         every = f", 1 of {self.every}" if self.every > 1 else ""
-        return f"{self.clip}, {self.width} px, crf {self.crf:g}{every}{', light jumps' if self.jumps else ''}"
+        color = f", {100.0 * self.saturation:.0f} % of the color" if self.saturation < 1.0 else ""
+        return f"{self.clip}, {self.width} px, crf {self.crf:g}{every}{', light jumps' if self.jumps else ''}{color}"
 
 
 def write_copy(copy: Copy, clip: Clip, folder: Path) -> Clip:
@@ -96,7 +100,15 @@ def _pictures(copy: Copy, clip: Clip, size: tuple[int, int], labelled: set[int])
                 gains = np.exp(random.uniform(*copy.exposure) + random.normal(0.0, copy.tint, 3))
             small = cv2.resize(frame.image, size, interpolation=cv2.INTER_AREA)
             count += 1
-            yield frame.index, np.clip(small * gains, 0.0, 255.0).astype(np.uint8)
+            yield frame.index, _pale(np.clip(small * gains, 0.0, 255.0).astype(np.uint8), copy.saturation)
+
+
+def _pale(image: Image, saturation: float) -> Image:
+    """Leave a share of the color of a picture."""
+    if saturation == 1.0:
+        return image
+    gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)[..., np.newaxis].astype(np.float32)
+    return np.asarray(np.clip(np.rint(gray + saturation * (image - gray)), 0.0, 255.0), np.uint8)
 
 
 class _Writer:

@@ -42,6 +42,21 @@ LIT = (
 )
 """In light that jumps."""
 
+PALE = (
+    Copy("green_ball_hand", 640, 20, saturation=0.3),
+    Copy("green_bounce", 960, 20, saturation=0.3),
+    Copy("green_hand_a", 960, 20, saturation=0.3),
+    Copy("green_hand_b", 960, 20, saturation=0.3),
+    Copy("green_throw", 848, 20, saturation=0.3),
+    Copy("tennis_throw", 960, 20, saturation=0.3),
+    Copy("green_hand_a", 960, 20, saturation=0.0),
+    Copy("green_throw", 848, 20, saturation=0.0),
+    Copy("green_thrown", 960, 20, saturation=0.0),
+    Copy("red_pendulum", 360, 20, saturation=0.0),
+    Copy("yellow_occlusion", 960, 20, saturation=0.0),
+)
+"""With little color, or none."""
+
 
 class Task(msgspec.Struct, frozen=True):
     """A clip, the copy to be made of it, the folder for that, and whether a few starts will do."""
@@ -65,13 +80,13 @@ def run(options: Options) -> Section:
     clips, skipped = find_clips(options.data)
     known = {clip.name: clip for clip in clips}
     notes = "".join(f"- {each}\n" for each in skipped)
-    copies = [copy for copy in (*CODED, *LIT) if copy.clip in known]
+    copies = [copy for copy in (*CODED, *LIT, *PALE) if copy.clip in known]
     if not copies:
         return Section(TITLE, [Finding(name="real_copies", what="; ".join(skipped), figures=())], notes)
     with tempfile.TemporaryDirectory() as name:
         tasks = [Task(known[copy.clip], copy, Path(name), options.quick) for copy in copies]
         followed = dict(zip([copy.name for copy in copies], spread(measure, tasks, options.jobs), strict=True))
-    groups = {"coded": CODED, "lit": LIT}
+    groups = {"coded": CODED, "lit": LIT, "pale": PALE}
     found = {
         group: [followed[copy.name] for copy in members if copy.name in followed] for group, members in groups.items()
     }
@@ -113,8 +128,8 @@ def text_of(members: Sequence[Followed]) -> str:
     return (
         "The real clips as worse cameras would have taken them: smaller, through libx264 at the quality that is named, "
         "with one picture of several (and all that are labelled), and with exposure and white balance that change "
-        "every seven pictures (the logarithm of the brightness between -0.5 and 0.4, the channels by 10 %). Three "
-        "clicks in three frames each; a row is valid within 5 px.\n\n"
+        "every seven pictures (the logarithm of the brightness between -0.5 and 0.4, the channels by 10 %), or with "
+        "30 % of the color or none. Three clicks in three frames each; a row is valid within 5 px.\n\n"
         f"{scores.starts_table(clips, runs)}\n"
         f"{detection_table(clips, {each.clip.name: each.detected for each in members})}\n"
     )

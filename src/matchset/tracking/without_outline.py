@@ -173,27 +173,42 @@ class WithoutOutline:
         (missed, time), limits = when, self._parameters.network
         if self._color is None or not limits.used:
             return False
-        begin, search = expected or last, self._parameters.disc_search
-        reach = search.reach * missed * self._half_width
+        begin, reach = expected or last, self._parameters.disc_search.reach * missed * self._half_width
         best = self._likeliest(image, [last] if expected is None else [expected, last], begin, reach)
         far = min(limits.far_lost + math.log(missed), limits.anywhere_lost)
         if best is None or best[1].log_odds <= (far if expected is None else limits.lost):
-            around = begin._replace(half_width=self._half_width)
-            places = contrasting_discs(image, self._color, around, reach, search)
-            places = [each._replace(half_width=search.larger * each.half_width) for each in places]
-            best = self._likeliest(image, places, begin, reach)
-            if best is None or best[0] <= far:
-                return False
+            best = self._far_off(image, begin, reach, far)
+        if best is None:
+            return False
         disc = best[1]
         if disc.log_odds > limits.renewed:
             self._color = self._step.outlines.network.median_color(image, disc.circle)
             self._half_width = disc.circle[2]
         return self._take_disc(image, color, disc, (time, expected is None), limits.renewed)
 
-    def _likeliest(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> tuple[float, Disc] | None:
-        """Likeliest disc that the network sees about some places, within reach, with the target's size and color.
+    def _far_off(self, image: Image, begin: Gate, reach: float, far: float) -> tuple[float, Disc] | None:
+        """Likeliest disc where the target may have gone, if its log-odds are enough: more are asked beyond reach."""
+        search, color = self._parameters.disc_search, self._color
+        assert color is not None
+        window = search.beyond * reach
+        places = contrasting_discs(image, color, begin._replace(half_width=self._half_width), window, search)
+        places = [each._replace(half_width=search.larger * each.half_width) for each in places]
+        beyond = self._parameters.network.anywhere_lost
+        likely = [
+            (odds, disc)
+            for odds, disc in self._likely(image, places, begin, window)
+            if odds > (far if begin.distance(Gate(*disc.circle)) < reach else beyond)
+        ]
+        return max(likely, key=lambda each: each[0], default=None)
 
-        Before it, the log-odds that it is the target.
+    def _likeliest(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> tuple[float, Disc] | None:
+        """Likeliest of `_likely`."""
+        return max(self._likely(image, places, begin, reach), key=lambda each: each[0], default=None)
+
+    def _likely(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> list[tuple[float, Disc]]:
+        """Discs that the network sees about some places, within reach, with the target's size and color.
+
+        Before each, the log-odds that it is the target.
         """
         network, color, likely = self._step.outlines.network, self._color, list[tuple[float, Disc]]()
         assert color is not None
@@ -202,7 +217,7 @@ class WithoutOutline:
             growth = max(there.half_width, self._half_width) / min(there.half_width, self._half_width)
             if odds is not None and growth < self._parameters.network.growth and begin.distance(there) < reach:
                 likely.append((odds, disc))
-        return max(likely, key=lambda each: each[0], default=None)
+        return likely
 
     def begin(self, image: Image, color: ColorModel, clicked: Gate, time: float) -> bool:
         """Begin with a disc that the network sees at the click, or one that looks as what was clicked; whether one is.

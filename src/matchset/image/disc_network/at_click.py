@@ -10,8 +10,6 @@ from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
 from matchset.image.disc_network.polar_patch import Circle3, Image
 
-CHANNELS = 3  # format: of a picture with color
-
 
 class BallAtClickParameters(msgspec.Struct, frozen=True):
     """How the ball is found that somebody clicked at.
@@ -78,9 +76,9 @@ def ball_at(
     Returns
     -------
     (x, y, radius) or None
-        px; None where none is likely, and of a gray picture.
+        px; None where none is likely.
     """
-    if not limits.used or image.shape[2:] != (CHANNELS,):
+    if not limits.used:
         return None
     first = _led(image, (x, y), known[1], limits) if known else None
     found = [

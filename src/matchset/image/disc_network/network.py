@@ -140,7 +140,8 @@ class DiscNetwork:
 
         Parameters
         ----------
-        image : ndarray of shape (h, w, 3), uint8
+        image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+            BGR or gray.
         start : (x, y, radius)
             px.
         limits : FollowParameters

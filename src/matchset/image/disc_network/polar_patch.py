@@ -13,6 +13,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.disc_network.lab import lab_of
+
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 Patch = npt.NDArray[np.float32]
@@ -55,8 +57,8 @@ def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Pa
 
     Parameters
     ----------
-    image : ndarray of shape (h, w, 3), uint8
-        BGR.
+    image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+        BGR or gray.
     circle : (x, y, radius)
         px.
     known : Colors, optional
@@ -83,8 +85,8 @@ def colors_of(image: Image, circle: Circle3) -> Colors | None:
 
     Parameters
     ----------
-    image : ndarray of shape (h, w, 3), uint8
-        BGR.
+    image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
+        BGR or gray.
     circle : (x, y, radius)
         px.
 
@@ -113,14 +115,13 @@ def _read(image: Image, circle: Circle3) -> tuple[Patch, npt.NDArray[np.bool_]] 
     if right - left < LEAST_SIDE or bottom - top < LEAST_SIDE:
         return None
     cut, scales = _reduced(image[top:bottom, left:right], min(SIZE / radius, 1.0))
-    lab = cv2.cvtColor(cut.astype(np.float32) / np.float32(255.0), cv2.COLOR_BGR2Lab)
     columns, rows = (center + radius * RADII * DIRECTIONS[:, k, np.newaxis] for k, center in enumerate((x, y)))
     seen = (columns >= 0.0) & (columns <= width - 1.0) & (rows >= 0.0) & (rows <= height - 1.0)
     across, down = (
         ((at - start + 0.5) * scale - 0.5).astype(np.float32)
         for at, start, scale in ((columns, left, scales[0]), (rows, top, scales[1]))
     )
-    read = cv2.remap(lab, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    read = cv2.remap(lab_of(cut), across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(read, np.float32), seen
 
 

@@ -11,7 +11,6 @@ more often than a normal distribution allows:
 import math
 from collections.abc import Iterable, Sequence
 
-import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +18,7 @@ import numpy.typing as npt
 from matchset.image.circle_score import Sample
 from matchset.image.click_region import disc_mask
 from matchset.image.color import ColorModel
+from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
 from matchset.image.disc_network.polar_patch import Circle3, Colors, colors_of
@@ -27,7 +27,6 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
 
-CHANNELS = 3  # format: of a picture with color
 DISC = 3  # format: parameters of a disc
 
 
@@ -134,8 +133,7 @@ class NetworkOutlines:
         ----------
         sample : Sample or None
         """
-        tells = sample is not None and sample.image.shape[2] == CHANNELS and self.limits.used
-        self._sample, self._gains = sample if tells else None, np.ones(CHANNELS)
+        self._sample, self._gains = sample if self.limits.used else None, np.ones(1)
         self._known: Colors | None = None
 
     def relight(self, gains: Floats) -> None:
@@ -158,7 +156,7 @@ class NetworkOutlines:
         return self._known
 
     def discs(self, image: Image, starts: Iterable[Floats], *, searched: bool = False) -> list[Disc]:
-        """Discs in the picture to which the network is led from several starts; none of a gray picture.
+        """Discs in the picture to which the network is led from several starts.
 
         Of a disc whose center is outside, too little is seen.
 
@@ -170,7 +168,7 @@ class NetworkOutlines:
         searched : bool
             Whether they are places where a ball is looked for.
         """
-        if image.shape[2] != CHANNELS or not self.limits.used:
+        if not self.limits.used:
             return []
         found, network, known = [], DiscNetwork.packaged(), self._colors()
         follow = self.limits.search if searched else self.limits.follow
@@ -234,14 +232,13 @@ class NetworkOutlines:
         return bool((color.scores(part).reshape(inside.shape)[inside] > 0).mean() > self.limits.color_share)
 
     def median_color(self, image: Image, circle: Circle3) -> Floats | None:
-        """Median color of the middle of a disc, CIE Lab; None of a gray picture, outside of the picture and unused."""
-        if image.shape[2] != CHANNELS or not self.limits.used:
+        """Median color of the middle of a disc, CIE Lab; None outside of the picture and unused."""
+        if not self.limits.used:
             return None
         part, inside = middle_of(image, circle, self.limits.middle)
         if not inside.any():
             return None
-        lab = cv2.cvtColor(part.astype(np.float32) / np.float32(255.0), cv2.COLOR_BGR2Lab)
-        return np.asarray(np.median(lab[inside], axis=0), np.float64)
+        return np.asarray(np.median(lab_of(part)[inside], axis=0), np.float64)
 
     def alike(self, image: Image, disc: Disc, color: Floats) -> float | None:
         """Log-odds that a disc is a ball with a median color; None where it has another one.

@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.disc_network.lab import lab_of
 from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
@@ -28,6 +29,10 @@ class DiscSearchParameters(msgspec.Struct, frozen=True):
     ----------
     reach : float
         Half the side of the window around where the target should be, half-widths for each frame that it was missed.
+    beyond : float
+        How many times as large the window is that is searched: in videos of few frames a second a target goes farther
+        than was expected. More log-odds are asked there (`NetworkParameters.anywhere_lost`), and with 4 times the
+        clearest places are other things' (docs/log.md).
     radius_px : float
         Radius to which the picture is reduced, px: more is finer and takes longer.
     rim : float
@@ -49,6 +54,7 @@ class DiscSearchParameters(msgspec.Struct, frozen=True):
     """
 
     reach: float = 3.0
+    beyond: float = 2.0
     radius_px: float = 4.0
     rim: float = 0.8
     ring: tuple[float, float] = (1.3, 1.8)
@@ -68,7 +74,7 @@ def contrasting_discs(
 
     Parameters
     ----------
-    image : ndarray of shape (h, w, 3), uint8
+    image : ndarray of shape (h, w, channels), uint8
     color : ndarray of shape (3,), float64
         Color of the target's middle, CIE Lab.
     place : Gate
@@ -84,8 +90,7 @@ def contrasting_discs(
     if min(columns, rows) < 1:
         return []
     small = cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA) if scale < 1.0 else part
-    lab = cv2.cvtColor(small.astype(np.float32) / np.float32(255.0), cv2.COLOR_BGR2Lab)
-    merit = _merits(np.asarray(lab, np.float32), color, scale * place.half_width, limits)
+    merit = _merits(lab_of(np.asarray(small, np.uint8)), color, scale * place.half_width, limits)
     side = 2 * math.ceil(limits.apart * scale * place.half_width) + 1
     peaks = (merit == cv2.dilate(merit, np.ones((side, side), np.uint8))) & (merit > limits.least)
     where = np.argwhere(peaks)

@@ -280,6 +280,33 @@ def test_a_lost_ball_where_it_was_last_needs_more_once_it_is_not_expected(
     assert found is taken
 
 
+@pytest.mark.parametrize(
+    ("moved", "log_odds", "taken"),
+    [(70.0, 3.0, True), (70.0, 2.0, False), (100.0, 3.9, False), (100.0, 4.1, True), (170.0, 9.0, False)],
+)
+def test_beyond_its_reach_more_is_asked_of_a_lost_ball(moved: float, log_odds: float, taken: bool) -> None:
+    image, last = picture(60.0), Gate(60.0, 90.0, 26.0)  # reach is 78 px after a frame, and twice that is searched
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 60, 90), start=(60.0, 90.0))
+    tracker.update(image)
+    disc = Disc((60.0 + moved, 90.0, 26.0), np.eye(3), log_odds)
+    with (
+        patch.object(NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if len([*starts]) == 1 else []),
+        patch.object(NetworkOutlines, "alike", return_value=log_odds),
+        patch("matchset.tracking.without_outline.contrasting_discs", return_value=[Gate(*disc.circle)]),
+        patch.object(OutlineChoice, "is_other_shape", return_value=False),
+    ):
+        assert tracker._unseen._take_by_network(image, tracker.color, last, last, (1.0, 1.0)) is taken
+
+
+def test_a_shaded_ball_as_bright_as_the_wall_is_followed_in_gray_pictures() -> None:
+    shown = [np.ascontiguousarray(picture(60.0 + 3.0 * k, 0.0 if k < 5 else 12.0, k)[..., 1]) for k in range(25)]
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(shown[0], 60.0, 90.0), start=(60.0, 90.0), fps=30.0)
+    for k, answer in enumerate(map(tracker.update, shown)):
+        assert isinstance(answer, ms.Track)
+        found = answer.shape.x, answer.shape.y, answer.shape.radius
+        assert np.abs(np.subtract(found, (60.0 + 3.0 * k, 90.0, 26.0))).sum() < 5.0
+
+
 def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:
     shown = [(60.0 + 3.0 * k, 0.0 if k < 5 else 12.0) for k in range(25)]
     errors = {}

@@ -290,7 +290,9 @@ def test_beyond_its_reach_more_is_asked_of_a_lost_ball(moved: float, log_odds: f
     tracker.update(image)
     disc = Disc((60.0 + moved, 90.0, 26.0), np.eye(3), log_odds)
     with (
-        patch.object(NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if len([*starts]) == 1 else []),
+        patch.object(
+            NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if next(iter(starts))[2] > 30.0 else []
+        ),
         patch.object(NetworkOutlines, "alike", return_value=log_odds),
         patch("matchset.tracking.without_outline.contrasting_discs", return_value=[Gate(*disc.circle)]),
         patch.object(OutlineChoice, "is_other_shape", return_value=False),

@@ -190,9 +190,12 @@ class WithoutOutline:
         """Likeliest disc where the target may have gone, if its log-odds are enough: more are asked beyond reach."""
         search, color = self._parameters.disc_search, self._color
         assert color is not None
-        window = search.beyond * reach
-        places = contrasting_discs(image, color, begin._replace(half_width=self._half_width), window, search)
-        places = [each._replace(half_width=search.larger * each.half_width) for each in places]
+        around, window = begin._replace(half_width=self._half_width), search.beyond * reach
+        places = [
+            each._replace(half_width=search.larger * each.half_width)
+            for side in (reach, window)  # what stands out far off does not take the place of what is near
+            for each in contrasting_discs(image, color, around, side, search)
+        ]
         beyond = self._parameters.network.anywhere_lost
         likely = [
             (odds, disc)

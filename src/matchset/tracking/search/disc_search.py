@@ -30,9 +30,9 @@ class DiscSearchParameters(msgspec.Struct, frozen=True):
     reach : float
         Half the side of the window around where the target should be, half-widths for each frame that it was missed.
     beyond : float
-        How many times as large the window is that is searched: in videos of few frames a second a target goes farther
-        than was expected. More log-odds are asked there (`NetworkParameters.anywhere_lost`), and with 4 times the
-        clearest places are other things' (docs/log.md).
+        How many times as large a second window is: in videos of few pictures a second a target goes farther than was
+        expected. More log-odds are asked there (`NetworkParameters.anywhere_lost`). More finds targets that went
+        farther, and takes other things for them.
     radius_px : float
         Radius to which the picture is reduced, px: more is finer and takes longer.
     rim : float

@@ -15,6 +15,7 @@ import matchset as ms
 from benchmarks.real.clips import Clip
 from matchset.app.films.codecs import EVEN
 from matchset.app.track.score import TruthRow
+from matchset.sim.digital_camera.processing import saturate
 
 Image = npt.NDArray[np.uint8]
 
@@ -100,15 +101,8 @@ def _pictures(copy: Copy, clip: Clip, size: tuple[int, int], labelled: set[int])
                 gains = np.exp(random.uniform(*copy.exposure) + random.normal(0.0, copy.tint, 3))
             small = cv2.resize(frame.image, size, interpolation=cv2.INTER_AREA)
             count += 1
-            yield frame.index, _pale(np.clip(small * gains, 0.0, 255.0).astype(np.uint8), copy.saturation)
-
-
-def _pale(image: Image, saturation: float) -> Image:
-    """Leave a share of the color of a picture."""
-    if saturation == 1.0:
-        return image
-    gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)[..., np.newaxis].astype(np.float32)
-    return np.asarray(np.clip(np.rint(gray + saturation * (image - gray)), 0.0, 255.0), np.uint8)
+            relit = np.clip(small * gains, 0.0, 255.0).astype(np.uint8).astype(np.float32)
+            yield frame.index, np.clip(np.rint(saturate(relit, copy.saturation)), 0.0, 255.0).astype(np.uint8)
 
 
 class _Writer:

@@ -174,7 +174,8 @@ class WithoutOutline:
         if self._color is None or not limits.used:
             return False
         begin, reach = expected or last, self._parameters.disc_search.reach * missed * self._half_width
-        best = self._likeliest(image, [last] if expected is None else [expected, last], begin, reach)
+        likely = self._likely(image, [last] if expected is None else [expected, last], begin, reach)
+        best = max(likely, key=lambda each: each[0], default=None)
         far = min(limits.far_lost + math.log(missed), limits.anywhere_lost)
         if best is None or best[1].log_odds <= (far if expected is None else limits.lost):
             best = self._far_off(image, begin, reach, far)
@@ -203,10 +204,6 @@ class WithoutOutline:
             if odds > (far if begin.distance(Gate(*disc.circle)) < reach else beyond)
         ]
         return max(likely, key=lambda each: each[0], default=None)
-
-    def _likeliest(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> tuple[float, Disc] | None:
-        """Likeliest of `_likely`."""
-        return max(self._likely(image, places, begin, reach), key=lambda each: each[0], default=None)
 
     def _likely(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> list[tuple[float, Disc]]:
         """Discs that the network sees about some places, within reach, with the target's size and color.

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-COLORED = 3  # format: dimensions, and channels, of a picture with color
+CHANNELS = 3  # format: of a picture with color
 
 
 def lab_of(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
@@ -21,6 +21,6 @@ def lab_of(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
         L 0 ... 100, a and b about -100 ... 100.
     """
     share = image.astype(np.float32) / np.float32(255.0)
-    if share.shape[2:] != (COLORED,):
+    if share.shape[2:] != (CHANNELS,):
         share = np.asarray(cv2.cvtColor(share, cv2.COLOR_GRAY2BGR), np.float32)
     return np.asarray(cv2.cvtColor(share, cv2.COLOR_BGR2Lab), np.float32)

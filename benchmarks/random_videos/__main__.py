@@ -43,7 +43,7 @@ def main(
         cv2.imwrite(str(sheet), np.vstack([strip(task) for task in tasks]))
         return
     every = spread(follow, tasks, jobs)
-    sys.stdout.write(f"{summary(every)}\n\n{lines(tasks, every)}\n")
+    sys.stdout.write(f"{summary(every)}\n{lines(tasks, every)}")
 
 
 def summary(every: Sequence[dict[str, Score]]) -> str:

@@ -1,6 +1,6 @@
 """Where camera and ball are in a random video: `camera_way`, `ball_way`."""
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -94,9 +94,8 @@ class CameraWay(NamedTuple):
 
 
 class BallWay(NamedTuple):
-    """How a ball moves, and its center and radius in each frame, px."""
+    """Center and radius of a ball in each frame, px."""
 
-    kind: Literal["roams", "thrown", "approaches"]
     x: Floats
     y: Floats
     radius: Floats
@@ -143,8 +142,7 @@ def ball_way(random: Random, frames: int, size: tuple[int, int], limits: BallMot
         Width and height of the picture, px.
     limits : BallMotionParameters
     """
-    kind = which(random, limits.kinds)
-    way = (_roaming, _thrown, _approaching)[kind](random, frames, size, limits)
+    way = (_roaming, _thrown, _approaching)[which(random, limits.kinds)](random, frames, size, limits)
     margin = limits.inside * way.radius[0]
     x, y = (
         along - along[0] + np.clip(along[0], margin, side - 1 - margin)
@@ -158,7 +156,7 @@ def _roaming(random: Random, frames: int, size: tuple[int, int], limits: BallMot
         0.5 * side + smooth(random, frames, limits.roam * side, count_within(random, limits.roam_slow)) for side in size
     )
     radius = log_within(random, (limits.radius[0], limits.radius[1] * size[1]))
-    return BallWay("roams", x, y, radius * np.exp(smooth(random, frames, limits.size, limits.slow)))
+    return BallWay(x, y, radius * np.exp(smooth(random, frames, limits.size, limits.slow)))
 
 
 def _thrown(random: Random, frames: int, size: tuple[int, int], limits: BallMotionParameters) -> BallWay:
@@ -168,7 +166,7 @@ def _thrown(random: Random, frames: int, size: tuple[int, int], limits: BallMoti
     fall = 4.0 * within(random, limits.steep) * along**2
     radius = log_within(random, (limits.radius[0], limits.radius[1] * height))
     x, y = width * (0.5 + direction * limits.wide * along), height * (0.25 + fall)
-    return BallWay("thrown", x, y, radius * np.exp(smooth(random, frames, 0.4 * limits.size, limits.slow)))
+    return BallWay(x, y, radius * np.exp(smooth(random, frames, 0.4 * limits.size, limits.slow)))
 
 
 def _approaching(random: Random, frames: int, size: tuple[int, int], limits: BallMotionParameters) -> BallWay:
@@ -178,4 +176,4 @@ def _approaching(random: Random, frames: int, size: tuple[int, int], limits: Bal
     done = 1.0 - np.abs(1.0 - done)
     x = 0.5 * width + smooth(random, frames, 0.5 * limits.roam * width, limits.slow)
     y = height * (0.4 + 0.25 * done) + smooth(random, frames, 0.25 * limits.roam * height, limits.slow)
-    return BallWay("approaches", x, y, far * (near / far) ** done)
+    return BallWay(x, y, far * (near / far) ** done)

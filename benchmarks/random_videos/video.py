@@ -248,8 +248,7 @@ def _times(ball: BallWay, index: int, exposure: float, limits: VideoParameters) 
     """Choose the times that a picture is made of, frames; the first and the last of a video are sharp."""
     if not 0 < index < limits.frames - 1:
         return np.array([float(index)])
-    last = limits.frames - 1
-    way = math.hypot(ball.x[min(index + 1, last)] - ball.x[index], ball.y[min(index + 1, last)] - ball.y[index])
+    way = math.hypot(ball.x[index + 1] - ball.x[index], ball.y[index + 1] - ball.y[index])
     count = int(np.clip(math.ceil(exposure * way / limits.finest), 1, limits.most))
     return np.asarray(index + exposure * ((np.arange(count) + 0.5) / count - 0.5), np.float64)
 
@@ -258,7 +257,7 @@ def _moment(stage: Stage, time: float) -> Moment:
     """Draw what is to be seen at a time, frames."""
     matrix = _view(stage, time)
     picture = np.asarray(cv2.warpAffine(stage.photograph, matrix, stage.size), np.float32)
-    x, y, radius = (_at(each, time) for each in stage.ball[1:])
+    x, y, radius = (_at(each, time) for each in stage.ball)
     mask, colors = _placed(stage, (x, y, radius))
     picture = over(picture, mask, colors)
     free = np.ones_like(mask)

@@ -13,7 +13,7 @@ from matchset.fitting.prior import FieldParameters, MotionParameters
 from matchset.fitting.robust_fit import FitParameters
 from matchset.fitting.workspace import MAX_LINES, PLACE_COLUMNS, STATE, EdgeCriteria, workspace_dtype
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
+from matchset.image.light.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Record, fields, new_block, store
 from matchset.shapes.circle import Circle

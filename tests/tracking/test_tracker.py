@@ -10,7 +10,7 @@ import pytest
 from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run, scene, wall, with_ball
 
 import matchset as ms
-from matchset.image.color_adaptation import AdaptationParameters
+from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.sim.clips.clip import Clip
 from matchset.tracking.parameters import TrackerParameters
 

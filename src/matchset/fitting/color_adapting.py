@@ -7,15 +7,8 @@ import numpy.typing as npt
 
 from matchset.fitting.fitter import Fitter
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import (
-    AdaptationParameters,
-    RelightingParameters,
-    adapt_table,
-    adaptation_block,
-    gains_between,
-    relit,
-    thinned,
-)
+from matchset.image.light.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
+from matchset.image.light.relighting import RelightingParameters, gains_between, relit, thinned
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

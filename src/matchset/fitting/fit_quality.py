@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.color_adaptation import cell_at
+from matchset.image.light.color_adaptation import cell_at
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.record import Record
 

@@ -6,7 +6,8 @@ from matchset.fitting.consensus import ConsensusParameters
 from matchset.fitting.fitter import FittingParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
-from matchset.image.color_adaptation import AdaptationParameters, RelightingParameters
+from matchset.image.light.color_adaptation import AdaptationParameters
+from matchset.image.light.relighting import RelightingParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters

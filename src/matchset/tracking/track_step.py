@@ -17,7 +17,7 @@ from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
+from matchset.image.light.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import collection_paused, interpreted
 from matchset.numeric.record import Block

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.color_adaptation import cell_at
+from matchset.image.light.color_adaptation import cell_at
 from matchset.numeric.jit import kernel
 
 Floats = npt.NDArray[np.float64]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import matchset as ms
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import RelightingParameters, gains_between, relit, thinned
+from matchset.image.light.relighting import RelightingParameters, displacement, gains_between, relit, thinned
 
 Picture = npt.NDArray[np.uint8]
 LIMITS = RelightingParameters()
@@ -22,6 +22,15 @@ def room(seed: int = 0) -> npt.NDArray[np.float64]:
     return np.repeat(np.repeat(coarse, 40, axis=0), 40, axis=1)
 
 
+def furniture(seed: int = 3) -> npt.NDArray[np.float64]:
+    """Colored boxes of any size, in a larger room."""
+    random, image = np.random.default_rng(seed), np.full((480, 640, 3), 90.0)
+    for _ in range(150):
+        row, column, height, width = random.integers((0, 0, 30, 30), (440, 600, 190, 190))
+        image[row : row + height, column : column + width] = random.uniform(50.0, 150.0, 3)
+    return image
+
+
 def picture(x: float, y: float, gains: tuple[float, float, float] = (1.0, 1.0, 1.0), seed: int = 0) -> Picture:
     """A ball of radius 24 px in a room, taken with gains of the channels and some noise."""
     image = room()
@@ -30,6 +39,7 @@ def picture(x: float, y: float, gains: tuple[float, float, float] = (1.0, 1.0, 1
     return np.asarray(np.rint(image).clip(0, 255), np.uint8)
 
 
+WIDE = furniture()
 gain = st.floats(0.65, 1.5)
 
 
@@ -42,6 +52,33 @@ def test_gains_are_found_though_the_ball_has_moved(gains: tuple[float, float, fl
         np.testing.assert_allclose(found, gains, rtol=0.03)
     elif np.abs(np.log(gains)).max() < LIMITS.least - 0.01:
         assert found is None
+
+
+@given(st.tuples(gain, gain, gain), st.integers(-48, 48), st.integers(-36, 36))
+def test_gains_are_found_though_the_camera_has_moved(gains: tuple[float, float, float], right: int, down: int) -> None:
+    before, after = (
+        thinned(np.asarray(np.rint(by * WIDE[y : y + 240, x : x + 320]), np.uint8), LIMITS.side)
+        for x, y, by in ((160, 120, np.ones(3)), (160 - right, 120 - down, np.array(gains)))
+    )
+    step = 320 // LIMITS.side
+    assert np.abs(np.subtract(displacement(before, after, LIMITS), (right / step, down / step))).max() < 1.0
+    found = gains_between(before, after, LIMITS)
+    if np.abs(np.log(gains)).max() > LIMITS.least + 0.05:
+        assert found is not None
+        np.testing.assert_allclose(found, gains, rtol=0.03)
+    elif np.abs(np.log(gains)).max() < LIMITS.least - 0.01:
+        assert found is None
+
+
+def test_a_channel_that_is_cut_off_changes_as_the_others_do() -> None:
+    before = thinned(picture(90.0, 120.0), LIMITS.side)
+    dark = before.copy()
+    dark[..., 0] = 3
+    now = np.asarray(np.rint(dark * 1.4), np.uint8)
+    found = gains_between(dark, now, LIMITS)
+    assert found is not None
+    np.testing.assert_allclose(found, 1.4, rtol=0.03)
+    assert gains_between(dark[:1, :1], now[:1, :1], LIMITS) is not None  # one pixel is enough to compare
 
 
 def test_another_view_is_no_change_of_light() -> None:

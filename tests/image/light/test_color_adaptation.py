@@ -6,7 +6,7 @@ import pytest
 
 from kernels import adapt, look_inside
 from matchset.image.color import ColorModel
-from matchset.image.color_adaptation import AdaptationParameters
+from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.shapes.circle import Circle
 
 Picture = npt.NDArray[np.uint8]

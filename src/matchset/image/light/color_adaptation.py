@@ -1,13 +1,10 @@
-"""How a color follows the light: a little learning on every well-fitted frame, and all at once where the light jumps.
+"""How a color follows the light: a little learning on every well-fitted frame.
 
 The log-odds L of the color cell of a pixel inside the outline moves up by ``rate * (1 - s(L))``, of one outside down by
 ``rate * s(L)``, with the softsign ``s(L) = 1/2 + L / (2 (1 + |L|))`` in place of the logistic function: online
 regression that moves a cell less the better it already tells target from background. Cells next to it in color move by
 half as much. No cell may leave its first value by more than `AdaptationParameters.max_drift`, and a pixel inside that
 looks clearly foreign teaches nothing: it is a finger, a stick or a marker.
-
-Where exposure or white balance jump, all pixels of the picture are multiplied by the gain of their channel: the median
-ratio of pixels to those at the same places before says by how much, and the table is moved along.
 """
 
 import msgspec
@@ -27,7 +24,6 @@ SHIFT = (
     1 << 24
 )  # geometry: px, more than any picture has, so that a place before its border is positive when it is rounded
 ROUND = SHIFT + 0.5  # theorem: floor(x + 1/2) by cutting off the decimals of a positive number
-BINS, LEVELS = 32, 256  # format: of a channel of a color table, and of gray levels
 LIMIT, WHITE = np.float32(color.LIMIT), np.float32(color.WHITE)
 
 
@@ -73,98 +69,7 @@ class AdaptationParameters(msgspec.Struct, frozen=True):
     outside_px: float = 6.0
 
 
-class RelightingParameters(msgspec.Struct, frozen=True):
-    """When the light of a picture has changed as a whole.
-
-    `spread` and `least` were chosen on worse copies of real clips, the others by hand (docs/log.md); `python -m
-    benchmarks --only real_copies,false_locks` would show a change.
-
-    Parameters
-    ----------
-    used : bool
-        Whether that is looked for, where the target was not confirmed.
-    side : int
-        Pixels that are compared along the longer side of a picture, about.
-    darkest, brightest : float
-        Gray levels between which a pixel must be in both pictures: beyond, it is cut off.
-    share : float
-        Share of the pixels that must be so.
-    spread : float
-        Largest median deviation of the logarithm of the ratios from their median: with more the view has changed, not
-        the light. More finds changes of the light before a camera that moves, and some that are none.
-    least : float
-        Least change of a channel, as a logarithm, which must be more than that deviation too: less is left to the slow
-        learning.
-    """
-
-    used: bool = True
-    side: int = 32
-    darkest: float = 16.0
-    brightest: float = 240.0
-    share: float = 0.2
-    spread: float = 0.25
-    least: float = 0.1
-
-
 _LIMITS = record_dtype(AdaptationParameters)
-
-
-def thinned(image: Bytes, side: int) -> Bytes:
-    """Copy every so manieth pixel of a picture: about so many along its longer side."""
-    step = max(max(image.shape[:2]) // side, 1)
-    return image[step // 2 :: step, step // 2 :: step].copy()
-
-
-def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Floats | None:
-    """Gain of each channel from one picture of a view to a later one; None where the light did not change as a whole.
-
-    Parameters
-    ----------
-    before, now : ndarray of shape (h, w, channels), uint8
-        See `thinned`.
-    limits : RelightingParameters
-
-    Returns
-    -------
-    ndarray of shape (channels,), float64, or None
-    """
-    if before.shape != now.shape:
-        return None
-    pixels = np.stack((before, now)).reshape(2, -1, before.shape[2]).astype(np.float64)
-    whole = ((pixels > limits.darkest) & (pixels < limits.brightest)).all(axis=(0, 2))
-    if whole.mean() < limits.share:
-        return None
-    ratios = np.log(pixels[1, whole] / pixels[0, whole])
-    changes = np.median(ratios, axis=0)
-    spread = np.median(np.abs(ratios - changes), axis=0)
-    changed = bool((np.abs(changes) > np.maximum(limits.least, spread)).any())
-    return np.exp(changes) if changed and spread.max() < limits.spread else None
-
-
-def relit(model: color.ColorModel, log_odds: Singles, gains: Floats) -> color.ColorModel:
-    """Model of the same target in another light: a pixel is what it was before its channels were multiplied.
-
-    Parameters
-    ----------
-    model : ColorModel
-        A color; one of brightness finds its level in each picture.
-    log_odds : ndarray of shape (32768,) or (256,), float32
-        As they were in the light before.
-    gains : ndarray of shape (channels,), float64
-    """
-    bins = BINS if model.channels == 3 else LEVELS
-    table = log_odds.reshape((bins,) * len(gains))
-    for axis, gain in enumerate(gains):
-        size = LEVELS / bins
-        values = size * (np.arange(bins) + 0.5) - 0.5
-        before = np.clip((values / gain + 0.5) / size - 0.5, 0.0, bins - 1.0)
-        low = np.minimum(before.astype(int), bins - 2)
-        share = (before - low).reshape([-1 if each == axis else 1 for each in range(len(gains))])
-        table = (1.0 - share) * table.take(low, axis) + share * table.take(low + 1, axis)
-    changed = model.copy()
-    changed.log_odds[:] = table.ravel()
-    changed.table[:] = np.rint(WHITE * np.tanh(0.5 * changed.log_odds))
-    return changed
 
 
 def adaptation_block(parameters: AdaptationParameters) -> Block:

@@ -30,7 +30,9 @@ from matchset.tracking.outlines.network_outlines import (
 )
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.search.color_disc import ColorDiscs
 from matchset.tracking.search.disc_detector import DiscDetector, DiscDetectorParameters
+from matchset.tracking.search.template import Template
 
 Picture = npt.NDArray[np.uint8]
 PRECISION = np.array(((1.0, 0.2, 0.1), (0.2, 0.8, 0.0), (0.1, 0.0, 0.5)))
@@ -298,6 +300,29 @@ def test_beyond_its_reach_more_is_asked_of_a_lost_ball(moved: float, log_odds: f
         patch.object(OutlineChoice, "is_other_shape", return_value=False),
     ):
         assert tracker._unseen._take_by_network(image, tracker.color, last, last, (1.0, 1.0)) is taken
+
+
+@pytest.mark.parametrize(("radius", "taken"), [(44.0, True), (62.0, True), (66.0, False)])
+def test_a_lost_ball_has_about_the_size_of_its_last_outline(radius: float, taken: bool) -> None:
+    image, odds = picture(160.0), 4.0  # its looks were remembered at 26 px; the network bears a factor of 1.6
+    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
+    tracker.update(image)
+    disc = Disc((160.0, 90.0, radius), np.eye(3), odds)
+    with (
+        patch.object(NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if [*starts] else []),
+        patch.object(NetworkOutlines, "alike", return_value=odds),
+        patch("matchset.tracking.without_outline.contrasting_discs", return_value=[]),
+        patch.object(OutlineChoice, "is_other_shape", return_value=False),
+        patch.object(ColorDiscs, "find", return_value=None),
+        patch.object(ColorDiscs, "find_anywhere", return_value=None),
+        patch.object(Template, "find", return_value=None),
+    ):
+        last = Gate(160.0, 90.0, 40.0)
+        assert tracker._unseen.take(image, tracker.color, last, last, 1.0, 0.1) is taken
+        assert tracker._unseen._half_width == 40.0
+        tracker._step.without_outline = True  # what was taken since has no say
+        tracker._unseen.take(image, tracker.color, last._replace(half_width=50.0), last, 2.0, 0.1)
+        assert tracker._unseen._half_width == 40.0
 
 
 def test_a_shaded_ball_as_bright_as_the_wall_is_followed_in_gray_pictures() -> None:

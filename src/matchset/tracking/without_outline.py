@@ -134,6 +134,8 @@ class WithoutOutline:
         if not step.outlines.is_disc:
             return False
         missed = step.missed(time, interval)
+        if not step.without_outline:  # what approaches is larger than when its looks were remembered
+            self._half_width = last.half_width
         if self._take_by_network(image, color, last, expected, (missed, time)):
             return True
         if step.fitter.weighs(color):

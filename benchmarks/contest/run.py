@@ -1,6 +1,7 @@
 """Everybody on the same frames: `follow_with_all` follows one sequence with every peer, frame by frame."""
 
 import functools
+import itertools
 from collections.abc import Iterable, Iterator
 
 import msgspec
@@ -12,6 +13,7 @@ from benchmarks.options import Options
 from benchmarks.real.clips import Clip as RealClip
 from benchmarks.tracking.trial import FPS, WHAT, Trial, as_truth, sequence
 from benchmarks.workers import spread
+from matchset.app.track.score import TruthRow
 from matchset.sim.clips.clip import Clip
 
 FRAMES, QUICK_FRAMES = 140, 80
@@ -31,6 +33,8 @@ class SequenceRun(msgspec.Struct, frozen=True):
 
 Results = dict[str, Trial]
 """What each peer made of a sequence, by its key."""
+Answers = dict[str, dict[int, Circle3 | None]]
+"""What each peer answered to each frame, by its key and the number of the frame."""
 
 
 def results(options: Options) -> dict[str, list[Results]]:
@@ -103,17 +107,27 @@ def follow_with_all(
     """
     if start is None:
         start = first_sight(*next(frames))
-    steps: dict[str, Step] = {each.key: each.follow(start) for each in peers}
-    done = {key: Trial(seed, [], [], []) for key in steps}
-    for frame, seen in frames:
-        truth = as_truth(seen)  # type: ignore[arg-type]
+    truths: list[TruthRow] = []
+
+    def shown() -> Iterator[ms.Frame]:
+        for frame, seen in frames:
+            truths.append(as_truth(seen))  # type: ignore[arg-type]
+            yield frame
+
+    steps = {each.key: each.follow(start) for each in peers}
+    return {key: Trial(seed, truths, [*found.values()], []) for key, found in answers_of(steps, shown()).items()}
+
+
+def answers_of(steps: dict[str, Step], frames: Iterable[ms.Frame]) -> Answers:
+    """Give every frame to everybody, who has begun before it."""
+    answers: Answers = {key: {} for key in steps}
+    for frame in frames:
         for key, step in steps.items():
-            done[key].truths.append(truth)
-            done[key].answers.append(step(frame.image))
-    return done
+            answers[key][frame.index] = step(frame.image)
+    return answers
 
 
-def follow_real_clip(real: RealClip, peers: Iterable[Peer]) -> dict[str, dict[int, Circle3 | None]]:
+def follow_real_clip(real: RealClip, peers: Iterable[Peer]) -> Answers:
     """Follow a real clip with every peer, from its first row with the ball well known.
 
     A peer that refuses its start answers nothing.
@@ -131,18 +145,10 @@ def follow_real_clip(real: RealClip, peers: Iterable[Peer]) -> dict[str, dict[in
     """
     first = real.tight[0]
     assert first.circle is not None
-    steps: dict[str, Step] = {}
-    answers: dict[str, dict[int, Circle3 | None]] = {}
     video = ms.Video(real.video)
-    for frame in video:
-        if frame.index == first.frame:
-            start = Start(frame.image, first.circle, fps=video.fps or FPS)
-            steps = {each.key: begun(each, start) for each in peers}
-            answers = {key: {} for key in steps}
-        elif frame.index > first.frame:
-            for key, step in steps.items():
-                answers[key][frame.index] = step(frame.image)
-    return answers
+    frames = itertools.dropwhile(lambda frame: frame.index < first.frame, video)
+    start = Start(next(frames).image, first.circle, fps=video.fps or FPS)
+    return answers_of({each.key: begun(each, start) for each in peers}, frames)
 
 
 def begun(each: Peer, start: Start) -> Step:

@@ -1,16 +1,18 @@
 """Everybody on a random video: `follow`."""
 
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import msgspec
 
+import matchset as ms
 from benchmarks.common.start import Start
 from benchmarks.contest.field import OURS, peer
-from benchmarks.contest.run import begun
+from benchmarks.contest.run import answers_of, begun
 from benchmarks.random_videos.video import FRAMES_PER_SECOND, VideoParameters, frames
 from benchmarks.training.photographs import PhotographParameters, Photographs
-from matchset.app.track.score import Circle3, Score, TruthRow, score
+from matchset.app.track.score import Score, TruthRow, score
 
 PEERS = (OURS, "hobby", "contour_moments", "cam_shift", "region_bgr")
 PHOTOGRAPHS = PhotographParameters(longest=1600, variety=(20.0, 30.0, 45.0))
@@ -38,11 +40,12 @@ def follow(task: Task) -> dict[str, Score]:
     if first.circle is None:
         raise ValueError(f"the ball of video {task.seed} is hidden in its first frame")
     start = Start(frame.image, first.circle, fps=FRAMES_PER_SECOND)
-    steps = {key: begun(peer(key), start) for key in PEERS}
-    answers: dict[str, dict[int, Circle3 | None]] = {key: {} for key in PEERS}
     truths: list[TruthRow] = []
-    for frame, truth in video:
-        truths.append(truth)
-        for key, step in steps.items():
-            answers[key][truth.frame] = step(frame.image)
-    return {key: score(found, truths) for key, found in answers.items()}
+
+    def shown() -> Iterator[ms.Frame]:
+        for frame, truth in video:
+            truths.append(truth)
+            yield frame
+
+    steps = {key: begun(peer(key), start) for key in PEERS}
+    return {key: score(found, truths) for key, found in answers_of(steps, shown()).items()}

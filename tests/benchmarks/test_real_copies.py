@@ -66,6 +66,14 @@ def test_the_ball_of_a_good_copy_is_where_its_truth_says(data: Path, tmp_path: P
     assert abs(track.shape.x - x) + abs(track.shape.y - y) + abs(track.shape.radius - radius) < 1.0
 
 
+def test_the_same_copy_has_the_same_bytes(data: Path, tmp_path: Path) -> None:
+    clip, films = original(data), set[bytes]()
+    for name in ("first", "second", "third"):
+        (tmp_path / name).mkdir()
+        films.add(write_copy(Copy("rendered", 240, 34), clip, tmp_path / name).video.read_bytes())
+    assert len(films) == 1
+
+
 def test_light_jumps_only_where_that_is_asked_for_and_always_in_the_same_way(data: Path, tmp_path: Path) -> None:
     def brightness(copy: Copy) -> list[float]:
         with ms.Video(write_copy(copy, original(data), tmp_path).video) as video:

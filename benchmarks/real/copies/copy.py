@@ -116,7 +116,8 @@ class _Writer:
         self._stream = self._file.add_stream("libx264", rate=Fraction(FRAMES_PER_SECOND))
         self._stream.width, self._stream.height = size
         self._stream.pix_fmt, self._stream.thread_count = "yuv420p", 1
-        self._stream.options = {"crf": f"{crf:g}", "preset": "veryfast", "x264-params": "threads=1"}
+        # By default x264 sums differently where its memory lies differently: the same pictures gave other bytes.
+        self._stream.options = {"crf": f"{crf:g}", "preset": "veryfast", "x264-params": "threads=1:cpu-independent=1"}
 
     def __enter__(self) -> "_Writer":
         return self

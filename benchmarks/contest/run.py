@@ -3,6 +3,7 @@
 import functools
 import itertools
 from collections.abc import Iterable, Iterator
+from typing import TypeVar
 
 import msgspec
 
@@ -13,9 +14,9 @@ from benchmarks.options import Options
 from benchmarks.real.clips import Clip as RealClip
 from benchmarks.tracking.trial import FPS, WHAT, Trial, as_truth, sequence
 from benchmarks.workers import spread
-from matchset.app.track.score import TruthRow
 from matchset.sim.clips.clip import Clip
 
+T = TypeVar("T")
 FRAMES, QUICK_FRAMES = 140, 80
 SEEDS, QUICK_SEEDS = 2, 1
 QUICK_PEERS = (*LIGHT, "hobby", "simple_blob", "edge_drawing", PAPER)
@@ -107,15 +108,17 @@ def follow_with_all(
     """
     if start is None:
         start = first_sight(*next(frames))
-    truths: list[TruthRow] = []
+    steps, seen = {each.key: each.follow(start) for each in peers}, list[object]()
+    answers = answers_of(steps, frames_of(frames, seen))
+    truths = [as_truth(each) for each in seen]  # type: ignore[arg-type]
+    return {key: Trial(seed, truths, [*found.values()], []) for key, found in answers.items()}
 
-    def shown() -> Iterator[ms.Frame]:
-        for frame, seen in frames:
-            truths.append(as_truth(seen))  # type: ignore[arg-type]
-            yield frame
 
-    steps = {each.key: each.follow(start) for each in peers}
-    return {key: Trial(seed, truths, [*found.values()], []) for key, found in answers_of(steps, shown()).items()}
+def frames_of(video: Iterable[tuple[ms.Frame, T]], truths: list[T]) -> Iterator[ms.Frame]:
+    """Yield the frames of a video, and note the truth of each."""
+    for frame, truth in video:
+        truths.append(truth)
+        yield frame
 
 
 def answers_of(steps: dict[str, Step], frames: Iterable[ms.Frame]) -> Answers:

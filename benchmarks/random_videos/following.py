@@ -1,15 +1,13 @@
 """Everybody on a random video: `follow`."""
 
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import msgspec
 
-import matchset as ms
 from benchmarks.common.start import Start
 from benchmarks.contest.field import OURS, peer
-from benchmarks.contest.run import answers_of, begun
+from benchmarks.contest.run import answers_of, begun, frames_of
 from benchmarks.random_videos.video import FRAMES_PER_SECOND, VideoParameters, frames
 from benchmarks.training.photographs import PhotographParameters, Photographs
 from matchset.app.track.score import Score, TruthRow, score
@@ -40,12 +38,5 @@ def follow(task: Task) -> dict[str, Score]:
     if first.circle is None:
         raise ValueError(f"the ball of video {task.seed} is hidden in its first frame")
     start = Start(frame.image, first.circle, fps=FRAMES_PER_SECOND)
-    truths: list[TruthRow] = []
-
-    def shown() -> Iterator[ms.Frame]:
-        for frame, truth in video:
-            truths.append(truth)
-            yield frame
-
-    steps = {key: begun(peer(key), start) for key in PEERS}
-    return {key: score(found, truths) for key, found in answers_of(steps, shown()).items()}
+    steps, truths = {key: begun(peer(key), start) for key in PEERS}, list[TruthRow]()
+    return {key: score(found, truths) for key, found in answers_of(steps, frames_of(video, truths)).items()}

@@ -92,10 +92,11 @@ def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Fl
     """
     if before.shape != now.shape:
         return None
+    smooth = _averaged(before, limits), _averaged(now, limits)
     changes = [
         found
-        for right, down in ((0, 0), displacement(before, now, limits))
-        if (found := _change(*_overlapping(before, now, right, down, limits), limits)) is not None
+        for right, down in {(0, 0), displacement(before, now, limits)}
+        if (found := _change(*_overlapping(*smooth, right, down), limits)) is not None
     ]
     if not changes:
         return None
@@ -128,15 +129,19 @@ def displacement(before: Bytes, now: Bytes, limits: RelightingParameters) -> tup
     return (0, 0) if far else (round(right), round(down))
 
 
-def _overlapping(before: Bytes, now: Bytes, right: int, down: int, limits: RelightingParameters) -> tuple[Bytes, Bytes]:
-    """Cut out what both pictures show, if one was moved, each averaged a little."""
+def _averaged(image: Bytes, limits: RelightingParameters) -> Bytes:
+    """Average a picture a little."""
+    return np.asarray(cv2.blur(image, (limits.averaged, limits.averaged)), np.uint8).reshape(image.shape)
+
+
+def _overlapping(before: Bytes, now: Bytes, right: int, down: int) -> tuple[Bytes, Bytes]:
+    """Cut out what both pictures show, if one was moved."""
     height, width = before.shape[:2]
     rows, columns = slice(max(-down, 0), height - max(down, 0)), slice(max(-right, 0), width - max(right, 0))
     moved_rows, moved_columns = (
         slice(each.start + way, each.stop + way) for each, way in ((rows, down), (columns, right))
     )
-    first, second = (cv2.blur(each, (limits.averaged, limits.averaged)).reshape(before.shape) for each in (before, now))
-    return np.asarray(first, np.uint8)[rows, columns], np.asarray(second, np.uint8)[moved_rows, moved_columns]
+    return before[rows, columns], now[moved_rows, moved_columns]
 
 
 def _change(before: Bytes, now: Bytes, limits: RelightingParameters) -> Change | None:

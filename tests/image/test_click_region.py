@@ -15,7 +15,9 @@ from matchset.image.click_region import disc_mask, regions_at_click
 from matchset.image.clicks.circle_at_click import ClickParameters, circle_at
 from matchset.image.clicks.clear_disc import NearParameters, clearest_disc, disc_alone, disc_in_place_of, is_outlined
 from matchset.image.color_learning import ColorParameters, RegionParameters
-from matchset.image.disc_network.at_click import BallAtClickParameters
+from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at
+from matchset.image.disc_network.network import Disc, DiscNetwork
+from matchset.sim.clips.shape_clip import ShapeClip
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
@@ -323,3 +325,33 @@ def test_a_small_ball_before_a_plain_wall_is_not_taken_for_the_wall() -> None:
     alike = color.scores(image) > 0
     assert alike[ball].mean() > 0.6
     assert alike[wall & ~disc((480, 640), radius=8.0)].mean() < 0.05
+
+
+@pytest.mark.parametrize("radius", [9.0, 60.0])
+@pytest.mark.parametrize("starts", [1, 2])
+def test_a_large_ball_is_one_to_which_circles_of_several_sizes_lead(
+    radius: float, starts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limits, asked = BallAtClickParameters(), []
+
+    def follow(_: DiscNetwork, image: Picture, start: tuple[float, float, float], parameters: object) -> Disc | None:
+        near = 0.6 * radius < start[2] < 1.5 * radius
+        asked.append(near)
+        return Disc((X, Y, radius), 10.0 * np.eye(3), 3.0) if near and sum(asked) <= starts else None
+
+    monkeypatch.setattr(DiscNetwork, "follow", follow)
+    found = ball_at(textured(), X, Y, None, limits)
+    assert (found is not None) == (starts > 1 or radius < limits.alone)
+
+
+QUADRILATERAL = ((-1.5, -1.0), (1.5, -1.0), (1.5, 1.0), (-1.5, 1.0))
+
+
+def test_a_sheet_before_a_wall_is_no_spot_on_a_ball() -> None:
+    """Of a piece of the wall the network is just sure enough, but only one circle leads there."""
+    clip = ShapeClip(corners=QUADRILATERAL, tilt=0.45, preset="typical", seed=103, frames=1)
+    image, click = next(iter(clip))[0].image, clip.first_click
+    circle = ms.ColorModel.pick(image, *click).circle
+    assert circle is not None
+    assert circle[2] < 60.0
+    assert math.hypot(circle[0] - click[0], circle[1] - click[1]) < 20.0

@@ -1,15 +1,21 @@
-"""The mean of discs that are the same ball."""
+"""Which discs are the same ball, and their mean."""
 
 import math
 
 import numpy as np
 import pytest
 
-from matchset.image.disc_network.mean_disc import mean_disc
+from matchset.image.disc_network.mean_disc import are_same, mean_disc
 from matchset.image.disc_network.network import Disc
 
 EVEN = np.eye(3)
 ONE = Disc((50.0, 40.0, 10.0), EVEN, 4.0)
+
+
+def test_discs_are_the_same_within_a_share_of_the_radius() -> None:
+    others = [ONE, ONE._replace(circle=(52.0, 41.0, 11.0)), ONE._replace(circle=(52.0, 42.0, 11.5))]
+    assert are_same(others, ONE, 0.5).tolist() == [True, True, False]
+    assert are_same(others, others[2], 0.5).tolist() == [True, True, True]
 
 
 def test_one_disc_is_its_mean() -> None:

@@ -70,6 +70,20 @@ def test_gains_are_found_though_the_camera_has_moved(gains: tuple[float, float, 
         assert found is None
 
 
+def test_a_change_is_seen_though_stripes_have_moved_by_less_than_a_pixel() -> None:
+    """Ratios at the edges of stripes deviate by more than the light has changed, and mean nothing."""
+    gains = np.array((0.87, 0.95, 1.0))
+    before, now = (
+        thinned(
+            np.asarray(np.rint(light * (120.0 + 90.0 * np.sin(waves / 8.0)[..., np.newaxis])), np.uint8), LIMITS.side
+        )
+        for waves, light in ((COLUMNS + 0.4 * ROWS, np.ones(3)), (COLUMNS + 2.5 + 0.4 * ROWS, gains))
+    )
+    found = gains_between(before, now, LIMITS)
+    assert found is not None
+    np.testing.assert_allclose(found, gains, rtol=0.03)
+
+
 def test_a_channel_that_is_cut_off_changes_as_the_others_do() -> None:
     before = thinned(picture(90.0, 120.0), LIMITS.side)
     dark = before.copy()

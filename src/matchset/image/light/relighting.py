@@ -49,8 +49,7 @@ class RelightingParameters(msgspec.Struct, frozen=True):
         Largest median deviation of the logarithm of the ratios from their median: with more the view has changed, not
         the light. More finds changes of the light before a camera that moves, and some that are none.
     least : float
-        Least change of a channel, as a logarithm, which must be more than that deviation too: less is left to the slow
-        learning.
+        Least change of a channel, as a logarithm: less is left to the slow learning.
     """
 
     used: bool = True
@@ -101,7 +100,7 @@ def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Fl
     if not changes:
         return None
     best = min(changes, key=lambda change: change.spread)
-    changed = bool((np.abs(best.logarithms) > max(limits.least, best.spread)).any())
+    changed = bool((np.abs(best.logarithms) > limits.least).any())
     return np.exp(best.logarithms) if changed and best.spread < limits.spread else None
 
 

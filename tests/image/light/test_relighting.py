@@ -1,5 +1,6 @@
 """The light of a whole picture that jumps: how much it did, and the color of a target in the new light."""
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -101,6 +102,20 @@ def test_another_view_is_no_change_of_light() -> None:
     assert gains_between(view, thinned(turned, LIMITS.side), LIMITS) is None
     other = np.asarray(room(7), np.uint8)
     assert gains_between(view, thinned(other, LIMITS.side), LIMITS) is None
+
+
+@pytest.mark.parametrize("seed", range(4, 9))
+def test_another_room_of_about_the_same_brightness_is_no_change_of_light(seed: int) -> None:
+    """Its median is another one, and single pixels deviate no more than before a camera that moves."""
+    first, second = (
+        thinned(np.asarray(np.rint(100.0 + 0.4 * (furniture(each)[:240, :320] - 100.0)), np.uint8), LIMITS.side)
+        for each in (3, seed)
+    )
+    other = np.asarray(np.rint(0.75 * second.astype(np.float64)), np.uint8)
+    assert gains_between(first, other, LIMITS) is None
+    loose = msgspec.structs.replace(LIMITS, alike=-1.0)
+    assert gains_between(first, other, loose) is not None
+    assert gains_between(second, other, LIMITS) == pytest.approx([0.75] * 3, rel=0.03)
 
 
 def test_what_is_cut_off_says_nothing() -> None:

@@ -59,3 +59,10 @@ def test_a_quadrilateral_with_a_third_hidden_is_not_lost(seed: int) -> None:
     trial = follow_shape(ShapeTask("quadrilateral", "typical", seed, 30, THIRD))
     assert None not in trial.ours
     assert np.median([each["corners"] for each in trial.ours if each is not None]) <= 1.4
+
+
+def test_a_dark_thing_beside_a_hidden_side_is_not_more_of_the_target() -> None:
+    """A black screen beside a blue card, whose noise has any hue: the side went to the far edge of the screen."""
+    trial = follow_shape(ShapeTask("rectangle", "typical", 102, 85, THIRD))
+    assert max(each["corners"] for each in trial.ours if each is not None) < 2.0
+    assert None not in trial.ours

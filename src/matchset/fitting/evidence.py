@@ -22,6 +22,7 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 Lines = npt.NDArray[np.bool_]
 Scores = npt.NDArray[np.int8]
+Indices = npt.NDArray[np.intp]
 Statistics = Any  # `FitStatistics`, or the record of the same fields
 
 
@@ -178,6 +179,29 @@ def _steps(image: Image, color: ColorModel, outline: Floats, way: float, full_st
     return np.clip((inside - outside) / full_step, 0.0, 1.0), np.asarray(outside)
 
 
+def pixels_along(image: Image, outline: Floats, offsets: Floats) -> tuple[Indices, Indices, Lines]:
+    """Find the pixels along the normals of an outline.
+
+    Parameters
+    ----------
+    image, outline
+        See `measure_color_step`.
+    offsets : ndarray of shape (m,), float64
+        From the outline outward, px.
+
+    Returns
+    -------
+    rows, columns : ndarray of shape (m, k), intp
+        Of the k lines that lie in the picture.
+    seen : ndarray of shape (n,), bool
+        Which lines these are.
+    """
+    places = outline[:, :2] + offsets[:, np.newaxis, np.newaxis] * outline[:, 2:4]
+    columns, rows = np.rint(places).astype(np.intp).transpose(2, 0, 1)
+    seen = ((columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])).all(axis=0)
+    return rows[:, seen], columns[:, seen], seen
+
+
 def scores_along(image: Image, color: ColorModel, outline: Floats, offsets: Floats) -> tuple[Scores, Lines]:
     """Look pixels up in the color table along the normals of an outline.
 
@@ -195,10 +219,8 @@ def scores_along(image: Image, color: ColorModel, outline: Floats, offsets: Floa
     seen : ndarray of shape (n,), bool
         Which lines these are.
     """
-    places = outline[:, :2] + offsets[:, np.newaxis, np.newaxis] * outline[:, 2:4]
-    columns, rows = np.rint(places).astype(np.intp).transpose(2, 0, 1)
-    seen = ((columns >= 0) & (columns < image.shape[1]) & (rows >= 0) & (rows < image.shape[0])).all(axis=0)
-    return color.scores(image[rows[:, seen], columns[:, seen]]).reshape(len(offsets), -1), seen
+    rows, columns, seen = pixels_along(image, outline, offsets)
+    return color.scores(image[rows, columns]).reshape(len(offsets), -1), seen
 
 
 def find_color_boundary(

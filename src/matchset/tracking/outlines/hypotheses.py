@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.evidence import find_color_boundary, scores_along
+from matchset.fitting.evidence import find_color_boundary, pixels_along
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.image.color import ColorModel
 
@@ -48,6 +48,9 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
         Distance from the outline from which an edge point does not speak for its side, px.
     beyond, beyond_px : float
         How far beyond the outline the target must not be, in half-widths, and at least so many px.
+    alike : float
+        Difference of a pixel beyond from one within up to which it may be the target, as a share of the brighter one's
+        distance from black. Chosen on rectangles and quadrilaterals with a third hidden, seeds 201-204 (docs/log.md).
     outside_penalty : float
         Score that is lost per share of the lines where the target is beyond the outline.
     better : float
@@ -81,6 +84,7 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
     side_tolerance: float = 3.0
     beyond: float = 0.1
     beyond_px: float = 4.0
+    alike: float = 0.5
     outside_penalty: float = 2.0
     better: float = 0.03
     mode_gain: float = 0.15
@@ -163,11 +167,18 @@ class Hypotheses:
         return np.asarray(near)
 
     def _target_outside(self, estimate: Estimate, image: Image, color: ColorModel) -> Lines:
-        """Which lines show the target beyond the outline: what stands before it hides it, and never adds to it."""
-        outline = self.fitter.work.outline[: self.fitter.points]
-        beyond = max(self.limits.beyond * estimate.fit.half_width, self.limits.beyond_px)
-        scores, seen = scores_along(image, color, outline, np.array([beyond]))
-        seen[seen] = scores[0] > 0
+        """Which lines show the target beyond the outline: what stands before it hides it, and never adds to it.
+
+        What differs from the target inside on the same line is something else: dark pixels have any hue.
+        """
+        limits, outline = self.limits, self.fitter.work.outline[: self.fitter.points]
+        beyond = max(limits.beyond * estimate.fit.half_width, limits.beyond_px)
+        rows, columns, seen = pixels_along(image, outline, np.array([-beyond, beyond]))
+        pixels = image[rows, columns]
+        inside, outside = color.scores(pixels).reshape(2, -1) > 0
+        difference = np.linalg.norm(pixels[1].astype(np.float64) - pixels[0], axis=1)
+        brighter = np.linalg.norm(pixels.astype(np.float64), axis=2).max(axis=0)
+        seen[seen] = outside & (~inside | (difference < limits.alike * brighter))
         return seen
 
     def score(self, estimate: Estimate, image: Image, color: ColorModel) -> float:

@@ -145,12 +145,20 @@ def follow_real_clip(real: RealClip, peers: Iterable[Peer]) -> Answers:
     -------
     dict of str to dict of int to (x, y, radius) or None
         Answers by peer and frame.
+
+    Raises
+    ------
+    ValueError
+        If the video ends before that row.
     """
     first = real.tight[0]
     assert first.circle is not None
     video = ms.Video(real.video)
     frames = itertools.dropwhile(lambda frame: frame.index < first.frame, video)
-    start = Start(next(frames).image, first.circle, fps=video.fps or FPS)
+    begin = next(frames, None)
+    if begin is None:
+        raise ValueError(f"{real.video} ends before frame {first.frame}, its first labelled row")
+    start = Start(begin.image, first.circle, fps=video.fps or FPS)
     return answers_of({each.key: begun(each, start) for each in peers}, frames)
 
 

@@ -52,7 +52,7 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     alike, plain : float
         Least correlation of the logarithms of brightness of both pictures, for the view to be the same, unless their
         ratios deviate by less than the second: plain pictures have nothing to compare. Of 1,140 pairs of pictures of
-        different videos 209 were taken for a change of the light without this, 15 to 19 with it.
+        different videos 208 were taken for a change of the light without this, 16 with it.
     least : float
         Least change of a channel, as a logarithm: less is left to the slow learning.
     """

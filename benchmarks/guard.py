@@ -20,7 +20,7 @@ from benchmarks.contest.field import OURS, RIVAL, peer
 from benchmarks.contest.speed import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
 from benchmarks.machine import Machine
 from benchmarks.shapes.cases import THIRD
-from benchmarks.shapes.trial import ShapeTask, follow_shape, scalar
+from benchmarks.shapes.trial import ShapeTask, follow_shape, lost_percent, mean_error
 from benchmarks.tracking.accuracy import pooled
 from benchmarks.tracking.contenders import Pool as SearchPool
 from benchmarks.tracking.contenders import convert, search
@@ -123,10 +123,10 @@ def shape_exactness() -> dict[str, float]:
     found = {}
     for name, (case, share, unit) in SHAPES.items():
         trials = [follow_shape(ShapeTask(case, "typical", seed, SHAPE_FRAMES, share)) for seed in SHAPE_SEEDS]
-        errors = [scalar(each) for trial in trials for each in trial.ours]
-        answered = [each for each in errors if each < float("inf")]
-        found[f"{name}: mean error, {unit}"] = sum(answered) / len(answered) if answered else float("inf")
-        found[f"{name}: not answered, %"] = 100.0 * (1.0 - len(answered) / len(errors))
+        answers = [each for trial in trials for each in trial.ours]
+        error = mean_error(answers)
+        found[f"{name}: mean error, {unit}"] = error if error is not None else float("inf")
+        found[f"{name}: not answered, %"] = lost_percent(answers)
     return found
 
 

@@ -8,7 +8,17 @@ from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section, table
 from benchmarks.shapes.cases import CASES, THIRD, Errors
 from benchmarks.shapes.ellipses import missing
-from benchmarks.shapes.trial import CONTOUR, EDGE_DRAWING, EDGE_GRAY, ShapeTask, ShapeTrial, follow_all, scalar
+from benchmarks.shapes.trial import (
+    CONTOUR,
+    EDGE_DRAWING,
+    EDGE_GRAY,
+    ShapeTask,
+    ShapeTrial,
+    follow_all,
+    lost_percent,
+    mean_error,
+    scalar,
+)
 
 FRAMES, QUICK_FRAMES = 100, 40
 SEEDS = 4
@@ -79,17 +89,13 @@ def _means(answers: list[Errors | None]) -> dict[str, float]:
     return {name: float(np.mean([each[name] for each in found])) for name in found[0]} if found else {}
 
 
-def _lost(answers: list[Errors | None]) -> float:
-    return 100.0 * sum(each is None for each in answers) / len(answers)
-
-
 def exactness(case: str, trials: list[ShapeTrial]) -> Finding:
     """Hold the mean errors of a case against its goals."""
     ours, _ = _answers(trials)
     means = _means(ours)
     figures = [Figure(name, value, GOALS[name][0], GOALS[name][1]) for name, value in means.items()]
     goals = [[_goal(name, GOALS[name][2:][k]) for name in means] for k in (0, 1)]
-    lost = Figure("lost", _lost(ours), "%", 1)
+    lost = Figure("lost", lost_percent(ours), "%", 1)
     return Finding(
         name=f"shape_{case.replace(' ', '_')}",
         what=f"{case}, `typical`",
@@ -110,7 +116,7 @@ def hidden(case: str, whole: list[ShapeTrial], covered: list[ShapeTrial]) -> Fin
     figures = (
         Figure("times the error", float(now / plain), "", 2),
         Figure("error", float(now), "", 3),
-        Figure("lost", _lost(ours), "%", 1),
+        Figure("lost", lost_percent(ours), "%", 1),
     )
     return Finding(
         name=f"shape_{case.replace(' ', '_')}_hidden",
@@ -148,16 +154,11 @@ def against_edge_drawing(world: str, trials: list[ShapeTrial], peer: str = EDGE_
     both = [pair for pair in zip(ours, theirs, strict=True) if None not in pair]
     figures = (
         Figure("frames won", _frames_won(trials, peer), "%", 1),
-        Figure("error where both answer", _mean([one for one, _ in both]), "px", 3),
-        Figure("EdgeDrawing's", _mean([other for _, other in both]), "px", 3),
-        Figure("EdgeDrawing lost", _lost(theirs), "%", 1),
+        Figure("error where both answer", mean_error([one for one, _ in both]), "px", 3),
+        Figure("EdgeDrawing's", mean_error([other for _, other in both]), "px", 3),
+        Figure("EdgeDrawing lost", lost_percent(theirs), "%", 1),
     )
     return Finding(name=name, what=what, figures=figures, bar=(Goal("frames won", low=50.0),))
-
-
-def _mean(answers: list[Errors | None]) -> float | None:
-    found = [scalar(each) for each in answers if each is not None]
-    return float(np.mean(found)) if found else None
 
 
 def _frames_won(trials: list[ShapeTrial], peer: str) -> float:
@@ -169,10 +170,18 @@ def _table(runs: dict[tuple[str, str], list[ShapeTrial]]) -> str:
     rows = []
     for (case, world), trials in runs.items():
         ours, theirs = _answers(trials)
-        rows.append([f"{case}, {world}", _words(ours), f"{_lost(ours):.1f}", _words(theirs), f"{_lost(theirs):.1f}"])
+        rows.append(
+            [
+                f"{case}, {world}",
+                _words(ours),
+                f"{lost_percent(ours):.1f}",
+                _words(theirs),
+                f"{lost_percent(theirs):.1f}",
+            ]
+        )
         for peer in (each for each in trials[0].theirs if each != CONTOUR):
             _, theirs = _answers(trials, peer)
-            rows.append([f"the same, {peer}", "", "", _words(theirs), f"{_lost(theirs):.1f}"])
+            rows.append([f"the same, {peer}", "", "", _words(theirs), f"{lost_percent(theirs):.1f}"])
     return table(["shape", "matchset", "lost, %", "contour or EdgeDrawing", "lost, %"], rows)
 
 

@@ -2,10 +2,11 @@
 
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import msgspec
+import numpy as np
 
 import matchset as ms
 from benchmarks.shapes.cases import CASES, Errors
@@ -92,3 +93,14 @@ def scalar(errors: Errors | None) -> float:
     if "overlap" in errors:
         return 100.0 * (1.0 - errors["overlap"])
     return errors["corners"] if "corners" in errors else errors["center"] + errors["axes"]
+
+
+def mean_error(answers: Sequence[Errors | None]) -> float | None:
+    """Mean of `scalar` over the frames with an answer; None where there is none."""
+    found = [scalar(each) for each in answers if each is not None]
+    return float(np.mean(found)) if found else None
+
+
+def lost_percent(answers: Sequence[Errors | None]) -> float:
+    """Share of the frames without an answer, %."""
+    return 100.0 * sum(each is None for each in answers) / len(answers)

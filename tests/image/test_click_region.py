@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from benchmarks.shapes.cases import CASES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,7 +18,6 @@ from matchset.image.clicks.clear_disc import NearParameters, clearest_disc, disc
 from matchset.image.color_learning import ColorParameters, RegionParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at
 from matchset.image.disc_network.network import Disc, DiscNetwork
-from matchset.sim.clips.shape_clip import ShapeClip
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
@@ -344,12 +344,9 @@ def test_a_large_ball_is_one_to_which_circles_of_several_sizes_lead(
     assert (found is not None) == (starts > 1 or radius < limits.alone)
 
 
-QUADRILATERAL = ((-1.5, -1.0), (1.5, -1.0), (1.5, 1.0), (-1.5, 1.0))
-
-
 def test_a_sheet_before_a_wall_is_no_spot_on_a_ball() -> None:
     """Of a piece of the wall the network is just sure enough, but only one circle leads there."""
-    clip = ShapeClip(corners=QUADRILATERAL, tilt=0.45, preset="typical", seed=103, frames=1)
+    clip = CASES["quadrilateral"].clip("typical", 103, 1)
     image, click = next(iter(clip))[0].image, clip.first_click
     circle = ms.ColorModel.pick(image, *click).circle
     assert circle is not None

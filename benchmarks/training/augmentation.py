@@ -5,7 +5,7 @@ import math
 import msgspec
 import torch
 
-from matchset.image.disc_network.polar_patch import RAYS
+from matchset.image.disc_network.patch_format import RAYS
 
 LIGHTNESS, GREEN_RED, BLUE_YELLOW, LOG_ODDS, SEEN, KNOWN = range(6)  # numbers of a place, as `polar_patch` orders them
 

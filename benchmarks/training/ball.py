@@ -25,7 +25,7 @@ from benchmarks.training.layers import (
     which,
     within,
 )
-from matchset.image.disc_network.polar_patch import Circle3
+from matchset.image.disc_network.patch_format import Circle3
 
 
 class BallColorParameters(msgspec.Struct, frozen=True):

@@ -26,7 +26,7 @@ from benchmarks.training.layers import (
     within,
 )
 from matchset.app.films.codecs import EVEN
-from matchset.image.disc_network.polar_patch import Circle3, Image
+from matchset.image.disc_network.patch_format import Circle3, Image
 
 FRAMES_PER_SECOND = 30
 

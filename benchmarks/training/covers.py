@@ -27,7 +27,7 @@ from benchmarks.training.layers import (
     within,
 )
 from benchmarks.training.photographs import Photographs
-from matchset.image.disc_network.polar_patch import Circle3
+from matchset.image.disc_network.patch_format import Circle3
 
 ENDLESS = 1e9  # px: width of what has one edge only
 

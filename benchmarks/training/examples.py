@@ -20,7 +20,8 @@ import typer
 from benchmarks.training.layers import FULL, Floats, Random, Range, Singles, any_angle, away, happens, which, within
 from benchmarks.training.photographs import Photographs
 from benchmarks.training.scene import Scene, SceneParameters, render
-from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RAYS, Circle3, Colors, colors_of, read_patch
+from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RAYS, Circle3, Colors
+from matchset.image.disc_network.polar_patch import colors_of, read_patch
 
 Halves = npt.NDArray[np.float16]
 

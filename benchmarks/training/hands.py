@@ -23,7 +23,7 @@ from benchmarks.training.layers import (
     surface,
     within,
 )
-from matchset.image.disc_network.polar_patch import Circle3
+from matchset.image.disc_network.patch_format import Circle3
 
 Colors = tuple[Range, Range, Range]
 

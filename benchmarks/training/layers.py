@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.disc_network.polar_patch import Circle3
+from matchset.image.disc_network.patch_format import Circle3
 
 Singles = npt.NDArray[np.float32]
 Floats = npt.NDArray[np.float64]

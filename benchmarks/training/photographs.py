@@ -18,7 +18,7 @@ import numpy as np
 import typer
 
 from benchmarks.training.layers import Random, Range, Singles, Size, happens, log_within, within
-from matchset.image.disc_network.polar_patch import Image
+from matchset.image.disc_network.patch_format import Image
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGES = (

@@ -41,7 +41,7 @@ from benchmarks.training.layers import (
 from benchmarks.training.light import LightParameters, lit
 from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
 from benchmarks.training.photographs import Photographs
-from matchset.image.disc_network.polar_patch import Circle3, Image
+from matchset.image.disc_network.patch_format import Circle3, Image
 
 STILL = 0.0, 0.0
 

@@ -24,8 +24,8 @@ from torch.nn import functional
 
 from benchmarks.training.augmentation import AugmentationParameters, varied
 from benchmarks.training.examples import Examples, read_examples
-from matchset.image.disc_network.network import LOG_PRECISIONS, MOVES, PRECISION, STEPS
-from matchset.image.disc_network.polar_patch import NUMBERS, PLACES
+from matchset.image.disc_network.look import LOG_PRECISIONS, MOVES, PRECISION, STEPS
+from matchset.image.disc_network.patch_format import NUMBERS, PLACES
 
 KERNEL = 5  # rays that a convolution sees at once
 COORDINATES = 3  # of a circle

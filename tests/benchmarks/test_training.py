@@ -23,7 +23,7 @@ from benchmarks.training.other_shapes import OtherShapeParameters, other_shape
 from benchmarks.training.photographs import REPOSITORY, PhotographParameters, Photographs, fetch, find_photographs
 from benchmarks.training.scene import BackgroundParameters, Scene, SceneParameters, render
 
-from matchset.image.disc_network.polar_patch import DIRECTIONS, RADII
+from matchset.image.disc_network.patch_format import DIRECTIONS, RADII
 
 GRAY = 128
 EVERYTHING = 1.0  # share

@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at
-from matchset.image.disc_network.network import MOVES, DiscNetwork, FollowParameters
-from matchset.image.disc_network.polar_patch import NUMBERS, PLACES, RADII, RAYS, colors_of, read_patch
+from matchset.image.disc_network.look import MOVES
+from matchset.image.disc_network.network import DiscNetwork, FollowParameters
+from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RADII, RAYS
+from matchset.image.disc_network.polar_patch import colors_of, read_patch
 
 Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]

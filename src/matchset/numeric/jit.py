@@ -1,8 +1,9 @@
 """The one Numba policy: every kernel of the library is compiled by the decorators here, nothing else imports Numba.
 
 `nogil=True` lets trackers run in threads. `error_model="numpy"` drops the zero-division checks, so kernels guard their
-divisions themselves. `fastmath` is off; with `reassociate` alone the order of a sum's terms is free, so that they are
-added several at a time. On one machine results are the same, bit for bit, from run to run.
+divisions themselves. `fastmath` is off; with `reassociate` the order of a sum's terms is free, so that they are added
+several at a time, with `fused` a product is added without being rounded. On one machine results are the same, bit for
+bit, from run to run.
 
 The machine code is kept on disk, so only the first run on a machine compiles. This file alone touches what Numba does
 not promise to keep (tests/numeric/test_private_hooks.py says of each what breaks without it):
@@ -88,10 +89,19 @@ _EVENT.register("numba:compile", _CompileListener())
 @overload
 def kernel(function: F) -> F: ...
 @overload
-def kernel(*, refcount: bool = True, reassociate: bool = False, entry: bool = True) -> Callable[[F], F]: ...
+def kernel(
+    *, refcount: bool = True, reassociate: bool = False, fused: bool = False, entry: bool = True
+) -> Callable[[F], F]: ...
 
 
-def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = False, entry: bool = True) -> Any:
+def kernel(
+    function: Any = None,
+    *,
+    refcount: bool = True,
+    reassociate: bool = False,
+    fused: bool = False,
+    entry: bool = True,
+) -> Any:
     """Compile a function of arrays and scalars that neither raises nor prints.
 
     Parameters
@@ -103,6 +113,8 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
         arrays nor functions may leave it out, and compiles faster then.
     reassociate : bool
         Whether the terms of a sum may be added in any order, several at a time: for long sums.
+    fused : bool
+        Whether a product and a sum may be rounded once, together, as one instruction: for long sums of products.
     entry : bool
         Whether Python may call it. What only other kernels call compiles faster without that entry.
 
@@ -112,8 +124,9 @@ def kernel(function: Any = None, *, refcount: bool = True, reassociate: bool = F
         The compiled function, or the decorator with these options.
     """
     options: dict[str, Any] = {} if refcount else {"_nrt": False, "pipeline_class": _KernelCompiler}
-    if reassociate:  # no set, whose order differs from run to run: it is in the key of kept code
-        options["fastmath"] = {"reassoc": True, "nsz": True}
+    freedom = {"reassoc": reassociate, "nsz": reassociate, "contract": fused}
+    if any(freedom.values()):  # no set, whose order differs from run to run: it is in the key of kept code
+        options["fastmath"] = {name: True for name, given in freedom.items() if given}
     make: Any = functools.partial(_kept if entry else _piece, **options)
     return make if function is None else make(function)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from matchset.image.disc_network.mean_disc import are_same, mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
-from matchset.image.disc_network.polar_patch import Circle3, Image
+from matchset.image.disc_network.patch_format import Circle3, Image
 
 
 class BallAtClickParameters(msgspec.Struct, frozen=True):

@@ -11,6 +11,8 @@ with the inverse of their covariance. From all rays together it gives the log-od
 
 import functools
 import math
+import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,19 +20,17 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.disc_network.polar_patch import DIRECTIONS, RAYS, Circle3, Colors, Image, Patch, read_patch
+from matchset.image.disc_network import look
+from matchset.image.disc_network.layers import TAPS, TILE
+from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RAYS, Circle3, Colors, Image, Patch
+from matchset.image.disc_network.patch_kernel import PATCH_MEMORY
+from matchset.image.disc_network.polar_patch import NOTHING, picture_of
 
 Floats = npt.NDArray[np.float64]
-Weights = dict[str, npt.NDArray[np.float32]]
+Arrays = dict[str, npt.NDArray[np.float32]]
 
 FILE = Path(__file__).resolve().parent / "weights.npz"
-STEPS = {"a": 1, "b": 2, "c": 4, "d": 8}  # format: of the convolutions, in rays
-AROUND = {name: np.add.outer(np.arange(RAYS), step * np.arange(-2, 3)) % RAYS for name, step in STEPS.items()}
-"""Format: of each ray the five rays that a convolution sees, itself in the middle."""
-
-PRECISION = 30.0  # format: of a circle of which nothing is seen, 1 / radii^2
-LOG_PRECISIONS = (-6.0, 8.0)  # format: of a ray, least and largest
-MOVES = np.column_stack((DIRECTIONS, np.ones(RAYS)))  # theorem: how the outline moves along the rays with x, y, radius
+ALL_LOOKS = 1_000_000  # format: where nobody counts them
 
 
 class FollowParameters(msgspec.Struct, frozen=True):
@@ -94,8 +94,14 @@ class Disc(NamedTuple):
     log_odds: float
 
 
+class _Memories(threading.local):
+    """Working memory of each thread that uses a network."""
+
+    memory: look.Memory | None = None
+
+
 class DiscNetwork:
-    """The network with its weights.
+    """The network with its weights; any number of threads may use it.
 
     Parameters
     ----------
@@ -103,8 +109,31 @@ class DiscNetwork:
         Of each layer `NAME.w` of shape (in, out) and `NAME.b` of shape (out,): `first`, `a` to `d`, `out`, `cls`.
     """
 
-    def __init__(self, weights: Weights) -> None:
-        self._weights = weights
+    def __init__(self, weights: Arrays) -> None:
+        width = len(weights["first.b"])
+        self._width = width + -width % TILE  # of the numbers that are added, all weights are 0
+        self._weights = look.Weights(
+            self._by_output(weights["first.w"], 1),
+            self._padded(weights["first.b"]),
+            np.stack([self._by_output(weights[f"{name}.w"], TAPS) for name in look.STEPS]),
+            np.stack([self._padded(weights[f"{name}.b"]) for name in look.STEPS]),
+            np.stack([self._padded(each) for each in weights["out.w"].T]),
+            weights["out.b"].astype(np.float32),
+            np.concatenate([self._padded(each) for each in np.split(weights["cls.w"][:, 0], 2)]),
+            weights["cls.b"].astype(np.float32),
+        )
+        self._memories = _Memories()
+
+    def _padded(self, values: Patch) -> Patch:
+        return np.asarray(np.pad(values, (0, self._width - len(values))), np.float32)
+
+    def _by_output(self, weights: Patch, taps: int) -> Patch:
+        """Weights of a layer by output, of shape (width, in): its inputs are numbers of places, or of some rays."""
+        inputs, width = weights.shape
+        by_tap = weights.reshape(taps, inputs // taps, width)
+        more = 0 if taps == 1 else self._width - width
+        padded = np.pad(by_tap, ((0, 0), (0, more), (0, self._width - width)))
+        return np.ascontiguousarray(padded.reshape(-1, self._width).T, np.float32)
 
     @staticmethod
     @functools.cache
@@ -112,6 +141,18 @@ class DiscNetwork:
         """Read the network of the package, once."""
         with np.load(FILE) as file:
             return DiscNetwork({name: file[name].astype(np.float32) for name in file.files})
+
+    def _memory(self) -> look.Memory:
+        """Working memory of this thread."""
+        if self._memories.memory is None:
+            rays, gathered = (RAYS, self._width), (look.AT_ONCE, TAPS * self._width)
+            self._memories.memory = look.Memory(
+                np.zeros(PATCH_MEMORY.itemsize // 8),
+                np.zeros((RAYS, PLACES, NUMBERS), np.float32),
+                *(np.zeros(shape, np.float32) for shape in (rays, rays, gathered)),
+                *(np.zeros(shape) for shape in ((3,), (3, 3), (3, 3), (3,))),
+            )
+        return self._memories.memory
 
     def see(self, patch: Patch) -> Seen:
         """Say what a patch shows.
@@ -121,48 +162,59 @@ class DiscNetwork:
         patch : ndarray of shape (64, 32, 6), float32
             See `read_patch`.
         """
-        rays = np.maximum(self._layer("first", patch.reshape(RAYS, -1)), 0.0)
-        for name, around in AROUND.items():
-            rays = rays + np.maximum(self._layer(name, rays[around].reshape(RAYS, -1)), 0.0)
-        out = self._layer("out", rays).astype(np.float64)
-        there = self._layer("cls", np.concatenate((rays.mean(axis=0), rays.max(axis=0))))
-        weights = np.exp(np.clip(out[:, 1], *LOG_PRECISIONS))
-        precision = (weights[:, np.newaxis] * MOVES).T @ MOVES + PRECISION * np.eye(3)
-        return Seen(np.linalg.solve(precision, (weights * out[:, 0]) @ MOVES), precision, float(there[0]))
+        memory = self._memory()
+        memory.patch[...] = patch
+        log_odds = look.see(self._weights, memory)
+        return Seen(memory.step.copy(), memory.precision.copy(), log_odds)
 
-    def _layer(self, name: str, values: Patch) -> Patch:
-        return np.asarray(values @ self._weights[f"{name}.w"] + self._weights[f"{name}.b"])
-
-    def follow(
-        self, image: Image, start: Circle3, limits: FollowParameters, known: Colors | None = None
-    ) -> Disc | None:
-        """Go from a circle to the ball's, in rounds.
+    def lead(
+        self,
+        image: Image,
+        starts: Sequence[Circle3],
+        limits: FollowParameters,
+        known: Colors | None = None,
+        looks: int = ALL_LOOKS,
+    ) -> tuple[list[Disc | None], int]:
+        """Go from circles to balls, in rounds, all in one call.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, 3), (h, w, 1) or (h, w), uint8
             BGR or gray.
-        start : (x, y, radius)
+        starts : sequence of (x, y, radius)
             px.
         limits : FollowParameters
         known : Colors, optional
             Colors of the ball, from another picture: see `colors_of`.
+        looks : int
+            How many may be taken in all; starts for which none is left lead to nothing.
 
         Returns
         -------
-        Disc or None
-            None where it leads out of the picture or to nothing.
+        discs : list of Disc or None
+            Of each start; None where it leads out of the picture or to nothing.
+        looks : int
+            How many were taken.
         """
-        circle, found = np.array(start), None
-        for _ in range(limits.rounds):
-            patch = read_patch(image, tuple(circle), known) if circle[2] >= limits.least_radius else None
-            if patch is None:
-                return None
-            seen, scale = self.see(patch), circle[2]
-            if found is None and seen.log_odds < limits.hopeless:
-                return None
-            circle = circle + np.clip(seen.step, -limits.most_step, limits.most_step) * scale
-            found = Disc(tuple(circle.tolist()), seen.precision / scale**2, seen.log_odds)
-            if seen.step @ seen.precision @ seen.step < limits.still:
-                break
-        return found if circle[2] >= limits.least_radius else None
+        rows = np.empty((len(starts), look.ROW))
+        begin = np.array(starts, np.float64).reshape(-1, 3)
+        bounds = look.FollowLimits(
+            limits.rounds, limits.most_step, limits.still, limits.least_radius, float(limits.hopeless)
+        )
+        colors, network = NOTHING if known is None else known, (self._weights, self._memory())
+        taken = look.follow(picture_of(image), begin, colors, bounds, network, looks, rows)
+        return [_disc_of(row) for row in rows], taken
+
+    def follow(
+        self, image: Image, start: Circle3, limits: FollowParameters, known: Colors | None = None
+    ) -> Disc | None:
+        """Go from one circle to the ball's; see `lead`."""
+        return self.lead(image, [start], limits, known)[0][0]
+
+
+def _disc_of(row: Floats) -> Disc | None:
+    """Disc that a start led to."""
+    if not row[look.IS_FOUND]:
+        return None
+    x, y, radius = row[: look.PRECISIONS].tolist()
+    return Disc((x, y, radius), row[look.PRECISIONS : look.LOG_ODDS].reshape(3, 3).copy(), float(row[look.LOG_ODDS]))

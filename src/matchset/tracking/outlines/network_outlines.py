@@ -21,7 +21,8 @@ from matchset.image.color import ColorModel
 from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.mean_disc import mean_disc
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
-from matchset.image.disc_network.polar_patch import Circle3, Colors, colors_of
+from matchset.image.disc_network.patch_format import Circle3, Colors
+from matchset.image.disc_network.polar_patch import colors_of
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]

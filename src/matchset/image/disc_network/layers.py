@@ -1,0 +1,72 @@
+"""One layer of the network in compiled code: `dense`, and `gather_around`, which a circular convolution needs before.
+
+NumPy's BLAS would start a thread for each core for matrices of this size, and wait for them: on a busy computer that
+takes a hundred times as long as the arithmetic. A kernel stays in the thread that calls it.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from matchset.numeric.jit import kernel
+
+Singles = npt.NDArray[np.float32]
+
+TILE = 4  # format: outputs that are worked out together; layers are as wide as a multiple of it
+TAPS = 5  # format: rays that a convolution sees, itself in the middle
+
+
+@kernel(refcount=False, reassociate=True, fused=True, entry=False)
+def dense(values: Singles, weights: Singles, bias: Singles, out: Singles) -> None:
+    """Write ``max(values @ weights.T + bias, 0)``: four rows of both at a time, so that sums stay in registers.
+
+    Parameters
+    ----------
+    values : (4 m, k), float32
+    weights : (4 n, k), float32
+    bias : (4 n,), float32
+    out : (4 m, 4 n), float32, written
+    """
+    inputs = values.shape[1]
+    for r in range(0, values.shape[0], TILE):
+        v0, v1, v2, v3 = values[r], values[r + 1], values[r + 2], values[r + 3]
+        for j in range(0, weights.shape[0], TILE):
+            w0, w1, w2, w3 = weights[j], weights[j + 1], weights[j + 2], weights[j + 3]
+            s00 = s01 = s02 = s03 = s10 = s11 = s12 = s13 = np.float32(0.0)
+            s20 = s21 = s22 = s23 = s30 = s31 = s32 = s33 = np.float32(0.0)
+            for i in range(inputs):
+                a, b, c, d = w0[i], w1[i], w2[i], w3[i]
+                v = v0[i]
+                s00, s01, s02, s03 = s00 + a * v, s01 + b * v, s02 + c * v, s03 + d * v
+                v = v1[i]
+                s10, s11, s12, s13 = s10 + a * v, s11 + b * v, s12 + c * v, s13 + d * v
+                v = v2[i]
+                s20, s21, s22, s23 = s20 + a * v, s21 + b * v, s22 + c * v, s23 + d * v
+                v = v3[i]
+                s30, s31, s32, s33 = s30 + a * v, s31 + b * v, s32 + c * v, s33 + d * v
+            out[r, j], out[r, j + 1], out[r, j + 2], out[r, j + 3] = s00, s01, s02, s03
+            out[r + 1, j], out[r + 1, j + 1], out[r + 1, j + 2], out[r + 1, j + 3] = s10, s11, s12, s13
+            out[r + 2, j], out[r + 2, j + 1], out[r + 2, j + 2], out[r + 2, j + 3] = s20, s21, s22, s23
+            out[r + 3, j], out[r + 3, j + 1], out[r + 3, j + 2], out[r + 3, j + 3] = s30, s31, s32, s33
+    for r in range(values.shape[0]):
+        for j in range(weights.shape[0]):
+            out[r, j] = max(out[r, j] + bias[j], np.float32(0.0))
+
+
+@kernel(refcount=False, entry=False)
+def gather_around(rays: Singles, first: int, step: int, out: Singles) -> None:
+    """Write, for some rays from the first on, the numbers of the five rays that a convolution sees.
+
+    Parameters
+    ----------
+    rays : (n, width), float32
+    first : int
+    step : int
+        Of the convolution, in rays.
+    out : (m, 5 * width), float32, written
+    """
+    count, width = rays.shape
+    for k in range(out.shape[0]):
+        for tap in range(TAPS):
+            source = (first + k + step * (tap - TAPS // 2)) % count
+            for i in range(width):
+                out[k, tap * width + i] = rays[source, i]

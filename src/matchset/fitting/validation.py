@@ -77,11 +77,9 @@ class Prior(enum.Enum):
         Nothing, but somebody asks for this one picture.
     CLICKED
         Somebody clicked at it in this very picture, and this is the circle that was found around the click.
-    FOLLOWED
-        It was tracked until now, this is where the fit that began at its prediction ended, and a search found nothing.
     """
 
-    NONE, PRESENT, HERE, ASKED, CLICKED, FOLLOWED = range(6)
+    NONE, PRESENT, HERE, ASKED, CLICKED = range(5)
 
 
 class ValidationParameters(msgspec.Struct, frozen=True):
@@ -280,7 +278,7 @@ class Validator:
 
     def _leeway_of(self, prior: Prior) -> float:
         """Factor on the limits of a shape: more for one that was there, or is said to be."""
-        return self.limits.hint_leeway if prior in (Prior.PRESENT, Prior.FOLLOWED) else 1.0
+        return self.limits.hint_leeway if prior is Prior.PRESENT else 1.0
 
     def _validate_weighed(self, fit: Statistics, prior: Prior, evidence: float) -> Rejection:
         """Say why a detection is rejected of which the evidence was weighed."""
@@ -294,7 +292,6 @@ class Validator:
             Prior.HERE: asked.here,
             Prior.ASKED: asked.asked,
             Prior.CLICKED: asked.clicked,
-            Prior.FOLLOWED: asked.followed,
         }[prior]
         least_msac = {Prior.NONE: asked.unknown_msac, Prior.ASKED: asked.asked_msac}.get(prior, 0.0)
         if evidence < least + asked.hidden * hidden:

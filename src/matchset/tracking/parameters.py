@@ -2,7 +2,6 @@
 
 import msgspec
 
-from matchset.fitting.consensus import ConsensusParameters
 from matchset.fitting.fitter import FittingParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
@@ -12,12 +11,9 @@ from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
-from matchset.tracking.outlines.hypothesis_filter import HypothesisFilterParameters
 from matchset.tracking.outlines.network_outlines import NetworkParameters
-from matchset.tracking.search.color_disc import ColorDiscParameters
 from matchset.tracking.search.disc_search import DiscSearchParameters
 from matchset.tracking.search.prominence import ProminenceParameters
-from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.search.voting import SearchParameters
 
 
@@ -57,12 +53,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How long a shape may be seen faintly.
     hypotheses : HypothesisParameters
         Which other hypotheses are tested where a fit is ambiguous.
-    consensus : ConsensusParameters
-        Which outlines are drawn from edge points where a fit is ambiguous.
-    hypothesis_filter : HypothesisFilterParameters
-        How those are weighed against the frames before.
     soft_region : SoftRegionParameters
-        How the region of a blurred target is found, and what it is worth among those.
+        How the region of a blurred target is found, and what it is worth beside the network's disc.
     network : NetworkParameters
         When the network of discs is believed beside edge points.
     initialization : InitializationParameters
@@ -73,12 +65,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How the candidates of a search are fitted.
     prominence : ProminenceParameters
         When a lost shape is known again by its color alone being there.
-    color_disc : ColorDiscParameters
-        When a shape whose outline is not confirmed is where its color is.
     disc_search : DiscSearchParameters
         Where the network is asked for a lost shape.
-    template : TemplateParameters
-        When it is where something looks as it did.
     adaptation : AdaptationParameters
         How the color follows the light.
     relighting : RelightingParameters
@@ -93,17 +81,13 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     reach: ReachParameters = ReachParameters()
     confidence: ConfidenceParameters = ConfidenceParameters()
     hypotheses: HypothesisParameters = HypothesisParameters()
-    consensus: ConsensusParameters = ConsensusParameters()
-    hypothesis_filter: HypothesisFilterParameters = HypothesisFilterParameters()
     soft_region: SoftRegionParameters = SoftRegionParameters()
     network: NetworkParameters = NetworkParameters()
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
     prominence: ProminenceParameters = ProminenceParameters()
-    color_disc: ColorDiscParameters = ColorDiscParameters()
     disc_search: DiscSearchParameters = DiscSearchParameters()
-    template: TemplateParameters = TemplateParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     relighting: RelightingParameters = RelightingParameters()
     brightness: BrightnessParameters = BrightnessParameters()

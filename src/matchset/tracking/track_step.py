@@ -20,7 +20,6 @@ from matchset.image.color import ColorModel
 from matchset.image.light.color_adaptation import AdaptationParameters, adapt_table, adaptation_block
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import collection_paused, interpreted
-from matchset.numeric.record import Block
 from matchset.shapes.described import box_of
 from matchset.shapes.shape import Shape, finds_itself, outline
 from matchset.tracking.compiled_step import tracking_fitter
@@ -62,14 +61,13 @@ class TrackStep(Copied, Generic[S]):
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.without_outline = False
-        self._spare: tuple[Block, Floats | None] | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self.outlines = OutlineChoice(fitter, parameters)
 
     def forget(self) -> None:
         """Be as a step is that has seen nothing."""
-        self.faint, self._spare, self.given, self.without_outline = 0, None, False, False
-        self.outlines.forget()
+        self.faint, self.given, self.without_outline = 0, False, False
+        self.outlines.spread = None
         self._make_derived()
 
     def _derive(self) -> None:
@@ -89,7 +87,7 @@ class TrackStep(Copied, Generic[S]):
         index : int
             Number of the frame.
         """
-        fitter, self.outlines.spread, self._spare = self.fitter, None, None
+        fitter, self.outlines.spread = self.fitter, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
             self.without_outline = False
@@ -137,7 +135,7 @@ class TrackStep(Copied, Generic[S]):
             if stretched is not None:
                 estimate = stretched
             else:
-                chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
+                chosen = self.outlines.choose(image, color, estimate, speed)
                 estimate = chosen or self._test_hypotheses(image, color, estimate, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
@@ -153,12 +151,6 @@ class TrackStep(Copied, Generic[S]):
         rejection = self.fitter.validate_detection(estimate, Prior.NONE if alone else Prior.PRESENT)
         if not here.reachable(there, missed, self.parameters.reach):
             return rejection or Rejection.UNREACHABLE
-        if (
-            rejection
-            and not (alone or self.given or self.without_outline)
-            and not self.fitter.validate_detection(estimate, Prior.FOLLOWED)
-        ):
-            self._spare = self.fitter.block.copy(), self.outlines.spread
         return rejection
 
     def _confidence_lost(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
@@ -203,17 +195,6 @@ class TrackStep(Copied, Generic[S]):
                 best, most = other.state, score
         return fitter.fit(image, color, best, SearchWindow(limits.final_range, speed, limits.final_sigma))
 
-    def accept_spare(self, time: float) -> bool:
-        """Accept the fit outside the gate that was refused at a time, s, if a little speaks for it; whether one was.
-
-        For when a search found nothing: what it finds has more evidence.
-        """
-        if self._spare is None:
-            return False
-        self.fitter.block[:], self.outlines.spread = self._spare
-        self.accept(time)
-        return True
-
     def take_disc(self, image: Image, color: ColorModel, disc: Gate, spread: Floats, when: tuple[float, bool]) -> None:
         """Take a disc that no edges confirm for the target.
 
@@ -240,7 +221,7 @@ class TrackStep(Copied, Generic[S]):
 
     def accept(self, time: float) -> None:
         """Correct the motion with the last fit, which was accepted at a time, s."""
-        self.given, self.without_outline, self._spare = False, False, None
+        self.given, self.without_outline = False, False
         self._accept(self.fitter.block, time)
 
     def missed(self, time: float, interval: float) -> float:

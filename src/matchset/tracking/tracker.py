@@ -214,7 +214,7 @@ class Tracker(Copied, Generic[S]):
         if self._step.without_outline:
             return track
         if rejected is not None or self._unseen.prominence.is_due(self._frames):
-            self._unseen.remember(image, self.color, gate_of(self._family, track.shape.state), self._time)
+            self._unseen.remember(image, self.color, gate_of(self._family, track.shape.state))
             self._adapting.keep(image, self.color)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
@@ -270,7 +270,7 @@ class Tracker(Copied, Generic[S]):
                 return None
             reason = rejection or reason
         lost = Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
-        return None if self._step.accept_spare(self._time) or self._without_outline(image, predicted) else lost
+        return None if self._without_outline(image, predicted) else lost
 
     def _without_outline(self, image: Image, predicted: Floats | None) -> bool:
         """Take what is like the target though no outline is seen, where it is expected or was clicked, or anywhere."""

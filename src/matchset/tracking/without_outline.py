@@ -1,8 +1,7 @@
 """Where a target is whose outline no edges confirm: `WithoutOutline`.
 
-Last of all, where the fit and the search found nothing, a disc counts that has the target's color
-(`search.color_disc`), one that the network sees there (`image/disc_network`), or else one that looks as it did
-(`search.template`). Nothing is learned from it but its looks.
+Last of all, where the fit and the search found nothing, a disc counts that the network sees there
+(`image/disc_network`), of the color and size of the target. Nothing is learned from it but its color.
 """
 
 import math
@@ -19,10 +18,8 @@ from matchset.image.disc_network.network import Disc
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.network_outlines import covariance_of, likeliest
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.color_disc import ColorDiscs
 from matchset.tracking.search.disc_search import contrasting_discs
 from matchset.tracking.search.prominence import Prominence
-from matchset.tracking.search.template import Template
 from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
@@ -48,8 +45,6 @@ class WithoutOutline:
     def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
         self._step, self._parameters = step, parameters
         self.prominence = Prominence(parameters.prominence, parameters.search)
-        self._discs = ColorDiscs(parameters.color_disc, self.prominence)
-        self._template = Template(parameters.template)
         self._color: Floats | None = None
         self._half_width = 0.0
         self.seen = False
@@ -62,11 +57,10 @@ class WithoutOutline:
         color : ColorModel
         """
         self._step.outlines.network.know(color.sample)
-        self._discs.forget()
-        self._template.forget()
+        self.prominence.forget()
         self.seen, self._color, self._half_width = False, None, 0.0
 
-    def remember(self, image: Image, color: ColorModel, seen: Gate, time: float) -> None:
+    def remember(self, image: Image, color: ColorModel, seen: Gate) -> None:
         """Remember the color and the looks of a target whose outline is seen.
 
         Parameters
@@ -75,14 +69,11 @@ class WithoutOutline:
         color : ColorModel
         seen : Gate
             Where it is.
-        time : float
-            Of the picture, s.
         """
         self.seen = True
         if self._step.fitter.weighs(color):
-            self._discs.measure(image, color, seen)
+            self.prominence.measure(image, color, seen)
         if self._step.outlines.is_disc:
-            self._template.learn(image, seen, time)
             self._color = self._step.outlines.network.median_color(image, (seen.x, seen.y, seen.half_width))
             self._half_width = seen.half_width
 
@@ -121,39 +112,24 @@ class WithoutOutline:
 
         Parameters
         ----------
-        image, color, time
+        image, color
             See `remember`.
         last : Gate
             Where the target was seen last.
         expected : Gate or None
             Where it should be, if it was seen lately.
+        time : float
+            Of the picture, s.
         interval : float
             Since the frame before, s.
         """
-        step, parameters = self._step, self._parameters
+        step = self._step
         if not step.outlines.is_disc:
             return False
         missed = step.missed(time, interval)
         if not step.without_outline:  # what approaches is larger than when its looks were remembered
             self._half_width = last.half_width
-        if self._take_by_network(image, color, last, expected, (missed, time)):
-            return True
-        if step.fitter.weighs(color):
-            disc = self._discs.find(image, color, expected, missed) if expected else None
-            found = disc or self._discs.find_anywhere(image, color, last.half_width)
-            if found and self._take(image, color, Gate(*found[:3]), parameters.color_disc.sigma, (time, disc is None)):
-                return True
-        if expected is None:
-            return False
-        like = self._template.find(image, expected, missed, time)
-        return like is not None and self._take(image, color, Gate(*like[:3]), parameters.template.sigma, (time, False))
-
-    def _take(self, image: Image, color: ColorModel, disc: Gate, sigma: float, when: tuple[float, bool]) -> bool:
-        """Take a disc whose parameters have a standard deviation, half-widths, unless it is another shape."""
-        if self._is_other_shape(image, disc):
-            return False
-        self._step.take_disc(image, color, disc, (sigma * disc.half_width) ** 2 * np.eye(3), when)
-        return True
+        return self._take_by_network(image, color, last, expected, (missed, time))
 
     def _take_disc(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
         """Take a disc of the network, unless that is not sure and the region there is another shape."""
@@ -231,8 +207,8 @@ class WithoutOutline:
         clicked : Gate
             Circle around the click.
         """
-        step, template, sample = self._step, self._template, color.sample
-        if not step.outlines.is_disc or sample is None:
+        step = self._step
+        if not step.outlines.is_disc or color.sample is None:
             return False
         network = step.outlines.network
         limits = network.limits
@@ -240,8 +216,4 @@ class WithoutOutline:
         if disc is not None:
             self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
             return self._take_disc(image, color, disc, (time, True), limits.clicked)
-        template.learn(sample.image, Gate(*sample.circle), time)
-        like = template.find(image, clicked, 1.0, time)
-        return like is not None and self._take(
-            image, color, Gate(*like[:3]), self._parameters.template.sigma, (time, True)
-        )
+        return False

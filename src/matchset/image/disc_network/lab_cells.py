@@ -12,6 +12,7 @@ import numpy.typing as npt
 from matchset.image.disc_network.patch_format import FARTHEST, LEAST_SIDE, NEAREST, ROOM, SIZE, Image
 from matchset.numeric.jit import helper, kernel
 
+Single = np.float32
 Singles = npt.NDArray[np.float32]
 Floats = npt.NDArray[np.float64]
 Window = npt.NDArray[np.int64]
@@ -89,15 +90,15 @@ def _taps(start: int, length: int, cells: int, where: Window, share: Singles) ->
 
 
 @helper
-def _root(at: float) -> float:
+def _root(at: Single) -> Single:
     """Cube root of a share of the white's light, in nodes, or the line that CIE Lab takes near black."""
     below = np.uint64(at)  # without a sign no index is checked for one
     part = np.float32(at - np.float32(below))
-    return CUBE_ROOT[below] + part * (CUBE_ROOT[below + np.uint64(1)] - CUBE_ROOT[below])
+    return np.float32(CUBE_ROOT[below] + part * (CUBE_ROOT[below + np.uint64(1)] - CUBE_ROOT[below]))
 
 
 @helper
-def _write_lab(blue: float, green: float, red: float, out: Singles) -> None:
+def _write_lab(blue: Single, green: Single, red: Single, out: Singles) -> None:
     """Write CIE Lab of a color, 0 ... 255, L 0 ... 100."""
     half = np.float32(0.5)
     b, g, r = LINEAR[np.uint64(blue + half)], LINEAR[np.uint64(green + half)], LINEAR[np.uint64(red + half)]
@@ -113,7 +114,7 @@ def _write_lab(blue: float, green: float, red: float, out: Singles) -> None:
 def _is_whole(image: Image, window: Window) -> bool:
     """Whether a window does not end at a border of the picture."""
     right, bottom = window[0] + window[2], window[1] + window[3]
-    return window[0] > 0 and window[1] > 0 and right < image.shape[1] and bottom < image.shape[0]
+    return bool(window[0] > 0 and window[1] > 0 and right < image.shape[1] and bottom < image.shape[0])
 
 
 @kernel(refcount=False, entry=False)

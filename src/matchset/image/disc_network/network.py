@@ -145,12 +145,16 @@ class DiscNetwork:
     def _memory(self) -> look.Memory:
         """Working memory of this thread."""
         if self._memories.memory is None:
-            rays, gathered = (RAYS, self._width), (look.AT_ONCE, TAPS * self._width)
             self._memories.memory = look.Memory(
-                np.zeros(PATCH_MEMORY.itemsize // 8),
-                np.zeros((RAYS, PLACES, NUMBERS), np.float32),
-                *(np.zeros(shape, np.float32) for shape in (rays, rays, gathered)),
-                *(np.zeros(shape) for shape in ((3,), (3, 3), (3, 3), (3,))),
+                patch_block=np.zeros(PATCH_MEMORY.itemsize // 8),
+                patch=np.zeros((RAYS, PLACES, NUMBERS), np.float32),
+                rays=np.zeros((RAYS, self._width), np.float32),
+                more=np.zeros((RAYS, self._width), np.float32),
+                gathered=np.zeros((look.AT_ONCE, TAPS * self._width), np.float32),
+                step=np.zeros(3),
+                precision=np.zeros((3, 3)),
+                inverse=np.zeros((3, 3)),
+                right=np.zeros(3),
             )
         return self._memories.memory
 

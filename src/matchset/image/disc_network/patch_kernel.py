@@ -123,7 +123,7 @@ def _select(values: Singles, rank: int) -> float:
             low = i
         else:
             break
-    return values[rank]
+    return float(values[rank])
 
 
 @kernel(refcount=False, entry=False)
@@ -134,7 +134,7 @@ def _median(values: Singles) -> float:
     lower = values[0]
     for k in range(1, half):
         lower = max(lower, values[k])
-    return 0.5 * (lower + upper)
+    return float(0.5 * (lower + upper))
 
 
 @kernel(refcount=False, entry=False)

@@ -1,11 +1,7 @@
 """Outlines of discs by the network of `image/disc_network`, and how others are weighed against them: `NetworkOutlines`.
 
 Edge points say where contrasts are, not whose they are: a hand, a tube or leaves of its color make better ones than a
-ball's shaded rim. The network has seen many balls, and says where the outline is and how sure that is. An outline is
-less likely by its distance from there, as by Student's t distribution with `freedom` degrees, since a network is wrong
-more often than a normal distribution allows:
-
-    log-likelihood = -(freedom + 3) / 2 ln(1 + d' P d / (inflation freedom)),    P the precision of the disc.
+ball's shaded rim. The network has seen many balls, and says where the outline is and how sure that is.
 """
 
 import math
@@ -45,11 +41,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         How it is led to a ball, and how from places where one is looked for.
     moved : float
         Farthest way from where it began, sum of the changes of x, y and radius in radii: beyond, it is led elsewhere.
-    freedom, inflation : float
-        Degrees of freedom of its errors, and by how much their covariance is larger than it says. Less inflation
-        believes it more beside edge points.
-    most : float
-        Largest loss of log-likelihood of an outline.
+    inflation : float
+        By how much the covariance of its errors is larger than it says, beside a region.
     same : float
         Discs whose x, y and radius differ by less in all, in radii, are the same ball: their mean counts.
     sure : float
@@ -85,15 +78,16 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds of a disc that was clicked from which its region need not be a disc's.
     chroma_sigma : float
         Standard deviation of that in chroma, where a target is looked for in a picture, units of CIE Lab.
+    range_share, min_range_px, sigma_share : float
+        Search range of the fit that begins at a disc, in half-widths and at least px; and how far edge points are
+        expected, as a share of that: less keeps to the disc, more to what lies around it.
     """
 
     used: bool = True
     follow: FollowParameters = FollowParameters()
     search: FollowParameters = FollowParameters(hopeless=-2.0)
     moved: float = 1.0
-    freedom: float = 3.0
     inflation: float = 4.0
-    most: float = 12.0
     same: float = 0.5
     sure: float = 1.0
     clear: float = 2.0
@@ -113,6 +107,9 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     renewed: float = 4.5
     clicked: float = 3.0
     chroma_sigma: float = 5.0
+    range_share: float = 0.03
+    min_range_px: float = 1.5
+    sigma_share: float = 0.4
 
 
 class NetworkOutlines:
@@ -182,24 +179,6 @@ class NetworkOutlines:
             if 0.0 <= disc.circle[0] <= width - 1 and 0.0 <= disc.circle[1] <= height - 1:
                 found.append(disc)
         return found
-
-    def log_likelihoods(self, discs: Sequence[Disc], states: Floats) -> Floats:
-        """Log-likelihood of outlines beside the discs, that of the nearest one.
-
-        Parameters
-        ----------
-        discs : sequence of Disc
-            At least one.
-        states : ndarray of shape (k, 3), float64
-
-        Returns
-        -------
-        ndarray of shape (k,), float64
-        """
-        limits = self.limits
-        nearest = np.min([squared_distances(disc, states) for disc in discs], axis=0)
-        odds = -0.5 * (limits.freedom + DISC) * np.log1p(nearest / (limits.inflation * limits.freedom))
-        return np.asarray(np.maximum(odds, -limits.most))
 
     def weighed(self, disc: Disc, circle: Circle3, sigma: float) -> Disc:
         """Mean of a disc and another measurement of its circle, weighed by their inverse covariances.

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.consensus import Consensus, Proposals
 from matchset.fitting.fitter import Estimate, Fitter
 from matchset.fitting.soft_region import SoftRegion, find_soft_region
 from matchset.fitting.validation import Prior, Rejection
@@ -21,8 +20,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.shapes.shape import outline
-from matchset.tracking.motion import gate_of, usual_size
-from matchset.tracking.outlines.hypothesis_filter import HypothesisFilter
+from matchset.tracking.motion import gate_of
 from matchset.tracking.outlines.network_outlines import (
     DISC,
     NetworkOutlines,
@@ -35,7 +33,6 @@ from matchset.tracking.parameters import TrackerParameters
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
-SAME_OFFSET = 1e-3  # theorem: share by which a field offset that is taken for half a frame's way differs: rounding
 SAME_AWAY = 1e-3  # theorem: points of a circle of 20 px are equally far from its center, but for rounding, px
 HALF_WIDTH = 20.0  # geometry: of the shape that is looked at for that, px
 
@@ -61,31 +58,13 @@ class OutlineChoice:
         self._fitter, self._parameters = fitter, parameters
         self.network = NetworkOutlines(parameters.network)
         self.spread: Floats | None = None
-        self._consensus = Consensus(len(fitter.family.parameters), parameters.consensus)
-        self._filter = HypothesisFilter(parameters.hypothesis_filter)
         away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
         self.is_disc = len(fitter.family.parameters) <= DISC and bool(np.ptp(away) < SAME_AWAY)
 
-    def forget(self) -> None:
-        """Remember no outlines."""
-        self.spread = None
-        self._filter.forget()
+    def choose(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate | None:
+        """Fit the network's disc instead of an ambiguous fit.
 
-    def draws(self, color: ColorModel) -> bool:
-        """Whether outlines are drawn from edge points: not where those of two fields, known apart, would be mixed."""
-        fitter, limits = self._fitter, self._parameters.consensus
-        apart = math.hypot(*fitter.work.field_offset.expected.tolist())
-        half = self._parameters.fields.frame_share * float(fitter.work.window.speed)
-        mixed = apart > limits.max_field_offset_px and math.isclose(apart, half, rel_tol=SAME_OFFSET)
-        return len(fitter.family.parameters) <= limits.most_parameters and fitter.weighs(color) and not mixed
-
-    def choose(
-        self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
-    ) -> Estimate | None:
-        """Fit the network's disc, or else the likeliest of the outlines around an ambiguous fit.
-
-        A fit that was rejected needs evidence of the outline; without it, it is as it was. None, and the workspace as
-        it was, where the network sees no ball and no outlines are drawn.
+        None, and the workspace as it was, where the network sees no ball.
 
         Parameters
         ----------
@@ -93,38 +72,15 @@ class OutlineChoice:
         color : ColorModel
         estimate : Estimate
             The ambiguous fit.
-        frame : tuple of float
-            Time of the frame and since the frame before, s.
         speed : float
             Of the target, px per frame.
         """
         fitter, p = self._fitter, len(self._fitter.family.parameters)
+        if not (self.is_disc and fitter.weighs(color)):
+            return None
         predicted = fitter.work.motion.predicted[:p].copy()
-        asked = self.is_disc and fitter.weighs(color)
-        discs = self.network.discs(image, (predicted, estimate.state[:p])) if asked else []
-        near = self._near_disc(image, color, estimate, discs, speed)
-        if near is not None or not self.draws(color):
-            return near
-        step = np.zeros(p)
-        if float(fitter.work.iteration.moved) > 0.0:  # the outline was traced before the last step
-            step = fitter.work.step[:p].copy()
-        traced = estimate.state[:p] - step
-        found, scores = self._proposals(image, color, estimate, traced, step, discs)
-        which = self._likeliest(found, traced, frame, preferred=not estimate.rejection)
-        fitted = self._fit_following(image, color, estimate.state, traced + found.steps[which], speed)
-        taken = self._taken(image, color, fitted, discs, predicted)
-        if taken is not None:
-            self.spread = None
-            return taken
-        rejection = fitted.rejection
-        if not rejection and estimate.rejection:
-            unseen = fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
-            if unseen or scores[which] < self._parameters.hypothesis_filter.least_score:
-                rejection = estimate.rejection
-        self.spread = self._filter.spread(found.steps, which)
-        if rejection:
-            self.forget()
-        return fitted._replace(rejection=rejection)
+        discs = self.network.discs(image, (predicted, estimate.state[:p]))
+        return self._near_disc(image, color, estimate, discs, speed)
 
     def _near_disc(
         self, image: Image, color: ColorModel, estimate: Estimate, discs: Sequence[Disc], speed: float
@@ -172,39 +128,6 @@ class OutlineChoice:
         work.window.speed, work.field_offset.fitted[:] = speed, fields
         return fitted
 
-    def _proposals(
-        self,
-        image: Image,
-        color: ColorModel,
-        estimate: Estimate,
-        traced: Floats,
-        step: Floats,
-        discs: Sequence[Disc],
-    ) -> tuple[Proposals, Floats]:
-        """Outlines with their scores, and those scores without what region and network add."""
-        limits, predicted = self._parameters.hypothesis_filter, self._fitter.work.motion.predicted[: len(traced)]
-        region, worth = self._soft_region(image, estimate.state)
-        others = [region[: len(traced)] - traced] if worth else []
-        others += [np.array(disc.circle) - traced for disc in discs]
-        given = np.array([step, predicted - traced, *others])
-        found = self._consensus.propose(image, color, self._fitter.outline, estimate.fit.half_width, given)
-        scores = found.scores.copy()
-        if worth:
-            found.scores[2] = max(float(scores[2]), 0.0) + worth
-        if discs:
-            found.scores[:] += self.network.log_likelihoods(discs, traced + found.steps) / limits.score_weight
-        return found, scores
-
-    def _likeliest(self, found: Proposals, traced: Floats, frame: tuple[float, float], preferred: bool) -> int:
-        """Which outline is likeliest by all that is known of the frames before."""
-        motion = self._fitter.work.motion
-        p = len(traced)
-        last, predicted = motion.last_state[:p].copy(), motion.predicted[:p]
-        if self._filter.time < float(motion.time):
-            self._filter.begin(last[:2], float(self._fitter.family.half_width(last)), float(motion.time))
-        ahead = predicted[:2] - last[:2], usual_size(self._fitter.work, frame)
-        return self._filter.choose(found, (traced + found.steps)[:, :2], ahead, frame, preferred=preferred)
-
     def _fit(
         self,
         image: Image,
@@ -219,7 +142,7 @@ class OutlineChoice:
 
         `unknown`: whether nothing is known of the direction in which it moves.
         """
-        limits, whole = self._parameters.hypothesis_filter, state.copy()
+        limits, whole = self.network.limits, state.copy()
         whole[: len(begin)] = begin
         reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
         window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
@@ -292,14 +215,14 @@ class OutlineChoice:
         predicted : ndarray of shape (s,), float64, or None
             Where the target was expected.
         """
-        if not self.draws(color):
+        if not (self.is_disc and self._fitter.weighs(color)):
             return estimate
         starts = [estimate.state.copy(), *([] if predicted is None else [predicted])]
         region = self._on_soft_region(image, color, estimate, prior)
         if region is not estimate:
             starts = [region.state, *starts]
         sharp = region.fit.msac_score >= self.network.limits.sharp
-        return region if sharp or not self.is_disc else self._on_network(image, color, region, prior, starts)
+        return region if sharp else self._on_network(image, color, region, prior, starts)
 
     def _on_soft_region(self, image: Image, color: ColorModel, estimate: Estimate, prior: Prior) -> Estimate:
         """Fit a detection anew from its region, if that is blurred and the fit is a detection too."""

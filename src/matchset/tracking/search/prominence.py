@@ -12,7 +12,6 @@ rival but the target.
 import math
 from typing import NamedTuple
 
-import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
@@ -58,8 +57,6 @@ class ProminenceParameters(msgspec.Struct, frozen=True):
     lead: float = 0.5
     kept: float = 0.6
     growth: float = 1.4
-    same_px: float = 12.0
-    same_share: float = 0.5
 
 
 class _StepMap(NamedTuple):
@@ -69,17 +66,13 @@ class _StepMap(NamedTuple):
     radius: float
     clearest: Singles
 
-    def around(self, place: Gate) -> tuple[slice, slice]:
-        """Cells that are not elsewhere."""
-        return _around(*self._cell(place), ELSEWHERE * self.radius + 1.0)
-
     def steps(self, place: Gate) -> tuple[float | None, float]:
         """Color step of a shape, None where the picture is too small for it, and the largest one elsewhere."""
         if not self.clearest.size:
             return None, NO_RIVAL
         own = float(self.clearest[_around(*self._cell(place), max(NEAR * self.radius, 1.0))].max(initial=NO_RIVAL))
         others = self.clearest.copy()
-        others[self.around(place)] = NO_RIVAL
+        others[_around(*self._cell(place), ELSEWHERE * self.radius + 1.0)] = NO_RIVAL
         return own, float(others.max())
 
     def _cell(self, place: Gate) -> tuple[float, float]:
@@ -105,7 +98,6 @@ class Prominence:
         """Be as one is that has seen nothing."""
         self._own: float | None = None
         self._rival, self._size = NO_RIVAL, 0.0
-        self._known, self._scene = np.zeros((0, 0), np.float32), np.zeros(0)
 
     def is_due(self, frames: int) -> bool:
         """Whether the target should be measured, after so many frames."""
@@ -125,10 +117,6 @@ class Prominence:
         own, rival = steps.steps(seen)
         if own is not None and (self._own is None or own > self._limits.kept * self._own):
             self._own, self._rival, self._size = own, max(self._rival, rival), seen.half_width
-            self._scene = _scene_of(image)
-            now, hidden = steps.clearest, steps.around(seen)
-            now[hidden] = self._known[hidden] if self._known.shape == now.shape else NO_RIVAL
-            self._known = now
 
     def recognizes(self, image: Image, color: ColorModel, last: float, found: Gate) -> bool:
         """Whether a shape is the lost target, since nothing else in the picture has or had its color so clearly.
@@ -151,45 +139,6 @@ class Prominence:
         own, rival = self._map(image, color, found.half_width).steps(found)
         return own is not None and own > max(limits.kept * self._own, max(rival, self._rival) + limits.lead)
 
-    def clearest(self, image: Image, color: ColorModel, half_width: float) -> Gate | None:
-        """Say where the lost target is, if the camera stands and one place alone has its color as clearly as it had.
-
-        Places that were as clear while the target was elsewhere do not count, while all of them are as they were.
-
-        Parameters
-        ----------
-        image, color
-            See `measure`.
-        half_width : float
-            Of the target, px.
-        """
-        limits = self._limits
-        if self._own is None or not self._is_same(image):
-            return None
-        stride, radius, now = self._map(image, color, half_width)
-        if now.shape != self._known.shape or not now.size:
-            return None
-        explained = cv2.dilate(self._known, _square(radius))
-        fresh = np.where(now > explained + limits.lead, now, NO_RIVAL)
-        row, column = np.unravel_index(int(fresh.argmax()), fresh.shape)
-        own, rivals = float(fresh[row, column]), self._known > float(fresh[row, column]) - limits.lead
-        moved = cv2.dilate(now, _square(0.5 * radius))[rivals] < self._known[rivals] - limits.lead
-        if own <= limits.kept * self._own or moved.any():
-            return None
-        now[_around(float(column), float(row), ELSEWHERE * radius + 1.0)] = NO_RIVAL
-        now[explained > own - limits.lead] = NO_RIVAL
-        place = Gate((float(column) + 0.25) * stride, (float(row) + 0.5) * stride, half_width)
-        return place if own > float(now.max()) + limits.lead else None
-
-    def _is_same(self, image: Image) -> bool:
-        """Whether most of the picture is as it was when the target was measured, but for the exposure."""
-        scene = _scene_of(image)
-        if scene.shape != self._scene.shape:
-            return False
-        change = scene - self._scene
-        still = np.abs(change - np.median(change)) < self._limits.same_px
-        return bool(still.mean() > self._limits.same_share)
-
     def _map(self, image: Image, color: ColorModel, half_width: float) -> "_StepMap":
         """Color steps of discs of about a size, at each cell of a grid."""
         height, width = image.shape[:2]
@@ -199,19 +148,6 @@ class Prominence:
         sample_grid(image, color.table, stride, grid)
         maps = [step for _, step in color_steps(grid, [size * radius for size in SIZES])] if grid.size else []
         return _StepMap(stride, radius, np.max(maps, axis=0) if maps else np.zeros((0, 0), np.float32))
-
-
-def _scene_of(image: Image) -> Floats:
-    """Brightness of the parts of a picture, gray levels."""
-    height, width = image.shape[:2]
-    few = np.ascontiguousarray(image[:: max(height // SAMPLES, 1), :: max(width // SAMPLES, 1)])
-    parts = cv2.resize(few, (PARTS, PARTS), interpolation=cv2.INTER_AREA).reshape(PARTS, PARTS, -1)
-    return np.asarray(parts.mean(axis=2), np.float64)
-
-
-def _square(reach: float) -> Image:
-    """Cells within reach of a cell."""
-    return np.ones((2 * round(reach) + 1,) * 2, np.uint8)
 
 
 def _around(x: float, y: float, reach: float) -> tuple[slice, slice]:

@@ -151,6 +151,7 @@ def test_files_are_offered_when_they_are_whole(recorded: Recorded) -> None:
     target = {"name": "circle 1", "tracks": "tracks.csv", "poses": "poses.csv", "diameter": 0.28}
     assert facts["streams"] == [{"targets": [target], "cameras": ["camera.toml"]}]
     assert (facts["source"], facts["frames"], facts["dropped"], facts["problem"]) == ("made up", [5], 0, "")
+    assert facts["computing_ms"] == [{}]  # nobody counted
 
 
 def test_each_target_has_its_tables(recorded: Recorded) -> None:

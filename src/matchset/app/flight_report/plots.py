@@ -26,6 +26,7 @@ from matchset.app.flight.log import FlightLog, FollowerLog
 from matchset.app.flight.score import SCORING
 from matchset.app.flight_report.chain_frame import set_places
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
+from matchset.app.timing.durations import times_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -204,8 +205,7 @@ def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) ->
         share = 100.0 * np.histogram(np.clip(some, bins[0], bins[-1]), bins)[0] / max(len(some), 1)
         axes.stairs(share, bins, fill=True, color=_color(number), alpha=0.3)
         axes.stairs(share, bins, color=_color(number), linewidth=1.3)
-        median = f": median {_brief(float(np.median(some)))} {unit}" if len(some) else ": none"
-        _row_title(axes, _label(number) + median)
+        _row_title(axes, f"{_label(number)}: {_in_figures(some, unit, log_scale)}")
         most = max(most, float(share.max()))
     for axes in rows:
         axes.set_ylim(0.0, 1.1 * max(most, 1.0))
@@ -218,6 +218,17 @@ def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) ->
     rows[-1].set_xlabel(f"{unit}; the last bar holds what is more")
     figure.supylabel("share of the pictures, %", color=INK, fontsize=TEXT)
     return figure
+
+
+def _in_figures(values: Floats, unit: str, all_four: bool) -> str:
+    """Write the median of values; of those that have a long tail, with mean, 95 % and worst."""
+    figures = times_of(values)
+    if figures is None:
+        return "none"
+    if not all_four:
+        return f"median {_brief(figures.median)} {unit}"
+    rest = f"mean {_brief(figures.mean)}, 95 % {_brief(figures.percentile_95)}, worst {_brief(figures.worst)} {unit}"
+    return f"median {_brief(figures.median)}, {rest}"
 
 
 def _mark_losses(axes: Axes, follower: FollowerLog) -> None:

@@ -22,7 +22,7 @@ from matchset.app.drawing.plot_style import (
     style_axes,
     title,
 )
-from matchset.app.flight.log import FlightLog, FollowerLog
+from matchset.app.flight.log import FIGURES, FlightLog, FollowerLog
 from matchset.app.flight.score import SCORING
 from matchset.app.flight_report.chain_frame import set_places
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
@@ -122,7 +122,7 @@ def place_error_figure(log: FlightLog) -> Figure:
 def computing_figure(log: FlightLog) -> Figure:
     """Draw the histogram of the computing time on a logarithmic axis, a row for each follower."""
     figure = _histograms([1e6 * follower.processing for follower in log.followers], "µs", log_scale=True)
-    title(figure.axes[0], f"computing, from a picture to its command\n{figure.axes[0].get_title(loc='left')}")
+    title(figure.axes[0], f"computing of a command: {FIGURES}\n{figure.axes[0].get_title(loc='left')}")
     return figure
 
 
@@ -221,14 +221,14 @@ def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) ->
 
 
 def _in_figures(values: Floats, unit: str, all_four: bool) -> str:
-    """Write the median of values; of those that have a long tail, with mean, 95 % and worst."""
+    """Write the median of values; of those that have a long tail `FIGURES`."""
     figures = times_of(values)
     if figures is None:
         return "none"
     if not all_four:
         return f"median {_brief(figures.median)} {unit}"
-    rest = f"mean {_brief(figures.mean)}, 95 % {_brief(figures.percentile_95)}, worst {_brief(figures.worst)} {unit}"
-    return f"median {_brief(figures.median)}, {rest}"
+    four = figures.median, figures.mean, figures.percentile_95, figures.worst
+    return f"{', '.join(map(_brief, four))} {unit}"
 
 
 def _mark_losses(axes: Axes, follower: FollowerLog) -> None:

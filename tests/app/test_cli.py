@@ -1,16 +1,22 @@
+import io
 import json
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import pytest
 from blue_ball import Matchset
+from rich.console import Console
 from typer.testing import CliRunner
 
 from matchset.app.cli import app
-from matchset.app.progress import FrameRate, announce_if_slow, live_line
+from matchset.app.progress import ComputingLine, FrameBar, FrameRate, LiveLine, announce_if_slow, live_line
+from matchset.app.timing.durations import Durations
 from matchset.app.track.rows import TrackRow
 
 TRUTH = "video,frame,x,y,r,visible,method\nv,0,10,10,5,1,eye\nv,1,10,10,5,1,eye\nv,2,,,,0,eye:absent\n"
@@ -119,6 +125,23 @@ def test_the_live_line_says_what_matters() -> None:
     words = " ".join(live_line(found, 29.97, 0.0123, 4).plain.split())
     assert words == "30.0 frames/s age 12 ms dropped 4 x 12.3 y 5.0 r 9.0"
     assert live_line(TrackRow(3, 1.0, reason="gone"), None, 0.5, 0).plain.endswith("Lost: gone")
+
+
+def test_below_it_stands_what_the_frames_took() -> None:
+    durations = Durations()
+    screen = Console(file=io.StringIO(), force_terminal=True, width=80)
+    video: Any = SimpleNamespace(dropped=4)
+    with LiveLine(video, screen, durations) as line, screen.capture() as capture:
+        for seconds in [0.00015] * 90 + [0.21] * 9 + [1.02]:
+            durations.add(seconds)
+        line.show(TrackRow(3, time.monotonic(), reason="longer than what is left of the line of a terminal"))
+        screen.print(ComputingLine(durations))
+    last = capture.get().rstrip().splitlines()[-1]
+    assert "computing a frame: median 0.15, mean 29.2, 95 % 210, worst 1020 ms" in last
+    with FrameBar("rendering, tracking, recording", 300, screen, True, durations) as bar:
+        bar.advance()
+        assert isinstance(list(bar._progress.get_renderables())[-1], ComputingLine)
+    assert ComputingLine(Durations()).__rich__().plain == ""
 
 
 def test_the_rate_is_that_of_the_frames() -> None:

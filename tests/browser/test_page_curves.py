@@ -1,6 +1,7 @@
 """The curves of the page: what is kept of 500 samples a second, what is drawn, and that drawing costs little."""
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from live_pages import WAIT, on_screen, wait_until
 from mjpeg_server import MjpegServer
 
+FOUR = re.compile(r"^computing a picture: median [\d.]+, mean [\d.]+, 95 % [\d.]+, worst [\d.]+ ms$")
 DRAWING = 8.0  # ms, half of a frame at 60 frames/s; taken in 0.3 ms on an idle machine
 
 KEPT = """import('/curves/samples.js').then(({ Samples }) => {
@@ -104,3 +106,13 @@ def test_curves_and_the_view_from_above_are_drawn(opened: Any) -> None:
     opened.locator(".diameter").press("Enter")
     opened.locator("#above").wait_for(state="visible", timeout=WAIT)
     wait_until(opened, f"['curve-0', 'curve-1', 'curve-2', 'above'].every((id) => ({INK})(id) > 300)")
+
+
+def test_below_the_targets_stands_what_a_picture_took(opened: Any) -> None:
+    assert opened.locator("#computing").is_hidden()
+    opened.mouse.click(*on_screen(opened, 160, 120))
+    words = opened.locator("#computing").get_by_text(FOUR)
+    words.wait_for(timeout=WAIT)
+    opened.set_viewport_size({"width": 390, "height": 844})
+    words.wait_for(timeout=WAIT)
+    assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -11,6 +11,7 @@ from live_pages import WAIT, on_screen, rows, state_of, wait_until
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Clip = tuple[Path, BallFlightClip]
+FOUR = re.compile(r"computing a frame: median [\d.]+, mean [\d.]+, 95 % [\d.]+, worst [\d.]+ ms")
 
 
 def begin(page: Any, clip: Clip) -> None:
@@ -41,6 +42,7 @@ def test_a_reading_in_pixels_then_in_meters(show: Any, page: Any, clip: Clip) ->
     assert page.locator("#targets output").first.inner_text() == ""
     page.locator("#reading [data-name=distance]").wait_for(timeout=WAIT)
     assert page.locator("#reading .name").all_inner_texts() == ["distance", "x", "y", "z"]
+    page.locator("#file-results .work").get_by_text(FOUR).wait_for(timeout=WAIT)
     size = page.evaluate("parseFloat(getComputedStyle(document.querySelector('#reading .first .value')).fontSize)")
     assert size >= 48
 

@@ -1,11 +1,15 @@
 """Regions of blurred discs: center and size whatever blurs them, and no worth where the rim is sharp or cut."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
+from matchset.fitting.soft_region import SoftRegionParameters, _swept_agreement, find_soft_region
 
 Image = npt.NDArray[np.uint8]
 LIMITS = SoftRegionParameters()
@@ -99,3 +103,66 @@ def test_half_a_disc_agrees_with_none() -> None:
     plain[(np.hypot(columns - X, rows - Y) < RADIUS) & (rows > Y)] = (40, 190, 210)
     found = find_soft_region(plain, (X, Y, RADIUS), LIMITS)
     assert found is None or found.worth(LIMITS) == 0.0
+
+
+REGIONS = {
+    "a cell": np.ones((1, 1), bool),
+    "a row": np.ones((1, 20), bool),
+    "a column": np.ones((20, 1), bool),
+    "a diagonal": np.eye(17, dtype=bool),
+    "the other diagonal": np.eye(23, dtype=bool)[::-1],
+}
+
+
+@pytest.mark.parametrize("cells", REGIONS.values(), ids=REGIONS)
+def test_a_region_of_one_row_of_cells_is_half_a_cell_wide_to_each_side(cells: npt.NDArray[np.bool_]) -> None:
+    region = np.zeros((48, 48), bool)
+    region[5 : 5 + cells.shape[0], 7 : 7 + cells.shape[1]] = cells
+    assert 0.7 < _swept_agreement(region) <= 1.0  # a diagonal of as many cells is longer than a row
+
+
+def test_two_rows_are_a_swept_disc_as_before() -> None:
+    region = np.zeros((48, 48), bool)
+    region[5:7, 7:30] = True
+    assert 0.8 < _swept_agreement(region) <= 1.0
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.02, 0.98), st.integers(1, 12), st.integers(1, 12))
+def test_any_region_has_an_agreement(seed: int, share: float, rows: int, columns: int) -> None:
+    region = np.random.default_rng(seed).random((rows, columns)) < share
+    region[rows // 2, columns // 2] = True
+    assert 0.0 <= _swept_agreement(region) <= 1.0
+
+
+def test_a_line_across_the_disc_is_no_blurred_target() -> None:
+    """A bright hair over the place where a blurred ball was expected: one row of cells differs from the rest."""
+    rng = np.random.default_rng(1)
+    for width in (1, 2, 3, 5, 9):
+        for angle in np.linspace(0.0, np.pi, 7):
+            picture = np.asarray(rng.integers(90, 96, (240, 300, 3)), np.uint8)
+            away = 60.0 * np.array((np.cos(angle), np.sin(angle)))
+            begin, end = ((round(X + sign * away[0]), round(Y + sign * away[1])) for sign in (-1, 1))
+            cv2.line(picture, begin, end, (40, 190, 210), width)
+            for size in (5.0, 8.0, RADIUS):
+                found = find_soft_region(picture, (X, Y, size), LIMITS)
+                assert found is None or np.isfinite(found).all()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 3]), st.integers(1, 40), st.floats(5.0, 30.0))
+def test_noise_and_speckles_never_raise(seed: int, channels: int, speckle: int, size: float) -> None:
+    rng = np.random.default_rng(seed)
+    few = np.asarray(rng.integers(0, 256, (max(96 // speckle, 1), max(128 // speckle, 1), channels)), np.uint8)
+    picture = np.asarray(cv2.resize(few, (128, 96), interpolation=cv2.INTER_NEAREST), np.uint8)
+    picture = picture.reshape(96, 128, channels)
+    found = find_soft_region(picture if channels == 3 else picture[:, :, 0], (64.0, 48.0, size), LIMITS)
+    assert found is None or np.isfinite(found).all()
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"softer": 0.18}, {"agrees": 0.8}, {"agreement": 0.9}, {"cells": 0}, {"lines": 0}, {"pixel_noise": 0.0}]
+)
+def test_limits_that_divide_by_zero_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(wrong.values()))}"):
+        SoftRegionParameters(**wrong)

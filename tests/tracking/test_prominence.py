@@ -10,7 +10,7 @@ from matchset.tracking.motion import Gate
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.blobs import color_steps
 from matchset.tracking.search.prominence import Prominence, ProminenceParameters
-from matchset.tracking.search.voting import SearchParameters
+from matchset.tracking.search.voting import Searcher, SearchParameters
 
 Picture = npt.NDArray[np.uint8]
 YELLOW = (40.0, 190.0, 220.0)
@@ -99,3 +99,30 @@ def test_a_place_outside_or_too_large_for_the_picture_is_nothing(place: tuple[fl
     prominence = Prominence(ProminenceParameters(), SearchParameters())
     prominence.measure(image, color, Gate(*place))
     assert not prominence.recognizes(image, color, place[2], Gate(*place))
+
+
+PICTURES = {
+    "black": np.zeros((60, 80, 3), np.uint8),
+    "saturated": np.full((60, 80, 3), 255, np.uint8),
+    "one color": np.full((60, 80, 3), (200, 60, 20), np.uint8),
+    "noise": np.random.default_rng(0).integers(0, 256, (60, 80, 3), np.uint8),
+    "large": np.random.default_rng(1).integers(0, 256, (480, 1280, 3), np.uint8),
+    "tiny": np.full((3, 4, 3), (200, 60, 20), np.uint8),
+    "a pixel": np.full((1, 1, 3), (200, 60, 20), np.uint8),
+}
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.8, 1.0, 1.2, 2.0, 4.0])
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_target_of_a_pixel_in_any_picture(name: str, radius: float) -> None:
+    """Discs of less than a cell once had no cells around them: the means of nothing were compared."""
+    image, place = PICTURES[name], Gate(1.0, 1.0, radius)
+    table = np.full((32, 32, 32), -4.0, np.float32)
+    table[16:, :16, :16] = 4.0
+    color = ms.ColorModel(table.ravel())
+    prominence = Prominence(ProminenceParameters(), SearchParameters())
+    prominence.measure(image, color, place)
+    prominence.recognizes(image, color, radius, place)
+    assert all(
+        np.isfinite(each).all() for each in Searcher(image.shape[1], image.shape[0], radius=radius).blobs(image, color)
+    )

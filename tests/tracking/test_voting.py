@@ -115,6 +115,33 @@ def test_blobs_of_a_picture_without_the_color_or_too_small_for_them() -> None:
     assert places.blobs_of(np.full((6, 6), 254, np.int16), 4.0, 0.25, 5) == []
 
 
+GRIDS = {
+    "one color": np.full((40, 56), 254, np.int16),
+    "none of the color": np.full((40, 56), -254, np.int16),
+    "a middle one": np.full((40, 56), 71, np.int16),
+    "noise": np.random.default_rng(4).integers(-254, 255, (40, 56)).astype(np.int16),
+    "a cell": np.pad(np.full((1, 1), 254, np.int16), 20, constant_values=-254),
+    "tiny": np.full((3, 3), 254, np.int16),
+}
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.3, 0.6, 0.65, 0.9, 0.94, 1.0, 1.5, 4.0])
+@pytest.mark.parametrize("name", GRIDS)
+def test_a_disc_of_any_size_is_compared_with_cells_around_it(name: str, radius: float) -> None:
+    """Of discs of 0.625 to 0.94 and of less than 0.31 cells inner and outer square were the same: 0 / 0."""
+    grid = GRIDS[name]
+    for _, step in places.color_steps(grid, [radius]):
+        assert np.isfinite(step).all()
+        assert np.abs(step).max() <= 2.0 + 1e-5
+        if np.ptp(grid) == 0:
+            np.testing.assert_allclose(step, 0.0, atol=1e-5)
+    for blob in places.blobs_of(grid, radius, 0.4, 5):
+        assert np.isfinite(blob).all()
+    if name == "a cell":
+        (first, *_) = places.blobs_of(grid, min(radius, 0.65), 0.1, 5)
+        np.testing.assert_allclose(first[0, :2], 20.0, atol=1.0)
+
+
 def test_blobs_are_places_in_the_picture_where_a_size_is_expected() -> None:
     searcher = voting.Searcher(160, 120, radius=5.0)
     rows, columns = np.indices((120, 160))

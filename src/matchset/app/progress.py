@@ -4,16 +4,17 @@ import contextlib
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from types import TracebackType
 from typing import Protocol, Self
 
 import msgspec
-from rich.console import Console, RenderableType
+from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
+from matchset.app.timing.durations import Durations
 from matchset.image.video import Video
 
 
@@ -123,6 +124,18 @@ def live_line(row: DisplayedRow, rate: float | None, age: float, dropped: int) -
     return line
 
 
+class ComputingLine:
+    """A second line below what is shown: what the frames took so far; made anew whenever it is drawn."""
+
+    def __init__(self, durations: Durations) -> None:
+        self._durations = durations
+
+    def __rich__(self) -> Text:
+        times = self._durations.times()
+        words = "" if times is None else f"computing a frame: {times.words}"
+        return Text(words, style="dim", no_wrap=True, overflow="ellipsis")
+
+
 class RedrawnDisplay:
     """What is redrawn in place until its `with` block ends, on a terminal only.
 
@@ -163,16 +176,17 @@ class RedrawnDisplay:
 
 
 class LiveLine(RedrawnDisplay):
-    """The status line of a camera, rewritten with every frame."""
+    """The status line of a camera, rewritten with every frame, and what the frames took."""
 
-    def __init__(self, video: Video, console: Console) -> None:
+    def __init__(self, video: Video, console: Console, durations: Durations) -> None:
         super().__init__(console, 15)
-        self._video, self._rate = video, FrameRate()
+        self._video, self._rate, self._computing = video, FrameRate(), ComputingLine(durations)
 
     def show(self, row: DisplayedRow) -> None:
         """Show a frame's row."""
         now = time.monotonic()
-        self.redraw(live_line(row, self._rate.update(now), now - row.time, self._video.dropped))
+        line = live_line(row, self._rate.update(now), now - row.time, self._video.dropped)
+        self.redraw(Group(line, self._computing))
 
 
 class _SpeedColumn(ProgressColumn):
@@ -181,12 +195,26 @@ class _SpeedColumn(ProgressColumn):
         return Text("" if speed is None else f"{speed:.0f} frames/s", style="cyan")
 
 
-class FrameBar:
-    """The progress bar of a video file."""
+class _TimedProgress(Progress):
+    """A progress bar, and below it what the frames took."""
 
-    def __init__(self, words: str, length: int | None, console: Console, visible: bool) -> None:
+    below: ComputingLine | None = None
+
+    def get_renderables(self) -> Iterable[RenderableType]:
+        yield from super().get_renderables()
+        if self.below is not None:
+            yield self.below
+
+
+class FrameBar:
+    """The progress bar of a video file, and what the frames took if somebody counts that."""
+
+    def __init__(
+        self, words: str, length: int | None, console: Console, visible: bool, durations: Durations | None = None
+    ) -> None:
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _SpeedColumn())
-        self._progress = Progress(*columns, console=console, disable=not visible, transient=True)
+        self._progress = _TimedProgress(*columns, console=console, disable=not visible, transient=True)
+        self._progress.below = None if durations is None else ComputingLine(durations)
         self._task = self._progress.add_task(words, total=length)
 
     def show(self, row: DisplayedRow) -> None:  # noqa: ARG002 - counted, not looked at
@@ -218,19 +246,19 @@ class InstructionLine(RedrawnDisplay):
         self.redraw(Text(words, no_wrap=True, overflow="ellipsis"))
 
 
-def progress_bar(words: str, length: int | None) -> FrameBar:
-    """Make a progress bar for `length` frames (None: unknown); shown on a terminal only."""
+def progress_bar(words: str, length: int | None, durations: Durations | None = None) -> FrameBar:
+    """Make a progress bar for `length` frames (None: unknown), and what they took; shown on a terminal only."""
     console = Console(stderr=True, highlight=False)
-    return FrameBar(words, length, console, console.is_terminal)
+    return FrameBar(words, length, console, console.is_terminal, durations)
 
 
-def display_for(video: Video, quiet: bool, words: str = "tracking") -> Display:
-    """Choose the display of a video: nothing if `quiet` or if stderr is no terminal."""
+def display_for(video: Video, quiet: bool, durations: Durations, words: str = "tracking") -> Display:
+    """Choose the display of a video and of what its frames take: nothing if `quiet` or if stderr is no terminal."""
     console = Console(stderr=True, highlight=False)
     if video.live and console.is_terminal and not quiet:
-        return LiveLine(video, console)
+        return LiveLine(video, console, durations)
     visible = console.is_terminal and not quiet and not video.live
-    return FrameBar(words, video.length, console, visible)
+    return FrameBar(words, video.length, console, visible, durations)
 
 
 @contextlib.contextmanager

@@ -27,6 +27,7 @@ Mask = npt.NDArray[np.bool_]
 Disc = tuple[float, float, float]  # center and half-width, px
 
 FEW = 8  # theorem: pixels that a covariance of three channels needs at least, twice over
+ROW = 0.5  # geometry: half the width of a row of cells, cells
 ALONG = np.linspace(0.4, 1.6, 49)  # geometry: where a line across the rim is read, in half-widths from the center
 
 
@@ -108,6 +109,14 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     sigma: float = 0.03
     round: float = 0.85
     min_half_width: float = 5.0
+
+    def __post_init__(self) -> None:
+        for low, high in (("soft", "softer"), ("agreement", "agrees")):
+            if not getattr(self, low) < getattr(self, high):
+                raise ValueError(f"{low} must be less than {high}, got {getattr(self, low)} and {getattr(self, high)}")
+        for name in ("cells", "lines", "pixel_noise"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
 
 class SoftRegion(NamedTuple):
@@ -263,14 +272,15 @@ def _swept_agreement(region: Mask) -> float:
     """Intersection over union of a region and the swept disc that has its area and moments.
 
     A disc of radius r swept along 2 a has the area A = pi r^2 + 4 a r, and across its way the variance
-    V = r^2 / 3 - pi r^4 / (12 A): a quadratic equation of r^2.
+    V = r^2 / 3 - pi r^4 / (12 A): a quadratic equation of r^2. Cells count as points, so V is 0 of a single row of them
+    (rounded: a little below), which is half a cell to each side all the same.
     """
     rows, columns = np.nonzero(region)
     area, places = float(len(rows)), np.vstack((columns - columns.mean(), rows - rows.mean()))
     variances, axes = np.linalg.eigh(places @ places.T / area)
     root = 1.0 / 9.0 - math.pi * float(variances[0]) / (3.0 * area)
-    size = math.sqrt(6.0 * area / math.pi * (1.0 / 3.0 - math.sqrt(max(root, 0.0))))
-    size = min(size, math.sqrt(area / math.pi))
+    squared = 6.0 * area / math.pi * (1.0 / 3.0 - math.sqrt(max(root, 0.0)))
+    size = min(max(math.sqrt(max(squared, 0.0)), ROW), math.sqrt(area / math.pi))
     half = max(area - math.pi * size**2, 0.0) / (4.0 * size)
     down, across = np.indices(region.shape)
     across, down = across - columns.mean(), down - rows.mean()

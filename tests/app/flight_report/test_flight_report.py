@@ -58,6 +58,22 @@ def test_the_figures_are_in_the_order_of_their_headings(flown: Flown) -> None:
     assert figures["at the end"] == flown.chain_steps[-1].steps[0].safety.phase
     assert figures["off the set place, cm"] == "-"  # it is too short
     assert "nobody crashed" in flight_summary(log)
+    computing = 1e6 * log.followers[0].processing
+    computing = computing[np.isfinite(computing)]
+    four = np.median(computing), computing.mean(), np.percentile(computing, 95), computing.max()
+    assert figures["computing, µs"] == ", ".join(f"{each:.0f}" for each in four)
+    assert EXPLANATIONS[HEADINGS.index("computing, µs")] == "median, mean, 95 %, worst"
+    ages = figures["age, ms"].split(", ")
+    assert len(ages) == 4
+    assert float(ages[0]) <= float(ages[2]) <= float(ages[3])
+
+
+def test_the_plot_of_the_computing_time_says_more_than_its_median(flown: Flown) -> None:
+    titles = [axes.get_title(loc="left") for axes in plots.computing_figure(log_of(flown)).axes]
+    assert "median, mean, 95 %, worst" in titles[0]
+    assert all(re.search(r"\d watches \d: \S+, \S+, \S+, \S+ µs$", each) for each in titles)
+    others = [axes.get_title(loc="left") for axes in plots.circle_error_figure(log_of(flown)).axes]
+    assert all(re.search(r"median \S+ px$", each) for each in others)
 
 
 def test_the_verdict_names_who_crashed_or_came_down(flown: Flown) -> None:

@@ -124,8 +124,11 @@ def test_forward_and_backward_are_what_trackers_by_hand_find(feed: FileFeed, pat
 
 
 def test_the_page_is_told_at_once_of_any_frame(feed: FileFeed) -> None:
+    assert told(feed).computing == {}
     feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
     tracked(feed)
+    wait(lambda: told(feed).computing)
+    assert 0.0 < told(feed).computing["mean"] <= told(feed).computing["worst"]
     for index in (0, 59, 12):
         go(feed, index)
         wait(lambda: feed.seen.state.targets)

@@ -117,6 +117,17 @@ def test_a_camera_that_is_not_there_at_first_is_picked_up(camera: FakeCamera) ->
         assert vision.seen.frame is None
         camera.there = True
         wait_for(lambda: vision.seen.frame is not None and not vision.seen.state.fault)
+        assert vision.seen.state.computing == {}  # nothing is followed
+
+
+def test_the_page_is_told_what_a_picture_took(watched: tuple[Vision, list[str]]) -> None:
+    vision, _ = watched
+    follow(vision)
+    wait_for(lambda: vision.seen.state.computing)
+    computing = vision.seen.state.computing
+    assert list(computing) == ["median", "mean", "percentile_95", "worst"]
+    assert 0.0 <= computing["median"] <= computing["percentile_95"] <= computing["worst"]
+    assert 0.0 < computing["mean"] <= computing["worst"]
 
 
 def test_one_of_another_size_begins_anew(camera: FakeCamera, watched: tuple[Vision, list[str]]) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 from benchmarks.lost.full_disk import small_disk
@@ -151,6 +152,20 @@ def test_files_are_offered_when_they_are_whole(recorded: Recorded) -> None:
     target = {"name": "circle 1", "tracks": "tracks.csv", "poses": "poses.csv", "diameter": 0.28}
     assert facts["streams"] == [{"targets": [target], "cameras": ["camera.toml"]}]
     assert (facts["source"], facts["frames"], facts["dropped"], facts["problem"]) == ("made up", [5], 0, "")
+    assert facts["computing_ms"] == [{}]  # nobody counted
+
+
+def test_what_a_picture_took_is_kept_with_how_it_ended(recorded: Recorded) -> None:
+    times = {"median": 0.15, "mean": 37.0, "percentile_95": 210.0, "worst": 1020.0}
+    recorded.session.take(ON, "")
+    recorded.show(range(2))
+    last = seen_of(2)
+    recorded.feed.show(last._replace(state=msgspec.structs.replace(last.state, computing=times)))
+    recorded.wait(lambda: recorded.panel.state().frames == 3)
+    recorded.session.take(OFF, "")
+    recorded.finished()
+    facts = json.loads(recorded.session.downloads()["0001-live/recording.json"].read_text())
+    assert facts["computing_ms"] == [times]
 
 
 def test_each_target_has_its_tables(recorded: Recorded) -> None:

@@ -1,5 +1,6 @@
 import csv
 import json
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +16,11 @@ from matchset.app.track.rows import read_tracks
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 
+FOUR = re.compile(
+    r"tracking took [\d.]+ ms of computing a frame \(median\)\n"
+    r"  mean [\d.]+ ms, 95 % within [\d.]+ ms, worst [\d.]+ ms\n"
+)
+
 
 def test_one_click_gives_a_circle_in_every_frame(
     matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
@@ -29,6 +35,9 @@ def test_one_click_gives_a_circle_in_every_frame(
     assert frames_of(Path("out.webm")) == len(rows)
     out = capsys.readouterr().out
     assert "found in 30 of 30 frames (100.0 %)" in out
+    computing = FOUR.search(out)
+    assert computing is not None
+    assert max(map(len, computing[0].splitlines())) < 80
     assert "runs/0001-track/tracks.csv" in out
 
 

@@ -11,6 +11,7 @@ from matchset.app.flight.pilot import PilotStep
 from matchset.app.flight.score import SCORING, FlightCounters, scored_from
 from matchset.app.flight_report.chain_frame import camera_positions, room_to_chain_frame
 from matchset.app.flight_report.true_circle import true_circle
+from matchset.app.timing.durations import times_of
 from matchset.control.safety import Phase
 from matchset.sim.world import camera_position
 from matchset.tracking.track import Track
@@ -219,6 +220,8 @@ class FlightLog:
         return abs(found.x - truth.x) + abs(found.y - truth.y) + abs(found.radius - truth.radius)
 
 
+FIGURES = "median, mean, 95 %, worst"
+"""Of times, in the order of `_figures`."""
 HEADINGS = (
     "",
     "pictures",
@@ -239,8 +242,8 @@ EXPLANATIONS = (
     "",
     "mean, 95 %",
     f"side, height, heading: rms from {SCORING.transient:g} s after its start on",
-    "picture to command: median, 95 %",
-    "median",
+    f"picture to command: {FIGURES}",
+    FIGURES,
     "phase of the safety filter",
 )
 """What each of `HEADINGS` means, where that does not say it."""
@@ -259,8 +262,6 @@ def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
     """
     follower, counters = log.followers[number], log.counters.followers[number]
     in_view, error = follower.in_view, follower.circle_error_px[np.isfinite(follower.circle_error_px)]
-    age = 1000.0 * follower.age[np.isfinite(follower.age)]
-    processing = 1e6 * follower.processing[np.isfinite(follower.processing)]
     spread = 100.0 * log.spread(number)
     return (
         f"{number + 1} watches {number + 2}",
@@ -270,10 +271,18 @@ def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
         f"{counters.longest:.2f}",
         f"{error.mean():.2f}, {np.percentile(error, 95):.2f}" if len(error) else "-",
         ", ".join(f"{value:.1f}" for value in spread.tolist()) or "-",
-        f"{np.median(age):.0f}, {np.percentile(age, 95):.0f}" if len(age) else "-",
-        f"{np.median(processing):.0f}" if len(processing) else "-",
+        _figures(follower.age, 1e3),
+        _figures(follower.processing, 1e6),
         _end(log, number),
     )
+
+
+def _figures(seconds: Floats, factor: float) -> str:
+    """Write `FIGURES` of times, in another unit."""
+    times = times_of(seconds)
+    if times is None:
+        return "-"
+    return ", ".join(f"{factor * each:.0f}" for each in (times.median, times.mean, times.percentile_95, times.worst))
 
 
 def flight_summary(log: FlightLog) -> str:

@@ -22,10 +22,11 @@ from matchset.app.drawing.plot_style import (
     style_axes,
     title,
 )
-from matchset.app.flight.log import FlightLog, FollowerLog
+from matchset.app.flight.log import FIGURES, FlightLog, FollowerLog
 from matchset.app.flight.score import SCORING
 from matchset.app.flight_report.chain_frame import set_places
 from matchset.app.flight_report.colors import as_hex, vehicle_rgb
+from matchset.app.timing.durations import times_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -121,7 +122,7 @@ def place_error_figure(log: FlightLog) -> Figure:
 def computing_figure(log: FlightLog) -> Figure:
     """Draw the histogram of the computing time on a logarithmic axis, a row for each follower."""
     figure = _histograms([1e6 * follower.processing for follower in log.followers], "µs", log_scale=True)
-    title(figure.axes[0], f"computing, from a picture to its command\n{figure.axes[0].get_title(loc='left')}")
+    title(figure.axes[0], f"computing of a command: {FIGURES}\n{figure.axes[0].get_title(loc='left')}")
     return figure
 
 
@@ -204,8 +205,7 @@ def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) ->
         share = 100.0 * np.histogram(np.clip(some, bins[0], bins[-1]), bins)[0] / max(len(some), 1)
         axes.stairs(share, bins, fill=True, color=_color(number), alpha=0.3)
         axes.stairs(share, bins, color=_color(number), linewidth=1.3)
-        median = f": median {_brief(float(np.median(some)))} {unit}" if len(some) else ": none"
-        _row_title(axes, _label(number) + median)
+        _row_title(axes, f"{_label(number)}: {_in_figures(some, unit, log_scale)}")
         most = max(most, float(share.max()))
     for axes in rows:
         axes.set_ylim(0.0, 1.1 * max(most, 1.0))
@@ -218,6 +218,17 @@ def _histograms(values: Sequence[Floats], unit: str, log_scale: bool = False) ->
     rows[-1].set_xlabel(f"{unit}; the last bar holds what is more")
     figure.supylabel("share of the pictures, %", color=INK, fontsize=TEXT)
     return figure
+
+
+def _in_figures(values: Floats, unit: str, all_four: bool) -> str:
+    """Write the median of values; of those that have a long tail `FIGURES`."""
+    figures = times_of(values)
+    if figures is None:
+        return "none"
+    if not all_four:
+        return f"median {_brief(figures.median)} {unit}"
+    four = figures.median, figures.mean, figures.percentile_95, figures.worst
+    return f"{', '.join(map(_brief, four))} {unit}"
 
 
 def _mark_losses(axes: Axes, follower: FollowerLog) -> None:

@@ -22,7 +22,7 @@ from matchset.app.pictures.run_pictures import RunPictures, Wanted
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
 from matchset.app.track.command import DemoOptions
-from matchset.app.track.loop import RunStatistics, TrackedFrame, follow
+from matchset.app.track.loop import RunStatistics, TrackedFrame, computing_lines, follow
 from matchset.app.track.outputs import Outputs
 from matchset.app.track.rows import TrackRow, track_table
 from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
@@ -76,7 +76,7 @@ def demonstrate_circle(options: DemoOptions) -> int:
     _write_truth(folder / "truth.csv", run.truths)
     result = score(circles(run.rows), run.truths)
     print_score(result)
-    console.print(f"\ntracking took {statistics.median_ms:.2f} ms of computing a frame (median)")
+    console.print("\n" + "\n".join(computing_lines(statistics.durations, "tracking")))
     if run.sheet_frames:
         write_picture(folder / "sheet.png", _sheet(clip, run, result, statistics))
     for name in ("demo.webm", "sheet.png", "tracks.csv", "truth.csv"):
@@ -134,7 +134,7 @@ def _write_demo(
     """Open video, table and progress bar; yield what writes, counts and shows a frame."""
     with ExitStack() as stack:
         outputs = stack.enter_context(_outputs(clip, folder, family))
-        bar = stack.enter_context(progress_bar("rendering, tracking, recording", len(clip)))
+        bar = stack.enter_context(progress_bar("rendering, tracking, recording", len(clip), statistics.durations))
 
         def take(tracked: TrackedFrame) -> None:
             outputs.write(tracked)
@@ -201,9 +201,11 @@ def _sheet(clip: Clip, run: _DemoRun, result: Score, statistics: RunStatistics) 
         plot = picture_of(error_figure(curve), WIDTH_PX / SIZE_PX[0])
         mean = "-" if result.mean_error_px is None else f"{result.mean_error_px:.2f} px"
         valid = "-" if result.valid_percent is None else f"{result.valid_percent:.1f} %"
+        times = statistics.durations.times()
+        computing = "" if times is None else f" · computing: {times.words}"
         subtitle = (
-            f"{len(run.rows)} frames, {clip.width} × {clip.height}, over a rendered analog radio link   ·   "
-            f"mean error {mean}   ·   valid {valid}   ·   {statistics.median_ms:.2f} ms a frame"
+            f"{len(run.rows)} frames, {clip.width} × {clip.height}, rendered analog radio link · "
+            f"mean error {mean} · valid {valid}{computing}"
         )
         return contact_sheet("One click, then every frame", subtitle, run.sheet_frames, plot)
 
@@ -231,7 +233,7 @@ def demonstrate_shape(options: DemoOptions) -> int:
     if overlaps:
         least = f"{min(overlaps):.4f} at least"
         console.print(f"overlap with truth   {np.mean(overlaps):8.4f}     mean, {least} (1: equal)")
-    console.print(f"\ntracking took {statistics.median_ms:.2f} ms of computing a frame (median)")
+    console.print("\n" + "\n".join(computing_lines(statistics.durations, "tracking")))
     for name in ("demo.webm", "sheet.png", "tracks.csv"):
         console.print(f"  {folder / name}", soft_wrap=True)
     return stop.code or (FOUND if statistics.found else NOT_FOUND)

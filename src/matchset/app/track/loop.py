@@ -11,6 +11,7 @@ from typing import Any, Protocol, TextIO
 import msgspec
 
 from matchset.app.exit_codes import StopRequest
+from matchset.app.timing.durations import Durations, ms_text
 from matchset.app.track.rows import TrackRow, track_row
 from matchset.app.track.target_options import LearnedTarget
 from matchset.image.frame import Frame
@@ -76,24 +77,19 @@ class CountedFrame(Protocol):
 
 
 class RunStatistics:
-    """Counts over a run: frames, frames found, reasons of the others, computing times."""
+    """Counts over a run: frames, frames found, reasons of the others, computing times; a camera may run for weeks."""
 
     def __init__(self) -> None:
         self.frames = self.found = 0
         self.reasons: Counter[str] = Counter()
-        self.seconds: list[float] = []
-
-    @property
-    def median_ms(self) -> float:
-        """Median computing time of a frame, ms; 0 without any."""
-        return 1000.0 * sorted(self.seconds)[len(self.seconds) // 2] if self.seconds else 0.0
+        self.durations = Durations()
 
     def count(self, counted: CountedFrame) -> None:
         """Count a frame."""
         self.frames += 1
         self.found += counted.row.found
         if counted.frame is not None:
-            self.seconds.append(counted.seconds)
+            self.durations.add(counted.seconds)
         if not counted.row.found:
             self.reasons[_NUMBER.sub("…", counted.row.reason)] += 1
 
@@ -182,6 +178,23 @@ def _undecoded(last: Frame | None, frame: Frame) -> Iterator[TrackedFrame]:
         yield TrackedFrame(None, lost, track_row(index, lost))
 
 
+def computing_lines(durations: Durations, words: str) -> list[str]:
+    """Say in two lines what a frame took; none where none was timed.
+
+    Parameters
+    ----------
+    durations : Durations
+    words : str
+        What took the time, "tracking".
+    """
+    times = durations.times()
+    if times is None:
+        return []
+    mean, most, worst = map(ms_text, (times.mean, times.percentile_95, times.worst))
+    rest = f"  mean {mean} ms, 95 % within {most} ms, worst {worst} ms"
+    return [f"{words} took {ms_text(times.median)} ms of computing a frame (median)", rest]
+
+
 def print_summary(video: Video, statistics: RunStatistics, words: str, files: Iterable[Path], out: TextIO) -> None:
     """Print what a run did.
 
@@ -206,7 +219,7 @@ def print_summary(video: Video, statistics: RunStatistics, words: str, files: It
     print(f"found in {statistics.found} of {statistics.frames} frames ({share:.1f} %)", file=out)
     for reason, count in statistics.reasons.most_common(5):
         print(f"  {count:6d}  {reason}", file=out)
-    if statistics.seconds:
-        print(f"{words} took {statistics.median_ms:.2f} ms of computing a frame (median)", file=out)
+    for line in computing_lines(statistics.durations, words):
+        print(line, file=out)
     for path in files:
         print(f"  {path}", file=out)

@@ -131,7 +131,7 @@ def write_frames(
     words : str
         What is shown beside the progress bar.
     """
-    with outputs, display_for(video, to_stdout, words) as display:
+    with outputs, display_for(video, to_stdout, statistics.durations, words) as display:
         for answered in frames:
             extra = live_values(video, answered.row.time)
             outputs.write(answered, extra.get("age_ms"))

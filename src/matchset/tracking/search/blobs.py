@@ -38,7 +38,8 @@ def color_steps(grid: Scores, radii: Sequence[float]) -> list[tuple[float, Singl
     """
     whiteness, steps = grid.astype(np.float32) / (2.0 * WHITE), []
     for radius in radii:
-        inner, outer = 2 * round(INNER * radius) + 1, 2 * round(OUTER * radius) + 1
+        inner = 2 * round(INNER * radius) + 1
+        outer = max(2 * round(OUTER * radius) + 1, inner + 2)  # of a disc of less than a cell: the cells around
         if outer < min(whiteness.shape):
             within, around = _box_sums(whiteness, inner), _box_sums(whiteness, outer)
             step = within / inner**2 - (around - within) / (outer**2 - inner**2)

@@ -76,6 +76,8 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     targets : list of TargetLine
     rate : float or None
         Frames per second that are tracked now.
+    computing : dict of str to float
+        What a frame took so far, ms: median, mean, percentile_95, worst.
     left : float or None
         Time until all is tracked, s.
     working : Working or None
@@ -94,6 +96,7 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     speed: float = 1.0
     targets: list[TargetLine] = []
     rate: float | None = None
+    computing: dict[str, float] = {}
     left: float | None = None
     working: Working | None = None
     written: list[Written] = []
@@ -156,6 +159,7 @@ class FilePanel(Panel):
             speed=feed.player.speed,
             targets=[self._line(target, end) for target in targets],
             rate=rate,
+            computing=feed.tracking.computing,
             left=open_frames / rate if rate and open_frames else None,
             working=feed.exports.working,
             written=feed.exports.written,

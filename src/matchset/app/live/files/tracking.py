@@ -17,6 +17,7 @@ from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.marked_ball import around_marker
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
 from matchset.app.live.targets.target import Target
+from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost
@@ -57,11 +58,16 @@ class Run:
         Place of the frame in which it was clicked.
     backward : bool
     reader : ExactReader
+
+    Attributes
+    ----------
+    seconds : float
+        Computing time of the last frame, s.
     """
 
     def __init__(self, target: FileTarget, click: int, backward: bool, reader: ExactReader) -> None:
         self.target, self.click, self.backward = target, click, backward
-        self.place = click
+        self.place, self.seconds = click, 0.0
         self._begin, self._reader = target.clicks[click], reader
         self._tracker: Tracker[Any] | None = None
         self._turn = 0.0
@@ -80,7 +86,9 @@ class Run:
         if self._tracker is None:
             self._tracker, self._turn = Target(self.target.number, self._begin, frame).tracker, 2.0 * frame.time
         mirrored = Frame(frame.image, self._turn - frame.time, frame.index) if self.backward else frame
+        begin = time.thread_time()
         answer = self._tracker.update(mirrored)
+        self.seconds = time.thread_time() - begin
         if self.backward and self.place != self.click:
             answer = msgspec.structs.replace(answer, time=frame.time)
         if not self.backward or self.place != self.click:  # in the frame of the click the way forward counts
@@ -134,6 +142,7 @@ class FileTracking(Closing):
         self._changes = self._numbers = 0
         self._runs: list[Run] = []
         self._done: deque[float] = deque()
+        self._computing = ShownTimes()
         self._wishes: queue.Queue[Asked] = queue.Queue(self._parameters.wishes)
         self._stop, self._news = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset file", daemon=True)
@@ -158,6 +167,11 @@ class FileTracking(Closing):
         over, now = self._parameters.rate_over, time.monotonic()
         recent = [done for done in list(self._done) if done > now - over]
         return len(recent) / over if self.busy and recent else None
+
+    @property
+    def computing(self) -> dict[str, float]:
+        """What a frame took so far, ms: median, mean, percentile_95, worst; empty before the first."""
+        return self._computing.in_ms
 
     @property
     def busy(self) -> bool:
@@ -196,6 +210,7 @@ class FileTracking(Closing):
         return next(ready, None)
 
     def _count(self, run: Run) -> None:
+        self._computing.add(run.seconds)
         self._done.append(now := time.monotonic())
         while self._done[0] < now - self._parameters.rate_over:
             self._done.popleft()

@@ -14,6 +14,7 @@ import { RecordPanel } from "./record/record.js";
 import { SettingsPanel } from "./source/settings.js";
 import { Connection } from "./socket.js";
 import { TargetList } from "./reading/targets.js";
+import { times } from "./units.js";
 
 const OLD = 500; // ms without a new picture, after which a veil says so
 const find = (id) => document.getElementById(id);
@@ -98,6 +99,9 @@ function refresh() {
   find("age").textContent = state.live === false || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
   find("camera-fps").textContent = state.camera_fps ? `${state.camera_fps.toFixed(0)}/s` : "–";
   find("fps").textContent = state.fps ? `${state.fps.toFixed(0)}/s` : "–";
+  const words = times(state.computing);
+  find("computing").hidden = !words;
+  find("computing").textContent = `computing a picture: ${words}`;
   find("dropped").textContent = `${state.dropped || 0}`;
   curves.draw(targets.chosen);
 }

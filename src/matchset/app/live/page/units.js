@@ -19,6 +19,14 @@ export function aligned(words, decimals) {
   return words + (found ? "" : "\u2008") + "\u2007".repeat(decimals - found.length);
 }
 
+// What a picture took, ms: three digits, two decimals at most.
+export function times(computing) {
+  if (!computing || computing.median === undefined) return "";
+  const { median, mean, percentile_95: most, worst } = computing;
+  const [a, b, c, d] = [median, mean, most, worst].map((value) => value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0));
+  return `median ${a}, mean ${b}, 95 % ${c}, worst ${d} ms`;
+}
+
 // As many digits as the standard deviation makes sense of: up to its leading one, and four at most.
 export function measured(value, sigma) {
   if (!(sigma > 0)) return [value.toFixed(2), ""];

@@ -8,6 +8,7 @@ from matchset.app.live.feed import Seen
 from matchset.app.live.targets.placing import Place, axes_of, position_of
 from matchset.app.live.targets.told import About, found_state, lost_state
 from matchset.app.live.wire.state import State, TargetState
+from matchset.app.timing.durations import ShownTimes
 from matchset.image.frame import Frame
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -31,7 +32,7 @@ class FollowerStream:
     def __init__(self, number: int) -> None:
         self.number = number
         self.seen = Seen(None, State(0, 0, time.monotonic(), 0, 0, fault="getting ready ..."))
-        self._found_time = math.nan
+        self._found_time, self._computing = math.nan, ShownTimes()
 
     def show(self, step: PilotStep, sequence: int, rate: float | None, pilot: Pilot) -> None:
         """Show a step of the follower's loop.
@@ -49,6 +50,8 @@ class FollowerStream:
         frame: Frame | None = step.frame or self.seen.frame
         height, width = (0, 0) if frame is None else frame.image.shape[:2]
         age = step.age if math.isfinite(step.age) else 0.0
+        if step.frame is not None:
+            self._computing.add(step.processing)
         state = State(
             sequence=sequence,
             index=0 if frame is None else frame.index,
@@ -59,6 +62,7 @@ class FollowerStream:
             camera_fps=rate,
             fps=rate,
             age=age,
+            computing=self._computing.in_ms,
             fault="" if step.frame is not None else "no picture comes",
         )
         self.seen = Seen(frame, state, {1: step.pose}, pilot.camera.model)

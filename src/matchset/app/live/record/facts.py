@@ -50,7 +50,9 @@ class Facts:
             If the file cannot be written.
         """
         self._written = [stream.facts for stream in streams]
-        self._write({"frames": [stream.count for stream in streams], "dropped": dropped, "problem": problem})
+        computing = [stream.computing for stream in streams]
+        frames = [stream.count for stream in streams]
+        self._write({"frames": frames, "dropped": dropped, "problem": problem, "computing_ms": computing})
 
     def _write(self, more: dict[str, Any]) -> None:
         facts = self._fixed | {"streams": self._written} | more

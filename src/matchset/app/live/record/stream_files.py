@@ -68,6 +68,8 @@ class StreamFiles(Closing):
     ----------
     count : int
         Pictures so far; a row's `frame` is the number of its picture in the video, from 0.
+    computing : dict of str to float
+        What a picture took since the source was opened, see `State.computing`; empty where nobody knows.
     """
 
     def __init__(self, folder: Path, number: int, parameters: FileParameters, space: SpaceParameters) -> None:
@@ -77,7 +79,7 @@ class StreamFiles(Closing):
         self._bag: Bag | None = None
         self._film: Recorder | None = None
         self._cameras: list[CameraModel] = []
-        self.count = 0
+        self.count, self.computing = 0, dict[str, float]()
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -107,7 +109,7 @@ class StreamFiles(Closing):
         if self._bag is not None:
             self._bag.write(self.count, frame, seen)
         self._write_picture(frame)
-        self.count += 1
+        self.count, self.computing = self.count + 1, seen.state.computing
 
     def close(self) -> None:
         """Close the files; the video last, which takes longest."""

@@ -16,7 +16,8 @@ from matchset.app.live.feed import News, Seen
 from matchset.app.live.targets.followed import Followed
 from matchset.app.live.targets.messages import Wish
 from matchset.app.live.vision.kept_frames import KeptFrames
-from matchset.app.live.wire.state import State
+from matchset.app.live.wire.state import State, TargetState
+from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
@@ -84,6 +85,7 @@ class Vision(Closing):
         self._size: tuple[int, int, int] | None = None
         self.followed = Followed(self.kept, self._note)
         self.followed.locate(camera)
+        self._computing = ShownTimes()
         self._done: deque[float] = deque(maxlen=self._parameters.rate_over)
         self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(self._parameters.wishes)
         self._stop, self._again = threading.Event(), threading.Event()
@@ -137,6 +139,7 @@ class Vision(Closing):
                 self._again.clear()
                 with self._open() as source:
                     self.followed.restart()
+                    self._computing.clear()
                     ended = self._read(source)
                 if ended:
                     self._fault("the video has ended")
@@ -196,10 +199,18 @@ class Vision(Closing):
             camera.check(self._size[:2])
         self.followed.locate(camera)
 
+    def _follow(self, frame: Frame) -> list[TargetState]:
+        """Follow the targets into a picture, and count what that took."""
+        begin = time.thread_time()  # of this thread only: others pack the pictures meanwhile
+        targets = self.followed.update(frame)
+        if targets:
+            self._computing.add(time.thread_time() - begin)
+        return targets
+
     def _take(self, source: Video, frame: Frame) -> None:
         self._check_size(source)
         self._grant()
-        targets = self.followed.update(frame)
+        targets = self._follow(frame)
         self._sequence += 1
         self._done.append(time.monotonic())
         span = self._done[-1] - self._done[0]
@@ -214,6 +225,7 @@ class Vision(Closing):
             fps=(len(self._done) - 1) / span if span > 0.0 else None,
             dropped=source.dropped,
             age=time.monotonic() - frame.time if source.live else 0.0,
+            computing=self._computing.in_ms,
             live=source.live,
         )
         self.kept.add(self._sequence, frame)

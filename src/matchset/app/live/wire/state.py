@@ -75,6 +75,8 @@ class State(msgspec.Struct, frozen=True, omit_defaults=True):
         Frames of the source that nobody asked for in time.
     age : float
         From the capture to the end of the computing, s.
+    computing : dict of str to float
+        What a picture with targets took since the source was opened, ms: median, mean, percentile_95, worst.
     live : bool
     fault : str
         What is wrong with the source, in words.
@@ -90,6 +92,7 @@ class State(msgspec.Struct, frozen=True, omit_defaults=True):
     fps: float | None = None
     dropped: int = 0
     age: float = 0.0
+    computing: dict[str, float] = {}
     live: bool = True
     fault: str = ""
 

@@ -2,6 +2,7 @@
 
 import { Courses } from "../curves/course.js";
 import { element } from "../reading/reading.js";
+import { times } from "../units.js";
 import { drawLine } from "./timeline.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
@@ -117,6 +118,7 @@ export class FilePanel {
     if (line) {
       parts.push(`${line.name}: ${Math.floor(line.percent || 0)} % tracked`, `found in ${line.found || 0}, lost in ${line.lost || 0} frames`);
       if (state.rate) parts.push(`${state.rate.toFixed(0)} frames/s`);
+      if (times(state.computing)) parts.push(`computing a frame: ${times(state.computing)}`);
       if (state.left) parts.push(`${duration(state.left)} left`);
     } else if (state.complete) parts.push("Click the ball in any frame: it is followed from there to the end and back to the beginning.");
     this.work.textContent = parts.join(" · ");

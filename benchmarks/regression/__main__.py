@@ -4,25 +4,17 @@ All figures are held against those in `kept.toml`; what is worse beyond noise fa
 `benchmarks/REAL.md`. `--quick` is the fast part, which `make bench-quick` has too.
 """
 
-import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
-from benchmarks.machine import ROOT
-from benchmarks.real.clips import find_clips
-from benchmarks.regression.figures import EXCEPTIONS, NEVER, Figure
-from benchmarks.regression.kept import Kept, Origin, missing, read, worse, write
-from benchmarks.regression.page import PAGE, markdown, number
-from benchmarks.regression.raised import counted
-from benchmarks.regression.sections import SECTIONS, TIME, Job, chosen
-from benchmarks.workers import one_thread
-
-DATA = ROOT.parent / "shared" / "data"
-PHOTOGRAPHS = ROOT.parent / "photographs"
+from benchmarks.regression.figures import Figure
+from benchmarks.regression.kept import read, write
+from benchmarks.regression.page import PAGE, markdown
+from benchmarks.regression.run import DATA, PHOTOGRAPHS, job_of, measure, verdict
+from benchmarks.regression.sections import SECTIONS, chosen
 
 
 def main(
@@ -56,63 +48,6 @@ def main(
             write(kept)
             PAGE.write_text(markdown(kept), encoding="utf-8")
     raise typer.Exit(0 if store else verdict(console, measured, kept, slack, () if quick else names))
-
-
-def job_of(data: Path, photographs: Path, quick: bool) -> tuple[Job, list[str]]:
-    """Find clips and photographs, and say what is missing."""
-    clips, notes = find_clips(data)
-    there = photographs if photographs.is_dir() else None
-    if there is None and not quick:
-        notes.append(f"no photographs in {photographs} (python -m benchmarks.training.photographs {photographs})")
-    return Job(clips, data, there, quick), notes
-
-
-def measure(name: str, job: Job, console: Console) -> tuple[list[Figure], Origin]:
-    """Measure a section, and count its exceptions, naming their places."""
-    begin = time.perf_counter()
-    if name != TIME:
-        one_thread()
-    with counted() as raised:
-        figures = SECTIONS[name].measure(job)
-    if name != TIME:  # in processes of their own, which end with an exception
-        figures.append(Figure.of((EXCEPTIONS, name), "raised", len(raised), NEVER))
-    seconds = time.perf_counter() - begin
-    console.print(f"{name}: {seconds:.0f} s", *(each.words for each in raised), sep="\n")
-    return figures, Origin.here(seconds)
-
-
-def verdict(
-    console: Console, measured: list[Figure], kept: Kept, slack: float, complete: tuple[str, ...] | list[str]
-) -> int:
-    """Print all figures beside those that are kept and return the exit code.
-
-    Parameters
-    ----------
-    console : Console
-    measured : list of Figure
-    kept : Kept
-    slack : float
-        Factor on the limits of times.
-    complete : sequence of str
-        Sections that were measured in full: what is kept of them must have been measured.
-
-    Returns
-    -------
-    int
-        1 if something is worse.
-    """
-    known = {figure.key: figure for figure in kept.figure}
-    shown = Table("", "", "", "measured", "kept", "passes to")
-    for figure in measured:
-        before = known.get(figure.key)
-        cells = [number(v, figure.name) for v in (before.value, before.limit(slack))] if before else ["-", "-"]
-        passes = before is not None and before.passes(figure.value, slack)
-        shown.add_row(*figure.key, number(figure.value, figure.name), *cells, style="" if passes else "red")
-    console.print(shown)
-    keys = [key for name in complete for key in SECTIONS[name].figures]
-    words = worse(measured, kept, slack) + missing(measured, kept, keys)
-    console.print("\n".join(words) or "nothing is worse than what is kept, beyond noise")
-    return 1 if words else 0
 
 
 if __name__ == "__main__":

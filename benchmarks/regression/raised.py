@@ -48,7 +48,7 @@ class Raised(msgspec.Struct, frozen=True):
 def counted() -> Iterator[list[Raised]]:
     """Note exceptions in a list; instead, `update` answers `Lost`, `detect` nothing, and `pick` refuses.
 
-    `pick` refuses a click with a `ValueError` of the package, which is an answer and not counted; one of NumPy's is not.
+    `pick` refuses a click with a `ValueError` of the package, which is an answer and not counted.
     It works in this process only.
 
     Yields

@@ -71,8 +71,8 @@ SECTIONS = {
     "footage": Section(
         _footage,
         "The standard click, half a radius left of the center in the first tight row, is followed to the end of a "
-        f"clip; all nine clicks into that row for {footage.FOLLOWED} pictures; `detect` searches every labelled row; the "
-        f"color of each clip is sought in frames of others, about {footage.SEARCHES} times.",
+        f"clip; all nine clicks into that row for {footage.FOLLOWED} pictures; `detect` searches every labelled row; "
+        f"the color of each clip is sought in frames of others, about {footage.SEARCHES} times.",
         (footage.STANDARD, footage.NINE, footage.SEARCH, footage.FOREIGN),
         quick=True,
     ),

@@ -32,9 +32,9 @@ HOW = (
     f"`Tracker.update` on the first {PICTURES} pictures from the standard click on, in a fresh process without any "
     f"variable that limits threads; of {RUNS} runs ({BUSY_RUNS} beside busy processes) the least time of each picture, "
     "then quantiles over pictures. *Wall*: on the clock; *thread*: processor time of the calling thread; *all threads "
-    "/ own*: processor time of the process over that of the thread, 1 without hidden threads; *conversion*: from BGR to "
-    f"HSV of such a picture on one thread, the yardstick. *{GONE}*: {SHOWN} pictures of `{GONE_FROM}` with the ball, "
-    "then its pictures without it, over and over."
+    "/ own*: processor time of the process over that of the thread, 1 without hidden threads; *conversion*: from BGR "
+    f"to HSV of such a picture on one thread, the yardstick. *{GONE}*: {SHOWN} pictures of `{GONE_FROM}` with the ball, then "
+    "its pictures without it, over and over."
 )
 QUANTILES: tuple[tuple[str, float, Kind], ...] = (
     ("median", 0.5, MEDIAN),

@@ -33,8 +33,9 @@ HOW = (
     f"variable that limits threads; of {RUNS} runs ({BUSY_RUNS} beside busy processes) the least time of each picture, "
     "then quantiles over pictures. *Wall*: on the clock; *thread*: processor time of the calling thread; *all threads "
     "/ own*: processor time of the process over that of the thread, 1 without hidden threads; *conversion*: from BGR "
-    f"to HSV of such a picture on one thread, the yardstick. *{GONE}*: {SHOWN} pictures of `{GONE_FROM}` with the ball, then "
-    "its pictures without it, over and over."
+    "to HSV of such a picture on one thread, the yardstick. "
+    f"*{GONE}*: {SHOWN} pictures of `{GONE_FROM}` with the ball, "
+    "then its pictures without it, over and over."
 )
 QUANTILES: tuple[tuple[str, float, Kind], ...] = (
     ("median", 0.5, MEDIAN),

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import msgspec
 
-from benchmarks.options import Options
 from benchmarks.real.clips import Clip
 from benchmarks.regression import drawn, footage, rendered, times, worse_copies
 from benchmarks.regression.figures import Figure
@@ -55,10 +54,6 @@ class Section(msgspec.Struct, frozen=True):
     photographs: bool = False
 
 
-def _footage(job: Job) -> list[Figure]:
-    return footage.measure(job.clips, Options(data=job.data, jobs=1, quick=job.quick))
-
-
 def _videos(job: Job) -> list[Figure]:
     return [] if job.photographs is None else drawn.measure_videos(job.photographs)
 
@@ -68,13 +63,23 @@ def _clicks(job: Job) -> list[Figure]:
 
 
 SECTIONS = {
-    "footage": Section(
-        _footage,
+    "standard": Section(
+        lambda job: footage.measure_standard(job.clips, job.quick),
         "The standard click, half a radius left of the center in the first tight row, is followed to the end of a "
-        f"clip; all nine clicks into that row for {footage.FOLLOWED} pictures; `detect` searches every labelled row; "
-        f"the color of each clip is sought in frames of others, about {footage.SEARCHES} times.",
-        (footage.STANDARD, footage.NINE, footage.SEARCH, footage.FOREIGN),
+        "clip, with no help.",
+        (footage.STANDARD,),
         quick=True,
+    ),
+    "searches": Section(
+        lambda job: footage.measure_searches(job.clips, job.data),
+        "`detect` searches every labelled row with the color of the standard click; each clip's color is sought in "
+        f"frames of others, about {footage.SEARCHES} times in all.",
+        (footage.SEARCH, footage.FOREIGN),
+    ),
+    "nine": Section(
+        lambda job: footage.measure_nine(job.clips),
+        f"All nine clicks into the first tight row, each for {footage.FOLLOWED} pictures.",
+        (footage.NINE,),
     ),
     "copies": Section(
         lambda job: worse_copies.measure(job.clips),

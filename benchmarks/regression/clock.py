@@ -8,7 +8,6 @@ each picture, in as many runs as are asked for.
 import sys
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -24,7 +23,7 @@ class Task(msgspec.Struct, frozen=True):
 
     Parameters
     ----------
-    video : Path
+    video : str
     pictures : list of int
         Numbers of pictures of the video, in the order in which the tracker sees them.
     click : (float, float)
@@ -33,7 +32,7 @@ class Task(msgspec.Struct, frozen=True):
         How often all of it.
     """
 
-    video: Path
+    video: str
     pictures: list[int]
     click: tuple[float, float]
     runs: int

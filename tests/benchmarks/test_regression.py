@@ -4,6 +4,7 @@ import math
 import os
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from benchmarks.real.clips import Clip
@@ -164,6 +165,7 @@ def test_a_ball_that_leaves_for_good_is_cut_from_a_clip(clip: Clip) -> None:
 def test_a_clip_is_clocked(clip: Clip) -> None:
     task = times.task_of(clip, runs=2)
     short = Task(task.video, [*task.pictures[:5], 17, 17], task.click, 2)
+    assert msgspec.json.decode(msgspec.json.encode(short), type=Task) == short
     frames = load(short)
     assert [frame.index for frame in frames] == list(range(7))
     found = measure(short)

@@ -91,7 +91,7 @@ def _written(value: str | float) -> str:
 
 
 def worse(measured: Iterable[Figure], kept: Kept, slack: float = 1.0) -> list[str]:
-    """Say which figures are worse than the kept ones beyond noise, and which are not kept.
+    """Say which figures are worse than the kept ones beyond noise, and which are not kept beside others of a section.
 
     Parameters
     ----------
@@ -105,8 +105,8 @@ def worse(measured: Iterable[Figure], kept: Kept, slack: float = 1.0) -> list[st
     list of str
     """
     known = {figure.key: figure for figure in kept.figure}
-    words = []
-    for figure in measured:
+    begun, words = {figure.section for figure in kept.figure}, []
+    for figure in (figure for figure in measured if figure.section in begun):
         before = known.get(figure.key)
         if before is None:
             words.append(f"{figure.words}: is not kept (python -m benchmarks.regression --store)")
@@ -114,6 +114,13 @@ def worse(measured: Iterable[Figure], kept: Kept, slack: float = 1.0) -> list[st
             limit = before.limit(slack)
             words.append(f"{figure.words}: {figure.value:.3f}, kept {before.value:.3f}, passes to {limit:.3f}")
     return words
+
+
+def unknown(measured: Iterable[Figure], kept: Kept) -> list[str]:
+    """Name the sections of which nothing is kept yet: they are shown, and neither better nor worse."""
+    begun = {figure.section for figure in kept.figure}
+    new = dict.fromkeys(figure.section for figure in measured if figure.section not in begun)
+    return [f"{section}: nothing is kept of it yet (python -m benchmarks.regression --store)" for section in new]
 
 
 def missing(measured: Iterable[Figure], kept: Kept, sections: Iterable[str]) -> list[str]:

@@ -10,7 +10,7 @@ from rich.table import Table
 from benchmarks.machine import ROOT
 from benchmarks.real.clips import find_clips
 from benchmarks.regression.figures import EXCEPTIONS, NEVER, Figure
-from benchmarks.regression.kept import Kept, Origin, missing, read, worse
+from benchmarks.regression.kept import Kept, Origin, missing, read, unknown, worse
 from benchmarks.regression.page import number
 from benchmarks.regression.raised import counted
 from benchmarks.regression.sections import SECTIONS, TIME, Job, chosen
@@ -71,6 +71,7 @@ def verdict(console: Console, measured: list[Figure], kept: Kept, slack: float, 
     console.print(shown)
     keys = [key for name in complete for key in SECTIONS[name].figures]
     words = worse(measured, kept, slack) + missing(measured, kept, keys)
+    console.print(*unknown(measured, kept), sep="\n")
     console.print("\n".join(words) or "nothing is worse than what is kept, beyond noise")
     return 1 if words else 0
 

@@ -12,7 +12,7 @@ from benchmarks.regression import footage, raised, run, times
 from benchmarks.regression.clock import Clocked, Task, load, measure
 from benchmarks.regression.figures import COUNT, ERROR, INFORMATION, KINDS, ROW, TAIL, Figure
 from benchmarks.regression.footage import follow_nine, measure_nine, measure_standard, search_figures, seek
-from benchmarks.regression.kept import KEPT, Kept, Origin, missing, read, worse, write
+from benchmarks.regression.kept import KEPT, Kept, Origin, missing, read, unknown, worse, write
 from benchmarks.regression.page import PAGE, by_subject, markdown
 from benchmarks.regression.sections import SECTIONS, chosen
 from rich.console import Console
@@ -85,6 +85,9 @@ def test_worse_new_and_missing_figures_are_said() -> None:
         "standard click: drawn: lost: is kept but was not measured"
     ]
     assert missing([], kept, ["detect"]) == []
+    other = Figure.of(("detect", "drawn"), "false", 9, COUNT)
+    assert worse([other], kept) == []
+    assert "detect: nothing is kept of it yet" in unknown([other], kept)[0]
 
 
 def test_a_section_is_replaced_as_a_whole() -> None:

@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights evidence bench-radio \
-    toolchain soak wheel-check release-check first-picture link-peers clean
+    bench-real toolchain soak wheel-check release-check first-picture link-peers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
@@ -53,8 +53,11 @@ link-peers: .mavlink/ready .tello/ready  ## programs of others that the links ar
 bench: $(PEERS) $(VISP)  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
 
-bench-quick: $(PEERS)  ## has a change made it slower or less exact? (two minutes)
+bench-quick: $(PEERS)  ## has a change made it slower or less exact? (two minutes, three with real footage)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.guard $(ARGS)
+
+bench-real: $(PEERS)  ## real footage and times, as a user has them, against what is kept (20 minutes; ARGS="--only time --store")
+	.bench/bin/python -m benchmarks.regression $(ARGS)
 
 bench-search: $(PEERS) $(VISP)  ## search the peers' best parameters (an hour)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks.contest.search $(ARGS)

@@ -1,9 +1,9 @@
-"""Has a change made it slower or less exact? `python -m benchmarks.guard`, or `make bench-quick`: two minutes.
+"""Has a change made it slower or less exact? `python -m benchmarks.guard`, or `make bench-quick`: three minutes.
 
 Ratios of times and figures of accuracy are held against those in `limits.toml`; what has lost more than a quarter
 fails. Ratios are of minima over some rounds, the best round counts: a busy machine can make one round slow, not all
 of them. On other machines ratios differ more than that: `--slack 2` allows twice as much for times. Figures of
-accuracy hang on neither the machine nor the hour.
+accuracy hang on neither the machine nor the hour. Where the real clips are, the fast part of `make bench-real` follows.
 """
 
 import time
@@ -19,6 +19,7 @@ from rich.table import Table
 from benchmarks.contest.field import OURS, RIVAL, peer
 from benchmarks.contest.speed import CONVERSION, Pool, contenders, sharp_clip, sharp_rival
 from benchmarks.machine import Machine
+from benchmarks.regression.run import DATA, fast_part
 from benchmarks.shapes.cases import THIRD
 from benchmarks.shapes.trial import ShapeTask, follow_shape, lost_percent, mean_error
 from benchmarks.tracking.accuracy import pooled
@@ -64,6 +65,7 @@ class Limit(msgspec.Struct, frozen=True):
 def main(
     slack: Annotated[float, typer.Option(help="Factor on the limits of times, for noisy or other machines.")] = 1.0,
     store: Annotated[bool, typer.Option("--store", help="Write what is measured as the new limits.")] = False,
+    data: Annotated[Path, typer.Option(help="Folder with the real clips.")] = DATA,
 ) -> None:
     """Measure, compare with the stored limits, exit with 1 if something has lost more than a quarter."""
     if slack < 1.0:
@@ -81,7 +83,8 @@ def main(
     show(console, measured, limits)
     worse = too_much(measured, limits)
     console.print(f"{time.perf_counter() - begin:.0f} s; " + ("\n".join(worse) or "all within their limits"))
-    raise typer.Exit(1 if worse else 0)
+    on_footage = fast_part(console, data, slack)
+    raise typer.Exit(1 if worse or on_footage else 0)
 
 
 def best_ratios() -> dict[str, float]:

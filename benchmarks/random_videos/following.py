@@ -18,11 +18,12 @@ PHOTOGRAPHS = PhotographParameters(longest=1600, variety=(20.0, 30.0, 45.0))
 
 
 class Task(msgspec.Struct, frozen=True):
-    """A video to be followed: its seed, and the folder of photographs."""
+    """A video to be followed: its seed, the folder of photographs, and by whom."""
 
     seed: int
     folder: Path
     limits: VideoParameters = VideoParameters()
+    peers: tuple[str, ...] = PEERS
 
 
 @cache
@@ -38,5 +39,5 @@ def follow(task: Task) -> dict[str, Score]:
     if first.circle is None:
         raise ValueError(f"the ball of video {task.seed} is hidden in its first frame")
     start = Start(frame.image, first.circle, fps=FRAMES_PER_SECOND)
-    steps, truths = {key: begun(peer(key), start) for key in PEERS}, list[TruthRow]()
+    steps, truths = {key: begun(peer(key), start) for key in task.peers}, list[TruthRow]()
     return {key: score(found, truths) for key, found in answers_of(steps, frames_of(video, truths)).items()}

@@ -88,7 +88,7 @@ class Tally(msgspec.Struct, frozen=True):
 
 
 def count_false_locks(
-    clips: Sequence[Clip], balls: Mapping[str, Ball], data: Path | None, options: Options
+    clips: Sequence[Clip], balls: Mapping[str, Ball], data: Path | None, options: Options, searches: int | None = None
 ) -> list[Tally]:
     """Search for every color in all that is foreign to it.
 
@@ -100,6 +100,8 @@ def count_false_locks(
     data : Path or None
         Its folder `stills` holds videos without any ball.
     options : Options
+    searches : int, optional
+        How many, about; as many as `options` asks for.
 
     Returns
     -------
@@ -110,7 +112,7 @@ def count_false_locks(
         every = {name: ball.color for name, ball in balls.items()}
         hunts += [_hunt(video.stem, video, every) for video in sorted(data.glob("stills/*.mp4"))]
     hunts = [hunt for hunt in hunts if hunt.colors]
-    wanted = QUICK_FRAMES if options.quick else FRAMES
+    wanted = searches or (QUICK_FRAMES if options.quick else FRAMES)
     share = frames_each([(hunt.length, len(hunt.colors)) for hunt in hunts], wanted)
     if options.false_frames is not None:
         options.false_frames.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,6 @@
 """A worse copy of a real clip, and its truth: `Copy`, `write_copy`."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
@@ -65,7 +66,7 @@ class Copy(msgspec.Struct, frozen=True):
         return f"{self.clip}, {self.width} px, crf {self.crf:g}{every}{', light jumps' if self.jumps else ''}{color}"
 
 
-def write_copy(copy: Copy, clip: Clip, folder: Path) -> Clip:
+def write_copy(copy: Copy, clip: Clip, folder: Path, most: int | None = None) -> Clip:
     """Write a copy of a clip into a folder; its truth comes with what is returned.
 
     Parameters
@@ -74,6 +75,8 @@ def write_copy(copy: Copy, clip: Clip, folder: Path) -> Clip:
     clip : Clip
         The original.
     folder : Path
+    most : int, optional
+        How many pictures of the copy; without it all.
 
     Returns
     -------
@@ -83,7 +86,8 @@ def write_copy(copy: Copy, clip: Clip, folder: Path) -> Clip:
     rows, kept = {row.frame: row for row in clip.truths}, list[TruthRow]()
     video = folder / f"{copy.name}.mp4"
     with _Writer(video, (width, height), copy.crf) as writer:
-        for count, (frame, image) in enumerate(_pictures(copy, clip, (width, height), set(rows))):
+        pictures = itertools.islice(_pictures(copy, clip, (width, height), set(rows)), most)
+        for count, (frame, image) in enumerate(pictures):
             writer.add(image)
             if frame in rows:
                 kept.append(_scaled(rows[frame], count, (width / clip.width, height / clip.height)))

@@ -79,6 +79,9 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
         region with all of its worth, and grows with the inverse square of the share of it.
     round : float
         Agreement below which a region with a sharp rim is no disc: that of a square is 0.83, of other cards less.
+    least_way : float
+        Way from picture to picture, in half-widths, below which no region is looked for while a target is followed: a
+        streak is no longer than that.
     min_half_width : float
         Half-width below which no region is looked for, px: a rim of a pixel or two is wide there.
     """
@@ -108,6 +111,7 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     sure: float = 0.5
     sigma: float = 0.03
     round: float = 0.85
+    least_way: float = 0.25
     min_half_width: float = 5.0
 
     def __post_init__(self) -> None:

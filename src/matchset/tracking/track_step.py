@@ -135,7 +135,7 @@ class TrackStep(Copied, Generic[S]):
             if stretched is not None:
                 estimate = stretched
             else:
-                chosen = self.outlines.choose(image, color, estimate, speed)
+                chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
                 estimate = chosen or self._test_hypotheses(image, color, estimate, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:

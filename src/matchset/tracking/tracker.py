@@ -170,7 +170,7 @@ class Tracker(Copied, Generic[S]):
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = self._arrays.count = 0
+        self._frames = self._arrays.count = self._missed = 0
         self._step.forget()
         self._unseen.forget(self.color)
 
@@ -200,6 +200,7 @@ class Tracker(Copied, Generic[S]):
         image = self._checked(frame)
         if self._initial is not None or (self.color.gray and self.mode is Mode.SEARCHING):
             self._prepare(image)
+        self._step.outlines.network.begin_picture()
         rejected = self._tracked(image)
         if rejected is not None and self._relight(image):
             rejected = self._tracked(image)
@@ -208,7 +209,7 @@ class Tracker(Copied, Generic[S]):
             lost = self._detect(image, reason)
             if lost is not None:
                 return lost
-        self.mode = Mode.TRACKING
+        self.mode, self._missed = Mode.TRACKING, 0
         track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread)
         self._last = track.shape
         if self._step.without_outline:
@@ -263,7 +264,7 @@ class Tracker(Copied, Generic[S]):
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
         predicted = self._coast()
-        best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
+        best = self._choose(image, predicted) if self._searches() else None
         if best is not None:
             rejection = self._confirm(image, best, predicted)
             if rejection is None:
@@ -271,6 +272,12 @@ class Tracker(Copied, Generic[S]):
             reason = rejection or reason
         lost = Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
         return None if self._without_outline(image, predicted) else lost
+
+    def _searches(self) -> bool:
+        """Whether the whole frame is searched by votes now: of a lost ball that and the network's search take turns."""
+        self._missed += 1
+        in_turn = self._missed % 2 == 1 or self._last is None or not self._unseen.searches(self.color)
+        return self.parameters.search.whole_frame and in_turn
 
     def _without_outline(self, image: Image, predicted: Floats | None) -> bool:
         """Take what is like the target though no outline is seen, where it is expected or was clicked, or anywhere."""

@@ -6,7 +6,7 @@ Last of all, where the fit and the search found nothing, a disc counts that the 
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -16,14 +16,43 @@ from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.tracking.motion import Gate
-from matchset.tracking.outlines.network_outlines import covariance_of, likeliest
+from matchset.tracking.outlines.network_outlines import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.disc_search import contrasting_discs
+from matchset.tracking.search.disc_search import DiscSearch
 from matchset.tracking.search.prominence import Prominence
 from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+
+
+class _Expected(NamedTuple):
+    """What is known of where a lost target is, and of its size.
+
+    Attributes
+    ----------
+    place : Gate
+        Where it should be, or was seen last.
+    half_width : float
+        As it was seen last, px.
+    missed : float
+        How many frames ago that was.
+    """
+
+    place: Gate
+    half_width: float
+    missed: float
+
+    def log_odds(self, found: Gate, limits: NetworkParameters) -> float | None:
+        """Say what place and size add to the log-odds of a disc; None where it is far too large or small.
+
+        The place is one of as many as there are about as far off, and the longer it was not seen the less is known.
+        """
+        growth = abs(math.log(found.half_width / self.half_width))
+        if growth > math.log(limits.growth):
+            return None
+        away = (self.place.distance(found) / self.half_width) ** 2 + ((self.missed - 1.0) / limits.forgotten) ** 2
+        return -min(0.5 * math.log1p(away), limits.anywhere)
 
 
 class WithoutOutline:
@@ -45,6 +74,7 @@ class WithoutOutline:
     def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
         self._step, self._parameters = step, parameters
         self.prominence = Prominence(parameters.prominence, parameters.search)
+        self._search = DiscSearch(parameters.disc_search)
         self._color: Floats | None = None
         self._half_width = 0.0
         self.seen = False
@@ -58,6 +88,7 @@ class WithoutOutline:
         """
         self._step.outlines.network.know(color.sample)
         self.prominence.forget()
+        self._search.forget()
         self.seen, self._color, self._half_width = False, None, 0.0
 
     def remember(self, image: Image, color: ColorModel, seen: Gate) -> None:
@@ -105,6 +136,12 @@ class WithoutOutline:
         """
         return Prior.NONE if unknown or (color.is_local and not self.seen) else Prior.PRESENT
 
+    def searches(self, color: ColorModel) -> bool:
+        """Whether the network looks for a lost target of a color."""
+        outlines = self._step.outlines
+        known = self._color is not None and self._parameters.network.used
+        return outlines.is_disc and self._step.fitter.weighs(color) and known
+
     def take(
         self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, time: float, interval: float
     ) -> bool:
@@ -151,12 +188,10 @@ class WithoutOutline:
         (missed, time), limits = when, self._parameters.network
         if self._color is None or not limits.used:
             return False
-        begin, reach = expected or last, self._parameters.disc_search.reach * missed * self._half_width
-        likely = self._likely(image, [last] if expected is None else [expected, last], begin, reach)
-        best = max(likely, key=lambda each: each[0], default=None)
-        far = min(limits.far_lost + math.log(missed), limits.anywhere_lost)
-        if best is None or best[1].log_odds <= (far if expected is None else limits.lost):
-            best = self._far_off(image, begin, reach, far)
+        prior = _Expected(expected or last, self._half_width, missed)
+        reach = self._parameters.disc_search.reach * missed * self._half_width
+        near = [last] if expected is None else [expected, last]
+        best = self._likeliest(image, near, prior, reach)
         if best is None:
             return False
         disc = best[1]
@@ -165,36 +200,32 @@ class WithoutOutline:
             self._half_width = disc.circle[2]
         return self._take_disc(image, color, disc, (time, expected is None), limits.renewed)
 
-    def _far_off(self, image: Image, begin: Gate, reach: float, far: float) -> tuple[float, Disc] | None:
-        """Likeliest disc where the target may have gone, if its log-odds are enough: more are asked beyond reach."""
-        search, color = self._parameters.disc_search, self._color
+    def _likeliest(
+        self, image: Image, near: Sequence[Gate], prior: "_Expected", reach: float
+    ) -> tuple[float, Disc] | None:
+        """Likeliest disc near some places, or where something stands out, if its log-odds are enough."""
+        search, color, network = self._search, self._color, self._step.outlines.network
         assert color is not None
-        around, window = begin._replace(half_width=self._half_width), search.beyond * reach
-        places = [
-            each._replace(half_width=search.larger * each.half_width)
-            for side in (reach, window)  # what stands out far off does not take the place of what is near
-            for each in contrasting_discs(image, color, around, side, search)
-        ]
-        beyond = self._parameters.network.anywhere_lost
-        likely = [
-            (odds, disc)
-            for odds, disc in self._likely(image, places, begin, window)
-            if odds > (far if begin.distance(Gate(*disc.circle)) < reach else beyond)
-        ]
-        return max(likely, key=lambda each: each[0], default=None)
+        around, places = prior.place._replace(half_width=self._half_width), list[Gate]()
+        search.begin_picture()
+        for side in (reach, float(max(image.shape))):  # what is far off does not take the place of what is near
+            places += search.about(image, color, around, side)
+        larger = [each._replace(half_width=search.limits.larger * each.half_width) for each in places]
+        likely = self._likely(image, [*near, *larger], prior)
+        for place in places:
+            if all(place.distance(Gate(*disc.circle)) > place.half_width for _, disc in likely):
+                search.in_vain(place)
+        best = max(likely, key=lambda each: each[0], default=None)
+        return best if best is not None and best[0] > network.limits.lost else None
 
-    def _likely(self, image: Image, places: Sequence[Gate], begin: Gate, reach: float) -> list[tuple[float, Disc]]:
-        """Discs that the network sees about some places, within reach, with the target's size and color.
-
-        Before each, the log-odds that it is the target.
-        """
+    def _likely(self, image: Image, places: Sequence[Gate], prior: "_Expected") -> list[tuple[float, Disc]]:
+        """Discs that the network sees about some places; before each, the log-odds that it is the target."""
         network, color, likely = self._step.outlines.network, self._color, list[tuple[float, Disc]]()
         assert color is not None
         for disc in network.discs(image, [np.array(each[:3]) for each in places], searched=True):
-            there, odds = Gate(*disc.circle), network.alike(image, disc, color)
-            growth = max(there.half_width, self._half_width) / min(there.half_width, self._half_width)
-            if odds is not None and growth < self._parameters.network.growth and begin.distance(there) < reach:
-                likely.append((odds, disc))
+            odds = network.alike(image, disc, color)
+            if odds is not None and (known := prior.log_odds(Gate(*disc.circle), network.limits)) is not None:
+                likely.append((odds + known, disc))
         return likely
 
     def begin(self, image: Image, color: ColorModel, clicked: Gate, time: float) -> bool:

@@ -98,7 +98,7 @@ def _root(at: Single) -> Single:
 
 
 @helper
-def _write_lab(blue: Single, green: Single, red: Single, out: Singles) -> None:
+def write_lab(blue: Single, green: Single, red: Single, out: Singles) -> None:
     """Write CIE Lab of a color, 0 ... 255, L 0 ... 100."""
     half = np.float32(0.5)
     b, g, r = LINEAR[np.uint64(blue + half)], LINEAR[np.uint64(green + half)], LINEAR[np.uint64(red + half)]
@@ -156,4 +156,4 @@ def read_cells(image: Image, circle: Floats, window: Window, where: Window, shar
                     blue += part * np.float32(pixel[0])
                     green += part * np.float32(pixel[middle])
                     red += part * np.float32(pixel[last])
-            _write_lab(blue, green, red, cells[row, column])
+            write_lab(blue, green, red, cells[row, column])

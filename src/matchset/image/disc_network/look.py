@@ -61,7 +61,7 @@ class FollowLimits(NamedTuple):
     hopeless: float
 
 
-X, Y, RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, ROW = 0, 1, 2, 3, 12, 13, 14, 15
+RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE, ROW = 2, 3, 12, 13, 14, 15, 16
 """Format: of what a start led to, in numbers of a row: the precision has nine."""
 
 
@@ -125,6 +125,20 @@ def _follow_one(image: Image, circle: Floats, known: Colors, network: tuple[Weig
     return True
 
 
+@kernel(refcount=False, entry=False)
+def _next_start(rows: Floats, limits: FollowLimits) -> int:
+    """Which start is looked at next: each once, in their order, then the likeliest of those not at rest; -1: none."""
+    best, most = -1, -math.inf
+    for k in range(rows.shape[0]):
+        if rows[k, IS_DONE] != 0.0 or rows[k, LOOKS] >= limits.rounds:
+            continue
+        if rows[k, LOOKS] == 0.0:
+            return k
+        if rows[k, LOG_ODDS] > most:
+            best, most = k, rows[k, LOG_ODDS]
+    return best
+
+
 @kernel(refcount=False)
 def follow(
     image: Image,
@@ -135,7 +149,7 @@ def follow(
     looks: int,
     rows: Floats,
 ) -> int:
-    """Go from circles to balls, in rounds of one look each, as far as there are looks.
+    """Go from circles to balls, in looks: each circle once, then on from the likeliest, as far as there are looks.
 
     Parameters
     ----------
@@ -149,35 +163,34 @@ def follow(
     looks : int
         How many may be taken.
     rows : (n, ROW), float64, written
-        What each start led to; not found are those that led out of the picture, to nothing, or did not come to rest
-        before the looks were used up.
+        What each start led to; not found are those that led out of the picture, to nothing, or were not looked at.
 
     Returns
     -------
     int
         How many looks were taken.
     """
-    step, precision, taken = network[1].step, network[1].precision, 0
+    step, precision = network[1].step, network[1].precision
     for k in range(starts.shape[0]):
-        row, circle, found, first = rows[k], rows[k, :3], False, taken
-        row[IS_FOUND] = 0.0
+        rows[k, :] = 0.0
         for i in range(3):
-            circle[i] = starts[k, i]
-        for each in range(limits.rounds):
-            if taken >= looks or not circle[RADIUS] >= limits.least_radius:
-                found = False
-                break
-            taken += 1
-            found = _follow_one(image, circle, known, network, row)
-            if not found or (each == 0 and row[LOG_ODDS] < limits.hopeless):
-                found = False
-                break
-            scale, squared = circle[RADIUS], 0.0
-            for i in range(3):
-                circle[i] += scale * min(max(step[i], -limits.most_step), limits.most_step)
-                for j in range(3):
-                    squared += step[i] * precision[i, j] * step[j]
-            if squared < limits.still:
-                break
-        row[LOOKS], row[IS_FOUND] = taken - first, found and circle[RADIUS] >= limits.least_radius
-    return taken
+            rows[k, i] = starts[k, i]
+        rows[k, IS_DONE] = not starts[k, RADIUS] >= limits.least_radius
+    for taken in range(looks):
+        k = _next_start(rows, limits)
+        if k < 0:
+            return taken
+        row, circle = rows[k], rows[k, :3]
+        row[LOOKS] += 1.0
+        row[IS_FOUND] = _follow_one(image, circle, known, network, row)
+        if row[IS_FOUND] == 0.0 or (row[LOOKS] == 1.0 and row[LOG_ODDS] < limits.hopeless):
+            row[IS_FOUND], row[IS_DONE] = 0.0, 1.0
+            continue
+        scale, squared = circle[RADIUS], 0.0
+        for i in range(3):
+            circle[i] += scale * min(max(step[i], -limits.most_step), limits.most_step)
+            for j in range(3):
+                squared += step[i] * precision[i, j] * step[j]
+        row[IS_FOUND] = circle[RADIUS] >= limits.least_radius
+        row[IS_DONE] = squared < limits.still or row[IS_FOUND] == 0.0
+    return looks

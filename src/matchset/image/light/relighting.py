@@ -112,7 +112,7 @@ def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Fl
     -------
     ndarray of shape (channels,), float64, or None
     """
-    if before.shape != now.shape:
+    if before.shape != now.shape or not _differs(before, now, limits):
         return None
     smooth = _averaged(before, limits), _averaged(now, limits)
     changes = [
@@ -124,6 +124,12 @@ def gains_between(before: Bytes, now: Bytes, limits: RelightingParameters) -> Fl
         return None
     best = min(changes, key=lambda change: change.spread)
     return np.exp(best.logarithms) if best.is_of_light(limits) else None
+
+
+def _differs(before: Bytes, now: Bytes, limits: RelightingParameters) -> bool:
+    """Whether the mean of a channel has changed by half of the least change, so that comparing pixels is worth it."""
+    means = [each.mean(axis=(0, 1), dtype=np.float32) + np.float32(1.0) for each in (before, now)]
+    return bool((np.abs(np.log(means[1] / means[0])) > 0.5 * limits.least).any())
 
 
 def displacement(before: Bytes, now: Bytes, limits: RelightingParameters) -> tuple[int, int]:

@@ -37,6 +37,9 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     ----------
     used : bool
         Whether it is asked at all: without it ambiguous frames take a tenth of the time, and more of them are wrong.
+    looks : int
+        How many looks of the network a picture may cost: a budget of work, not of time, so that a replay is the same
+        bit for bit. What does not fit is looked at in the next picture. More finds a lost ball sooner.
     follow, search : FollowParameters
         How it is led to a ball, and how from places where one is looked for.
     moved : float
@@ -64,10 +67,10 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     middle, color_share : float
         Share of the pixels within so many radii that must have the target's color.
     lost : float
-        Log-odds from which a lost target is where it is expected, or was seen last while it is expected, ...
-    far_lost, anywhere_lost : float
-        ... and from which elsewhere, and where it was seen last once it is no longer expected: the first grows with the
-        logarithm of the frames that it was missed, since it may be in more places, up to the second ...
+        Log-odds from which a disc is the lost target, all that is known of its place and color added ...
+    forgotten, anywhere : float
+        ... of its place: in how many frames as much is forgotten as by half a width of way, and what is taken at most,
+        of a disc that is far off ...
     growth : float
         ... if its size differs from the last one by no more than this factor, ...
     lightness, chroma : float
@@ -78,14 +81,18 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds of a disc that was clicked from which its region need not be a disc's.
     chroma_sigma : float
         Standard deviation of that in chroma, where a target is looked for in a picture, units of CIE Lab.
+    size_sigma : float
+        Standard deviation of ln(half-width) beside the size remembered, a frame later; it grows with the root of the
+        frames. Less holds on to wrong sizes, more takes streaks for larger balls.
     range_share, min_range_px, sigma_share : float
         Search range of the fit that begins at a disc, in half-widths and at least px; and how far edge points are
         expected, as a share of that: less keeps to the disc, more to what lies around it.
     """
 
     used: bool = True
-    follow: FollowParameters = FollowParameters()
-    search: FollowParameters = FollowParameters(hopeless=-2.0)
+    looks: int = 12
+    follow: FollowParameters = FollowParameters(rounds=5, still=0.3)
+    search: FollowParameters = FollowParameters(rounds=5, still=0.3, hopeless=-2.0)
     moved: float = 1.0
     inflation: float = 4.0
     same: float = 0.5
@@ -98,15 +105,16 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     far: float = 1.0
     middle: float = 0.7
     color_share: float = 0.3
-    lost: float = 2.0
-    far_lost: float = 2.5
-    anywhere_lost: float = 4.0
+    lost: float = 1.2
+    forgotten: float = 4.0
+    anywhere: float = 2.5
     growth: float = 1.6
     lightness: float = 30.0
     chroma: float = 12.0
     renewed: float = 4.5
     clicked: float = 3.0
-    chroma_sigma: float = 5.0
+    chroma_sigma: float = 6.0
+    size_sigma: float = 0.07
     range_share: float = 0.03
     min_range_px: float = 1.5
     sigma_share: float = 0.4
@@ -118,11 +126,21 @@ class NetworkOutlines:
     Parameters
     ----------
     limits : NetworkParameters
+
+    Attributes
+    ----------
+    left : int
+        How many looks are left for this picture.
     """
 
     def __init__(self, limits: NetworkParameters) -> None:
         self.limits = limits
+        self.begin_picture()
         self.know(None)
+
+    def begin_picture(self) -> None:
+        """Have all looks of a picture before it."""
+        self.left, self._led = self.limits.looks, dict[Circle3, Disc | None]()
 
     def know(self, sample: Sample | None) -> None:
         """Know the colors of the target from a picture that shows it, or none of them.
@@ -156,7 +174,8 @@ class NetworkOutlines:
     def discs(self, image: Image, starts: Iterable[Floats], *, searched: bool = False) -> list[Disc]:
         """Discs in the picture to which the network is led from several starts.
 
-        Of a disc whose center is outside, too little is seen.
+        Of a disc whose center is outside, too little is seen. Where this picture was led from before, it is not looked
+        at again.
 
         Parameters
         ----------
@@ -166,15 +185,18 @@ class NetworkOutlines:
         searched : bool
             Whether they are places where a ball is looked for.
         """
-        if not self.limits.used:
+        begin = [(float(start[0]), float(start[1]), float(start[2])) for start in starts]
+        if not self.limits.used or not begin:
             return []
-        found, network, known = [], DiscNetwork.packaged(), self._colors()
         follow = self.limits.search if searched else self.limits.follow
-        height, width = image.shape[:2]
-        for start in starts:
-            x, y, radius = start[:DISC].tolist()
-            disc = network.follow(image, (x, y, radius), follow, known)
-            if disc is None or np.abs(disc.circle - start[:DISC]).sum() >= self.limits.moved * radius:
+        new = [start for start in begin if start not in self._led]
+        discs, taken = DiscNetwork.packaged().lead(image, new, follow, self._colors(), self.left)
+        self.left -= taken
+        self._led |= dict(zip(new, discs, strict=True))
+        (height, width), found = image.shape[:2], []
+        for start in begin:
+            disc = self._led[start]
+            if disc is None or np.abs(np.subtract(disc.circle, start)).sum() >= self.limits.moved * start[2]:
                 continue
             if 0.0 <= disc.circle[0] <= width - 1 and 0.0 <= disc.circle[1] <= height - 1:
                 found.append(disc)
@@ -203,6 +225,23 @@ class NetworkOutlines:
             return disc
         x, y, radius = np.linalg.solve(known + other, known @ disc.circle + other @ circle).tolist()
         return Disc((x, y, radius), known + other, disc.log_odds)
+
+    def of_size(self, disc: Disc, size: tuple[float, float]) -> Disc:
+        """Mean of a disc and the size remembered, by their inverse covariances.
+
+        Parameters
+        ----------
+        disc : Disc
+            Its covariance is inflated, as in `weighed`.
+        size : (float, float)
+            ln(half-width / px), and how many frames ago that was known.
+        """
+        radius, sigma = math.exp(size[0]), self.limits.size_sigma * math.sqrt(size[1])
+        known, other = disc.precision / self.limits.inflation, np.zeros((DISC, DISC))
+        other[2, 2] = 1.0 / (sigma * radius) ** 2
+        usual = np.array((0.0, 0.0, radius))
+        x, y, radius = np.linalg.solve(known + other, known @ disc.circle + other @ usual).tolist()
+        return Disc((x, y, radius), disc.precision + other, disc.log_odds)
 
     def has_color(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
         """Whether enough of the middle of a disc has the target's color."""

@@ -20,7 +20,7 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.shapes.shape import outline
-from matchset.tracking.motion import gate_of
+from matchset.tracking.motion import gate_of, usual_size
 from matchset.tracking.outlines.network_outlines import (
     DISC,
     NetworkOutlines,
@@ -61,7 +61,9 @@ class OutlineChoice:
         away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
         self.is_disc = len(fitter.family.parameters) <= DISC and bool(np.ptp(away) < SAME_AWAY)
 
-    def choose(self, image: Image, color: ColorModel, estimate: Estimate, speed: float) -> Estimate | None:
+    def choose(
+        self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
+    ) -> Estimate | None:
         """Fit the network's disc instead of an ambiguous fit.
 
         None, and the workspace as it was, where the network sees no ball.
@@ -72,6 +74,8 @@ class OutlineChoice:
         color : ColorModel
         estimate : Estimate
             The ambiguous fit.
+        frame : tuple of float
+            Time of the frame and since the frame before, s.
         speed : float
             Of the target, px per frame.
         """
@@ -79,22 +83,33 @@ class OutlineChoice:
         if not (self.is_disc and fitter.weighs(color)):
             return None
         predicted = fitter.work.motion.predicted[:p].copy()
-        discs = self.network.discs(image, (predicted, estimate.state[:p]))
-        return self._near_disc(image, color, estimate, discs, speed)
+        discs = self.network.discs(image, (predicted,))
+        unclear = likeliest(discs, self.network.limits.clear, self.network.limits.same) is None
+        if unclear and not estimate.rejection:
+            discs += self.network.discs(image, (estimate.state[:p],))
+        return self._near_disc(image, color, estimate, discs, (usual_size(fitter.work, frame), speed))
 
     def _near_disc(
-        self, image: Image, color: ColorModel, estimate: Estimate, discs: Sequence[Disc], speed: float
+        self,
+        image: Image,
+        color: ColorModel,
+        estimate: Estimate,
+        discs: Sequence[Disc],
+        known: tuple[tuple[float, float] | None, float],
     ) -> Estimate | None:
         """Fit with the network's disc as the prior; None, and the workspace as it was, where that sees no ball.
 
         A fit that was rejected needs evidence of the outline.
         """
-        fitter, limits = self._fitter, self.network.limits
+        fitter, limits, (size, speed) = self._fitter, self.network.limits, known
         disc = likeliest(discs, limits.clear, limits.same)
         sharp = not estimate.rejection and estimate.fit.msac_score >= limits.sharp
         if disc is None or sharp or not self.network.has_color(image, color, disc.circle):
             return None
-        disc = self._with_region(image, disc, estimate.state)
+        if speed > self._parameters.soft_region.least_way * disc.circle[2]:
+            disc = self._with_region(image, disc, estimate.state)
+        if size is not None:
+            disc = self.network.of_size(disc, size)
         made, predicted = fitter.block.copy(), fitter.work.motion.predicted[:DISC].copy()
         fitted = self._fit_following(image, color, estimate.state, np.array(disc.circle), speed, disc)
         taken = self._taken(image, color, fitted, [disc], predicted)

@@ -25,7 +25,7 @@ from matchset.tracking.outlines.network_outlines import (
     covariance_of,
     squared_distances,
 )
-from matchset.tracking.search.disc_search import DiscSearchParameters, contrasting_discs
+from matchset.tracking.search.disc_search import DiscSearch, DiscSearchParameters
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -76,8 +76,8 @@ class DiscDetectorParameters(msgspec.Struct, frozen=True):
     most_evidence: float = 4.0
     asked: float = 3.0
     same: float = 6.0
-    network: NetworkParameters = NetworkParameters()
-    search: DiscSearchParameters = DiscSearchParameters()
+    network: NetworkParameters = NetworkParameters(looks=400)
+    search: DiscSearchParameters = DiscSearchParameters(cells=1_000_000, most=5)
 
 
 class DiscDetector:
@@ -95,6 +95,7 @@ class DiscDetector:
     def __init__(self, fitter: Fitter[Any], color: ColorModel, limits: DiscDetectorParameters) -> None:
         self._fitter, self._model, self._limits = fitter, color, limits
         self._network = NetworkOutlines(limits.network)
+        self._search = DiscSearch(limits.search)
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius
         self._color = None if sample is None else self._network.median_color(sample.image, sample.circle)
@@ -138,7 +139,7 @@ class DiscDetector:
             if size * self._radius < limits.least_px:
                 continue
             sought = everywhere._replace(half_width=size * self._radius)
-            for place in contrasting_discs(image, self._color, sought, float(max(height, width)), limits.search):
+            for place in self._search.about(image, self._color, sought, float(max(height, width))):
                 if any(disc.log_odds > limits.known and _holds(disc, place) for _, disc in found):
                     continue
                 for disc in self._network.discs(image, [np.array(place)], searched=True):

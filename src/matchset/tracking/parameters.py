@@ -13,7 +13,6 @@ from matchset.tracking.motion import ReachParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.search.disc_search import DiscSearchParameters
-from matchset.tracking.search.prominence import ProminenceParameters
 from matchset.tracking.search.voting import SearchParameters
 
 
@@ -63,8 +62,6 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         How the whole frame is searched.
     detection : DetectionParameters
         How the candidates of a search are fitted.
-    prominence : ProminenceParameters
-        When a lost shape is known again by its color alone being there.
     disc_search : DiscSearchParameters
         Where the network is asked for a lost shape.
     adaptation : AdaptationParameters
@@ -73,6 +70,8 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         When the light of the whole picture has changed at once.
     brightness : BrightnessParameters
         How a level between dark and light is found and used, for what has no color.
+    remembered : int
+        Frames after which the color of a ball's middle and its size are remembered anew while it is seen.
     coast : float
         How long a shape that is not seen is expected near its prediction, s; after that it may appear anywhere.
         Chosen by hand; `python -m benchmarks --only reacquisition` would show a change.
@@ -86,9 +85,9 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     initialization: InitializationParameters = InitializationParameters()
     search: SearchParameters = SearchParameters()
     detection: DetectionParameters = DetectionParameters()
-    prominence: ProminenceParameters = ProminenceParameters()
     disc_search: DiscSearchParameters = DiscSearchParameters()
     adaptation: AdaptationParameters = AdaptationParameters()
     relighting: RelightingParameters = RelightingParameters()
     brightness: BrightnessParameters = BrightnessParameters()
+    remembered: int = 30
     coast: float = 0.35

@@ -195,6 +195,14 @@ class TrackStep(Copied, Generic[S]):
                 best, most = other.state, score
         return fitter.fit(image, color, best, SearchWindow(limits.final_range, speed, limits.final_sigma))
 
+    def take_fit(self, time: float, begins: bool) -> None:
+        """Take the last fit for the lost target, at a time, s; `begins`: nowhere near where it was expected."""
+        if begins:
+            fitter, share = self.fitter, self.parameters.initialization.detected_share
+            state = fitter.state.copy()
+            initialize(fitter.work, state, time, share * float(fitter.family.half_width(state)))
+        self.accept(time)
+
     def take_disc(self, image: Image, color: ColorModel, disc: Gate, spread: Floats, when: tuple[float, bool]) -> None:
         """Take a disc that no edges confirm for the target.
 

@@ -20,11 +20,11 @@ from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.initialization import initialize_near, model_for_image
+from matchset.tracking.lost_ball import LostBall
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Mode, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
-from matchset.tracking.without_outline import WithoutOutline
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
@@ -91,8 +91,8 @@ class Tracker(Copied, Generic[S]):
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
-        self._unseen = WithoutOutline(self._step, self.parameters)
         self._detectors = Detectors(self._fitter, self.parameters)
+        self._ball = LostBall(self._step, self.parameters, self._detectors)
         self._format: tuple[int, ...] | None
         self._initial: S | None
         self._last: S | None
@@ -170,9 +170,9 @@ class Tracker(Copied, Generic[S]):
         self._format = None
         self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
-        self._frames = self._arrays.count = self._missed = 0
+        self._frames = self._arrays.count = 0
         self._step.forget()
-        self._unseen.forget(self.color)
+        self._ball.forget(self.color)
 
     def update(self, frame: Picture) -> Track[S] | Lost[S]:
         """Track the shape into `frame` (Alg. 1): predict, match, fit; search the whole frame only when lost.
@@ -209,13 +209,13 @@ class Tracker(Copied, Generic[S]):
             lost = self._detect(image, reason)
             if lost is not None:
                 return lost
-        self.mode, self._missed = Mode.TRACKING, 0
+        self.mode = Mode.TRACKING
         track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread)
         self._last = track.shape
         if self._step.without_outline:
             return track
-        if rejected is not None or self._unseen.prominence.is_due(self._frames):
-            self._unseen.remember(image, self.color, gate_of(self._family, track.shape.state))
+        if rejected is not None or self._frames % self.parameters.remembered == 1 or not self._ball.seen:
+            self._ball.remember(image, gate_of(self._family, track.shape.state))
             self._adapting.keep(image, self.color)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
@@ -231,7 +231,7 @@ class Tracker(Copied, Generic[S]):
         changed = self._adapting.relight(image, self.color)
         if changed is not None:
             self.color, gains = changed
-            self._unseen.relight(gains)
+            self._ball.relight(gains)
         return changed is not None
 
     def _checked(self, frame: Picture) -> Image:
@@ -264,29 +264,26 @@ class Tracker(Copied, Generic[S]):
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
         predicted = self._coast()
-        best = self._choose(image, predicted) if self._searches() else None
-        if best is not None:
-            rejection = self._confirm(image, best, predicted)
-            if rejection is None:
+        if self._last is not None and self._ball.knows(self.color):
+            expected = None if predicted is None else gate_of(self._family, predicted)
+            last = gate_of(self._family, self._last.state)
+            if self._ball.find(image, self.color, last, expected, self._time, self._interval):
                 return None
-            reason = rejection or reason
-        lost = Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
-        return None if self._without_outline(image, predicted) else lost
+        else:
+            best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
+            if best is not None:
+                rejection = self._confirm(image, best, predicted)
+                if rejection is None:
+                    return None
+                reason = rejection or reason
+            if self._begins_at_click(image):
+                return None
+        return Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
 
-    def _searches(self) -> bool:
-        """Whether the whole frame is searched by votes now: of a lost ball that and the network's search take turns."""
-        self._missed += 1
-        in_turn = self._missed % 2 == 1 or self._last is None or not self._unseen.searches(self.color)
-        return self.parameters.search.whole_frame and in_turn
-
-    def _without_outline(self, image: Image, predicted: Floats | None) -> bool:
-        """Take what is like the target though no outline is seen, where it is expected or was clicked, or anywhere."""
-        family, unseen, last = self._family, self._unseen, self._last
-        if last is not None:
-            expected = None if predicted is None else gate_of(family, predicted)
-            return unseen.take(image, self.color, gate_of(family, last.state), expected, self._time, self._interval)
+    def _begins_at_click(self, image: Image) -> bool:
+        """Begin with what the network sees where somebody clicked in this picture, though no outline is confirmed."""
         clicked = self._clicked() if self._frames == 1 else None
-        if clicked is None or not unseen.begin(image, self.color, gate_of(family, clicked.state), self._time):
+        if clicked is None or not self._ball.begin(image, self.color, gate_of(self._family, clicked.state), self._time):
             return False
         self._hint = None
         return True
@@ -308,14 +305,14 @@ class Tracker(Copied, Generic[S]):
         detector = self._detector(image, predicted)
         for estimate, merit in detector.detections(image, self.color, self._prior(predicted), first):
             if predicted is not None:
-                if not (self._passes_gate(estimate, predicted) or self._is_alone(image, estimate)):
+                if not self._passes_gate(estimate, predicted):
                     continue
             elif self._hint is not None:
                 if math.dist(estimate.state[:2].tolist(), self._hint) < self._family.half_width(estimate.state):
                     merit += self.parameters.detection.hint_bonus
-                elif self._fitter.validate_detection(estimate, self._unseen.elsewhere(self.color, self._frames == 1)):
+                elif self._fitter.validate_detection(estimate, self._ball.elsewhere(self.color, self._frames == 1)):
                     continue
-            elif not (self._is_expected(estimate) or self._is_alone(image, estimate)):
+            elif not self._is_expected(estimate):
                 continue
             if merit > most:
                 best, most = estimate.state, merit
@@ -348,14 +345,6 @@ class Tracker(Copied, Generic[S]):
                 return True
         return not self._fitter.validate_detection(estimate, Prior.NONE)
 
-    def _is_alone(self, image: Image, estimate: Estimate) -> bool:
-        """Whether a detection is the lost shape because nothing else in the picture has or had its color so clearly."""
-        if self._last is None or estimate.evidence is None or self._fitter.validate_detection(estimate, Prior.ASKED):
-            return False
-        last, found = self._family.half_width(self._last.state), gate_of(self._family, estimate.state)
-        alone = self._unseen.prominence.recognizes(image, self.color, float(last), found)
-        return alone and not self._step.outlines.is_other_shape(image, estimate.state)
-
     def _passes_gate(self, estimate: Estimate, predicted: Floats) -> bool:
         """Whether a detection can be the lost shape: near its prediction, or farther off with full evidence."""
         limits = self.parameters.reach
@@ -363,7 +352,7 @@ class Tracker(Copied, Generic[S]):
         if here.near(there, limits):
             return True
         valid = not self._fitter.validate_detection(
-            estimate, self._unseen.elsewhere(self.color, here.alone(there, limits))
+            estimate, self._ball.elsewhere(self.color, here.alone(there, limits))
         )
         return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
 
@@ -396,7 +385,7 @@ class Tracker(Copied, Generic[S]):
             return Prior.HERE
         weighs = self._fitter.weighs(self.color)
         if self._hint is None:
-            return self._unseen.elsewhere(self.color, not weighs or self._last is None)
+            return self._ball.elsewhere(self.color, not weighs or self._last is None)
         return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
 
     def _shape_of(self, state: Floats) -> S | None:

@@ -122,6 +122,32 @@ class OutlineChoice:
         self.spread = covariance_of(disc)
         return fitted
 
+    def refined(self, image: Image, disc: Disc) -> Disc:
+        """Mean of a disc with the region there, if that is blurred.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        disc : Disc
+        """
+        return self._with_region(image, disc, self._fitter.family.from_coarse(*disc.circle).state)
+
+    def fit_lost(self, image: Image, color: ColorModel, disc: Disc) -> bool:
+        """Fit the edge points around the disc of a target that was lost; whether they confirm it.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        disc : Disc
+        """
+        fitter = self._fitter
+        state = fitter.family.from_coarse(*disc.circle).state
+        fitted = self._fit(image, color, state, np.array(disc.circle), unknown=True, prior=disc)
+        if fitted.rejection or squared_distances(disc, fitted.state[:DISC]) > self.network.limits.differs:
+            return False
+        return not fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
+
     def _with_region(self, image: Image, disc: Disc, state: Floats) -> Disc:
         """Weigh the network's disc with the region there, if the rim of that is a ramp all around."""
         there = state.copy()

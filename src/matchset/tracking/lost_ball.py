@@ -1,7 +1,9 @@
-"""Where a target is whose outline no edges confirm: `WithoutOutline`.
+"""Finds a ball that was lost: `LostBall`.
 
-Last of all, where the fit and the search found nothing, a disc counts that the network sees there
-(`image/disc_network`), of the color and size of the target. Nothing is learned from it but its color.
+Places are where the ball should be or was seen last, where a disc of its color stands out, and where the boundary of
+its color votes for a circle. The network of discs judges them (`image/disc_network`): to its log-odds what is known of
+place, size and color is added. The likeliest disc is the prior of a fit to its edge points; where these do not confirm
+it, the disc itself counts.
 """
 
 import math
@@ -15,11 +17,11 @@ import numpy.typing as npt
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
+from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.network_outlines import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.disc_search import DiscSearch
-from matchset.tracking.search.prominence import Prominence
 from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
@@ -55,28 +57,27 @@ class _Expected(NamedTuple):
         return -min(0.5 * math.log1p(away), limits.anywhere)
 
 
-class WithoutOutline:
-    """Remembers what a target is like whose outline is seen, and takes a disc that is like it where none is seen.
+class LostBall:
+    """Remembers what a ball is like while it is seen, and finds it once it is not.
 
     Parameters
     ----------
     step : TrackStep
     parameters : TrackerParameters
+    detectors : Detectors
+        Their searchers propose circles.
 
     Attributes
     ----------
-    prominence : Prominence
-        Whether the target is alone with its color.
     seen : bool
         Whether the outline of the target was seen.
     """
 
-    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters) -> None:
-        self._step, self._parameters = step, parameters
-        self.prominence = Prominence(parameters.prominence, parameters.search)
+    def __init__(self, step: TrackStep[Any], parameters: TrackerParameters, detectors: Detectors[Any]) -> None:
+        self._step, self._parameters, self._detectors = step, parameters, detectors
         self._search = DiscSearch(parameters.disc_search)
         self._color: Floats | None = None
-        self._half_width = 0.0
+        self._half_width, self._pictures = 0.0, 0
         self.seen = False
 
     def forget(self, color: ColorModel) -> None:
@@ -87,23 +88,19 @@ class WithoutOutline:
         color : ColorModel
         """
         self._step.outlines.network.know(color.sample)
-        self.prominence.forget()
         self._search.forget()
-        self.seen, self._color, self._half_width = False, None, 0.0
+        self.seen, self._color, self._half_width, self._pictures = False, None, 0.0, 0
 
-    def remember(self, image: Image, color: ColorModel, seen: Gate) -> None:
-        """Remember the color and the looks of a target whose outline is seen.
+    def remember(self, image: Image, seen: Gate) -> None:
+        """Remember the color and the size of a target whose outline is seen.
 
         Parameters
         ----------
         image : ndarray of shape (h, w, channels), uint8
-        color : ColorModel
         seen : Gate
             Where it is.
         """
         self.seen = True
-        if self._step.fitter.weighs(color):
-            self.prominence.measure(image, color, seen)
         if self._step.outlines.is_disc:
             self._color = self._step.outlines.network.median_color(image, (seen.x, seen.y, seen.half_width))
             self._half_width = seen.half_width
@@ -136,21 +133,20 @@ class WithoutOutline:
         """
         return Prior.NONE if unknown or (color.is_local and not self.seen) else Prior.PRESENT
 
-    def searches(self, color: ColorModel) -> bool:
-        """Whether the network looks for a lost target of a color."""
+    def knows(self, color: ColorModel) -> bool:
+        """Whether this is a ball of a color that was seen before: otherwise nothing can be found here."""
         outlines = self._step.outlines
-        known = self._color is not None and self._parameters.network.used
-        return outlines.is_disc and self._step.fitter.weighs(color) and known
+        return self._color is not None and outlines.is_disc and self._step.fitter.weighs(color)
 
-    def take(
+    def find(
         self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, time: float, interval: float
     ) -> bool:
-        """Take a disc for the target about where it is expected, or anywhere by its color; whether there was one.
+        """Find the ball, and leave the workspace as its fit made it; whether it was found.
 
         Parameters
         ----------
-        image, color
-            See `remember`.
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
         last : Gate
             Where the target was seen last.
         expected : Gate or None
@@ -160,65 +156,49 @@ class WithoutOutline:
         interval : float
             Since the frame before, s.
         """
-        step = self._step
-        if not step.outlines.is_disc:
-            return False
-        missed = step.missed(time, interval)
-        if not step.without_outline:  # what approaches is larger than when its looks were remembered
+        if not self._step.without_outline:  # what approaches is larger than when its color was remembered
             self._half_width = last.half_width
-        return self._take_by_network(image, color, last, expected, (missed, time))
-
-    def _take_disc(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
-        """Take a disc of the network, unless that is not sure and the region there is another shape."""
-        there = Gate(*disc.circle)
-        if disc.log_odds <= sure and self._is_other_shape(image, there):
-            return False
-        self._step.take_disc(image, color, there, covariance_of(disc), when)
-        return True
-
-    def _is_other_shape(self, image: Image, disc: Gate) -> bool:
-        """Whether the region at a disc is seen to be another shape."""
-        state = self._step.fitter.family.from_coarse(*disc).state
-        return self._step.outlines.is_other_shape(image, state)
-
-    def _take_by_network(
-        self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, when: tuple[float, float]
-    ) -> bool:
-        """Take what the network sees where the target is expected, was last or may have gone, if it is alike."""
-        (missed, time), limits = when, self._parameters.network
-        if self._color is None or not limits.used:
-            return False
-        prior = _Expected(expected or last, self._half_width, missed)
-        reach = self._parameters.disc_search.reach * missed * self._half_width
+        prior = _Expected(expected or last, self._half_width, self._step.missed(time, interval))
         near = [last] if expected is None else [expected, last]
-        best = self._likeliest(image, near, prior, reach)
+        best = self._likeliest(image, color, near, prior)
         if best is None:
             return False
-        disc = best[1]
-        if disc.log_odds > limits.renewed:
-            self._color = self._step.outlines.network.median_color(image, disc.circle)
-            self._half_width = disc.circle[2]
-        return self._take_disc(image, color, disc, (time, expected is None), limits.renewed)
+        disc, network = best[1], self._step.outlines.network
+        if disc.log_odds > network.limits.renewed:
+            self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
+        disc = self._step.outlines.refined(image, disc)
+        return self._take(image, color, disc, (time, expected is None), network.limits.renewed)
 
     def _likeliest(
-        self, image: Image, near: Sequence[Gate], prior: "_Expected", reach: float
+        self, image: Image, color: ColorModel, near: Sequence[Gate], prior: _Expected
     ) -> tuple[float, Disc] | None:
         """Likeliest disc near some places, or where something stands out, if its log-odds are enough."""
-        search, color, network = self._search, self._color, self._step.outlines.network
-        assert color is not None
-        around, places = prior.place._replace(half_width=self._half_width), list[Gate]()
-        search.begin_picture()
-        for side in (reach, float(max(image.shape))):  # what is far off does not take the place of what is near
-            places += search.about(image, color, around, side)
-        larger = [each._replace(half_width=search.limits.larger * each.half_width) for each in places]
-        likely = self._likely(image, [*near, *larger], prior)
-        for place in places:
+        search, network = self._search, self._step.outlines.network
+        standing_out = self._standing_out(image, color, prior)
+        likely = self._likely(image, [*near, *standing_out], prior)
+        for place in standing_out:
             if all(place.distance(Gate(*disc.circle)) > place.half_width for _, disc in likely):
                 search.in_vain(place)
         best = max(likely, key=lambda each: each[0], default=None)
         return best if best is not None and best[0] > network.limits.lost else None
 
-    def _likely(self, image: Image, places: Sequence[Gate], prior: "_Expected") -> list[tuple[float, Disc]]:
+    def _standing_out(self, image: Image, color: ColorModel, prior: _Expected) -> list[Gate]:
+        """Places where a disc stands out: near the prior's, and by turns anywhere, by the mean color or by votes."""
+        search, own = self._search, self._color
+        assert own is not None
+        search.begin_picture()
+        self._pictures += 1
+        around = prior.place._replace(half_width=self._half_width)
+        places = search.about(image, own, around, search.limits.reach * prior.missed * self._half_width)
+        if self._pictures % 2 == 0:
+            places += search.about(image, own, around, float(max(image.shape)))
+        places = [each._replace(half_width=search.limits.larger * each.half_width) for each in places]
+        if self._pictures % 2 == 1:
+            votes = self._detectors.suited(image, self._half_width).searcher.candidates(image, color)
+            places += [Gate(*vote[:3]) for vote in votes[: search.limits.most].tolist()]
+        return places
+
+    def _likely(self, image: Image, places: Sequence[Gate], prior: _Expected) -> list[tuple[float, Disc]]:
         """Discs that the network sees about some places; before each, the log-odds that it is the target."""
         network, color, likely = self._step.outlines.network, self._color, list[tuple[float, Disc]]()
         assert color is not None
@@ -228,13 +208,27 @@ class WithoutOutline:
                 likely.append((odds + known, disc))
         return likely
 
+    def _take(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
+        """Take a disc, unless it is not sure and the region there is another shape.
+
+        If the edge points around it confirm it, the fit to them is taken.
+        """
+        step, there = self._step, Gate(*disc.circle)
+        if step.outlines.fit_lost(image, color, disc):
+            step.take_fit(*when)
+            return True
+        if disc.log_odds <= sure and step.outlines.is_other_shape(image, step.fitter.family.from_coarse(*there).state):
+            return False
+        step.take_disc(image, color, there, covariance_of(disc), when)
+        return True
+
     def begin(self, image: Image, color: ColorModel, clicked: Gate, time: float) -> bool:
-        """Begin with a disc that the network sees at the click, or one that looks as what was clicked; whether one is.
+        """Begin with a disc that the network sees at the click; whether there is one.
 
         Parameters
         ----------
         image, color, time
-            See `remember`.
+            See `find`.
         clicked : Gate
             Circle around the click.
         """
@@ -244,7 +238,7 @@ class WithoutOutline:
         network = step.outlines.network
         limits = network.limits
         disc = likeliest(network.discs(image, [np.array(clicked[:3])]), limits.sure, limits.same)
-        if disc is not None:
-            self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
-            return self._take_disc(image, color, disc, (time, True), limits.clicked)
-        return False
+        if disc is None:
+            return False
+        self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
+        return self._take(image, color, disc, (time, True), limits.clicked)

@@ -1,0 +1,89 @@
+"""What a click may mean, each with how likely that is: `Reading`, `readings_of`."""
+
+import math
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+
+from matchset.image.disc_network.at_click import BallAtClickParameters, Weighed
+
+Circle3 = tuple[float, float, float]
+BALL, SPOT, AROUND, OTHER, REGION = "ball", "spot on it", "ball around it", "another ball", "region"
+"""Format: what a reading is called; all but the first and the last beside the likeliest one."""
+TINY = 1e-9  # theorem: a probability is not zero
+
+
+class Reading(msgspec.Struct, frozen=True):
+    """Something that a click may mean.
+
+    Parameters
+    ----------
+    name : str
+        "ball" for the likeliest disc; "spot on it", "ball around it" or "another ball" for a disc within it, around it
+        or beside it; "region" for what grew in color and is no ball.
+    circle : (x, y, radius)
+        The disc, or the smallest circle around the region, px.
+    log_odds : float
+        That this was meant, and none of the other readings.
+    """
+
+    name: str
+    circle: Circle3
+    log_odds: float
+
+    @property
+    def probability(self) -> float:
+        """The same as a probability."""
+        return 1.0 / (1.0 + math.exp(-self.log_odds))
+
+    def __str__(self) -> str:
+        return f"{self.name}, r = {self.circle[2]:.0f} px, {min(round(100 * self.probability), 99)} %"
+
+
+def readings_of(
+    discs: Sequence[Weighed], shares: Sequence[float], extent: Circle3, limits: BallAtClickParameters
+) -> tuple[Reading, ...]:
+    """Weigh the discs at a click and the region that grew there against each other.
+
+    That a reading is the one that was meant has the probability exp(m) over the sum of that for all, with m the merit
+    of a disc, and more if the region is that disc. That the region is another thing than a disc is as likely as its
+    pixels are not that disc's.
+
+    Parameters
+    ----------
+    discs : sequence of Weighed
+    shares : sequence of float
+        Of each, which share of disc and region together is in both.
+    extent : (x, y, radius)
+        Smallest circle around the region, px.
+    limits : BallAtClickParameters
+
+    Returns
+    -------
+    tuple of Reading
+        The likeliest first. The region is always among them.
+    """
+    circles = [disc.circle for disc in discs] + [extent]
+    merits = [disc.merit + limits.region * share for disc, share in zip(discs, shares, strict=True)]
+    merits.append(limits.sure + math.log(max(1.0 - max(shares, default=0.0), TINY)))
+    order = np.argsort(merits)[::-1].tolist()
+    first = circles[order[0]]
+    names = [_name_beside(circle, first) for circle in circles[:-1]] + [REGION]
+    total = float(np.logaddexp.reduce(merits))
+    return tuple(Reading(names[k], circles[k], _log_odds(merits[k] - total)) for k in order)
+
+
+def _log_odds(log_probability: float) -> float:
+    rest = -math.expm1(min(log_probability, 0.0))
+    return log_probability - math.log(max(rest, TINY))
+
+
+def _name_beside(circle: Circle3, first: Circle3) -> str:
+    """What a disc is called beside the likeliest one."""
+    apart = math.dist(circle[:2], first[:2])
+    if circle == first:
+        return BALL
+    if apart < first[2] and circle[2] < first[2]:
+        return SPOT
+    return AROUND if apart < circle[2] and first[2] < circle[2] else OTHER

@@ -72,7 +72,7 @@ def _taken(random: Random, picture: Singles, gray: bool) -> Bytes:
 
 
 def _room(random: Random) -> Singles:
-    """A wall of some color with large and small spots, and some boards."""
+    """Paint a wall of some color with large and small spots, and some boards."""
     picture = np.empty((*SIZE, 3), np.float32)
     picture[:] = random.uniform(70.0, 190.0) + random.uniform(-15.0, 15.0, 3)
     for distance in (90.0, 12.0):
@@ -85,7 +85,7 @@ def _room(random: Random) -> Singles:
 
 
 def _vivid(random: Random) -> Color:
-    """A color far from gray, whose gray value is far from that of a pale thing."""
+    """Choose a color far from gray, whose gray value is far from that of a pale thing."""
     hue, value = random.integers(0, 180), random.integers(90, 190)
     pixel = np.array([[[hue, random.integers(150, 255), value]]], np.uint8)
     blue, green, red = cv2.cvtColor(pixel, cv2.COLOR_HSV2BGR)[0, 0].tolist()
@@ -97,7 +97,9 @@ def _lit(random: Random, colors: Singles, circle: Circle3) -> Singles:
     x, y = offsets(SIZE, circle)
     angle = any_angle(random)
     normal = np.sqrt(np.clip(1.0 - x**2 - y**2, 0.0, 1.0))
-    light = DEEP + (1.0 - DEEP) * normal + 0.25 * within(random, (0.0, 1.0)) * (x * math.cos(angle) + y * math.sin(angle))
+    light = (
+        DEEP + (1.0 - DEEP) * normal + 0.25 * within(random, (0.0, 1.0)) * (x * math.cos(angle) + y * math.sin(angle))
+    )
     return np.asarray(colors * np.clip(light, 0.2, 1.2)[..., np.newaxis], np.float32)
 
 
@@ -117,7 +119,7 @@ def _pale(random: Random) -> Color:
 
 
 def _before_disc(random: Random) -> tuple[Singles, Circle3, None]:
-    """A small vivid ball before a large pale disc."""
+    """Draw a small vivid ball before a large pale disc."""
     large = within(random, (250.0, 390.0)), within(random, (190.0, 290.0)), within(random, (110.0, 205.0))
     picture = over(_room(random), disc(SIZE, large), _lit(random, _plain(_pale(random)), large))
     radius = log_within(random, (9.0, 34.0))
@@ -126,7 +128,7 @@ def _before_disc(random: Random) -> tuple[Singles, Circle3, None]:
 
 
 def _beside_lamp(random: Random) -> tuple[Singles, Circle3, None]:
-    """A ball beside a large lamp with a glow around it."""
+    """Draw a ball beside a large lamp with a glow around it."""
     ball = _placed(random, log_within(random, (10.0, 30.0)))
     radius = within(random, (2.0, 4.0)) * ball[2]
     apart = radius + ball[2] * within(random, (1.15, 2.0))
@@ -138,7 +140,7 @@ def _beside_lamp(random: Random) -> tuple[Singles, Circle3, None]:
 
 
 def _pupil(random: Random) -> tuple[Singles, Circle3, None]:
-    """A dark pupil in a dark iris in a dim eye, with glints and lids."""
+    """Draw a dark pupil in a dark iris in a dim eye, with glints and lids."""
     iris = (*(0.5 * side + within(random, (-60.0, 60.0)) for side in SIZE[::-1]), within(random, (45.0, 100.0)))
     pupil = (*away(iris[:2], any_angle(random), 0.05 * iris[2]), iris[2] * within(random, (0.25, 0.55)))
     skin = DUSK * (2.0 + 0.4 * smooth_noise(random, SIZE, 120.0) + 0.12 * smooth_noise(random, SIZE, 10.0))
@@ -155,7 +157,7 @@ def _pupil(random: Random) -> tuple[Singles, Circle3, None]:
 
 
 def _printed(random: Random) -> tuple[Singles, Singles, Circle3, Color]:
-    """A room, the colors of a ball, where it is, and a color to print on it."""
+    """Draw a room, the colors of a ball, where it is, and a color to print on it."""
     ball = _placed(random, log_within(random, (30.0, 110.0)))
     colors = (_vivid(random), _pale(random))
     base, ink = colors if random.random() < 0.5 else colors[::-1]
@@ -167,7 +169,7 @@ def _finished(random: Random, room: Singles, colors: Singles, ball: Circle3) -> 
 
 
 def _spotted(random: Random) -> tuple[Singles, Circle3, Circle3]:
-    """A ball with a round spot."""
+    """Draw a ball with a round spot."""
     room, colors, ball, ink = _printed(random)
     place = away(ball[:2], any_angle(random), within(random, (0.0, ANYWHERE)) * ball[2])
     spot = (*place, ball[2] * within(random, (0.22, 0.4)))
@@ -175,7 +177,7 @@ def _spotted(random: Random) -> tuple[Singles, Circle3, Circle3]:
 
 
 def _logo(random: Random) -> tuple[Singles, Circle3, Circle3]:
-    """A ball with a patch of no particular shape."""
+    """Draw a ball with a patch of no particular shape."""
     room, colors, ball, ink = _printed(random)
     place = away(ball[:2], any_angle(random), within(random, (0.0, ANYWHERE)) * ball[2])
     spot = (*place, ball[2] * within(random, (0.3, 0.5)))
@@ -186,7 +188,7 @@ def _logo(random: Random) -> tuple[Singles, Circle3, Circle3]:
 
 
 def _striped(random: Random) -> tuple[Singles, Circle3, None]:
-    """A ball with one to three parallel stripes."""
+    """Draw a ball with one to three parallel stripes."""
     room, colors, ball, ink = _printed(random)
     angle = any_angle(random)
     for at in np.linspace(-0.5, 0.5, random.integers(1, 4)) if random.random() < 0.7 else (0.0,):

@@ -11,6 +11,7 @@ from matchset.image.disc_network.at_click import BallAtClickParameters, Weighed
 Circle3 = tuple[float, float, float]
 BALL, SPOT, AROUND, OTHER, REGION = "ball", "spot on it", "ball around it", "another ball", "region"
 """Format: what a reading is called; all but the first and the last beside the likeliest one."""
+PERCENT = 100.0  # geometry: of one
 TINY = 1e-9  # theorem: a probability is not zero
 
 
@@ -38,7 +39,9 @@ class Reading(msgspec.Struct, frozen=True):
         return 1.0 / (1.0 + math.exp(-self.log_odds))
 
     def __str__(self) -> str:
-        return f"{self.name}, r = {self.circle[2]:.0f} px, {min(round(100 * self.probability), 99)} %"
+        x, y, radius = self.circle
+        percent = min(max(round(PERCENT * self.probability), 1), 99)
+        return f"{self.name} at ({x:.0f}, {y:.0f}), r = {radius:.0f} px, {percent} %"
 
 
 def readings_of(
@@ -62,14 +65,16 @@ def readings_of(
     Returns
     -------
     tuple of Reading
-        The likeliest first. The region is always among them.
+        The likeliest first, at least one.
     """
     circles = [disc.circle for disc in discs] + [extent]
     merits = [disc.merit + limits.region * share for disc, share in zip(discs, shares, strict=True)]
-    merits.append(limits.sure + math.log(max(1.0 - max(shares, default=0.0), TINY)))
+    merits.append(limits.grown + math.log(max(1.0 - max(shares, default=0.0), TINY)))
+    if any(_is_same(extent, disc.circle, limits.same) for disc in discs):
+        circles, merits = circles[:-1], merits[:-1]
     order = np.argsort(merits)[::-1].tolist()
     first = circles[order[0]]
-    names = [_name_beside(circle, first) for circle in circles[:-1]] + [REGION]
+    names = [_name_beside(circle, first) for circle in circles[: len(discs)]] + [REGION]
     total = float(np.logaddexp.reduce(merits))
     return tuple(Reading(names[k], circles[k], _log_odds(merits[k] - total)) for k in order)
 
@@ -79,8 +84,12 @@ def _log_odds(log_probability: float) -> float:
     return log_probability - math.log(max(rest, TINY))
 
 
+def _is_same(one: Circle3, other: Circle3, same: float) -> bool:
+    return sum(abs(a - b) for a, b in zip(one, other, strict=True)) < same * other[2]
+
+
 def _name_beside(circle: Circle3, first: Circle3) -> str:
-    """What a disc is called beside the likeliest one."""
+    """Name a disc beside the likeliest one."""
     apart = math.dist(circle[:2], first[:2])
     if circle == first:
         return BALL

@@ -14,8 +14,8 @@ from matchset.image.disc_network.polar_patch import Circle3, Image
 class BallAtClickParameters(msgspec.Struct, frozen=True):
     """How the balls are found that a click may mean, and which one it means.
 
-    `growth` was chosen on real clips, `alone` on 1,600 clicks into random videos 1000-1399 and 216 on other shapes
-    (docs/log.md), `precision`, `ways` and `region` on `python -m benchmarks.clicks`, the others by hand.
+    `growth` was chosen on real clips; `precision`, `ways`, `region` and `grown` by the likelihood of the right readings
+    on 334 clicks of ``python -m benchmarks.clicks`` and 8 on other shapes (decision 130); the others by hand.
 
     Parameters
     ----------
@@ -29,23 +29,26 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
         How the network is led from them.
     holds : float
         How far from its center the click may be, in radii.
-    grown : float
+    larger : float
         Factor by which a disc may be larger than the circle that led to it.
     sure : float
-        Log-odds of a ball from which a disc is one, and the merit of what grew in color, which is none.
+        Log-odds of a ball from which a disc may be one.
     precision : float
         Share of ln sqrt(det P) that is added to the log-odds of a disc, P the inverse of its covariance in radii: of
         two that may both be the ball, the clearer outline.
     ways : float
-        Share of ln n that is added, n the number of circles around the click that lead to a disc.
+        Share of ln n that is added, n the number of circles around the click that lead to a disc: to a ball those of
+        several sizes do, to what is none often one alone.
     region : float
         What is added if what grew in color at the click is that disc, and less by the share of both that is in both: a
         disc of one color was clicked, as a marker on a ball or a ball before a plate is.
+    grown : float
+        Merit of what grew in color at the click, against which those of discs are held: more takes a small or blurred
+        ball for no disc, less takes cards and pieces of a wall for balls. Of 310 right discs 3 had less than 10, of 8
+        wrong ones to which one circle led the most had 7.6.
     same : float
         Discs whose x, y and radius differ by less in all, in radii, are the same ball: what is taken is their mean.
-    alone : float
-        Largest radius of a disc to which only one circle leads, px. To a ball, circles of other sizes lead too, but for
-        the smallest, around which there are few; where only one leads, mostly there is none.
+        A region that is so near to a disc is no reading of its own.
     """
 
     used: bool = True
@@ -54,13 +57,13 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     growth: float = 1.35
     follow: FollowParameters = FollowParameters(most_step=0.35)
     holds: float = 1.02
-    grown: float = 3.0
+    larger: float = 3.0
     sure: float = 1.5
     precision: float = 0.5
     ways: float = 2.0
     region: float = 2.0
+    grown: float = 8.5
     same: float = 0.5
-    alone: float = 10.0
 
 
 class Weighed(msgspec.Struct, frozen=True):
@@ -91,8 +94,7 @@ def discs_at(
     """
     if not limits.used:
         return []
-    led = [disc for start in (*others, *_around(image, x, y, limits)) if (disc := _led(image, (x, y), start, limits))]
-    left = [disc for disc in led if disc.circle[2] <= limits.alone or np.sum(are_same(led, disc, limits.same)) > 1]
+    left = [disc for start in (*others, *_around(image, x, y, limits)) if (disc := _led(image, (x, y), start, limits))]
     found = []
     while left:
         merits = np.array([disc.log_odds + limits.precision * _clarity(disc) for disc in left])
@@ -106,7 +108,7 @@ def discs_at(
 def _led(image: Image, click: tuple[float, float], start: Circle3, limits: BallAtClickParameters) -> Disc | None:
     """Disc that holds a click and is likely to be a ball, to which the network is led from a circle."""
     disc = DiscNetwork.packaged().follow(image, start, limits.follow)
-    if disc is None or disc.circle[2] > limits.grown * start[2] or disc.log_odds <= limits.sure:
+    if disc is None or disc.circle[2] > limits.larger * start[2] or disc.log_odds <= limits.sure:
         return None
     return disc if math.dist(disc.circle[:2], click) <= limits.holds * disc.circle[2] else None
 

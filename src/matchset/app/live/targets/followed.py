@@ -12,7 +12,18 @@ from matchset.app.closing import Closing
 from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
 from matchset.app.live.targets.marked_ball import meant_target
-from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread, Wish
+from matchset.app.live.targets.messages import (
+    Begin,
+    Diameter,
+    Drop,
+    FieldOfView,
+    Hold,
+    Marker,
+    Outline,
+    Pick,
+    Reread,
+    Wish,
+)
 from matchset.app.live.targets.target import Target, catch_up, exchange, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState

@@ -1,6 +1,6 @@
 """The pictures of the bench with where the ball is in each: `rendered`, `random_videos`, `real`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,14 +22,14 @@ class Shown(NamedTuple):
     spot: Circle3 | None = None
 
 
-def rendered(seeds: list[int]) -> Iterator[Shown]:
+def rendered(seeds: Iterable[int]) -> Iterator[Shown]:
     """Draw each kind of scene with each seed."""
     for kind in KINDS:
         for seed in seeds:
             yield Shown(kind, f"{kind} {seed}", *draw(kind, seed))
 
 
-def random_videos(folder: Path, seeds: list[int]) -> Iterator[Shown]:
+def random_videos(folder: Path, seeds: Iterable[int]) -> Iterator[Shown]:
     """Draw the first picture of random videos before photographs of a folder."""
     for seed in seeds:
         frame, truth = next(frames(seed, photographs_in(folder), VideoParameters()))

@@ -141,10 +141,11 @@ def _beside_lamp(random: Random) -> tuple[Singles, Circle3, None]:
 
 def _pupil(random: Random) -> tuple[Singles, Circle3, None]:
     """Draw a dark pupil in a dark iris in a dim eye, with glints and lids."""
-    iris = (*(0.5 * side + within(random, (-60.0, 60.0)) for side in SIZE[::-1]), within(random, (45.0, 100.0)))
+    middle = (0.5 * SIZE[1] + within(random, (-60.0, 60.0)), 0.5 * SIZE[0] + within(random, (-60.0, 60.0)))
+    iris = (*middle, within(random, (45.0, 100.0)))
     pupil = (*away(iris[:2], any_angle(random), 0.05 * iris[2]), iris[2] * within(random, (0.25, 0.55)))
     skin = DUSK * (2.0 + 0.4 * smooth_noise(random, SIZE, 120.0) + 0.12 * smooth_noise(random, SIZE, 10.0))
-    picture = np.repeat(skin[..., np.newaxis], 3, axis=2) * np.float32((0.9, 1.0, 1.1))
+    picture = np.asarray(skin[..., np.newaxis] * np.array((0.9, 1.0, 1.1)), np.float32)
     white = ellipse(SIZE, iris, (2.3, within(random, (0.85, 1.2))), within(random, (-15.0, 15.0)))
     picture = over(picture, blurred(white, 3.0), (70.0, 72.0, 78.0))
     x, y = offsets(SIZE, iris)

@@ -67,16 +67,18 @@ def readings_of(
     tuple of Reading
         The likeliest first, at least one.
     """
-    circles = [disc.circle for disc in discs] + [extent]
-    merits = [disc.merit + limits.region * share for disc, share in zip(discs, shares, strict=True)]
-    merits.append(limits.grown + math.log(max(1.0 - max(shares, default=0.0), TINY)))
-    if any(_is_same(extent, disc.circle, limits.same) for disc in discs):
-        circles, merits = circles[:-1], merits[:-1]
-    order = np.argsort(merits)[::-1].tolist()
-    first = circles[order[0]]
-    names = [_name_beside(circle, first) for circle in circles[: len(discs)]] + [REGION]
+    weighed = [(disc.circle, disc.merit + limits.region * share) for disc, share in zip(discs, shares, strict=True)]
+    found = [each for each in weighed if each[1] > limits.grown]
+    rest = 1.0 - max((share for share, each in zip(shares, weighed, strict=True) if each in found), default=0.0)
+    order = sorted(found, key=lambda each: each[1], reverse=True)
+    names = [_name_beside(circle, order[0][0]) for circle, _ in order]
+    if not any(_is_same(extent, circle, limits.same) for circle, _ in order):
+        order, names = [*order, (extent, limits.grown + math.log(max(rest, TINY)))], [*names, REGION]
+    merits = [merit for _, merit in order]
     total = float(np.logaddexp.reduce(merits))
-    return tuple(Reading(names[k], circles[k], _log_odds(merits[k] - total)) for k in order)
+    return tuple(
+        Reading(name, circle, _log_odds(merit - total)) for name, (circle, merit) in zip(names, order, strict=True)
+    )
 
 
 def _log_odds(log_probability: float) -> float:

@@ -32,7 +32,8 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     larger : float
         Factor by which a disc may be larger than the circle that led to it.
     sure : float
-        Log-odds of a ball from which a disc may be one.
+        Log-odds of a ball from which a disc is weighed at all: low, since balls with stripes and logos have less than
+        even odds, and many ways lead to their outline.
     precision : float
         Share of ln sqrt(det P) that is added to the log-odds of a disc, P the inverse of its covariance in radii: of
         two that may both be the ball, the clearer outline.
@@ -43,9 +44,9 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
         What is added if what grew in color at the click is that disc, and less by the share of both that is in both: a
         disc of one color was clicked, as a marker on a ball or a ball before a plate is.
     grown : float
-        Merit of what grew in color at the click, against which those of discs are held: more takes a small or blurred
-        ball for no disc, less takes cards and pieces of a wall for balls. Of 310 right discs 3 had less than 10, of 8
-        wrong ones to which one circle led the most had 7.6.
+        Least merit of a disc, and that of what grew in color: more takes a small or blurred ball for no disc, less
+        takes cards and pieces of a wall for balls. Of 318 right discs 3 had less than 9.4; of 8 clicks on other shapes
+        only those on ellipses had more than 8.0, in noise the most was 6.
     same : float
         Discs whose x, y and radius differ by less in all, in radii, are the same ball: what is taken is their mean.
         A region that is so near to a disc is no reading of its own.
@@ -58,7 +59,7 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     follow: FollowParameters = FollowParameters(most_step=0.35)
     holds: float = 1.02
     larger: float = 3.0
-    sure: float = 1.5
+    sure: float = -3.0
     precision: float = 0.5
     ways: float = 2.0
     region: float = 2.0
@@ -76,7 +77,7 @@ class Weighed(msgspec.Struct, frozen=True):
 def discs_at(
     image: Image, x: float, y: float, others: Sequence[Circle3], limits: BallAtClickParameters
 ) -> list[Weighed]:
-    """Find the discs around a click that are likely to be balls.
+    """Find the discs around a click that may be balls.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def discs_at(
 
 
 def _led(image: Image, click: tuple[float, float], start: Circle3, limits: BallAtClickParameters) -> Disc | None:
-    """Disc that holds a click and is likely to be a ball, to which the network is led from a circle."""
+    """Disc that holds a click and may be a ball, to which the network is led from a circle."""
     disc = DiscNetwork.packaged().follow(image, start, limits.follow)
     if disc is None or disc.circle[2] > limits.larger * start[2] or disc.log_odds <= limits.sure:
         return None

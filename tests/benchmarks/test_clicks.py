@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.clicks.__main__ import save, summary
-from benchmarks.clicks.judging import PLACES, clicks_of, is_same, judge
+from benchmarks.clicks.judging import PLACES, clicks_of, judge
 from benchmarks.clicks.pictures import Shown, rendered
 from benchmarks.clicks.scenes import KINDS, draw
 

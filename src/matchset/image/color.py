@@ -8,7 +8,6 @@ gray ones by their value; a pixel costs one read whatever taught the table.
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -17,11 +16,12 @@ from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_
 from matchset.image.circle_score import Sample, sample_of
 from matchset.image.click_region import background_mask, disc_mask, grow_region, regions_at_click, tells
 from matchset.image.clicks.reading import REGION, Reading
-from matchset.image.color_learning import DEFAULT, ColorParameters, bin_centers, cells_of, features, log_odds_between
+from matchset.image.color_learning import DEFAULT, ColorParameters, cells_of, features, log_odds_between
 from matchset.image.display.png import png_of
 from matchset.image.display.swatch import colors_in_words, swatch_of
 from matchset.image.files.color_file import ColorFile, read_color, write_color
 from matchset.image.frame import Picture, image_of
+from matchset.image.hsv_range import hsv_share
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
@@ -254,24 +254,7 @@ class ColorModel(Copied):
         ValueError
             If a number is out of its range, or a low saturation or value lies above the high one.
         """
-        top = (179, 255, 255)
-        for bound in (low, high):
-            try:
-                sound = len(bound) == 3 and all(0 <= value <= limit for value, limit in zip(bound, top, strict=True))
-            except TypeError:  # no three numbers
-                sound = False
-            if not sound:
-                raise ValueError(f"HSV values run from (0, 0, 0) to (179, 255, 255), got {bound!r:.60}")
-        if low[1] > high[1] or low[2] > high[2]:
-            raise ValueError(f"low {tuple(low)} lies above high {tuple(high)} in saturation or value")
-        share = np.zeros(32768, np.float32)
-        for corner in np.ndindex(3, 3, 3):
-            inner = bin_centers() - 2.5 + 2.5 * np.array(corner, np.float32)
-            pixels = np.round(inner).astype(np.uint8).reshape(-1, 1, 3)
-            h, s, v = cv2.split(cv2.cvtColor(pixels, cv2.COLOR_BGR2HSV))
-            hue = (h >= low[0]) & (h <= high[0]) if low[0] <= high[0] else (h >= low[0]) | (h <= high[0])
-            share += (hue & (s >= low[1]) & (s <= high[1]) & (v >= low[2]) & (v <= high[2])).ravel()
-        return cls(3.0 * (2.0 * share / 27.0 - 1.0))
+        return cls(3.0 * (2.0 * hsv_share(low, high) - 1.0))
 
     @classmethod
     def dark(cls) -> "ColorModel":

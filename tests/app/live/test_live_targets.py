@@ -9,15 +9,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 import pytest
+from benchmarks.clicks.scenes import draw
 from hypothesis import given
 from hypothesis import strategies as st
-
-from benchmarks.clicks.scenes import draw
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
 from matchset.app.live.targets.followed import Followed, FollowedParameters
 from matchset.app.live.targets.marked_ball import around_marker, meant_target
-from matchset.app.live.targets.messages import Reread, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.target import Target
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
@@ -119,22 +118,32 @@ def test_two_balls_a_click_on_one_again_and_a_drop() -> None:
     loop.followed.close()
 
 
+class Still(Loop):
+    """A picture of a ball before a larger disc, again and again."""
+
+    image, ball, _ = draw("before a disc", 4)
+
+    def step(self) -> None:
+        self.number += 1
+        frame = Frame(self.image, self.number / 30.0, self.number)
+        self.kept.add(self.number, frame)
+        self.states = self.followed.update(frame)
+
+
 def test_a_click_can_be_read_anew() -> None:
-    loop = Loop()
-    image, (x, y, radius), _ = draw("before a disc", 4)
-    loop.kept.add(10**6, Frame(image, 0.0, 0))
-    loop.followed.do(Pick(10**6, x + 0.5 * radius, y))
-    loop.until(lambda: loop.followed.targets)
-    target = loop.followed.targets[0]
-    assert [words.split(" at ")[0] for words in target.readings[:2]] == ["ball", "ball around it"]
-    assert loop.states == [] or loop.states[0].reading == 1
-    target.locate(None, 0.3)
-    loop.followed.do(Reread(target.number, 2))
-    loop.until(lambda: loop.followed.targets[0] is not target)
-    again = loop.followed.targets[0]
-    assert (again.number, again.diameter, again.told(Frame(image, 0.0, 0)).reading) == (target.number, 0.3, 2)
-    assert again.tracker.color.circle is not None
-    assert again.tracker.color.circle[2] > 2.0 * radius
+    loop = Still()
+    x, y, radius = loop.ball
+    loop.followed.do(Pick(1, x + 0.5 * radius, y))
+    loop.until(lambda: [state.found for state in loop.states] == [True])
+    (state,) = loop.states
+    assert [words.split(" at ")[0] for words in state.readings[:2]] == ["ball", "ball around it"]
+    assert state.reading == 1
+    loop.followed.do(Diameter(state.id, 0.3))
+    loop.followed.do(Reread(state.id, 2))
+    loop.until(lambda: [(each.found, each.reading) for each in loop.states] == [(True, 2)])
+    (again,) = loop.states
+    assert (again.id, again.diameter, again.readings) == (state.id, 0.3, state.readings)
+    assert again.values["radius"][0] > 2.0 * radius
     loop.followed.close()
 
 

@@ -162,21 +162,12 @@ class ColorModel(Copied):
         if not (-0.5 <= x < image.shape[1] - 0.5 and -0.5 <= y < image.shape[0] - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {image.shape[1]} x {image.shape[0]} picture")
         check_number("reading of the pick", reading)
-        model = cls._picked(image, x, y, parameters, reading)
-        model.sample = None if model.circle is None else sample_of(image, model.circle)
-        return model
-
-    @classmethod
-    def _picked(
-        cls, image: npt.NDArray[np.uint8], x: float, y: float, parameters: ColorParameters, reading: int
-    ) -> "ColorModel":
-        """Learn the color of what is at a point of the picture."""
         targets, readings = regions_at_click(image, x, y, parameters, reading)
         taken = readings[reading - 1]
         model = cls._of_reading(image, targets, taken, parameters)
         if isinstance(model, str):
             raise ValueError(REFUSED.format(x, y, model))
-        model.circle, model._alternatives = taken.circle, readings
+        model.circle, model.sample, model._alternatives = taken.circle, sample_of(image, taken.circle), readings
         return model
 
     @classmethod

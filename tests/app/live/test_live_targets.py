@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
 from matchset.app.live.targets.followed import Followed, FollowedParameters
-from matchset.app.live.targets.marked_ball import around_marker, meant_target
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.target import Target
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
@@ -251,19 +250,13 @@ def marked(seed: int, marker: float) -> tuple[Frame, tuple[float, float], float]
 
 @pytest.mark.parametrize("marker", [0.0, 0.03, 0.045])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_click_on_the_marker_of_a_ball_follows_the_ball(seed: int, marker: float) -> None:
+def test_a_click_on_the_marker_of_a_ball_offers_the_ball(seed: int, marker: float) -> None:
     frame, (x, y), radius = marked(seed, marker)
-    click = Pick(1, x, y)
-    assert (around_marker(click, frame) is click) == (marker == 0.0)
-    target = meant_target(1, click, frame)
-    assert ("marker" in target.note) == (marker > 0.0)
+    target = Target(1, Pick(1, x, y), frame)
+    names = [words.split(" at ")[0] for words in target.readings]
+    if marker:
+        target = Target(1, Pick(1, x, y, reading=1 + names.index("ball around it")), frame)
     assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
-
-
-def test_what_is_drawn_and_other_shapes_are_meant_as_they_are() -> None:
-    frame, (x, y), _ = marked(0, 0.03)
-    for begin in (Outline(1, arc(x, y, 8.0, 0, 5).ravel().tolist()), Pick(1, x, y, "ellipse"), Pick(1, -9.0, y)):
-        assert around_marker(begin, frame) is begin
 
 
 def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:

@@ -14,7 +14,6 @@ from matchset.app.live.files.exact_reader import ExactReader
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
-from matchset.app.live.targets.marked_ball import around_marker
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.target import Target
 from matchset.camera.camera_model import CameraModel
@@ -262,7 +261,7 @@ class FileTracking(Closing):
         if len(self.targets) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         place = self._place_of(wish.sequence)
-        self._follow(self._numbers + 1, around_marker(wish, self._reader.frame(place)), place, None)
+        self._follow(self._numbers + 1, wish, place, None)
         self._numbers += 1
 
     def _follow(self, number: int, click: Pick | Outline, place: int, diameter: float | None) -> None:

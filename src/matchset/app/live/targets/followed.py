@@ -11,7 +11,6 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
-from matchset.app.live.targets.marked_ball import meant_target
 from matchset.app.live.targets.messages import (
     Begin,
     Diameter,
@@ -192,7 +191,7 @@ class Followed(Closing):
         if len(self._targets) + len(self._making) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1
-        order = functools.partial(meant_target, self._numbers, begin, frame)
+        order = functools.partial(Target, self._numbers, begin, frame)
         self._making.append(_Making(self._numbers, begin.sequence, frame, self._maker.order(order), []))
 
     def _reread(self, wish: Reread) -> None:

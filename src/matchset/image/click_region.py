@@ -200,12 +200,17 @@ def regions_at_click(
     points = points_of(region)
     extent = circle_around(region)
     found = discs_at(image, x, y, (extent, _same_area(points)), parameters.ball)
-    readings = readings_of(found, _shares_with(region, found), extent, parameters.ball)
+    shares = _shares_with(region, found)
+    readings = readings_of(found, shares, extent, parameters.ball)
     if not 1 <= reading <= len(readings):
         raise ValueError(f"reading {reading} of the click ({x:g}, {y:g}): there are {len(readings)}")
     taken = readings[reading - 1]
     if taken.name == REGION:
         return [region], readings
+    grown = max(zip(shares, found, strict=True), key=lambda each: each[0])[1].circle
+    if grown != taken.circle and any(each.circle == grown for each in readings):  # what grew is another reading
+        region = disc_mask(region.shape, taken.circle, parameters.region.rim)
+        return [_target_of(image, region, region, parameters), region], readings
     return _pixels_of(image, values, region, taken.circle, (x, y), parameters), readings
 
 

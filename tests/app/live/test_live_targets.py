@@ -253,9 +253,9 @@ def marked(seed: int, marker: float) -> tuple[Frame, tuple[float, float], float]
 def test_a_click_on_the_marker_of_a_ball_offers_the_ball(seed: int, marker: float) -> None:
     frame, (x, y), radius = marked(seed, marker)
     target = Target(1, Pick(1, x, y), frame)
-    names = [words.split(" at ")[0] for words in target.readings]
+    radii = [each.circle[2] for each in target.tracker.color.alternatives]
     if marker:
-        target = Target(1, Pick(1, x, y, reading=1 + names.index("ball around it")), frame)
+        target = Target(1, Pick(1, x, y, reading=1 + radii.index(max(radii))), frame)
     assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
 
 

@@ -13,11 +13,8 @@ from hypothesis import strategies as st
 
 import matchset as ms
 from matchset.image.click_region import disc_mask, regions_at_click
-from matchset.image.clicks.circle_at_click import ClickParameters, circle_at
-from matchset.image.clicks.clear_disc import NearParameters, clearest_disc, disc_alone, disc_in_place_of, is_outlined
 from matchset.image.color_learning import ColorParameters, RegionParameters
-from matchset.image.disc_network.at_click import BallAtClickParameters, ball_at
-from matchset.image.disc_network.network import Disc, DiscNetwork
+from matchset.image.disc_network.at_click import BallAtClickParameters
 
 Picture = npt.NDArray[np.uint8]
 Mask = npt.NDArray[np.bool_]
@@ -53,6 +50,11 @@ def gray_of(image: Picture) -> Picture:
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8)
 
 
+def reading_at(image: Picture, click: tuple[float, float]) -> tuple[float, float, float]:
+    """Circle of the likeliest reading of a click."""
+    return regions_at_click(image, *click)[1][0].circle
+
+
 def overlap(a: Mask, b: Mask) -> float:
     return float((a & b).sum() / (a | b).sum())
 
@@ -64,17 +66,9 @@ def test_a_disc_is_found_wherever_it_is_clicked(radius: int, gray: bool) -> None
     image = gray_of(image) if gray else image
     for turn, share in ((0.3, 0.0), (2.9, 0.6), (5.3, 0.6)):
         click = X + share * radius * math.cos(turn), Y + share * radius * math.sin(turn)
-        found = circle_at(image, *click)
-        assert found is not None, click
-        score, (x, y, r) = found
-        assert 0.0 < score <= 1.0
+        x, y, r = reading_at(image, click)
         assert math.hypot(x - X, y - Y) < 0.1 * radius + 1.0, click
         assert abs(r - radius) < 0.1 * radius + 1.0, click
-
-
-def test_a_picture_of_one_value_has_no_circle() -> None:
-    assert circle_at(np.full((60, 80, 3), 90, np.uint8), 40.0, 30.0) is None
-    assert circle_at(np.full((60, 80), 90, np.uint8), 0.0, 59.0) is None
 
 
 @pytest.mark.parametrize("size", [(1, 1), (3, 5), (9, 400)])
@@ -101,8 +95,8 @@ def test_a_ball_of_two_tones_is_taken_whole(border: float, share: float) -> None
     whole = disc((480, 640), radius=45.0)
     upper = whole & (np.indices((480, 640))[0] < Y + border)
     image = paint(paint(textured(spread=4.0), whole, (40.0, 60.0, 200.0)), upper, (110.0, 130.0, 225.0))
-    regions, circle = regions_at_click(image, X, Y + share * 45.0)
-    assert circle is not None
+    regions, (taken, *_) = regions_at_click(image, X, Y + share * 45.0)
+    circle = taken.circle
     assert np.hypot(circle[0] - X, circle[1] - Y) < 4.0
     assert overlap(regions[0], whole) > 0.7
     assert regions[0][whole & ~upper].mean() > 0.7
@@ -116,8 +110,7 @@ def test_the_lit_part_of_a_ball_is_not_the_ball(radius: float, click: tuple[floa
     image = paint(textured(spread=2.0) // 2 + 135, disc((480, 640), radius=radius), (105.0, 112.0, 108.0))
     spot = disc((480, 640), X + 0.15 * radius, Y - 0.3 * radius, 0.55 * radius)
     image = cv2.GaussianBlur(paint(image, spot, (120.0, 150.0, 85.0)), (0, 0), 0.08 * radius).astype(np.uint8)
-    _, circle = regions_at_click(image, X + click[0] * radius, Y + click[1] * radius)
-    assert circle is not None
+    circle = reading_at(image, (X + click[0] * radius, Y + click[1] * radius))
     assert math.hypot(circle[0] - X, circle[1] - Y) < 0.2 * radius
     assert abs(circle[2] - radius) < 0.2 * radius
 
@@ -125,9 +118,7 @@ def test_the_lit_part_of_a_ball_is_not_the_ball(radius: float, click: tuple[floa
 def test_a_vivid_ball_before_a_plate_is_the_ball() -> None:
     image = paint(textured(spread=2.0), disc((480, 640), radius=50.0), (140.0, 145.0, 145.0))
     image = paint(image, disc((480, 640), radius=30.0), (60.0, 60.0, 200.0))
-    found = circle_at(image, X + 10.0, Y)
-    assert found is not None
-    assert found[1] == pytest.approx((X, Y, 30.0), abs=4.0)
+    assert reading_at(image, (X + 10.0, Y)) == pytest.approx((X, Y, 30.0), abs=4.0)
 
 
 def with_a_patch(shelf: bool) -> Picture:
@@ -138,13 +129,12 @@ def with_a_patch(shelf: bool) -> Picture:
     return cv2.GaussianBlur(paint(image, pale, (120.0, 170.0, 190.0)), (0, 0), 1.0).astype(np.uint8)
 
 
-def test_a_part_of_the_color_of_a_shelf_is_not_the_ball() -> None:
+def test_the_ball_around_a_part_of_the_color_of_a_shelf_can_be_asked_for() -> None:
     image = with_a_patch(shelf=True)
-    regions, circle = regions_at_click(image, X - 10.0, Y - 10.0)
-    assert len(regions) == 2
-    assert regions[0].sum() < 600
-    color = ms.ColorModel.pick(image, X - 10.0, Y - 10.0)
-    assert color.circle == circle == pytest.approx((X, Y, 24.0), abs=3.0)
+    first = ms.ColorModel.pick(image, X - 10.0, Y - 10.0)
+    assert [each.name for each in first.alternatives][:2] == ["ball", "ball around it"]
+    color = ms.ColorModel.pick(image, X - 10.0, Y - 10.0, reading=2)
+    assert color.circle == pytest.approx((X, Y, 24.0), abs=3.0)
     looks = color.scores(image) > 0
     assert looks[disc((480, 640), radius=21.0)].mean() > 0.7
     assert looks[~disc((480, 640), radius=27.0)].mean() < 0.05
@@ -170,8 +160,8 @@ def leaking() -> tuple[Picture, Mask]:
 
 def test_a_region_that_leaks_is_replaced_by_the_circle() -> None:
     image, ball = leaking()
-    regions, circle = regions_at_click(image, X + 5.0, Y)
-    assert circle is not None
+    regions, (taken, *_) = regions_at_click(image, X + 5.0, Y)
+    circle = taken.circle
     assert math.hypot(circle[0] - X, circle[1] - Y) < 4.0
     assert not (regions[0] & ~disc((480, 640), radius=34.0)).any()
     assert overlap(regions[0], ball) > 0.6
@@ -180,17 +170,11 @@ def test_a_region_that_leaks_is_replaced_by_the_circle() -> None:
 def test_how_a_click_is_understood_can_be_said() -> None:
     image, _ = leaking()
     leaks = ColorParameters(region=RegionParameters(far=100.0))
-    regions, circle = regions_at_click(image, X + 5.0, Y, leaks)
-    assert circle is not None
+    regions, (taken, *_) = regions_at_click(image, X + 5.0, Y, leaks)
     assert (regions[0] & ~disc((480, 640), radius=34.0)).any()
-    assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == circle
-    no_network = BallAtClickParameters(used=False)
-    no_circle = ColorParameters(click=ClickParameters(min_score=1.0), ball=no_network)
-    found = regions_at_click(image, X + 5.0, Y, no_circle)[1]
-    assert found is not None
-    assert found[2] < 24.5  # a disc that stands out from its ring, in place of the ball of r = 34
-    nothing = ColorParameters(click=ClickParameters(min_score=1.0, near=NearParameters(min_rim=1.1)), ball=no_network)
-    assert regions_at_click(image, X + 5.0, Y, nothing)[1] is None
+    assert ms.ColorModel.pick(image, X + 5.0, Y, leaks).circle == taken.circle
+    nothing = ColorParameters(ball=BallAtClickParameters(used=False))
+    assert [each.name for each in regions_at_click(image, X + 5.0, Y, nothing)[1]] == ["region"]
     with pytest.raises(
         ValueError, match=r"no background is left to learn from, nor does anything round .* click elsewhere"
     ):
@@ -213,10 +197,6 @@ def test_a_small_ball_between_blocks_is_not_refused(radius: float) -> None:
         assert 0.6 < circle[2] / radius < 1.7
 
 
-def test_a_picture_without_edges_has_no_circle_near_a_point() -> None:
-    assert clearest_disc(np.full((60, 80, 3), 90, np.uint8), 40.0, 30.0, NearParameters(), 0.1) is None
-
-
 def faint(seed: int, radius: float = 6.0, step: float = 16.0, noise: float = 12.0) -> Picture:
     """A disc at (80, 60) whose step is about the noise of a pixel: no outline is closed."""
     rng = np.random.default_rng(seed)
@@ -227,38 +207,17 @@ def faint(seed: int, radius: float = 6.0, step: float = 16.0, noise: float = 12.
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_faint_disc_that_no_outline_closes_is_found_by_its_ring(seed: int) -> None:
-    found = clearest_disc(faint(seed), 82.0, 58.0, NearParameters(), 1.4)
-    assert found is not None
-    assert math.hypot(found.circle[0] - 80.0, found.circle[1] - 60.0) < 2.0
-    assert 0.6 < found.circle[2] / 6.0 < 1.6
-    gray = faint(seed, step=40.0).max(axis=2)
-    found = clearest_disc(gray, 82.0, 58.0, NearParameters(), 1.4)
-    assert found is not None
-    assert math.hypot(found.circle[0] - 80.0, found.circle[1] - 60.0) < 2.0
+def test_a_faint_disc_that_no_outline_closes_is_found(seed: int) -> None:
+    for image in (faint(seed), faint(seed, step=40.0).max(axis=2)):
+        found = reading_at(image, (82.0, 58.0))
+        assert math.hypot(found[0] - 80.0, found[1] - 60.0) < 2.0
+        assert 0.6 < found[2] / 6.0 < 1.6
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_noise_has_no_clear_disc_and_an_outline_needs_a_step(seed: int) -> None:
-    noise = faint(seed, step=0.0)
-    assert clearest_disc(noise, 80.0, 60.0, NearParameters(), 1.4) is None
-    assert disc_alone(noise, 80.0, 60.0, NearParameters()) is None
+def test_noise_has_no_disc(seed: int) -> None:
     with pytest.raises(ValueError, match="click elsewhere"):
         ms.ColorModel.pick(faint(seed, step=0.0, noise=4.0), 80.0, 60.0)
-    assert is_outlined(faint(seed, step=60.0), (80.0, 60.0, 6.0), NearParameters())
-    assert not is_outlined(np.full((120, 160, 3), 90, np.uint8), (80.0, 60.0, 6.0), NearParameters())
-
-
-def test_a_weak_large_circle_yields_to_a_clear_disc_in_it_and_to_no_other() -> None:
-    image, limits = faint(0, step=60.0, noise=3.0), NearParameters()
-    assert disc_in_place_of((0.05, (80.0, 60.0, 40.0)), image, 81.0, 60.0, limits) is not None
-    assert disc_in_place_of((0.05, (80.0, 60.0, 8.0)), image, 81.0, 60.0, limits) is None
-    assert disc_in_place_of((0.5, (80.0, 60.0, 40.0)), image, 81.0, 60.0, limits) is None
-    found = disc_in_place_of(None, image, 81.0, 60.0, limits)
-    assert found is not None
-    assert found == pytest.approx((80.0, 60.0, 6.0), abs=1.0)
-    with pytest.raises(ValueError, match="radii"):
-        NearParameters(radii=(5.0, 3.0))
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (160, 80), (90, 140)])
@@ -325,23 +284,6 @@ def test_a_small_ball_before_a_plain_wall_is_not_taken_for_the_wall() -> None:
     alike = color.scores(image) > 0
     assert alike[ball].mean() > 0.6
     assert alike[wall & ~disc((480, 640), radius=8.0)].mean() < 0.05
-
-
-@pytest.mark.parametrize("radius", [9.0, 60.0])
-@pytest.mark.parametrize("starts", [1, 2])
-def test_a_large_ball_is_one_to_which_circles_of_several_sizes_lead(
-    radius: float, starts: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    limits, asked = BallAtClickParameters(), []
-
-    def follow(_: DiscNetwork, image: Picture, start: tuple[float, float, float], parameters: object) -> Disc | None:
-        near = 0.6 * radius < start[2] < 1.5 * radius
-        asked.append(near)
-        return Disc((X, Y, radius), 10.0 * np.eye(3), 3.0) if near and sum(asked) <= starts else None
-
-    monkeypatch.setattr(DiscNetwork, "follow", follow)
-    found = ball_at(textured(), X, Y, None, limits)
-    assert (found is not None) == (starts > 1 or radius < limits.alone)
 
 
 def test_a_sheet_before_a_wall_is_no_spot_on_a_ball() -> None:

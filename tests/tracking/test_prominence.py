@@ -4,12 +4,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from matchset.tracking.search.prominence import Prominence, ProminenceParameters
 
 import matchset as ms
 from matchset.tracking.motion import Gate
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.blobs import color_steps
-from matchset.tracking.search.prominence import Prominence, ProminenceParameters
 from matchset.tracking.search.voting import Searcher, SearchParameters
 
 Picture = npt.NDArray[np.uint8]

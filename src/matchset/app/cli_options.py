@@ -23,6 +23,9 @@ Topic = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite what exists.")]
 Pick = Annotated[str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")]
+ReadingNumber = Annotated[
+    int, typer.Option("--reading", metavar="N", min=1, help="What the --pick means: the N-th likeliest thing there.")
+]
 Candidate = Annotated[
     str | None, typer.Option(metavar="N[@FRAME]", help="The ball-like thing that 'learn' numbered N.")
 ]
@@ -140,9 +143,10 @@ class ShownOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
-    """The options that say what to track: exactly one of them, or `pick` together with `gray`."""
+    """The options that say what to track: exactly one of them, or `pick` together with `gray` or `reading`."""
 
     pick: Pick = None
+    reading: ReadingNumber = 1
     candidate: Candidate = None
     color: Color = None
     hsv: Hsv = None

@@ -1,13 +1,14 @@
 """From a click to the pixels of the target: `regions_at_click`.
 
 Two ways see different things. A region grown in color stops at a stripe or a shadow of the target and leaks where the
-background is alike; the most ball-like circle around the click knows no color and sees round things only. Where both
-agree the target is what either shows; where the region leaks or holds a part of the circle, the circle decides. Where
-no circle stands out, the disc that stands out most from its ring is the target (`clicks.clear_disc`).
+background is alike; the network of discs sees round things only (`disc_network.at_click`). Both give readings of the
+click (`clicks.reading`), of which the likeliest counts. Where that is a disc and the region agrees, the target is what
+either shows; where the region leaks or holds a part of the disc, the disc decides.
 """
 
 import itertools
 import math
+from collections.abc import Sequence
 from typing import Protocol
 
 import cv2
@@ -15,8 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.circle_score import median
-from matchset.image.clicks.circle_at_click import circle_at
-from matchset.image.clicks.clear_disc import disc_in_place_of
+from matchset.image.clicks.reading import REGION, Reading, readings_of
 from matchset.image.color_learning import (
     DEFAULT,
     Bytes,
@@ -28,7 +28,7 @@ from matchset.image.color_learning import (
     features,
     log_odds_between,
 )
-from matchset.image.disc_network.at_click import ball_at
+from matchset.image.disc_network.at_click import Weighed, discs_at
 
 Circle3 = tuple[float, float, float]
 
@@ -170,9 +170,9 @@ def background_mask(region: Mask, parameters: ColorParameters = DEFAULT) -> Mask
 
 
 def regions_at_click(
-    image: Bytes, x: float, y: float, parameters: ColorParameters = DEFAULT
-) -> tuple[list[Mask], Circle3 | None]:
-    """Find what may be the pixels of the target that was clicked at.
+    image: Bytes, x: float, y: float, parameters: ColorParameters = DEFAULT, reading: int = 1
+) -> tuple[list[Mask], tuple[Reading, ...]]:
+    """Find what a click may mean, and what may be the pixels of one of these things.
 
     Parameters
     ----------
@@ -180,48 +180,68 @@ def regions_at_click(
     x, y : float
         The click, px.
     parameters : ColorParameters
+    reading : int
+        Which one: 1 for the likeliest.
 
     Returns
     -------
     regions : list of ndarray of shape (h, w), bool
         Likeliest first.
-    circle : (x, y, radius) or None
-        The most ball-like circle around the click, or else the disc that stands out most, px, if one does.
+    readings : tuple of Reading
+        Likeliest first, at least one.
+
+    Raises
+    ------
+    ValueError
+        If there is no such reading.
     """
-    values, limits = features(image, parameters), parameters.region
+    values = features(image, parameters)
     region = grow_region(values, uniform_seed(values, x, y, parameters), parameters)
     points = points_of(region)
+    extent = circle_around(region)
+    found = discs_at(image, x, y, (extent, _same_area(points)), parameters.ball)
+    shares = _shares_with(region, found)
+    readings = readings_of(found, shares, extent, parameters.ball)
+    if not 1 <= reading <= len(readings):
+        raise ValueError(f"reading {reading} of the click ({x:g}, {y:g}): there are {len(readings)}")
+    taken = readings[reading - 1]
+    if taken.name == REGION:
+        return [region], readings
+    grown = max(zip(shares, found, strict=True), key=lambda each: each[0])[1].circle
+    if grown != taken.circle and any(each.circle == grown for each in readings):  # what grew is another reading
+        region = disc_mask(region.shape, taken.circle, parameters.region.rim)
+        return [_target_of(image, region, region, parameters), region], readings
+    return _pixels_of(image, values, region, taken.circle, (x, y), parameters), readings
+
+
+def _pixels_of(
+    image: Bytes, values: Floats, region: Mask, circle: Circle3, click: tuple[float, float], parameters: ColorParameters
+) -> list[Mask]:
+    """Pixels of a target whose circle is known, likeliest first, from what grew around a click.
+
+    The region alone stops at a stripe or a shadow and leaks where the background is alike; the circle takes in what is
+    before it. Six arguments, since these are what is known of a click.
+    """
+    limits, points = parameters.region, points_of(region)
     extent = float(cv2.minEnclosingCircle(points)[1])
-    round_region = _circle_of(points, extent, limits)
-    if round_region is not None:
-        return [region], round_region
-    found = circle_at(image, x, y, parameters.click)
-    ball = ball_at(image, x, y, found, parameters.ball)
-    clear = None if ball else disc_in_place_of(found, image, x, y, parameters.click.near)
-    if clear is not None:
-        return [disc_mask(region.shape, clear, limits.rim)], clear
-    circle = ball or (found[1] if found else None)
-    if circle is None:
-        return [region], None
     disc = disc_mask(region.shape, circle, limits.rim)
     if not disc.any():
-        return [region], circle
-    both = float((region & disc).sum())
-    union = float((region | disc).sum())
+        return [region]
+    both, union = float((region & disc).sum()), float((region | disc).sum())
     reach = limits.reach if float(region.sum()) < limits.large * float(disc.sum()) else 1.0
     shared = float((region & disc_mask(region.shape, circle, reach)).sum()) / float(region.sum())
     solid = _solidity(points)
     if solid >= limits.whole and both / union < limits.same and both > limits.large * float(disc.sum()):
-        return [region, disc], circle
+        return [region, disc]
     if shared >= limits.part:
         small = both <= limits.little * float(disc.sum())
         part = _target_of(image, disc, region, parameters) & _alike(values, region, limits, gray_too=small)
-        return [region | part, disc], circle
+        return [region | part, disc]
     is_disc = len(points) > limits.disc * math.pi * extent**2 * solid  # its hull is, whatever is printed on it
-    beside = not region[round(y), round(x)] and not is_disc
+    beside = not region[round(click[1]), round(click[0])] and not is_disc
     if shared < limits.leaked and (solid < limits.solid or beside) and extent > limits.far * circle[2]:
-        return [_target_of(image, disc, disc, parameters), disc], circle
-    return [region, disc], circle
+        return [_target_of(image, disc, disc, parameters), disc]
+    return [region, disc]
 
 
 def disc_mask(shape: tuple[int, ...], circle: Circle3, share: float) -> Mask:
@@ -290,13 +310,16 @@ def circle_around(region: Mask) -> Circle3:
     return float(x), float(y), float(radius)
 
 
-def _circle_of(points: Points, extent: float, limits: RegionParameters) -> Circle3 | None:
-    """Circle of a region that is a disc already, so that none needs to be looked for."""
-    area, (x, y) = float(len(points)), points.mean(axis=0).tolist()
-    radius = math.sqrt(area / math.pi)
-    if extent**2 * math.pi * limits.disc > area or radius < limits.disc_px:
-        return None
-    return x, y, radius
+def _same_area(points: Points) -> Circle3:
+    """Circle about the center of a region with its area, px."""
+    x, y = points.mean(axis=0).tolist()
+    return x, y, math.sqrt(len(points) / math.pi)
+
+
+def _shares_with(region: Mask, discs: Sequence[Weighed]) -> list[float]:
+    """Share of the pixels of a region and a disc together that are in both, for each disc."""
+    masks = [disc_mask(region.shape, disc.circle, 1.0) for disc in discs]
+    return [float((mask & region).sum()) / float((mask | region).sum()) for mask in masks]
 
 
 def _solidity(points: Points) -> float:

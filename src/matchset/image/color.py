@@ -8,20 +8,20 @@ gray ones by their value; a pixel costs one read whatever taught the table.
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.brightness import DEFAULT as DEFAULT_BRIGHTNESS
 from matchset.image.brightness import BrightnessParameters, Gray, level_in, log_odds_of
 from matchset.image.circle_score import Sample, sample_of
-from matchset.image.click_region import background_mask, circle_around, disc_mask, grow_region, regions_at_click, tells
-from matchset.image.clicks.clear_disc import disc_alone, is_outlined
-from matchset.image.color_learning import DEFAULT, ColorParameters, bin_centers, cells_of, features, log_odds_between
+from matchset.image.click_region import background_mask, disc_mask, grow_region, regions_at_click, tells
+from matchset.image.clicks.reading import REGION, Reading
+from matchset.image.color_learning import DEFAULT, ColorParameters, cells_of, features, log_odds_between
 from matchset.image.display.png import png_of
 from matchset.image.display.swatch import colors_in_words, swatch_of
 from matchset.image.files.color_file import ColorFile, read_color, write_color
 from matchset.image.frame import Picture, image_of
+from matchset.image.hsv_range import hsv_share
 from matchset.numeric.arguments import check_kind, check_number
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
@@ -45,7 +45,11 @@ class ColorModel(Copied):
     Attributes
     ----------
     circle : (x, y, radius) or None
-        Where a search may begin, px: the most ball-like circle around the click, or else that of the region there.
+        Where a search may begin, px: the reading of the click that was taken.
+    alternatives : tuple of Reading
+        What the click may mean, the likeliest first: `pick` takes that unless told otherwise, ``reading=2`` takes the
+        second. Each has a name ("ball", "spot on it", "ball around it", "another ball", "region"), a circle, px, and
+        the log-odds that it was meant. Empty for a model that was not picked; not kept in files.
     sample : Sample or None
         What was around that circle in the picture that was clicked.
     is_local : bool
@@ -64,6 +68,7 @@ class ColorModel(Copied):
         self.circle: tuple[float, float, float] | None = None
         self.sample: Sample | None = None
         self.is_local, self.note = False, ""
+        self._alternatives: tuple[Reading, ...] = ()
         try:
             values = np.array(log_odds, np.float32)
         except (TypeError, ValueError):
@@ -80,6 +85,11 @@ class ColorModel(Copied):
     def _repr_png_(self) -> bytes:
         """Show in a notebook which colors, or gray levels, are taken for the target."""
         return png_of(swatch_of(self.scores, bool(self.gray), self.channels))
+
+    @property
+    def alternatives(self) -> tuple[Reading, ...]:
+        """What the click may mean, the likeliest first."""
+        return self._alternatives
 
     @property
     def channels(self) -> int:
@@ -125,7 +135,9 @@ class ColorModel(Copied):
         return model
 
     @classmethod
-    def pick(cls, image: Picture, x: float, y: float, parameters: ColorParameters = DEFAULT) -> "ColorModel":
+    def pick(
+        cls, image: Picture, x: float, y: float, parameters: ColorParameters = DEFAULT, *, reading: int = 1
+    ) -> "ColorModel":
         """Learn the color from one click on the target.
 
         Parameters
@@ -134,11 +146,14 @@ class ColorModel(Copied):
         x, y : float
             A point on the target, px.
         parameters : ColorParameters
+        reading : int
+            Which of the `alternatives` is meant, if it is not the first.
 
         Raises
         ------
         ValueError
-            If the point is not in the picture, or neither its color nor a closed outline around it stands out.
+            If the point is not in the picture, neither its color nor anything round there stands out, or there is no
+            such reading.
         """
         image = image_of(image)
         check_kind("parameters", parameters, ColorParameters)
@@ -146,38 +161,36 @@ class ColorModel(Copied):
         check_number("y of the pick", y)
         if not (-0.5 <= x < image.shape[1] - 0.5 and -0.5 <= y < image.shape[0] - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {image.shape[1]} x {image.shape[0]} picture")
-        model = cls._picked(image, x, y, parameters)
-        model.sample = None if model.circle is None else sample_of(image, model.circle)
+        check_number("reading of the pick", reading)
+        targets, readings = regions_at_click(image, x, y, parameters, reading)
+        taken = readings[reading - 1]
+        model = cls._of_reading(image, targets, taken, parameters)
+        if isinstance(model, str):
+            raise ValueError(REFUSED.format(x, y, model))
+        model.circle, model.sample, model._alternatives = taken.circle, sample_of(image, taken.circle), readings
         return model
 
     @classmethod
-    def _picked(cls, image: npt.NDArray[np.uint8], x: float, y: float, parameters: ColorParameters) -> "ColorModel":
-        """Learn the color of what is at a point of the picture."""
-        targets, circle = regions_at_click(image, x, y, parameters)
-        if circle is None:
-            model = cls._told_apart(image, targets[0], background_mask(targets[0], parameters), parameters)
-            if isinstance(model, ColorModel):
-                model.circle = circle_around(targets[0])
-                return model
-            circle = disc_alone(image, x, y, parameters.click.near)
-            if circle is None:
-                raise ValueError(REFUSED.format(x, y, model))
-            targets = [disc_mask(image.shape, circle, parameters.region.rim)]
+    def _of_reading(
+        cls,
+        image: npt.NDArray[np.uint8],
+        targets: list[npt.NDArray[np.bool_]],
+        taken: Reading,
+        parameters: ColorParameters,
+    ) -> "ColorModel | str":
+        """Learn the color of a reading from what may be its pixels, or say why not."""
         found: list[ColorModel] = []
         for target in targets:
             model = cls._told_apart(image, target, background_mask(target, parameters), parameters)
+            if taken.name == REGION:
+                return model
             if isinstance(model, ColorModel):
-                model.circle = circle
                 found.append(model)
-                if tells(model, image, target, circle, parameters.region):
+                if tells(model, image, target, taken.circle, parameters.region):
                     return model
-        near = cls._in_its_surroundings(image, targets[-1], circle, parameters)
-        if isinstance(near, str):
-            if found:
-                return found[0]
-            raise ValueError(REFUSED.format(x, y, near))
-        disc = disc_mask(image.shape, circle, parameters.region.rim)
-        return found[0] if found and not tells(near, image, disc, circle, parameters.region) else near
+        near = cls._in_its_surroundings(image, targets[-1], taken.circle, parameters)
+        disc = disc_mask(image.shape, taken.circle, parameters.region.rim)
+        return found[0] if found and not tells(near, image, disc, taken.circle, parameters.region) else near
 
     @classmethod
     def _in_its_surroundings(
@@ -186,16 +199,14 @@ class ColorModel(Copied):
         target: npt.NDArray[np.bool_],
         circle: tuple[float, float, float],
         parameters: ColorParameters,
-    ) -> "ColorModel | str":
-        """Learn what tells the target from what is next to it, or else follow its outline; without one, say why not."""
+    ) -> "ColorModel":
+        """Learn what tells the target from what is next to it, or else follow its outline."""
         outside = background_mask(target, parameters) & disc_mask(target.shape, circle, parameters.surroundings)
         model = cls._told_apart(image, target, outside, parameters)
         how = "learned against what is next to it"
         if isinstance(model, str):
-            if not is_outlined(image, circle, parameters.click.near):
-                return model
             model, how = cls.edges().for_image(image), "only edges are followed, which is less sure"
-        model.circle, model.is_local = circle, not model.gray
+        model.is_local = not model.gray
         model.note = f"the color at ({circle[0]:.0f}, {circle[1]:.0f}) is all over the picture: {how}"
         return model
 
@@ -234,24 +245,7 @@ class ColorModel(Copied):
         ValueError
             If a number is out of its range, or a low saturation or value lies above the high one.
         """
-        top = (179, 255, 255)
-        for bound in (low, high):
-            try:
-                sound = len(bound) == 3 and all(0 <= value <= limit for value, limit in zip(bound, top, strict=True))
-            except TypeError:  # no three numbers
-                sound = False
-            if not sound:
-                raise ValueError(f"HSV values run from (0, 0, 0) to (179, 255, 255), got {bound!r:.60}")
-        if low[1] > high[1] or low[2] > high[2]:
-            raise ValueError(f"low {tuple(low)} lies above high {tuple(high)} in saturation or value")
-        share = np.zeros(32768, np.float32)
-        for corner in np.ndindex(3, 3, 3):
-            inner = bin_centers() - 2.5 + 2.5 * np.array(corner, np.float32)
-            pixels = np.round(inner).astype(np.uint8).reshape(-1, 1, 3)
-            h, s, v = cv2.split(cv2.cvtColor(pixels, cv2.COLOR_BGR2HSV))
-            hue = (h >= low[0]) & (h <= high[0]) if low[0] <= high[0] else (h >= low[0]) | (h <= high[0])
-            share += (hue & (s >= low[1]) & (s <= high[1]) & (v >= low[2]) & (v <= high[2])).ravel()
-        return cls(3.0 * (2.0 * share / 27.0 - 1.0))
+        return cls(3.0 * (2.0 * hsv_share(low, high) - 1.0))
 
     @classmethod
     def dark(cls) -> "ColorModel":
@@ -327,6 +321,7 @@ class ColorModel(Copied):
         """Make a model of its own, so that adapting it leaves this one alone."""
         model = ColorModel(self.log_odds, self.gray)
         model.circle, model.sample, model.is_local, model.note = self.circle, self.sample, self.is_local, self.note
+        model._alternatives = self._alternatives
         return model
 
     def scores(self, pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:

@@ -19,7 +19,6 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.clicks.circle_at_click import ClickParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters
 
 Mask = npt.NDArray[np.bool_]
@@ -53,9 +52,8 @@ class RegionParameters(msgspec.Struct, frozen=True):
     whole, same, large : float
         A region that is this share of its convex hull, of which circle and region together share less than `same`, and
         that covers this share of the circle, is a thing of another shape: a card with a circle around it.
-    disc, disc_px : float
-        Share of its enclosing circle from which a region is a disc, and the least radius of one, px: it is the ball,
-        and no other circle is looked for, which takes most of the time of a click.
+    disc : float
+        Share of its enclosing circle from which a region is a disc.
     hue, gray : float
         Difference in hue, rad, up to which a pixel of the circle may be the region in another light, and the chroma
         below which a pixel has no hue: a marker on a ball is another thing than the ball.
@@ -86,7 +84,6 @@ class RegionParameters(msgspec.Struct, frozen=True):
     same: float = 0.8
     large: float = 0.5
     disc: float = 0.9
-    disc_px: float = 8.0
     hue: float = 0.3
     gray: float = 0.03
     vivid: float = 0.4
@@ -142,8 +139,6 @@ class ColorParameters(msgspec.Struct, frozen=True):
         than this many times that share.
     region : RegionParameters
         When a circle around a click takes the place of the grown region.
-    click : ClickParameters
-        Where circles around a click are looked for.
     ball : BallAtClickParameters
         How the network of discs looks for a ball around a click.
     """
@@ -173,7 +168,6 @@ class ColorParameters(msgspec.Struct, frozen=True):
     least_hits: float = 0.5
     most_false: float = 0.5
     region: RegionParameters = RegionParameters()
-    click: ClickParameters = ClickParameters()
     ball: BallAtClickParameters = BallAtClickParameters()
 
 

@@ -9,13 +9,13 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 import pytest
+from benchmarks.clicks.scenes import draw
 from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
 from matchset.app.live.targets.followed import Followed, FollowedParameters
-from matchset.app.live.targets.marked_ball import around_marker, meant_target
-from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.target import Target
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
@@ -114,6 +114,35 @@ def test_two_balls_a_click_on_one_again_and_a_drop() -> None:
     assert [state.name for state in loop.states] == ["circle 2"]
     with pytest.raises(ValueError, match="no target 1"):
         loop.followed.do(Drop(1))
+    loop.followed.close()
+
+
+class Still(Loop):
+    """A picture of a ball before a larger disc, again and again."""
+
+    image, ball, _ = draw("before a disc", 4)
+
+    def step(self) -> None:
+        self.number += 1
+        frame = Frame(self.image, self.number / 30.0, self.number)
+        self.kept.add(self.number, frame)
+        self.states = self.followed.update(frame)
+
+
+def test_a_click_can_be_read_anew() -> None:
+    loop = Still()
+    x, y, radius = loop.ball
+    loop.followed.do(Pick(1, x + 0.5 * radius, y))
+    loop.until(lambda: [state.found for state in loop.states] == [True])
+    (state,) = loop.states
+    assert [words.split(" at ")[0] for words in state.readings[:2]] == ["ball", "ball around it"]
+    assert state.reading == 1
+    loop.followed.do(Diameter(state.id, 0.3))
+    loop.followed.do(Reread(state.id, 2))
+    loop.until(lambda: [(each.found, each.reading) for each in loop.states] == [(True, 2)])
+    (again,) = loop.states
+    assert (again.id, again.diameter, again.readings) == (state.id, 0.3, state.readings)
+    assert again.values["radius"][0] > 2.0 * radius
     loop.followed.close()
 
 
@@ -221,19 +250,13 @@ def marked(seed: int, marker: float) -> tuple[Frame, tuple[float, float], float]
 
 @pytest.mark.parametrize("marker", [0.0, 0.03, 0.045])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_click_on_the_marker_of_a_ball_follows_the_ball(seed: int, marker: float) -> None:
+def test_a_click_on_the_marker_of_a_ball_offers_the_ball(seed: int, marker: float) -> None:
     frame, (x, y), radius = marked(seed, marker)
-    click = Pick(1, x, y)
-    assert (around_marker(click, frame) is click) == (marker == 0.0)
-    target = meant_target(1, click, frame)
-    assert ("marker" in target.note) == (marker > 0.0)
+    target = Target(1, Pick(1, x, y), frame)
+    radii = [each.circle[2] for each in target.tracker.color.alternatives]
+    if marker:
+        target = Target(1, Pick(1, x, y, reading=1 + radii.index(max(radii))), frame)
     assert target.update(frame).values["radius"][0] == pytest.approx(radius, rel=0.05)
-
-
-def test_what_is_drawn_and_other_shapes_are_meant_as_they_are() -> None:
-    frame, (x, y), _ = marked(0, 0.03)
-    for begin in (Outline(1, arc(x, y, 8.0, 0, 5).ravel().tolist()), Pick(1, x, y, "ellipse"), Pick(1, -9.0, y)):
-        assert around_marker(begin, frame) is begin
 
 
 def test_a_click_outside_of_the_picture_is_said_and_nothing_is_followed() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from benchmarks.clicks.scenes import draw
 from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
 from matchset.app.track.loop import UNDECODED
@@ -112,6 +113,23 @@ def test_a_ball_that_is_never_found_ends_with_one(matchset: Matchset, ball_video
     rows = read_tracks("runs/0001-track/tracks.csv")
     assert len(rows) == len(CENTERS)
     assert all(row.reason for row in rows)
+
+
+def test_what_a_click_is_taken_for_is_said_and_another_reading_can_be_asked_for(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    image, (x, y, radius), _ = draw("before a disc", 4)
+    cv2.imwrite(str(tmp_path / "ball.png"), image)
+    command = "track", tmp_path / "ball.png", "--pick", f"{x + 0.5 * radius:.0f},{y:.0f}"
+    assert matchset(*command) == 0
+    told = capsys.readouterr().err
+    assert f"note: the click is taken for: ball at ({x:.0f}, {y:.0f}), r = {radius:.0f} px, 9" in told
+    assert "; or ball around it at (" in told
+    assert "(--reading 2)" in told
+    assert matchset(*command, "--reading", "2") == 0
+    assert "note: the click is taken for: ball around it at (" in capsys.readouterr().err
+    assert matchset("track", tmp_path / "ball.png", "--candidate", "1", "--reading", "2") == 2
+    assert one_error(capsys) == "--reading says what a --pick means: give one, without --gray"
 
 
 def test_a_candidate_is_a_click(matchset: Matchset, ball_video: Path) -> None:

@@ -77,6 +77,8 @@ def check_target_options(options: TargetOptions, source: str) -> None:
     given = sum(map(bool, choices))
     if given + (options.gray is not None and options.pick is None) > 1:
         raise ValueError("give one of --pick, --candidate, --color, --hsv and --gray, not several")
+    if options.reading != 1 and (options.pick is None or options.gray is not None):
+        raise ValueError("--reading says what a --pick means: give one, without --gray")
     if options.gray is not None:
         parse_gray(options.gray)
         return
@@ -127,7 +129,8 @@ def target_in(source: str, video: Video, options: TargetOptions) -> tuple[Learne
         frame = lit_frame_at(video, index or 0)
     else:
         frame, (x, y) = _candidate_in(source, video, options.candidate or "")
-    color = color_at(frame, x, y)
+    color = color_at(frame, x, y, options.reading)
+    print("note: " + taken_words(color, options.reading), file=sys.stderr)
     if color.note:
         print("note: " + color.note, file=sys.stderr)
     return LearnedTarget(color, (x, y), frame.index), frame
@@ -149,13 +152,22 @@ def _candidate_in(source: str, video: Video, text: str) -> tuple[Frame, tuple[in
     return choice.frame, choice.candidates[number - 1].pick
 
 
-def color_at(frame: Frame, x: float, y: float) -> ColorModel:
+def taken_words(color: ColorModel, reading: int = 1) -> str:
+    """Say what a click was taken for, how sure that is, and what else it may mean."""
+    taken, others = color.alternatives[reading - 1], list(enumerate(color.alternatives, 1))
+    words = f"the click is taken for: {taken}"
+    rest = [f"{each} (--reading {number})" for number, each in others if number != reading]
+    return "; ".join((words, *(f"or {each}" for each in rest[:1])))
+
+
+def color_at(frame: Frame, x: float, y: float, reading: int = 1) -> ColorModel:
     """Learn the color at a click; `RefusedClickError` where none can be learned, ValueError outside of the picture."""
     try:
-        return ColorModel.pick(frame.image, x, y)
+        return ColorModel.pick(frame.image, x, y, reading=reading)
     except ValueError as error:
         rows, columns = frame.image.shape[:2]
-        if not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5):
+        outside = not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5)
+        if outside or reading != 1:
             raise
         raise RefusedClickError(str(error), frame, (x, y)) from error
 

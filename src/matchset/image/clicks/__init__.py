@@ -1,4 +1,1 @@
-"""What a click means where nothing there has a closed outline.
-
-`clear_disc` compares discs with the rings around them: `clearest_disc`.
-"""
+"""What a click may mean: `reading` weighs the discs that the network sees there and the region that grew in color."""

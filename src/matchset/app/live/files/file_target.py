@@ -44,6 +44,8 @@ class FileTarget:
     localizer : Localizer or None
     color : ColorModel or None
         Learned by the first click.
+    readings : list of str
+        What that may mean, the likeliest first.
     """
 
     def __init__(self, number: int, begin: Pick | Outline, place: int) -> None:
@@ -56,6 +58,7 @@ class FileTarget:
         self.diameter: float | None = None
         self.localizer: Localizer | None = None
         self.color: ColorModel | None = None
+        self.readings: list[str] = []
 
     def correct(self, correction: Correct, place: int) -> None:
         """Take another click; what was found in the frames that it decides is forgotten."""
@@ -118,7 +121,9 @@ class FileTarget:
     def state(self, place: int) -> TargetState:
         """Return what the page shows of it in a frame, for the thread of the player."""
         answer, pose = self.answer(place), self.pose(place)
-        about = About(self.number, self.name, self.shape, self.diameter)
+        first = self.clicks[min(self.clicks)]
+        reading = first.reading if isinstance(first, Pick) else 0
+        about = About(self.number, self.name, self.shape, self.diameter, self.readings, reading)
         if answer is None:
             return lost_state(about, "not tracked here yet")
         if isinstance(answer, Lost):

@@ -14,8 +14,7 @@ from matchset.app.live.files.exact_reader import ExactReader
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
-from matchset.app.live.targets.marked_ball import around_marker
-from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick
+from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.target import Target
 from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
@@ -23,7 +22,7 @@ from matchset.image.frame import Frame
 from matchset.tracking.track import Lost
 from matchset.tracking.tracker import Tracker
 
-Asked = Pick | Outline | Hold | Correct | Drop | Diameter | Marker | FieldOfView
+Asked = Pick | Outline | Hold | Correct | Drop | Reread | Diameter | Marker | FieldOfView
 
 
 class TrackingParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -255,6 +254,8 @@ class FileTracking(Closing):
                 self._forget(target)
             elif isinstance(wish, Diameter):
                 target.locate(self.camera, wish.meters)
+            elif isinstance(wish, Reread):
+                self._reread(target, wish)
             else:
                 raise ValueError("markers are looked for in a camera's pictures, not in a video: matchset locate does")
 
@@ -275,17 +276,29 @@ class FileTracking(Closing):
         if len(self.targets) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         place = self._place_of(wish.sequence)
-        frame = self._reader.frame(place)
-        wish = around_marker(wish, frame)
-        made = Target(self._numbers + 1, wish, frame)
+        self._follow(self._numbers + 1, wish, place, None)
         self._numbers += 1
-        target = FileTarget(made.number, wish, place)
-        target.locate(self.camera, None)
-        target.color = made.tracker.color
-        self.targets = {**self.targets, target.number: target}
+
+    def _follow(self, number: int, click: Pick | Outline, place: int, diameter: float | None) -> None:
+        """Follow a target from its first click on, both ways."""
+        made = Target(number, click, self._reader.frame(place))
+        target = FileTarget(number, click, place)
+        target.locate(self.camera, diameter)
+        target.color, target.readings = made.tracker.color, made.readings
+        self.targets = {**self.targets, number: target}
         self._runs += [Run(target, place, True, self._reader), Run(target, place, False, self._reader)]
         if made.note:
             self._note(made.note)
+
+    def _reread(self, target: FileTarget, wish: Reread) -> None:
+        """Follow something else that the first click may mean; what was found of it is forgotten, and later clicks."""
+        place = min(target.clicks)
+        click = target.clicks[place]
+        if not isinstance(click, Pick):
+            raise ValueError(f"{target.name} was not clicked: there is nothing else that it may mean")
+        self._follow(target.number, msgspec.structs.replace(click, reading=wish.reading), place, target.diameter)
+        self._runs = [run for run in self._runs if run.target is not target]
+        self._changes += 1 + target.version
 
     def _correct(self, target: FileTarget, wish: Correct) -> None:
         place = self._place_of(wish.sequence)

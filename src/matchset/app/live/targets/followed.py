@@ -11,8 +11,18 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
-from matchset.app.live.targets.marked_ball import meant_target
-from matchset.app.live.targets.messages import Begin, Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Wish
+from matchset.app.live.targets.messages import (
+    Begin,
+    Diameter,
+    Drop,
+    FieldOfView,
+    Hold,
+    Marker,
+    Outline,
+    Pick,
+    Reread,
+    Wish,
+)
 from matchset.app.live.targets.target import Target, catch_up, exchange, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState
@@ -118,6 +128,8 @@ class Followed(Closing):
         elif isinstance(wish, Drop):
             self.target(wish.target)
             self._forget(wish.target)
+        elif isinstance(wish, Reread):
+            self._reread(wish)
         elif isinstance(wish, Diameter):
             self.target(wish.target).locate(self.camera, wish.meters)
         elif isinstance(wish, Marker):
@@ -179,15 +191,26 @@ class Followed(Closing):
         if len(self._targets) + len(self._making) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1
-        order = functools.partial(meant_target, self._numbers, begin, frame)
+        order = functools.partial(Target, self._numbers, begin, frame)
         self._making.append(_Making(self._numbers, begin.sequence, frame, self._maker.order(order), []))
+
+    def _reread(self, wish: Reread) -> None:
+        """Make a target anew in its place, since its click meant something else."""
+        clicked = self.target(wish.target).clicked
+        if clicked is None:
+            raise ValueError(f"{self.target(wish.target).name} was not clicked: there is nothing else that it may mean")
+        click, frame = clicked
+        meant = msgspec.structs.replace(click, reading=wish.reading)
+        order = functools.partial(Target, wish.target, meant, frame)
+        self._making.append(_Making(wish.target, click.sequence, frame, self._maker.order(order), []))
 
     def _take_made(self) -> None:
         while self._making and self._making[0].result.done():
             number, sequence, frame, made, later = self._making.popleft()
             try:
                 target = made.result()
-                target.locate(self.camera, None)
+                before = self._targets.get(number)
+                target.locate(self.camera, None if before is None else before.diameter)
                 frames = [frame, *self._kept.after(sequence)]
                 catch_up(target, frames)
                 self._targets[number], self._trials[number] = target, frames[-1].time

@@ -10,13 +10,14 @@ Length = Annotated[float, msgspec.Meta(gt=0.0, le=20.0)]
 
 
 class Pick(Up, frozen=True, tag="pick"):
-    """Follow what is at a point of a picture, px; `shape` is a family of shapes."""
+    """Follow what is at a point of a picture, px: the likeliest `reading` of it; `shape` is a family of shapes."""
 
     sequence: Number
     x: Px
     y: Px
     shape: Name = "circle"
     stream: Number = 0
+    reading: Annotated[int, msgspec.Meta(ge=1, le=100)] = 1
 
     @property
     def needs(self) -> Kernels:
@@ -51,6 +52,13 @@ class Drop(Up, frozen=True, tag="drop"):
     target: Number
 
 
+class Reread(Up, frozen=True, tag="reread"):
+    """A target's click means another one of its readings: 1 is the likeliest."""
+
+    target: Number
+    reading: Annotated[int, msgspec.Meta(ge=1, le=100)]
+
+
 class Diameter(Up, frozen=True, tag="diameter"):
     """A target's diameter, m; None: not known."""
 
@@ -80,5 +88,5 @@ class FieldOfView(Up, frozen=True, tag="field_of_view"):
 
 
 Begin = Pick | Outline
-Wish = Pick | Outline | Hold | Drop | Diameter | Marker | FieldOfView
-MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Hold, Drop, Diameter, Marker, FieldOfView)
+Wish = Pick | Outline | Hold | Drop | Reread | Diameter | Marker | FieldOfView
+MESSAGES: tuple[type[Up], ...] = (Pick, Outline, Hold, Drop, Reread, Diameter, Marker, FieldOfView)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.live.targets.drawn_outline import shape_along
-from matchset.app.live.targets.messages import Begin, Outline
+from matchset.app.live.targets.messages import Begin, Outline, Pick
 from matchset.app.live.targets.placing import Place, Placing
 from matchset.app.live.targets.told import About, found_state, lost_state
 from matchset.app.live.wire.state import TargetState
@@ -46,6 +46,10 @@ class Target:
         Names of the shape's parameters.
     begun : (float, float)
         Where it was clicked, or the middle of what was drawn, px.
+    clicked : (Pick, Frame) or None
+        The click and its picture, to read it anew.
+    readings : list of str
+        What the click may mean, the likeliest first.
     answer : Track or Lost or None
         The last one of its tracker.
     seen : float or None
@@ -63,14 +67,18 @@ class Target:
         if begin.shape not in NAMES.split(", "):  # a name alone: a page must not name files of this computer
             raise ValueError(f"a shape is {NAMES}; got {begin.shape!r}")
         family: Any = parse_shape(begin.shape)
-        given, self.begun = None, (0.0, 0.0)
+        given = None
+        self.clicked = (begin, frame) if isinstance(begin, Pick) else None
         if isinstance(begin, Outline):
             given = shape_along(family, np.reshape(begin.points[: len(begin.points) // 2 * 2], (-1, 2)))
             self.begun = center_of(outline(given))[:2]
+            check_inside(*self.begun, *frame.image.shape[1::-1])
+            color = color_within(given, frame)
         else:
             self.begun = begin.x, begin.y
-        check_inside(*self.begun, *frame.image.shape[1::-1])
-        color = ColorModel.pick(frame.image, *self.begun) if given is None else color_within(given, frame)
+            check_inside(*self.begun, *frame.image.shape[1::-1])
+            color = ColorModel.pick(frame.image, *self.begun, reading=begin.reading)
+        self.readings = [str(each) for each in color.alternatives]
         self.number, self.name, self.note = number, f"{begin.shape} {number}", color.note
         self.shape, self.parameters = begin.shape, tuple(family.parameters)
         self.diameter: float | None = None
@@ -175,7 +183,8 @@ class Target:
 
     @property
     def _about(self) -> About:
-        return About(self.number, self.name, self.shape, self.diameter)
+        reading = 0 if self.clicked is None else self.clicked[0].reading
+        return About(self.number, self.name, self.shape, self.diameter, self.readings, reading)
 
     def _lost(self, answer: Lost[Any]) -> TargetState:
         since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)

@@ -1,6 +1,7 @@
 """What a page is told of a target that is found, or lost: `found_state`, `lost_state`."""
 
 import itertools
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,12 +27,18 @@ class About(NamedTuple):
         Of which family it is.
     diameter : float or None
         m
+    readings : sequence of str
+        What its click may mean.
+    reading : int
+        Which of these was taken, from 1.
     """
 
     number: int
     name: str
     shape: str = "circle"
     diameter: float | None = None
+    readings: Sequence[str] = ()
+    reading: int = 0
 
 
 def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
@@ -49,6 +56,8 @@ def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
         markers=[flat(outline(marker, MARKER_POINTS)) for marker in place.markers],
         axes=[] if place.axes is None else flat(place.axes),
         diameter=about.diameter,
+        readings=list(about.readings),
+        reading=about.reading,
     )
 
 
@@ -73,6 +82,8 @@ def lost_state(about: About, reason: str, lost_for: float = 0.0, predicted: Shap
         lost_for=lost_for,
         predicted=[] if predicted is None else flat(outline(predicted, OUTLINE_POINTS)),
         diameter=about.diameter,
+        readings=list(about.readings),
+        reading=about.reading,
     )
 
 

@@ -36,6 +36,10 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
         m
     shape : str
         Of which family it is.
+    readings : list of str
+        What its click may mean, the likeliest first.
+    reading : int
+        Which of these was taken, from 1; 0: it was not clicked.
     """
 
     id: int
@@ -53,6 +57,8 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     lost_for: float = 0.0
     diameter: float | None = None
     shape: str = "circle"
+    readings: list[str] = []
+    reading: int = 0
 
 
 class State(msgspec.Struct, frozen=True, omit_defaults=True):

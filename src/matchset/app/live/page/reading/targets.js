@@ -36,6 +36,7 @@ export class TargetList {
     if (chosen === null && targets.length) chosen = targets[targets.length - 1].id;
     if (chosen !== this.chosen || !this.rows.get(chosen)?.classList.contains("chosen")) this.choose(chosen);
     for (const target of targets) {
+      this.showReadings(target);
       const state = this.rows.get(target.id).querySelector(".state");
       const words = target.found ? "" : "lost";
       if (state.textContent !== words) state.textContent = words;
@@ -55,9 +56,25 @@ export class TargetList {
     drop.type = "button";
     drop.setAttribute("aria-label", `drop ${target.name}`);
     drop.addEventListener("click", () => this.send({ type: "drop", target: target.id }));
-    row.append(dot, name, drop);
+    row.append(dot, name, drop, element("div", "readings"));
     if ((target.shape || "circle") === "circle") row.append(this.makeDiameter(target), this.makeMarker(target));
     return row;
+  }
+
+  // What the click may mean, one button each; the one that was taken is pressed.
+  showReadings(target) {
+    const root = this.rows.get(target.id).querySelector(".readings");
+    const readings = target.readings || [];
+    const shown = JSON.stringify([readings, target.reading]);
+    if (root.dataset.shown === shown) return;
+    root.dataset.shown = shown;
+    root.replaceChildren(...(readings.length > 1 ? readings : []).map((words, k) => {
+      const button = element("button", "", words);
+      button.type = "button";
+      button.setAttribute("aria-pressed", k + 1 === target.reading);
+      button.addEventListener("click", () => this.send({ type: "reread", target: target.id, reading: k + 1 }));
+      return button;
+    }));
   }
 
   makeDiameter(target) {

@@ -19,10 +19,10 @@ from matchset.image.frame import Picture, frame_of
 from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
+from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
+from matchset.tracking.ball.likely_circle import LikelyCircle, LikelyParameters, circle_of
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, Start, channels_last, track_of
-from matchset.tracking.search.disc_detector import DiscDetector, DiscDetectorParameters
-from matchset.tracking.search.likely_circle import LikelyCircle, LikelyParameters, circle_of
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 from matchset.tracking.track import Track
 

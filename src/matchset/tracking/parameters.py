@@ -7,13 +7,13 @@ from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.image.light.relighting import RelightingParameters
+from matchset.tracking.ball.disc_search import DiscSearchParameters
+from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.ball.others import OthersParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
-from matchset.tracking.others import OthersParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
-from matchset.tracking.outlines.network_outlines import NetworkParameters
-from matchset.tracking.search.disc_search import DiscSearchParameters
 from matchset.tracking.search.voting import SearchParameters
 from matchset.tracking.too_near import TooNearParameters
 

@@ -136,7 +136,8 @@ class TrackStep(Copied, Generic[S]):
                 estimate = stretched
             else:
                 chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
-                estimate = chosen or self._test_hypotheses(image, color, estimate, speed)
+                judged = chosen is not None or self.outlines.judges(color)
+                estimate = (chosen or estimate) if judged else self._test_hypotheses(image, color, estimate, speed)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)

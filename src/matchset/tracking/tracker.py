@@ -16,11 +16,11 @@ from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
+from matchset.tracking.ball.lost_ball import LostBall
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, channels_last, track_of
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.initialization import initialize_near, model_for_image
-from matchset.tracking.lost_ball import LostBall
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.too_near import TOO_NEAR, fills_picture

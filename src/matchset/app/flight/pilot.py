@@ -30,7 +30,7 @@ from matchset.localization.neighbor_ball import AssociationParameters, find_neig
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.tracking.outlines.network_outlines import NetworkParameters
+from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker

@@ -20,14 +20,14 @@ from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.shapes.shape import outline
-from matchset.tracking.motion import gate_of, usual_size
-from matchset.tracking.outlines.network_outlines import (
+from matchset.tracking.ball.judge import (
     DISC,
-    NetworkOutlines,
+    Judge,
     covariance_of,
     likeliest,
     squared_distances,
 )
+from matchset.tracking.motion import gate_of, usual_size
 from matchset.tracking.parameters import TrackerParameters
 
 Floats = npt.NDArray[np.float64]
@@ -49,17 +49,21 @@ class OutlineChoice:
     ----------
     is_disc : bool
         Whether the shapes are discs, which have a region and a network.
-    network : NetworkOutlines
+    network : Judge
     spread : ndarray of shape (p, p), float64, or None
         Covariance of the outlines that were weighed last; None where there was no choice.
     """
 
     def __init__(self, fitter: Fitter[Any], parameters: TrackerParameters) -> None:
         self._fitter, self._parameters = fitter, parameters
-        self.network = NetworkOutlines(parameters.network)
+        self.network = Judge(parameters.network)
         self.spread: Floats | None = None
         away = np.hypot(*outline(fitter.family.from_coarse(0.0, 0.0, HALF_WIDTH)).T)
         self.is_disc = len(fitter.family.parameters) <= DISC and bool(np.ptp(away) < SAME_AWAY)
+
+    def judges(self, color: ColorModel) -> bool:
+        """Whether the network of discs judges what is the target: a ball of a color."""
+        return self.is_disc and self.network.limits.used and self._fitter.weighs(color)
 
     def choose(
         self, image: Image, color: ColorModel, estimate: Estimate, frame: tuple[float, float], speed: float
@@ -80,7 +84,7 @@ class OutlineChoice:
             Of the target, px per frame.
         """
         fitter, p = self._fitter, len(self._fitter.family.parameters)
-        if not (self.is_disc and fitter.weighs(color)):
+        if not self.judges(color):
             return None
         predicted = fitter.work.motion.predicted[:p].copy()
         discs = self.network.discs(image, (predicted,))
@@ -256,7 +260,7 @@ class OutlineChoice:
         predicted : ndarray of shape (s,), float64, or None
             Where the target was expected.
         """
-        if not (self.is_disc and self._fitter.weighs(color)):
+        if not self.judges(color):
             return estimate
         starts = [estimate.state.copy(), *([] if predicted is None else [predicted])]
         region = self._on_soft_region(image, color, estimate, prior)

@@ -1,4 +1,4 @@
-"""Outlines of discs by the network of `image/disc_network`, and how others are weighed against them: `NetworkOutlines`.
+"""Outlines of discs by the network of `image/disc_network`, and how others are weighed against them: `Judge`.
 
 Edge points say where contrasts are, not whose they are: a hand, a tube or leaves of its color make better ones than a
 ball's shaded rim. The network has seen many balls, and says where the outline is and how sure that is.
@@ -120,7 +120,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     sigma_share: float = 0.4
 
 
-class NetworkOutlines:
+class Judge:
     """Finds discs by the network and weighs outlines against them.
 
     Parameters

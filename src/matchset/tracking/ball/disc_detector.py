@@ -17,15 +17,15 @@ from matchset.fitting.fitter import Fitter
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
-from matchset.tracking.motion import Gate
-from matchset.tracking.outlines.network_outlines import (
+from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
+from matchset.tracking.ball.judge import (
     DISC,
-    NetworkOutlines,
+    Judge,
     NetworkParameters,
     covariance_of,
     squared_distances,
 )
-from matchset.tracking.search.disc_search import DiscSearch, DiscSearchParameters
+from matchset.tracking.motion import Gate
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -94,7 +94,7 @@ class DiscDetector:
 
     def __init__(self, fitter: Fitter[Any], color: ColorModel, limits: DiscDetectorParameters) -> None:
         self._fitter, self._model, self._limits = fitter, color, limits
-        self._network = NetworkOutlines(limits.network)
+        self._network = Judge(limits.network)
         self._search = DiscSearch(limits.search)
         sample = color.sample
         self._radius = 0.0 if sample is None else sample.radius

@@ -17,12 +17,12 @@ import numpy.typing as npt
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
+from matchset.tracking.ball.disc_search import DiscSearch
+from matchset.tracking.ball.judge import NetworkParameters, covariance_of, likeliest
+from matchset.tracking.ball.others import Others
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate
-from matchset.tracking.others import Others
-from matchset.tracking.outlines.network_outlines import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.disc_search import DiscSearch
 from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
@@ -162,8 +162,7 @@ class LostBall:
 
     def knows(self, color: ColorModel) -> bool:
         """Whether this is a ball of a color that was seen before: otherwise nothing can be found here."""
-        outlines = self._step.outlines
-        return self._color is not None and outlines.is_disc and self._step.fitter.weighs(color)
+        return self._color is not None and self._step.outlines.judges(color)
 
     def find(
         self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, time: float, interval: float

@@ -4,14 +4,12 @@ import math
 import threading
 
 import numpy as np
-import numpy.typing as npt
 import pytest
-from tests.image.test_polar_patch import scene
+from ball_in_leaves import Picture, scene
 
 from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
 from matchset.image.disc_network.polar_patch import read_patch
 
-Picture = npt.NDArray[np.uint8]
 Circle3 = tuple[float, float, float]
 NETWORK, RADIUS = DiscNetwork.packaged(), 22.0
 LIMITS = FollowParameters(rounds=5, still=0.3)

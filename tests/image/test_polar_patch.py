@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from ball_in_leaves import HEIGHT, WIDTH, Picture, scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,27 +14,12 @@ from matchset.image.disc_network import patch_format as form
 from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.polar_patch import colors_of, picture_of, read_patch
 
-Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]
 Colors = npt.NDArray[np.float32]
 Circle3 = tuple[float, float, float]
 SHAPE = form.BINS_L, form.BINS_AB, form.BINS_AB
-HEIGHT, WIDTH = 240, 320
 WITHIN, WITHIN_ODDS = 0.02, 0.04  # mean absolute difference: of colors; of log-odds, which leap from bin to bin
 SPARSE = 2.0  # px: of cells that are larger, two pixels along an axis are read, not all
-
-
-def scene(radius: float, seed: int = 0) -> Picture:
-    """A ball in the middle, before leaves, a board and noise, BGR."""
-    rng = np.random.default_rng(seed)
-    rows, columns = np.indices((HEIGHT, WIDTH), np.float64)
-    image = np.array(cv2.GaussianBlur(rng.normal(0.0, 1.0, (HEIGHT, WIDTH, 3)), (0, 0), 6.0) * 300.0 + 130.0)
-    image[:, 200:230] = (60.0, 70.0, 120.0)
-    inside = np.hypot(columns - 160.0, rows - 120.0) < radius
-    shade = 1.0 - 0.3 * np.clip((rows - 120.0) / radius, -1.0, 1.0)
-    image[inside] = (np.array((60.0, 160.0, 90.0)) * shade[..., np.newaxis])[inside]
-    soft = cv2.GaussianBlur(image, (0, 0), 1.0) + rng.normal(0.0, 3.0, image.shape)
-    return np.asarray(np.clip(soft, 0, 255), np.uint8)
 
 
 def sparse(cut: Picture, columns: int, rows: int) -> Picture:

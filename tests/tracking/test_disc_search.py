@@ -198,13 +198,13 @@ def test_a_large_window_is_covered_part_after_part(x: float, y: float, skipped: 
 def test_a_large_window_is_covered_beside_another_that_is_too() -> None:
     """A lost ball is looked for near where it was in each picture, and anywhere in every second one."""
     for k, y in itertools.product(range(3), (20.0, 60.0, 100.0, 140.0, 180.0, 220.0)):
-        image, search = picture((300.0, y)), DiscSearch(BY_PARTS)
-        color, seen = lab(image, (300.0, y)), False
+        image, search = picture((200.0, y)), DiscSearch(BY_PARTS)
+        color, seen = lab(image, (200.0, y)), False
         for number in range(2 * 6):
             search.about(image, color, Gate(100.0, 120.0, 9.0), 100.0 + 10.0 * k)
             if number % 2:
                 places = search.about(image, color, Gate(100.0, 120.0, 9.0), 1000.0)
-                seen = seen or any(math.dist(each[:2], (300.0, y)) < 4.5 for each in places)
+                seen = seen or any(math.dist(each[:2], (200.0, y)) < 4.5 for each in places)
         assert seen, (k, y)
 
 

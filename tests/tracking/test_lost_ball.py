@@ -5,7 +5,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from tests.tracking.test_network_outlines import picture
+from hidden_ball import picture
 
 import matchset as ms
 from matchset.image.disc_network.network import Disc

@@ -176,7 +176,7 @@ def measure_interior(image: Bytes, table: Scores, work: Record) -> None:
                 rim_foreign += not hit
     fit.hollowness = middle_foreign / max(middle_seen, 1) - 2.0 * rim_foreign / max(rim_seen, 1)
     fit.interior_share = hits / seen if seen > limits.min_pixels else -1.0
-    fit.core_share = core_hits / core_seen if core_seen > limits.min_pixels else -1.0
+    fit.core_share = core_hits / core_seen if core_seen > limits.min_pixels else fit.interior_share  # out of view
 
 
 @helper

@@ -14,21 +14,19 @@ part of the rim is sharp.
 """
 
 import math
+import threading
 from typing import NamedTuple
 
-import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.soft_region_kernel import MOST_CELLS, MOST_LINES, REGION_LIMITS, REGION_MEMORY, find_region
+from matchset.numeric.record import Block
+
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
-Mask = npt.NDArray[np.bool_]
 Disc = tuple[float, float, float]  # center and half-width, px
-
-FEW = 8  # theorem: pixels that a covariance of three channels needs at least, twice over
-ROW = 0.5  # geometry: half the width of a row of cells, cells
-ALONG = np.linspace(0.4, 1.6, 49)  # geometry: where a line across the rim is read, in half-widths from the center
 
 
 class SoftRegionParameters(msgspec.Struct, frozen=True):
@@ -121,6 +119,9 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
         for name in ("cells", "lines", "pixel_noise"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        for name, most in (("cells", MOST_CELLS), ("lines", MOST_LINES)):
+            if getattr(self, name) > most:
+                raise ValueError(f"{name} is at most {most}, got {getattr(self, name)}")
 
 
 class SoftRegion(NamedTuple):
@@ -156,23 +157,14 @@ class SoftRegion(NamedTuple):
         return self.rim < limits.soft and self.agreement < limits.round
 
 
-class _Window(NamedTuple):
-    """The picture around a disc in cells: their pixels, how far they lie from its center, px, and their size."""
+class _Memory(threading.local):
+    """Working memory of each thread."""
 
-    pixels: Floats
-    across: Floats
-    down: Floats
-    step: float
+    def __init__(self) -> None:
+        self.block: Block = np.zeros(REGION_MEMORY.itemsize // 8)
 
 
-class _Discriminant(NamedTuple):
-    """Tells how much of a pixel is target."""
-
-    weights: Floats
-    around: Floats
-
-    def shares(self, pixels: Floats) -> Floats:
-        return np.asarray((pixels - self.around) @ self.weights)
+_MEMORY = _Memory()
 
 
 def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> SoftRegion | None:
@@ -190,121 +182,16 @@ def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> 
     SoftRegion or None
         None where nothing tells the inside from what is around it, or the region is not where it was expected.
     """
-    found, told, agreement, swept = disc, None, 0.0, 0.0
     if disc[2] < limits.min_half_width:
         return None
-    for _ in range(limits.rounds):
-        window = _read(image, found, limits)
-        away = np.hypot(window.across, window.down[:, np.newaxis]) / found[2] if window else np.zeros(0)
-        told = _discriminant(window.pixels, away, limits) if window else None
-        if window is None or told is None:
-            return None
-        region = _main_region((told.shares(window.pixels) > limits.level) & (away < limits.border))
-        if region is None:
-            return None
-        before, (found, agreement) = found, _disc_of(region, window, found)
-        swept = _swept_agreement(region)
-        if math.dist(before, found) < limits.still * window.step:
-            break
-    assert told is not None
-    ratio, away_from = found[2] / disc[2], math.dist(found[:2], disc[:2]) / disc[2]
-    if not 1.0 / limits.growth < ratio < limits.growth or away_from > limits.move:
+    block = _MEMORY.block
+    memory = block.view(REGION_MEMORY)[0]
+    memory["limits"] = tuple(getattr(limits, name) for name in REGION_LIMITS.names or ())
+    memory["x"], memory["y"], memory["half_width"] = disc
+    if not find_region(image, block):
         return None
-    return SoftRegion(*found, agreement, swept, _rim(image, told, found, limits))
-
-
-def _read(image: Image, disc: Disc, limits: SoftRegionParameters) -> _Window | None:
-    """Read the window around a disc; None where the disc is not wholly in the picture."""
-    (x, y, size), (height, width) = disc, image.shape[:2]
-    if x < size or y < size or x > width - 1 - size or y > height - 1 - size:
+    found = SoftRegion(*(float(memory[name]) for name in SoftRegion._fields))
+    away = math.dist(found[:2], disc[:2]) / disc[2]
+    if not 1.0 / limits.growth < found.half_width / disc[2] < limits.growth or away > limits.move:
         return None
-    half = limits.window * size
-    left, top = round(x - half), round(y - half)
-    side = max(round(2.0 * half), 2)
-    cut = image[max(top, 0) : top + side, max(left, 0) : left + side]
-    rows, columns = cut.shape[:2]
-    if (rows, columns) != (side, side):
-        above, before = max(-top, 0), max(-left, 0)
-        edges = above, side - rows - above, before, side - columns - before
-        cut = np.asarray(cv2.copyMakeBorder(cut, *edges, cv2.BORDER_REPLICATE), np.uint8)
-    cells = min(limits.cells, side)
-    step = side / cells
-    pixels = cv2.resize(cut, (cells, cells), interpolation=cv2.INTER_AREA).reshape(cells, cells, -1)
-    places = (np.arange(cells) + 0.5) * step - 0.5
-    across, down = np.asarray(places + left - x, np.float64), np.asarray(places + top - y, np.float64)
-    return _Window(pixels.astype(np.float64), across, down, step)
-
-
-def _discriminant(pixels: Floats, away: Floats, limits: SoftRegionParameters) -> _Discriminant | None:
-    """Fisher's discriminant of the pixels inside and around; None where they hardly differ."""
-    inside, around = pixels[away < limits.inner], pixels[(away > limits.nearest) & (away < limits.farthest)]
-    if min(len(inside), len(around)) < FEW:
-        return None
-    here, there, channels = np.median(inside, axis=0), np.median(around, axis=0), pixels.shape[2]
-    spread = limits.pixel_noise**2 * np.eye(channels)
-    spread += 0.5 * (np.cov(inside.T) + np.cov(around.T)).reshape(channels, channels)
-    weights = np.linalg.solve(spread, here - there)
-    apart = float(weights @ (here - there))
-    return (
-        _Discriminant(np.asarray(weights / apart), np.asarray(there, np.float64))
-        if apart > limits.contrast**2
-        else None
-    )
-
-
-def _main_region(mask: Mask) -> Mask | None:
-    """Largest connected region of a mask, its holes filled; None where there is none."""
-    count, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
-    if count < 2:
-        return None
-    largest = (labels == 1 + int(np.argmax(statistics[1:, cv2.CC_STAT_AREA]))).astype(np.uint8)
-    outlines, _ = cv2.findContours(largest, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    cv2.drawContours(largest, outlines, -1, 1, cv2.FILLED)
-    return np.asarray(largest > 0)
-
-
-def _disc_of(region: Mask, window: _Window, seen_from: Disc) -> tuple[Disc, float]:
-    """Disc of a region's center and area, and how far both agree."""
-    area = float(region.sum())
-    dx, dy = float(region.sum(axis=0) @ window.across) / area, float(region.sum(axis=1) @ window.down) / area
-    size = math.sqrt(area / math.pi) * window.step
-    disc = np.hypot(window.across - dx, window.down[:, np.newaxis] - dy) <= size
-    return (seen_from[0] + dx, seen_from[1] + dy, size), float((disc & region).sum() / (disc | region).sum())
-
-
-def _swept_agreement(region: Mask) -> float:
-    """Intersection over union of a region and the swept disc that has its area and moments.
-
-    A disc of radius r swept along 2 a has the area A = pi r^2 + 4 a r, and across its way the variance
-    V = r^2 / 3 - pi r^4 / (12 A): a quadratic equation of r^2. Cells count as points, so V is 0 of a single row of them
-    (rounded: a little below), which is half a cell to each side all the same.
-    """
-    rows, columns = np.nonzero(region)
-    area, places = float(len(rows)), np.vstack((columns - columns.mean(), rows - rows.mean()))
-    variances, axes = np.linalg.eigh(places @ places.T / area)
-    root = 1.0 / 9.0 - math.pi * float(variances[0]) / (3.0 * area)
-    squared = 6.0 * area / math.pi * (1.0 / 3.0 - math.sqrt(max(root, 0.0)))
-    size = min(max(math.sqrt(max(squared, 0.0)), ROW), math.sqrt(area / math.pi))
-    half = max(area - math.pi * size**2, 0.0) / (4.0 * size)
-    down, across = np.indices(region.shape)
-    across, down = across - columns.mean(), down - rows.mean()
-    along = np.clip(across * axes[0, 1] + down * axes[1, 1], -half, half)
-    swept = np.hypot(across - along * axes[0, 1], down - along * axes[1, 1]) <= size
-    return float((swept & region).sum() / (swept | region).sum())
-
-
-def _rim(image: Image, told: _Discriminant, disc: Disc, limits: SoftRegionParameters) -> float:
-    """Width of the rim where it is sharper, in half-widths; 0 where few lines show one."""
-    (x, y, size), turns = disc, 2.0 * math.pi * np.arange(limits.lines) / limits.lines
-    columns = (x + size * ALONG[:, np.newaxis] * np.cos(turns)).astype(np.float32)
-    rows = (y + size * ALONG[:, np.newaxis] * np.sin(turns)).astype(np.float32)
-    read = np.asarray(cv2.remap(image, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float64)
-    shares = told.shares(read.reshape(*columns.shape, -1))
-    place, n = np.arange(len(ALONG))[:, np.newaxis], np.arange(limits.lines)
-    end = np.argmax(shares < limits.level, axis=0)  # 0 where the line begins or stays beyond it
-    high = np.where((shares > limits.high) & (place < end), place, -1).max(axis=0)
-    low = np.where((shares < limits.low) & (place > end), place, len(ALONG)).min(axis=0)
-    crossed = (end > 0) & (shares[0, n] > limits.level)
-    whole = (high >= 0) & (low < len(ALONG))
-    widths = np.where(whole, (low - high) * (ALONG[1] - ALONG[0]), 1.0)[crossed]
-    return float(np.quantile(widths, limits.sharper)) if 2 * len(widths) >= limits.lines else 0.0
+    return found

@@ -19,6 +19,7 @@ from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate
+from matchset.tracking.others import Others
 from matchset.tracking.outlines.network_outlines import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.disc_search import DiscSearch
@@ -75,7 +76,7 @@ class LostBall:
 
     def __init__(self, step: TrackStep[Any], parameters: TrackerParameters, detectors: Detectors[Any]) -> None:
         self._step, self._parameters, self._detectors = step, parameters, detectors
-        self._search = DiscSearch(parameters.disc_search)
+        self._search, self._others = DiscSearch(parameters.disc_search), Others(parameters.others)
         self._color: Floats | None = None
         self._half_width, self._pictures = 0.0, 0
         self.seen = False
@@ -89,6 +90,7 @@ class LostBall:
         """
         self._step.outlines.network.know(color.sample)
         self._search.forget()
+        self._others.forget()
         self.seen, self._color, self._half_width, self._pictures = False, None, 0.0, 0
 
     def remember(self, image: Image, seen: Gate) -> None:
@@ -104,6 +106,31 @@ class LostBall:
         if self._step.outlines.is_disc:
             self._color = self._step.outlines.network.median_color(image, (seen.x, seen.y, seen.half_width))
             self._half_width = seen.half_width
+
+    def notice_others(self, image: Image, color: ColorModel, seen: Gate, time: float) -> None:
+        """Look at a part of the picture for what looks like the ball, while that is seen: later it is not the ball.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        seen : Gate
+            Where the ball is.
+        time : float
+            Of the picture, s.
+        """
+        if not self.knows(color):
+            return
+        network, limits = self._step.outlines.network, self._others.limits
+        network.left = min(network.left, limits.looks)
+        known = self._others.places(seen)[: limits.looks // 2]
+        anywhere = self._standing_out(image, color, _Expected(seen, seen.half_width, 1.0), near=False)
+        places = [*known, *(each for each in anywhere if self._others.is_clear(each, seen))]
+        for odds, disc in self._alike(image, places):
+            if odds > limits.least:
+                self._others.notice(Gate(*disc.circle), seen, time)
+        for place in places:
+            self._search.in_vain(place)
 
     def relight(self, gains: Floats) -> None:
         """Remember the color, and what the network knows of it, in another light.
@@ -160,7 +187,7 @@ class LostBall:
             self._half_width = last.half_width
         prior = _Expected(expected or last, self._half_width, self._step.missed(time, interval))
         near = [last] if expected is None else [expected, last]
-        best = self._likeliest(image, color, near, prior)
+        best = self._likeliest(image, color, near, prior, time)
         if best is None:
             return False
         disc, network = best[1], self._step.outlines.network
@@ -170,26 +197,27 @@ class LostBall:
         return self._take(image, color, disc, (time, expected is None), network.limits.renewed)
 
     def _likeliest(
-        self, image: Image, color: ColorModel, near: Sequence[Gate], prior: _Expected
+        self, image: Image, color: ColorModel, near: Sequence[Gate], prior: _Expected, time: float
     ) -> tuple[float, Disc] | None:
         """Likeliest disc near some places, or where something stands out, if its log-odds are enough."""
         search, network = self._search, self._step.outlines.network
         standing_out = self._standing_out(image, color, prior)
-        likely = self._likely(image, [*near, *standing_out], prior)
+        likely = self._likely(image, [*near, *standing_out], prior, time)
         for place in standing_out:
             if all(place.distance(Gate(*disc.circle)) > place.half_width for _, disc in likely):
                 search.in_vain(place)
         best = max(likely, key=lambda each: each[0], default=None)
         return best if best is not None and best[0] > network.limits.lost else None
 
-    def _standing_out(self, image: Image, color: ColorModel, prior: _Expected) -> list[Gate]:
+    def _standing_out(self, image: Image, color: ColorModel, prior: _Expected, near: bool = True) -> list[Gate]:
         """Places where a disc stands out: near the prior's, and by turns anywhere, by the mean color or by votes."""
         search, own = self._search, self._color
         assert own is not None
         search.begin_picture()
         self._pictures += 1
         around = prior.place._replace(half_width=self._half_width)
-        places = search.about(image, own, around, search.limits.reach * prior.missed * self._half_width)
+        reach = search.limits.reach * prior.missed * self._half_width
+        places = search.about(image, own, around, reach) if near else []
         if self._pictures % 2 == 0:
             places += search.about(image, own, around, float(max(image.shape)))
         places = [each._replace(half_width=search.limits.larger * each.half_width) for each in places]
@@ -198,15 +226,22 @@ class LostBall:
             places += [Gate(*vote[:3]) for vote in votes[: search.limits.most].tolist()]
         return places
 
-    def _likely(self, image: Image, places: Sequence[Gate], prior: _Expected) -> list[tuple[float, Disc]]:
+    def _likely(self, image: Image, places: Sequence[Gate], prior: _Expected, time: float) -> list[tuple[float, Disc]]:
         """Discs that the network sees about some places; before each, the log-odds that it is the target."""
-        network, color, likely = self._step.outlines.network, self._color, list[tuple[float, Disc]]()
-        assert color is not None
-        for disc in network.discs(image, [np.array(each[:3]) for each in places], searched=True):
-            odds = network.alike(image, disc, color)
-            if odds is not None and (known := prior.log_odds(Gate(*disc.circle), network.limits)) is not None:
+        likely, limits = list[tuple[float, Disc]](), self._step.outlines.network.limits
+        for odds, disc in self._alike(image, places):
+            there = Gate(*disc.circle)
+            known = None if self._others.is_one(there, time) else prior.log_odds(there, limits)
+            if known is not None:
                 likely.append((odds + known, disc))
         return likely
+
+    def _alike(self, image: Image, places: Sequence[Gate]) -> list[tuple[float, Disc]]:
+        """Discs that the network sees about some places; before each, the log-odds of a ball of the target's color."""
+        network, color = self._step.outlines.network, self._color
+        assert color is not None
+        discs = network.discs(image, [np.array(each[:3]) for each in places], searched=True)
+        return [(odds, disc) for disc in discs if (odds := network.alike(image, disc, color)) is not None]
 
     def _take(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
         """Take a disc, unless it is not sure and the region there is another shape.

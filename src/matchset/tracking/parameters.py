@@ -10,10 +10,12 @@ from matchset.image.light.relighting import RelightingParameters
 from matchset.tracking.detector import DetectionParameters
 from matchset.tracking.initialization import InitializationParameters
 from matchset.tracking.motion import ReachParameters
+from matchset.tracking.others import OthersParameters
 from matchset.tracking.outlines.hypotheses import HypothesisParameters
 from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.search.disc_search import DiscSearchParameters
 from matchset.tracking.search.voting import SearchParameters
+from matchset.tracking.too_near import TooNearParameters
 
 
 class ConfidenceParameters(msgspec.Struct, frozen=True):
@@ -70,6 +72,10 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
         When the light of the whole picture has changed at once.
     brightness : BrightnessParameters
         How a level between dark and light is found and used, for what has no color.
+    others : OthersParameters
+        How what looks like the target is told from it once that is hidden.
+    too_near : TooNearParameters
+        When a lost shape fills the picture.
     remembered : int
         Frames after which the color of a ball's middle and its size are remembered anew while it is seen.
     coast : float
@@ -89,5 +95,7 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     adaptation: AdaptationParameters = AdaptationParameters()
     relighting: RelightingParameters = RelightingParameters()
     brightness: BrightnessParameters = BrightnessParameters()
+    others: OthersParameters = OthersParameters()
+    too_near: TooNearParameters = TooNearParameters()
     remembered: int = 30
     coast: float = 0.35

@@ -23,6 +23,7 @@ from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.lost_ball import LostBall
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.too_near import TOO_NEAR, fills_picture
 from matchset.tracking.track import Lost, Mode, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
 
@@ -217,6 +218,8 @@ class Tracker(Copied, Generic[S]):
         if rejected is not None or self._frames % self.parameters.remembered == 1 or not self._ball.seen:
             self._ball.remember(image, gate_of(self._family, track.shape.state))
             self._adapting.keep(image, self.color)
+        elif self._frames % self.parameters.others.period == 0:
+            self._ball.notice_others(image, self.color, gate_of(self._family, track.shape.state), self._time)
         self._adapting.adapt(image, self.color, self._fitter, self._frames)
         return track
 
@@ -278,6 +281,10 @@ class Tracker(Copied, Generic[S]):
                 reason = rejection or reason
             if self._begins_at_click(image):
                 return None
+        if self._last is not None and self.color.gray != "edges":
+            size = float(self._family.half_width(self._last.state))
+            if fills_picture(image, self.color, size, self.parameters.too_near):
+                reason = TOO_NEAR
         return Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
 
     def _begins_at_click(self, image: Image) -> bool:

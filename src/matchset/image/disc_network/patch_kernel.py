@@ -33,6 +33,7 @@ from matchset.image.disc_network.patch_format import (
 )
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.record import Block, Record, record_dtype
+from matchset.numeric.selection import median
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -103,41 +104,6 @@ def _read_places(image: Image, circle: Floats, memory: Record) -> bool:
 
 
 @kernel(refcount=False, entry=False)
-def _select(values: Singles, rank: int) -> float:
-    """Order values so that the one of a rank is where it belongs; that value (Hoare's selection)."""
-    low, high = 0, values.shape[0] - 1
-    while low < high:
-        pivot, i, j = values[(low + high) // 2], low, high
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i += 1
-                j -= 1
-        if rank <= j:
-            high = j
-        elif rank >= i:
-            low = i
-        else:
-            break
-    return float(values[rank])
-
-
-@kernel(refcount=False, entry=False)
-def _median(values: Singles) -> float:
-    """Median of an even number of values, which are ordered on the way."""
-    half = values.shape[0] // 2
-    upper = _select(values, half)
-    lower = values[0]
-    for k in range(1, half):
-        lower = max(lower, values[k])
-    return float(0.5 * (lower + upper))
-
-
-@kernel(refcount=False, entry=False)
 def _normalize(memory: Record, patch: Patch) -> None:
     """Write colors less the median of the middle, in units of the spread of all."""
     total = 0.0
@@ -145,10 +111,10 @@ def _normalize(memory: Record, patch: Patch) -> None:
         for ray in range(RAYS):
             for place in range(MIDDLE_PLACES):
                 memory.middle[ray * MIDDLE_PLACES + place] = memory.colors[ray, place, k]
-        median = np.float32(_median(memory.middle))
+        middle = np.float32(median(memory.middle))
         for ray in range(RAYS):
             for place in range(PLACES):
-                apart = np.float32(LAB_UNIT) * (memory.colors[ray, place, k] - median)
+                apart = np.float32(LAB_UNIT) * (memory.colors[ray, place, k] - middle)
                 patch[ray, place, k] = apart
                 total += apart * apart
     unit = np.float32(SPREAD / max(math.sqrt(total / (RAYS * PLACES * 3)), LEAST_SPREAD))

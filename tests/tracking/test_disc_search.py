@@ -142,7 +142,7 @@ def test_merits_are_those_of_plain_means(
 )  # fmt: skip
 def test_maxima_are_picked_best_first_and_apart(rows: int, columns: int, reach: int, most: int, seed: int) -> None:
     merits = np.random.default_rng(seed).uniform(0.0, 1.0, (rows, columns)).astype(np.float32)
-    left, expected = merits.copy(), []
+    left, expected = merits.copy(), list[tuple[int, int]]()
     while len(expected) < most and left.max() > np.float32(0.3):
         row, column = divmod(int(left.argmax()), columns)
         expected.append((row, column))

@@ -244,7 +244,7 @@ def test_what_has_no_target_is_given_up_before_a_step_is_measured() -> None:
     hopeless = estimate._replace(fit=GOOD._replace(inliers=0.0, msac_score=0.0, core_share=-1.0, edge_noise=9.0))
     weighed = fitter.weigh(hopeless, np.empty((0, 0, 3), np.uint8), model())
     assert weighed.evidence is not None
-    assert weighed.evidence < LIMITS.followed
+    assert weighed.evidence < LIMITS.clicked
 
 
 def test_the_step_is_measured_wherever_the_evidence_may_be_enough() -> None:
@@ -253,11 +253,11 @@ def test_the_step_is_measured_wherever_the_evidence_may_be_enough() -> None:
     weak = estimate._replace(fit=estimate.fit._replace(core_share=0.0, msac_score=0.0))
     tolerance = interpreted(tolerance_of)(fitter.parameters.quality, RADIUS)
     best = log_odds(weak.fit, BEST_STEP, tolerance, LIMITS)
-    limits = replace(LIMITS, bias=LIMITS.bias + 0.5 * LIMITS.followed - best)  # the best is less than `here` asks
+    limits = replace(LIMITS, bias=LIMITS.bias + 0.5 * LIMITS.clicked - best)  # the best is less than `here` asks
     fitter.parameters = replace(fitter.parameters, evidence=limits)
     weighed = fitter.weigh(weak, np.full_like(image, WALL[0]), model())
     assert weighed.evidence is not None
-    assert weighed.evidence < LIMITS.followed
+    assert weighed.evidence < LIMITS.clicked
 
 
 def unweighed(family: type[Shape], color: ms.ColorModel) -> None:
@@ -280,8 +280,8 @@ def test_brightness_is_not_weighed(color: ms.ColorModel) -> None:
 def test_the_less_is_known_the_more_evidence_is_asked_for() -> None:
     validator = Validator(tracking_fitter(ms.Circle, 64).validator.limits, 64)
     dim = GOOD._replace(color_score=0.0)  # so that the other rule does not let it pass
-    order = [Prior.CLICKED, Prior.FOLLOWED, Prior.HERE, Prior.PRESENT, Prior.ASKED, Prior.NONE]
-    least = [LIMITS.clicked, LIMITS.followed, LIMITS.here, LIMITS.present, LIMITS.asked, LIMITS.unknown]
+    order = [Prior.CLICKED, Prior.HERE, Prior.PRESENT, Prior.ASKED, Prior.NONE]
+    least = [LIMITS.clicked, LIMITS.here, LIMITS.present, LIMITS.asked, LIMITS.unknown]
     assert least == sorted(least)
     for prior, limit in zip(order, least, strict=True):
         assert validator.validate_detection(dim, prior, limit) is Rejection.NONE

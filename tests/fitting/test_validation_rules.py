@@ -161,7 +161,6 @@ def test_weighed_evidence_decides_and_more_is_needed_where_less_is_known() -> No
         Prior.ASKED: EVIDENCE.asked,
         Prior.PRESENT: EVIDENCE.present,
         Prior.HERE: EVIDENCE.here,
-        Prior.FOLLOWED: EVIDENCE.followed,
         Prior.CLICKED: EVIDENCE.clicked,
     }
     dull = GOOD._replace(color_score=0.0)

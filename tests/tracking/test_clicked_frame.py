@@ -15,12 +15,11 @@ from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.clip import Clip
 from matchset.tracking.outlines.network_outlines import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.template import TemplateParameters
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]
 EVIDENCE = EvidenceParameters()
-BY_OUTLINE = TrackerParameters(template=TemplateParameters(largest_px=0.0), network=NetworkParameters(used=False))
+BY_OUTLINE = TrackerParameters(network=NetworkParameters(used=False))
 
 
 def picture(*balls: tuple[float, float], radius: float = 14.0) -> Picture:

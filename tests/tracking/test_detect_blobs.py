@@ -11,6 +11,7 @@ import matchset as ms
 from matchset.fitting.validation import Prior
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector
+from matchset.tracking.search.blobs import color_steps
 from matchset.tracking.search.voting import Searcher, SearchParameters
 
 Picture = npt.NDArray[np.uint8]
@@ -73,3 +74,36 @@ def test_the_size_at_the_click_is_that_of_the_color_asked_for(color: ms.ColorMod
     large.circle = (150.0, 120.0, 9.0)
     ms.detect(image, ms.Circle, large)
     assert [each.shape for each in ms.detect(image, ms.Circle, color)] == [each.shape for each in first]
+
+
+def test_color_steps_are_those_of_sums_over_squares() -> None:
+    grid = np.random.default_rng(2).integers(-254, 255, (24, 30)).astype(np.int16)
+    ((radius, steps),) = color_steps(grid, [3.0, 20.0])  # the second does not fit
+    assert radius == 3.0
+    white, (row, column), inner, outer = grid / 254.0, (12, 14), 2, 5
+    within = white[row - inner : row + inner + 1, column - inner : column + inner + 1]
+    all_of_it = white[row - outer : row + outer + 1, column - outer : column + outer + 1]
+    around = (all_of_it.sum() - within.sum()) / (all_of_it.size - within.size)
+    assert steps[row, column] == pytest.approx(within.mean() - around, abs=1e-5)
+
+
+PICTURES = {
+    "black": np.zeros((60, 80, 3), np.uint8),
+    "saturated": np.full((60, 80, 3), 255, np.uint8),
+    "one color": np.full((60, 80, 3), (200, 60, 20), np.uint8),
+    "noise": np.random.default_rng(0).integers(0, 256, (60, 80, 3), np.uint8),
+    "large": np.random.default_rng(1).integers(0, 256, (480, 1280, 3), np.uint8),
+    "tiny": np.full((3, 4, 3), (200, 60, 20), np.uint8),
+    "a pixel": np.full((1, 1, 3), (200, 60, 20), np.uint8),
+}
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.8, 1.0, 1.2, 2.0, 4.0])
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_target_of_a_pixel_in_any_picture(name: str, radius: float) -> None:
+    """Discs of less than a cell once had no cells around them: the means of nothing were compared."""
+    image = PICTURES[name]
+    table = np.full((32, 32, 32), -4.0, np.float32)
+    table[16:, :16, :16] = 4.0
+    blobs = Searcher(image.shape[1], image.shape[0], radius=radius).blobs(image, ms.ColorModel(table.ravel()))
+    assert all(np.isfinite(each).all() for each in blobs)

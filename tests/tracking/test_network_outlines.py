@@ -2,13 +2,13 @@
 
 import copy
 import math
-from unittest.mock import Mock, patch
+from unittest.mock import patch
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from scipy.stats import multivariate_t
+from hidden_ball import Picture, picture
 
 import matchset as ms
 from matchset.fitting.soft_region import SoftRegion
@@ -19,7 +19,6 @@ from matchset.image.disc_network.at_click import BallAtClickParameters
 from matchset.image.disc_network.network import Disc, DiscNetwork
 from matchset.image.disc_network.polar_patch import colors_of
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.motion import Gate
 from matchset.tracking.outlines.network_outlines import (
     NetworkOutlines,
     NetworkParameters,
@@ -28,43 +27,12 @@ from matchset.tracking.outlines.network_outlines import (
     middle_of,
     squared_distances,
 )
-from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.color_disc import ColorDiscs
 from matchset.tracking.search.disc_detector import DiscDetector, DiscDetectorParameters
-from matchset.tracking.search.template import Template
+from matchset.tracking.track_step import TrackStep
 
-Picture = npt.NDArray[np.uint8]
 PRECISION = np.array(((1.0, 0.2, 0.1), (0.2, 0.8, 0.0), (0.1, 0.0, 0.5)))
 DISC = Disc((50.0, 40.0, 12.0), PRECISION, 3.0)
-
-
-def picture(x: float, hidden: float = 0.0, seed: int = 0) -> Picture:
-    """A green ball before a wall; what hides it from the left up to so many px from its center has sharper edges."""
-    rows, columns = np.indices((180, 320), np.float64)
-    away = np.hypot(columns - x, rows - 90.0)
-    share = np.clip(26.0 - away + 0.5, 0.0, 1.0)[..., np.newaxis]
-    shade = (1.0 - 0.35 * np.clip((rows - 90.0) / 26.0, -1.0, 1.0))[..., np.newaxis]
-    wall, green = np.full((180, 320, 3), (150.0, 155.0, 165.0)), np.array((80.0, 150.0, 90.0))
-    image = np.array(cv2.GaussianBlur(wall * (1.0 - share) + green * shade * share, (0, 0), 1.5), np.float64)
-    if hidden:
-        image[(columns < x - hidden) & (np.abs(rows - 95.0) < 22.0)] = (90.0, 120.0, 190.0)
-    return np.asarray(np.clip(image + np.random.default_rng(seed).normal(0.0, 3.0, image.shape), 0, 255), np.uint8)
-
-
-def test_log_likelihoods_are_those_of_students_t_distribution_but_for_a_constant() -> None:
-    limits = NetworkParameters(most=1e9)
-    states = np.array(DISC.circle) + np.random.default_rng(0).normal(0.0, 3.0, (20, 3))
-    shape = limits.inflation * covariance_of(DISC)
-    expected = multivariate_t(DISC.circle, shape, limits.freedom).logpdf(states)
-    found = NetworkOutlines(limits).log_likelihoods([DISC], states)
-    assert found - found[0] == pytest.approx(expected - expected[0])
-    assert NetworkOutlines(NetworkParameters()).log_likelihoods([DISC], states + 1e4) == pytest.approx(-12.0)
-
-
-def test_the_nearest_of_several_discs_counts() -> None:
-    other, states = DISC._replace(circle=(90.0, 40.0, 12.0)), np.array(((50.0, 40.0, 12.0), (90.0, 40.0, 12.0)))
-    assert NetworkOutlines(NetworkParameters()).log_likelihoods([DISC, other], states) == pytest.approx((0.0, 0.0))
 
 
 def test_distances_and_the_likeliest_disc() -> None:
@@ -181,9 +149,10 @@ def test_discs_are_in_the_picture_and_near_to_where_they_began() -> None:
 
 def colors_asked(network: NetworkOutlines, image: Picture) -> npt.NDArray[np.float32]:
     """Colors that the network is told to look for; none of them where it is told nothing."""
-    with patch.object(DiscNetwork, "follow", return_value=None) as follow:
+    network.begin_picture()
+    with patch.object(DiscNetwork, "lead", return_value=([None], 1)) as lead:
         network.discs(image, [np.array((160.0, 90.0, 26.0))])
-    known = follow.call_args.args[3]
+    known = lead.call_args.args[3]
     return np.empty(0, np.float32) if known is None else np.asarray(known, np.float32)
 
 
@@ -236,7 +205,7 @@ def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() 
     expected = colors_in(color.sample.image, color.sample.circle)
     assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
     tracker.update(image)
-    tracker._unseen.relight(np.array((0.5, 1.0, 1.5)))
+    tracker._ball.relight(np.array((0.5, 1.0, 1.5)))
     assert not np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
     tracker.restart((160.0, 90.0))
     assert np.array_equal(colors_asked(tracker._step.outlines.network, image), expected)
@@ -249,80 +218,6 @@ def test_a_search_knows_the_colors_that_were_clicked() -> None:
         DiscDetector(tracking_fitter(ms.Circle, 64), color, DiscDetectorParameters())
     assert color.sample is not None
     assert know.call_args.args[1] is color.sample
-
-
-@pytest.mark.parametrize(("log_odds", "taken"), [(3.5, True), (2.5, False)])
-def test_a_disc_at_a_click_that_is_sure_is_taken_whatever_its_region(log_odds: float, taken: bool) -> None:
-    image = picture(160.0)
-    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
-    disc = Disc((160.0, 90.0, 26.0), np.eye(3), log_odds)
-    with (
-        patch.object(NetworkOutlines, "discs", return_value=[disc]),
-        patch.object(OutlineChoice, "is_other_shape", return_value=True),
-    ):
-        assert tracker._unseen.begin(image, tracker.color, Gate(*disc.circle), 0.0) is taken
-
-
-@pytest.mark.parametrize(
-    ("log_odds", "expected", "taken"), [(2.2, True, True), (3.9, False, False), (4.2, False, True)]
-)
-def test_a_lost_ball_where_it_was_last_needs_more_once_it_is_not_expected(
-    log_odds: float, expected: bool, taken: bool
-) -> None:
-    image, last = picture(160.0), Gate(160.0, 90.0, 26.0)
-    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
-    tracker.update(image)
-    disc = Disc((160.0, 90.0, 26.0), np.eye(3), log_odds)
-    with (
-        patch.object(NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if [*starts] else []),
-        patch("matchset.tracking.without_outline.contrasting_discs", return_value=[]),
-        patch.object(OutlineChoice, "is_other_shape", return_value=False),
-    ):
-        found = tracker._unseen._take_by_network(image, tracker.color, last, last if expected else None, (5.0, 1.0))
-    assert found is taken
-
-
-@pytest.mark.parametrize(
-    ("moved", "log_odds", "taken"),
-    [(70.0, 3.0, True), (70.0, 2.0, False), (100.0, 3.9, False), (100.0, 4.1, True), (170.0, 9.0, False)],
-)
-def test_beyond_its_reach_more_is_asked_of_a_lost_ball(moved: float, log_odds: float, taken: bool) -> None:
-    image, last = picture(60.0), Gate(60.0, 90.0, 26.0)  # reach is 78 px after a frame, and twice that is searched
-    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 60, 90), start=(60.0, 90.0))
-    tracker.update(image)
-    disc = Disc((60.0 + moved, 90.0, 26.0), np.eye(3), log_odds)
-    with (
-        patch.object(
-            NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if next(iter(starts))[2] > 30.0 else []
-        ),
-        patch.object(NetworkOutlines, "alike", return_value=log_odds),
-        patch("matchset.tracking.without_outline.contrasting_discs", return_value=[Gate(*disc.circle)]),
-        patch.object(OutlineChoice, "is_other_shape", return_value=False),
-    ):
-        assert tracker._unseen._take_by_network(image, tracker.color, last, last, (1.0, 1.0)) is taken
-
-
-@pytest.mark.parametrize(("radius", "taken"), [(44.0, True), (62.0, True), (66.0, False)])
-def test_a_lost_ball_has_about_the_size_of_its_last_outline(radius: float, taken: bool) -> None:
-    image, odds = picture(160.0), 4.0  # its looks were remembered at 26 px; the network bears a factor of 1.6
-    tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
-    tracker.update(image)
-    disc = Disc((160.0, 90.0, radius), np.eye(3), odds)
-    with (
-        patch.object(NetworkOutlines, "discs", lambda _, __, starts, **___: [disc] if [*starts] else []),
-        patch.object(NetworkOutlines, "alike", return_value=odds),
-        patch("matchset.tracking.without_outline.contrasting_discs", return_value=[]),
-        patch.object(OutlineChoice, "is_other_shape", return_value=False),
-        patch.object(ColorDiscs, "find", return_value=None),
-        patch.object(ColorDiscs, "find_anywhere", return_value=None),
-        patch.object(Template, "find", return_value=None),
-    ):
-        last = Gate(160.0, 90.0, 40.0)
-        assert tracker._unseen.take(image, tracker.color, last, last, 1.0, 0.1) is taken
-        assert tracker._unseen._half_width == 40.0
-        tracker._step.without_outline = True  # what was taken since has no say
-        tracker._unseen.take(image, tracker.color, last._replace(half_width=50.0), last, 2.0, 0.1)
-        assert tracker._unseen._half_width == 40.0
 
 
 def test_a_shaded_ball_as_bright_as_the_wall_is_followed_in_gray_pictures() -> None:
@@ -350,10 +245,10 @@ def test_a_ball_that_a_hand_hides_step_by_step_keeps_its_outline() -> None:
     assert float(np.mean(errors[True])) <= float(np.mean(errors[False])) + 0.2
 
 
-def followed(moved: float, known: float, log_odds: float, *, drawn: bool = True) -> tuple[float, bool]:
-    """Where an ambiguous ball is, beside the truth along x, if the network sees it moved; whether outlines were drawn.
+def followed(moved: float, known: float, log_odds: float) -> tuple[float, bool]:
+    """Where an ambiguous ball is, beside the truth along x, if the network sees it moved; whether others were tried.
 
-    `known` is the inverse variance of each number that it says.
+    `known` is the inverse variance of each number that it says; the others are the hypotheses around the fit.
     """
     color, always = ms.ColorModel.pick(picture(60.0), 60.0, 90.0), 2.0
     parameters = TrackerParameters(
@@ -363,15 +258,13 @@ def followed(moved: float, known: float, log_odds: float, *, drawn: bool = True)
     for k in range(6):
         tracker.update(picture(60.0 + 3.0 * k, 12.0 if k > 3 else 0.0, k))
     disc = Disc((78.0 + moved, 90.0, 26.0), known * np.eye(3), log_odds)
-    with pytest.MonkeyPatch.context() as patch:
-        weighed = Mock(wraps=OutlineChoice._proposals)
-        patch.setattr(OutlineChoice, "_proposals", lambda *arguments: weighed(*arguments))
-        patch.setattr(NetworkOutlines, "discs", lambda *_, **__: [disc])
-        if not drawn:
-            patch.setattr(OutlineChoice, "draws", lambda *_: False)
+    with (
+        patch.object(NetworkOutlines, "discs", return_value=[disc]),
+        patch.object(TrackStep, "_test_hypotheses", autospec=True, side_effect=TrackStep._test_hypotheses) as tested,
+    ):
         answer = tracker.update(picture(78.0, 12.0, 6))
     assert isinstance(answer, ms.Track)
-    return answer.shape.x - 78.0, weighed.called
+    return answer.shape.x - 78.0, tested.called
 
 
 def test_a_disc_that_is_sure_is_the_prior_of_an_ambiguous_fit() -> None:
@@ -381,11 +274,27 @@ def test_a_disc_that_is_sure_is_the_prior_of_an_ambiguous_fit() -> None:
     assert sure == pytest.approx(0.8, abs=0.1)
 
 
-@pytest.mark.parametrize("drawn", [True, False])
-def test_outlines_are_drawn_where_the_network_sees_no_ball(drawn: bool) -> None:
+def test_hypotheses_are_tested_where_the_network_sees_no_ball() -> None:
     limits = NetworkParameters()
-    assert followed(0.0, 1.0, limits.clear + 0.1, drawn=drawn)[1] is False
-    assert followed(0.0, 1.0, limits.clear - 0.1, drawn=drawn)[1] is drawn
+    assert not followed(0.0, 1.0, limits.clear + 0.1)[1]
+    assert followed(0.0, 1.0, limits.clear - 0.1)[1]
+
+
+def test_a_picture_costs_no_more_than_its_looks_and_nothing_is_looked_at_twice() -> None:
+    image, ball = picture(160.0), np.array((160.0, 90.0, 26.0))
+    outlines = NetworkOutlines(NetworkParameters(looks=7))
+    starts = [ball + k * np.array((3.0, 2.0, 0.5)) for k in range(-2, 3)]
+    with patch.object(DiscNetwork, "lead", autospec=True, side_effect=DiscNetwork.lead) as lead:
+        first = outlines.discs(image, starts)
+        assert outlines.left == 0
+        again, other = outlines.discs(image, starts), outlines.discs(image, [ball + np.array((0.0, 1.0, 0.0))])
+    assert [len(call.args[2]) for call in lead.call_args_list] == [5, 0, 1]
+    assert [disc.circle for disc in first] == [disc.circle for disc in again]
+    assert first
+    assert other == []
+    outlines.begin_picture()
+    assert outlines.left == 7
+    assert outlines.discs(image, [ball + np.array((0.0, 1.0, 0.0))])
 
 
 def test_copies_of_a_tracker_go_on_alike() -> None:

@@ -54,9 +54,6 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     unknown, present, here : float
         Least log-odds of a shape that may be anywhere, of one that somebody clicked at or that was tracked until now,
         and of one that is expected about here. Less finds more, and more that is not there.
-    followed : float
-        The same of the fit that began at the prediction and ended outside the gate, where a search found nothing
-        better: only one place was tried. On a thrown ball of r = 8 px such fits had -0.6 to 4 (docs/log.md).
     clear : float
         Least log-odds with which a high color score may speak for a shape that may be anywhere. Less finds more, and
         more that is not there: rings of the target's color, most of them before dark things, had 1.6 to 4.4 in
@@ -102,7 +99,6 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     asked_msac: float = 0.4
     present: float = 1.0
     here: float = 0.0
-    followed: float = -1.0
     clear: float = 4.5
     faint: float = 1.0
     clicked: float = -3.0

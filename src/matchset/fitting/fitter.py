@@ -275,7 +275,7 @@ class Fitter(Copied, Generic[S]):
         fit, limits = estimate.fit, self.parameters.evidence
         tolerance = _tolerance_of(self.parameters.quality, fit.half_width)
         best = log_odds(fit, BEST_STEP, tolerance, limits)
-        if best < min(limits.here, limits.followed):
+        if best < min(limits.here, limits.clicked):
             return estimate._replace(evidence=best)
         step = measure_color_step(image, color, self.outline, fit.half_width, limits)
         return estimate._replace(evidence=log_odds(fit, step, tolerance, limits))

@@ -67,7 +67,7 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     agreement, agrees : float
         Intersection over union of the region and the disc from which it is worth something, and from which all.
     worth : float
-        What a region adds to the score of its outline (`Consensus`), 1 is that of a perfect outline.
+        What a region is worth that is soft and a disc; less than that says how sure it is.
     sure : float
         Share of that from which a detection is fitted anew from its region, and which weighs beside the network's disc.
     sigma : float

@@ -67,11 +67,6 @@ class Gate(NamedTuple):
         """Distance of the centers, px."""
         return math.hypot(other.x - self.x, other.y - self.y)
 
-    def is_whole(self, image: npt.NDArray[np.uint8]) -> bool:
-        """Whether it lies wholly in a picture: what the border cuts may be anything."""
-        (height, width), far = image.shape[:2], self.half_width - 0.5
-        return bool(far <= self.x <= width - 1 - far and far <= self.y <= height - 1 - far)
-
     def alone(self, other: "Gate", limits: ReachParameters) -> bool:
         """Whether nothing of this prediction speaks for a shape at `other`: too far, or of too different a size."""
         larger, smaller = max(self.half_width, other.half_width), min(self.half_width, other.half_width)

@@ -198,7 +198,7 @@ class DiscSearch:
 
     def forget(self) -> None:
         """Begin with the first part again, and know no place in vain."""
-        self._part, self._pictures = 0, 0
+        self._parts, self._pictures = [0, 0], 0
         self._in_vain: list[tuple[int, Gate]] = []
 
     def begin_picture(self) -> None:
@@ -232,7 +232,9 @@ class DiscSearch:
             return []
         parts = math.ceil(rows * columns / self.limits.cells)
         if parts > 1:  # strips that overlap by a ring
-            part, self._part = self._part % parts, self._part + 1
+            anywhere = reach >= max(height, width)  # by turns with a window near by: each has its own turns
+            part = self._parts[anywhere] % parts
+            self._parts[anywhere] += 1
             begin, end = rows * part // parts, rows * (part + 1) // parts
             begin, end = max(begin - self.limits.outer, 0), min(end + self.limits.outer, rows)
             top, rows = top + begin * step, end - begin

@@ -6,7 +6,7 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.tracking.lost_ball import LostBall
+from matchset.tracking.ball.lost_ball import LostBall
 from matchset.tracking.tracker import Tracker
 
 Picture = npt.NDArray[np.uint8]

@@ -13,7 +13,7 @@ from matchset.fitting.fitter import Fitter
 from matchset.fitting.validation import Prior, Rejection, Validator
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.clip import Clip
-from matchset.tracking.outlines.network_outlines import NetworkParameters
+from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.tracker import Tracker
 

@@ -12,16 +12,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import matchset as ms
-from matchset.tracking.motion import Gate
-from matchset.tracking.outlines.network_outlines import NetworkParameters
-from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.disc_search import (
+from matchset.tracking.ball.disc_search import (
     DiscSearch,
     DiscSearchParameters,
     pick_maxima,
     write_merits,
     write_sums,
 )
+from matchset.tracking.ball.judge import NetworkParameters
+from matchset.tracking.motion import Gate
+from matchset.tracking.parameters import TrackerParameters
 
 Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]

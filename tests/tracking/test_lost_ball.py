@@ -9,11 +9,11 @@ from hidden_ball import picture
 
 import matchset as ms
 from matchset.image.disc_network.network import Disc
-from matchset.tracking.lost_ball import _Expected
+from matchset.tracking.ball.disc_search import DiscSearch
+from matchset.tracking.ball.judge import Judge, NetworkParameters
+from matchset.tracking.ball.lost_ball import _Expected
 from matchset.tracking.motion import Gate
-from matchset.tracking.outlines.network_outlines import NetworkOutlines, NetworkParameters
 from matchset.tracking.outlines.outline_choice import OutlineChoice
-from matchset.tracking.search.disc_search import DiscSearch
 from matchset.tracking.tracker import Tracker
 
 LIMITS = NetworkParameters()
@@ -34,7 +34,7 @@ def test_a_disc_at_a_click_that_is_sure_is_taken_whatever_its_region(log_odds: f
     tracker = ms.Tracker(ms.Circle, ms.ColorModel.pick(image, 160, 90), start=(160.0, 90.0))
     disc = Disc((160.0, 90.0, 26.0), np.eye(3), log_odds)
     with (
-        patch.object(NetworkOutlines, "discs", return_value=[disc]),
+        patch.object(Judge, "discs", return_value=[disc]),
         patch.object(OutlineChoice, "is_other_shape", return_value=True),
         patch.object(OutlineChoice, "fit_lost", return_value=False),
     ):
@@ -72,8 +72,8 @@ def test_a_disc_that_is_likely_enough_is_taken(moved: float, seconds: float, log
     tracker, frames = seen(), seconds
     disc = Disc((60.0 + moved, 90.0, 26.0), np.eye(3), log_odds)
     with (
-        patch.object(NetworkOutlines, "discs", return_value=[disc]),
-        patch.object(NetworkOutlines, "alike", return_value=log_odds),
+        patch.object(Judge, "discs", return_value=[disc]),
+        patch.object(Judge, "alike", return_value=log_odds),
         patch.object(OutlineChoice, "is_other_shape", return_value=False),
         patch.object(OutlineChoice, "fit_lost", return_value=False),
     ):
@@ -82,7 +82,7 @@ def test_a_disc_that_is_likely_enough_is_taken(moved: float, seconds: float, log
 
 def test_a_disc_of_another_color_is_not_taken() -> None:
     tracker, disc = seen(), Disc((60.0, 90.0, 26.0), np.eye(3), 9.0)
-    with patch.object(NetworkOutlines, "discs", return_value=[disc]):
+    with patch.object(Judge, "discs", return_value=[disc]):
         assert not tracker._ball.find(picture(250.0), tracker.color, LAST, LAST, 1.0 / 30.0, 1.0 / 30.0)
 
 
@@ -90,7 +90,7 @@ def test_a_region_of_another_shape_is_taken_only_if_the_network_is_sure() -> Non
     for log_odds in (LIMITS.renewed - 0.1, LIMITS.renewed + 0.1):
         tracker, disc = seen(), Disc((60.0, 90.0, 26.0), np.eye(3), log_odds)
         with (
-            patch.object(NetworkOutlines, "discs", return_value=[disc]),
+            patch.object(Judge, "discs", return_value=[disc]),
             patch.object(OutlineChoice, "is_other_shape", return_value=True),
             patch.object(OutlineChoice, "fit_lost", return_value=False),
         ):
@@ -100,7 +100,7 @@ def test_a_region_of_another_shape_is_taken_only_if_the_network_is_sure() -> Non
 
 def test_edge_points_decide_where_they_confirm_a_disc() -> None:
     tracker, disc = seen(), Disc((61.0, 90.0, 26.0), 0.3 * np.eye(3), 3.0)
-    with patch.object(NetworkOutlines, "discs", return_value=[disc]):
+    with patch.object(Judge, "discs", return_value=[disc]):
         assert tracker._ball.find(picture(60.0), tracker.color, LAST, LAST, 1.0 / 30.0, 1.0 / 30.0)
     assert not tracker._step.without_outline
     assert tracker._step.fitter.state[:3] == pytest.approx((60.0, 90.0, 26.0), abs=0.7)
@@ -110,8 +110,8 @@ def test_the_size_is_that_of_the_last_outline() -> None:
     tracker, disc = seen(160.0), Disc((160.0, 90.0, 44.0), np.eye(3), 4.0)
     last = Gate(160.0, 90.0, 40.0)
     with (
-        patch.object(NetworkOutlines, "discs", return_value=[disc]),
-        patch.object(NetworkOutlines, "alike", return_value=4.0),
+        patch.object(Judge, "discs", return_value=[disc]),
+        patch.object(Judge, "alike", return_value=4.0),
         patch.object(OutlineChoice, "is_other_shape", return_value=False),
         patch.object(OutlineChoice, "fit_lost", return_value=False),
     ):
@@ -127,7 +127,7 @@ def test_places_where_no_ball_is_seen_are_noted() -> None:
     disc = Disc((60.0, 90.0, 26.0), np.eye(3), 4.0)
     with (
         patch.object(DiscSearch, "about", return_value=places),
-        patch.object(NetworkOutlines, "discs", return_value=[disc]),
+        patch.object(Judge, "discs", return_value=[disc]),
         patch.object(DiscSearch, "in_vain") as in_vain,
     ):
         tracker._ball.find(picture(60.0), tracker.color, LAST, LAST, 1.0 / 30.0, 1.0 / 30.0)

@@ -18,17 +18,17 @@ from matchset.image.color_learning import ColorParameters
 from matchset.image.disc_network.at_click import BallAtClickParameters
 from matchset.image.disc_network.network import Disc, DiscNetwork
 from matchset.image.disc_network.polar_patch import colors_of
-from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.outlines.network_outlines import (
-    NetworkOutlines,
+from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
+from matchset.tracking.ball.judge import (
+    Judge,
     NetworkParameters,
     covariance_of,
     likeliest,
     middle_of,
     squared_distances,
 )
+from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.parameters import TrackerParameters
-from matchset.tracking.search.disc_detector import DiscDetector, DiscDetectorParameters
 from matchset.tracking.track_step import TrackStep
 
 PRECISION = np.array(((1.0, 0.2, 0.1), (0.2, 0.8, 0.0), (0.1, 0.0, 0.5)))
@@ -59,7 +59,7 @@ def test_the_middle_of_a_disc_is_what_lies_within_a_share_of_its_radius(circle: 
 
 def test_two_measurements_of_a_circle_are_weighed_by_their_inverse_covariances() -> None:
     limits, circle, sigma = NetworkParameters(), (54.0, 38.0, 13.0), 2.0
-    found = NetworkOutlines(limits).weighed(DISC, circle, sigma)
+    found = Judge(limits).weighed(DISC, circle, sigma)
     ours, other = limits.inflation * covariance_of(DISC), sigma**2 * np.eye(3)
     gain = ours @ np.linalg.inv(ours + other)  # Kalman's
     assert found.circle == pytest.approx(np.array(DISC.circle) + gain @ np.subtract(circle, DISC.circle))
@@ -69,7 +69,7 @@ def test_two_measurements_of_a_circle_are_weighed_by_their_inverse_covariances()
 
 @pytest.mark.parametrize(("off", "counts"), [(9.0, True), (30.0, False)])
 def test_a_measurement_that_is_of_something_else_does_not_count(off: float, counts: bool) -> None:
-    found = NetworkOutlines(NetworkParameters()).weighed(DISC, (DISC.circle[0] + off, *DISC.circle[1:]), 2.0)
+    found = Judge(NetworkParameters()).weighed(DISC, (DISC.circle[0] + off, *DISC.circle[1:]), 2.0)
     assert (found is not DISC) is counts
 
 
@@ -112,7 +112,7 @@ def test_the_region_of_a_streak_is_weighed_with_the_disc(length: float, weighed:
 
 
 def test_the_color_of_a_disc_is_compared() -> None:
-    image, outlines = picture(100.0), NetworkOutlines(NetworkParameters())
+    image, outlines = picture(100.0), Judge(NetworkParameters())
     color = ms.ColorModel.pick(image, 100.0, 90.0)
     assert outlines.has_color(image, color, (100.0, 90.0, 26.0))
     assert not outlines.has_color(image, color, (200.0, 90.0, 26.0))
@@ -133,21 +133,21 @@ def test_the_color_of_a_disc_is_compared() -> None:
     gray = outlines.median_color(image[:, :, :1], (100.0, 90.0, 26.0))
     assert gray is not None
     assert np.abs(gray[1:]).max() < 0.1
-    assert NetworkOutlines(NetworkParameters(used=False)).median_color(image, (100.0, 90.0, 26.0)) is None
+    assert Judge(NetworkParameters(used=False)).median_color(image, (100.0, 90.0, 26.0)) is None
 
 
 def test_discs_are_in_the_picture_and_near_to_where_they_began() -> None:
-    image, outlines = picture(100.0), NetworkOutlines(NetworkParameters())
+    image, outlines = picture(100.0), Judge(NetworkParameters())
     (disc,) = outlines.discs(image, [np.array((104.0, 88.0, 24.0))])
     assert np.abs(np.subtract(disc.circle, (100.0, 90.0, 26.0))).sum() < 3.0
     (gray,) = outlines.discs(np.ascontiguousarray(image[:, :, 2:]), [np.array((104.0, 88.0, 24.0))])
     assert np.abs(np.subtract(gray.circle, (100.0, 90.0, 26.0))).sum() < 3.0
-    assert NetworkOutlines(NetworkParameters(used=False)).discs(image, [np.array((104.0, 88.0, 24.0))]) == []
+    assert Judge(NetworkParameters(used=False)).discs(image, [np.array((104.0, 88.0, 24.0))]) == []
     cut = np.ascontiguousarray(image[:, 112:])
     assert outlines.discs(cut, [np.array((-12.0, 90.0, 26.0))]) == []
 
 
-def colors_asked(network: NetworkOutlines, image: Picture) -> npt.NDArray[np.float32]:
+def colors_asked(network: Judge, image: Picture) -> npt.NDArray[np.float32]:
     """Colors that the network is told to look for; none of them where it is told nothing."""
     network.begin_picture()
     with patch.object(DiscNetwork, "lead", return_value=([None], 1)) as lead:
@@ -164,7 +164,7 @@ def colors_in(image: Picture, circle: tuple[float, float, float]) -> npt.NDArray
 
 
 def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_light() -> None:
-    network, image, ball = NetworkOutlines(NetworkParameters()), picture(160.0), (160.0, 90.0, 26.0)
+    network, image, ball = Judge(NetworkParameters()), picture(160.0), (160.0, 90.0, 26.0)
     assert not colors_asked(network, image).size
     network.relight(np.ones(3))  # of nothing
     assert not colors_asked(network, image).size
@@ -182,7 +182,7 @@ def test_the_colors_of_the_target_are_known_from_another_picture_and_in_another_
 
 
 def test_of_a_gray_picture_the_levels_are_known() -> None:
-    network, gray, ball = NetworkOutlines(NetworkParameters()), picture(160.0)[..., :1], (160.0, 90.0, 26.0)
+    network, gray, ball = Judge(NetworkParameters()), picture(160.0)[..., :1], (160.0, 90.0, 26.0)
     network.know(Sample(gray, ball, ball[2]))
     assert np.array_equal(colors_asked(network, gray), colors_in(gray, ball))
     network.relight(np.array((0.8,)))
@@ -191,7 +191,7 @@ def test_of_a_gray_picture_the_levels_are_known() -> None:
 
 
 def test_a_network_that_is_not_used_knows_no_colors() -> None:
-    network, image = NetworkOutlines(NetworkParameters(used=False)), picture(160.0)
+    network, image = Judge(NetworkParameters(used=False)), picture(160.0)
     network.know(Sample(image, (160.0, 90.0, 26.0), 26.0))
     network.limits = NetworkParameters()
     assert not colors_asked(network, image).size
@@ -214,7 +214,7 @@ def test_a_tracker_knows_the_colors_that_were_clicked_and_after_a_restart_too() 
 def test_a_search_knows_the_colors_that_were_clicked() -> None:
     image = picture(160.0)
     color = ms.ColorModel.pick(image, 160, 90)
-    with patch.object(NetworkOutlines, "know", autospec=True) as know:
+    with patch.object(Judge, "know", autospec=True) as know:
         DiscDetector(tracking_fitter(ms.Circle, 64), color, DiscDetectorParameters())
     assert color.sample is not None
     assert know.call_args.args[1] is color.sample
@@ -259,7 +259,7 @@ def followed(moved: float, known: float, log_odds: float) -> tuple[float, bool]:
         tracker.update(picture(60.0 + 3.0 * k, 12.0 if k > 3 else 0.0, k))
     disc = Disc((78.0 + moved, 90.0, 26.0), known * np.eye(3), log_odds)
     with (
-        patch.object(NetworkOutlines, "discs", return_value=[disc]),
+        patch.object(Judge, "discs", return_value=[disc]),
         patch.object(TrackStep, "_test_hypotheses", autospec=True, side_effect=TrackStep._test_hypotheses) as tested,
     ):
         answer = tracker.update(picture(78.0, 12.0, 6))
@@ -282,7 +282,7 @@ def test_hypotheses_are_tested_where_the_network_sees_no_ball() -> None:
 
 def test_a_picture_costs_no_more_than_its_looks_and_nothing_is_looked_at_twice() -> None:
     image, ball = picture(160.0), np.array((160.0, 90.0, 26.0))
-    outlines = NetworkOutlines(NetworkParameters(looks=7))
+    outlines = Judge(NetworkParameters(looks=7))
     starts = [ball + k * np.array((3.0, 2.0, 0.5)) for k in range(-2, 3)]
     with patch.object(DiscNetwork, "lead", autospec=True, side_effect=DiscNetwork.lead) as lead:
         first = outlines.discs(image, starts)

@@ -71,8 +71,9 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     forgotten, anywhere : float
         ... of its place: in how many frames as much is forgotten as by half a width of way, and what is taken at most,
         of a disc that is far off ...
-    growth : float
-        ... if its size differs from the last one by no more than this factor, ...
+    growth, grown : float
+        ... if its size differs from the last one by no more than this factor in the next frame, and by its square as
+        many frames later, ...
     lightness, chroma : float
         ... and the median color of its middle by no more than this, units of CIE Lab.
     renewed : float
@@ -109,6 +110,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     forgotten: float = 4.0
     anywhere: float = 2.5
     growth: float = 1.6
+    grown: float = 10.0
     lightness: float = 30.0
     chroma: float = 12.0
     renewed: float = 4.5

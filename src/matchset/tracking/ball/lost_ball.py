@@ -52,7 +52,7 @@ class _Expected(NamedTuple):
         The place is one of as many as there are about as far off, and the longer it was not seen the less is known.
         """
         growth = abs(math.log(found.half_width / self.half_width))
-        if growth > math.log(limits.growth):
+        if growth > math.log(limits.growth) * (1.0 + (self.missed - 1.0) / limits.grown):
             return None
         away = (self.place.distance(found) / self.half_width) ** 2 + ((self.missed - 1.0) / limits.forgotten) ** 2
         return -min(0.5 * math.log1p(away), limits.anywhere)

@@ -89,17 +89,6 @@ def test_nothing_is_taken_where_the_ball_has_left() -> None:
     assert not any(follow([*dim, *(dim_ball(None, 1.0, k) for k in range(10))])[3:])
 
 
-@pytest.mark.parametrize("other", [False, True])
-def test_a_ball_beside_it_that_stays_in_its_place_does_not_hide_it_but_another_room_does(other: bool) -> None:
-    rival, again = (250.0, 40.0), (200.0, 140.0)
-    here = [balls_in_a_room((BEGIN, rival), 1.0, k) for k in range(3)]
-    gone = [balls_in_a_room((rival,), 1.0, k) for k in range(15)]
-    back = [balls_in_a_room((again, rival), 3.5, k, other) for k in range(3)]
-    answers = follow([*here, *gone, *back])
-    assert not any(answers[3:18])
-    assert (off(answers[-1], again) < 5.0) is not other
-
-
 def test_a_ball_beside_it_that_has_moved_is_not_taken() -> None:
     rival = (250.0, 40.0)
     here = [balls_in_a_room((BEGIN, rival), 1.0, k) for k in range(3)]
@@ -112,13 +101,6 @@ def films(decoys: Places = (), radius: float = 16.0) -> list[Answer]:
     """Answers for three frames of a half hidden ball, twenty without it, and three where it is far from there."""
     first, gone = half_hidden(FIRST, decoys=decoys), half_hidden(None, decoys=decoys)
     return follow([*[first] * 3, *[gone] * 20, *[half_hidden(AGAIN, radius, decoys)] * 3], FIRST)
-
-
-def test_a_half_hidden_ball_is_found_again_anywhere() -> None:
-    answers = films()
-    assert all(answers[:3])
-    assert not any(answers[3:23])
-    assert off(answers[-1], AGAIN) < 4.0
 
 
 def test_what_was_beside_the_ball_when_it_was_seen_is_not_taken_for_it() -> None:

@@ -188,7 +188,7 @@ def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> 
     memory = block.view(REGION_MEMORY)[0]
     memory["limits"] = tuple(getattr(limits, name) for name in REGION_LIMITS.names or ())
     memory["x"], memory["y"], memory["half_width"] = disc
-    if not find_region(image, block):
+    if not find_region(image if image.ndim > 2 else image[:, :, np.newaxis], block):
         return None
     found = SoftRegion(*(float(memory[name]) for name in SoftRegion._fields))
     away = math.dist(found[:2], disc[:2]) / disc[2]

@@ -6,10 +6,10 @@ from typing import Annotated
 import numpy as np
 import numpy.typing as npt
 
+from matchset.image.disc_network.selection import median, quantile
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.linalg import invert_3x3
 from matchset.numeric.record import Block, Record, record_dtype
-from matchset.numeric.selection import median, quantile
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -285,7 +285,7 @@ def _share_at(image: Image, memory: Record, x: float, y: float) -> float:
     for channel in range(image.shape[2]):
         upper = (1.0 - u) * _pixel(image, left, top, channel) + u * _pixel(image, left + 1.0, top, channel)
         lower = (1.0 - u) * _pixel(image, left, top + 1.0, channel) + u * _pixel(image, left + 1.0, top + 1.0, channel)
-        share += ((1.0 - v) * upper + v * lower - memory.there[channel]) * memory.weights[channel]
+        share += (math.floor((1.0 - v) * upper + v * lower + 0.5) - memory.there[channel]) * memory.weights[channel]
     return share
 
 

@@ -48,7 +48,7 @@ def fills_picture(image: Image, color: ColorModel, half_width: float, limits: To
     limits : TooNearParameters
     """
     height, width = image.shape[:2]
-    if half_width < limits.size * min(height, width):
+    if color.gray == "edges" or half_width < limits.size * min(height, width):
         return False
     down, across = math.ceil(height / limits.samples), math.ceil(width / limits.samples)
     few = np.ascontiguousarray(image[down // 2 :: down, across // 2 :: across])

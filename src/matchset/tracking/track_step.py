@@ -136,12 +136,20 @@ class TrackStep(Copied, Generic[S]):
                 estimate = stretched
             else:
                 chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
-                judged = chosen is not None or self.outlines.judges(color)
-                estimate = (chosen or estimate) if judged else self._test_hypotheses(image, color, estimate, speed)
+                if chosen is None and not self.outlines.judges(color):
+                    chosen = self._test_hypotheses(image, color, estimate, speed)
+                estimate = chosen or self._unless_faint(estimate, image, color)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)
         return estimate._replace(rejection=rejection)
+
+    def _unless_faint(self, estimate: Estimate, image: Image, color: ColorModel) -> Estimate:
+        """Demand of a fit that is seen faintly, where the network sees no ball, what a detection needs."""
+        if estimate.rejection or estimate.fit.color_score >= self.parameters.confidence.faint_score:
+            return estimate
+        weighed = self.fitter.weigh(estimate, image, color)
+        return estimate._replace(rejection=self.fitter.validate_detection(weighed, Prior.HERE))
 
     def _outside_gate(self, estimate: Estimate, predicted: Floats, missed: float) -> Rejection:
         """Why a fit far from its prediction is rejected, `Rejection.NONE` where it is near or has other proof."""

@@ -267,30 +267,27 @@ class Tracker(Copied, Generic[S]):
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
         predicted = self._coast()
-        if self._last is not None and self._ball.knows(self.color):
-            expected = None if predicted is None else gate_of(self._family, predicted)
-            last = gate_of(self._family, self._last.state)
-            if self._ball.find(image, self.color, last, expected, self._time, self._interval):
-                return None
-        else:
+        judged = self._ball.knows() and self._step.outlines.judges(self.color)
+        if not judged or (predicted is None and self._frames % 2 == 1):  # of a ball, by turns with the network's search
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
-            if best is not None:
-                rejection = self._confirm(image, best, predicted)
-                if rejection is None:
-                    return None
-                reason = rejection or reason
-            if self._begins_at_click(image):
+            rejection = "" if best is None else self._confirm(image, best, predicted)
+            if rejection is None:
                 return None
-        if self._last is not None and self.color.gray != "edges":
-            size = float(self._family.half_width(self._last.state))
-            if fills_picture(image, self.color, size, self.parameters.too_near):
-                reason = TOO_NEAR
+            reason = rejection or reason
+        if self._found_ball(image, predicted):
+            return None
+        size = 0.0 if self._last is None else float(self._family.half_width(self._last.state))
+        reason = TOO_NEAR if fills_picture(image, self.color, size, self.parameters.too_near) else reason
         return Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
 
-    def _begins_at_click(self, image: Image) -> bool:
-        """Begin with what the network sees where somebody clicked in this picture, though no outline is confirmed."""
+    def _found_ball(self, image: Image, predicted: Floats | None) -> bool:
+        """Find a ball with the network: the lost one, or in the first picture that which was clicked."""
+        family, last = self._family, self._last
+        if last is not None:
+            where = gate_of(family, last.state), None if predicted is None else gate_of(family, predicted)
+            return self._ball.knows() and self._ball.find(image, self.color, *where, self._time, self._interval)
         clicked = self._clicked() if self._frames == 1 else None
-        if clicked is None or not self._ball.begin(image, self.color, gate_of(self._family, clicked.state), self._time):
+        if clicked is None or not self._ball.begin(image, self.color, gate_of(family, clicked.state), self._time):
             return False
         self._hint = None
         return True

@@ -1,1 +1,4 @@
-"""What a click may mean: `reading` weighs the discs that the network sees there and the region that grew in color."""
+"""What a click may mean.
+
+Read `reading`: it weighs the discs that the network sees there and the region that grew in color.
+"""

@@ -20,20 +20,20 @@ Window = npt.NDArray[np.int64]
 SIDE = 82  # geometry: cells along a side at most: 2 * 1.8 * 20 and the rims
 RIM = 2.0  # geometry: how far from a place the cells are that it is read from, cells
 MOST_TAPS = 3  # format: pixels of a cell along an axis that are read; of cells of more than two, two of them
-EVEN_TAPS = 2
+EVEN_TAPS = 2  # format: see above
 NODES = 4096  # format: of the table of the cube root
 CUBE, SLOPE, KNEE = 0.008856, 7.787, 16.0 / 116.0  # format: of CIE Lab, where its cube root is a line
 WHITE = np.array((0.950456, 1.0, 1.088754))  # format: X, Y, Z of D65
-TO_XYZ = NODES * np.array(
+TO_XYZ = NODES * np.array(  # format: X, Y, Z of the channels of sRGB, in nodes
     ((0.412453, 0.212671, 0.019334), (0.357580, 0.715160, 0.119193), (0.180423, 0.072169, 0.950227))
 )
 FROM_RED, FROM_GREEN, FROM_BLUE = ((row / WHITE).astype(np.float32) for row in TO_XYZ)
 """Format: X, Y, Z of the channels of sRGB as shares of the white's, in nodes of the table."""
 
-_SHARES = np.arange(256) / 255.0
+_SHARES = np.arange(256) / 255.0  # format: of gray levels
 LINEAR = np.where(_SHARES <= 0.04045, _SHARES / 12.92, ((_SHARES + 0.055) / 1.055) ** 2.4).astype(np.float32)
 """Format: light of a channel in sRGB, 0 ... 1."""
-_NODES = np.arange(NODES + 8) / NODES
+_NODES = np.arange(NODES + 8) / NODES  # format: of the table of the cube root
 CUBE_ROOT = np.where(_NODES > CUBE, np.cbrt(_NODES), SLOPE * _NODES + KNEE).astype(np.float32)
 """Format: what CIE Lab takes of a share of the white's light."""
 

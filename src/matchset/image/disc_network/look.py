@@ -61,8 +61,7 @@ class FollowLimits(NamedTuple):
     hopeless: float
 
 
-RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE, ROW = 2, 3, 12, 13, 14, 15, 16
-"""Format: of what a start led to, in numbers of a row: the precision has nine."""
+RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE, ROW = 2, 3, 12, 13, 14, 15, 16  # format: of a row of `follow`
 
 
 @kernel(refcount=False)
@@ -150,6 +149,8 @@ def follow(
     rows: Floats,
 ) -> int:
     """Go from circles to balls, in looks: each circle once, then on from the likeliest, as far as there are looks.
+
+    It has seven parameters: each is an array or a record of another kind.
 
     Parameters
     ----------

@@ -31,9 +31,9 @@ from matchset.image.disc_network.patch_format import (
     Image,
     Patch,
 )
+from matchset.image.disc_network.selection import median
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.record import Block, Record, record_dtype
-from matchset.numeric.selection import median
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]

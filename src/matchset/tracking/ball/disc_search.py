@@ -49,6 +49,8 @@ class DiscSearchParameters(msgspec.Struct, frozen=True):
         Least merit of a disc, of 1.
     larger : float
         A lost target's size may be that of its lit part: the network is led from circles so many times as large.
+    same : float
+        Share of the half-width by which places that are the same may differ.
     cells : int
         How many cells of a picture are read at most while a target is lost: more finds it sooner and takes longer.
     again : int
@@ -67,6 +69,7 @@ class DiscSearchParameters(msgspec.Struct, frozen=True):
     most: int = 3
     least: float = 0.1
     larger: float = 1.3
+    same: float = 0.3
     cells: int = 6000
     again: int = 8
 
@@ -205,6 +208,11 @@ class DiscSearch:
         """Count a picture: what was looked at in vain some pictures ago may be looked at again."""
         self._pictures += 1
         self._in_vain = [each for each in self._in_vain if self._pictures - each[0] <= self.limits.again]
+
+    def are_same(self, first: Gate, second: Gate) -> bool:
+        """Say whether two places are so near to each other that the network is led to the same disc from both."""
+        larger, smaller = max(first.half_width, second.half_width), min(first.half_width, second.half_width)
+        return first.distance(second) < self.limits.same * larger and larger < (1.0 + self.limits.same) * smaller
 
     def in_vain(self, place: Gate) -> None:
         """Note that no ball was seen at a place."""

@@ -261,18 +261,29 @@ class Judge:
             return None
         return np.asarray(np.median(lab_of(part)[inside], axis=0), np.float64)
 
-    def alike(self, image: Image, disc: Disc, color: Floats) -> float | None:
+    def alike(self, image: Image, disc: Disc, own: Floats, color: ColorModel | None = None) -> float | None:
         """Log-odds that a disc is a ball with a median color; None where it has another one.
 
-        Of the network's log-odds the chroma takes some, as a normal distribution does.
+        Of the network's log-odds the chroma takes some, as a normal distribution does. In another light the median
+        color may be far off; then the color model decides, which knows that hue tells more than lightness.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        disc : Disc
+        own : ndarray of shape (3,), float64
+            Median color of the ball's middle, CIE Lab.
+        color : ColorModel, optional
         """
-        seen = self.median_color(image, disc.circle)
+        seen, limits = self.median_color(image, disc.circle), self.limits
         if seen is None:
             return None
-        light, chroma = abs(float(seen[0] - color[0])), math.hypot(*(seen - color)[1:].tolist())
-        if light > self.limits.lightness or chroma > self.limits.chroma:
+        light, chroma = abs(float(seen[0] - own[0])), math.hypot(*(seen - own)[1:].tolist())
+        if (light > limits.lightness or chroma > limits.chroma) and (
+            color is None or not self.has_color(image, color, disc.circle)
+        ):
             return None
-        return disc.log_odds - 0.5 * (chroma / self.limits.chroma_sigma) ** 2
+        return disc.log_odds - 0.5 * (min(chroma, limits.chroma) / limits.chroma_sigma) ** 2
 
 
 def likeliest(discs: Sequence[Disc], least: float, same: float) -> Disc | None:

@@ -119,14 +119,14 @@ class LostBall:
         time : float
             Of the picture, s.
         """
-        if not self.knows(color):
+        if not (self.knows() and self._step.outlines.judges(color)):
             return
         network, limits = self._step.outlines.network, self._others.limits
         network.left = min(network.left, limits.looks)
         known = self._others.places(seen)[: limits.looks // 2]
         anywhere = self._standing_out(image, color, _Expected(seen, seen.half_width, 1.0), near=False)
         places = [*known, *(each for each in anywhere if self._others.is_clear(each, seen))]
-        for odds, disc in self._alike(image, places):
+        for odds, disc in self._alike(image, color, places):
             if odds > limits.least:
                 self._others.notice(Gate(*disc.circle), seen, time)
         for place in places:
@@ -160,9 +160,9 @@ class LostBall:
         """
         return Prior.NONE if unknown or (color.is_local and not self.seen) else Prior.PRESENT
 
-    def knows(self, color: ColorModel) -> bool:
-        """Whether this is a ball of a color that was seen before: otherwise nothing can be found here."""
-        return self._color is not None and self._step.outlines.judges(color)
+    def knows(self) -> bool:
+        """Whether this is a ball whose color was seen before: otherwise nothing can be found here."""
+        return self._color is not None and self._step.outlines.is_disc
 
     def find(
         self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, time: float, interval: float
@@ -201,7 +201,7 @@ class LostBall:
         """Likeliest disc near some places, or where something stands out, if its log-odds are enough."""
         search, network = self._search, self._step.outlines.network
         standing_out = self._standing_out(image, color, prior)
-        likely = self._likely(image, [*near, *standing_out], prior, time)
+        likely = self._likely(image, color, [*near, *standing_out], prior, time)
         for place in standing_out:
             if all(place.distance(Gate(*disc.circle)) > place.half_width for _, disc in likely):
                 search.in_vain(place)
@@ -225,22 +225,27 @@ class LostBall:
             places += [Gate(*vote[:3]) for vote in votes[: search.limits.most].tolist()]
         return places
 
-    def _likely(self, image: Image, places: Sequence[Gate], prior: _Expected, time: float) -> list[tuple[float, Disc]]:
+    def _likely(
+        self, image: Image, color: ColorModel, places: Sequence[Gate], prior: _Expected, time: float
+    ) -> list[tuple[float, Disc]]:
         """Discs that the network sees about some places; before each, the log-odds that it is the target."""
         likely, limits = list[tuple[float, Disc]](), self._step.outlines.network.limits
-        for odds, disc in self._alike(image, places):
+        for odds, disc in self._alike(image, color, places):
             there = Gate(*disc.circle)
             known = None if self._others.is_one(there, time) else prior.log_odds(there, limits)
             if known is not None:
                 likely.append((odds + known, disc))
         return likely
 
-    def _alike(self, image: Image, places: Sequence[Gate]) -> list[tuple[float, Disc]]:
+    def _alike(self, image: Image, color: ColorModel, places: Sequence[Gate]) -> list[tuple[float, Disc]]:
         """Discs that the network sees about some places; before each, the log-odds of a ball of the target's color."""
-        network, color = self._step.outlines.network, self._color
-        assert color is not None
-        discs = network.discs(image, [np.array(each[:3]) for each in places], searched=True)
-        return [(odds, disc) for disc in discs if (odds := network.alike(image, disc, color)) is not None]
+        judge, own, starts = self._step.outlines.network, self._color, list[Gate]()
+        assert own is not None
+        for place in places:  # of places that are nearly the same one is enough
+            if not any(self._search.are_same(place, each) for each in starts):
+                starts.append(place)
+        discs = judge.discs(image, [np.array(each[:3]) for each in starts], searched=True)
+        return [(odds, disc) for disc in discs if (odds := judge.alike(image, disc, own, color)) is not None]
 
     def _take(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
         """Take a disc, unless it is not sure and the region there is another shape.

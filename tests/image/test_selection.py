@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from matchset.image.disc_network.selection import median, quantile, select
 from matchset.numeric.jit import kernel
-from matchset.numeric.selection import median, quantile, select
 
 VALUES = st.lists(st.integers(-9, 9), min_size=1, max_size=40)  # so that many are equal
 

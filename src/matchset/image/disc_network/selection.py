@@ -1,11 +1,13 @@
 """Order statistics inside kernels: `select`, `median`, `quantile`."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
 
-Numbers = npt.NDArray[np.floating[npt.NBitBase]]
+Numbers = npt.NDArray[np.floating[Any]]
 
 
 @kernel(refcount=False, entry=False)

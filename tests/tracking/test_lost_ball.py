@@ -38,7 +38,7 @@ def test_a_disc_at_a_click_that_is_sure_is_taken_whatever_its_region(log_odds: f
         patch.object(OutlineChoice, "is_other_shape", return_value=True),
         patch.object(OutlineChoice, "fit_lost", return_value=False),
     ):
-        assert tracker._ball.begin(image, tracker.color, Gate(*disc.circle), 0.0) is taken
+        assert tracker._ball.begin(image, tracker.color, ms.Circle(*disc.circle), 0.0) is taken
 
 
 @pytest.mark.parametrize("away", [0.0, 26.0, 70.0, 230.0])

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
+from matchset.shapes.shape import Shape
 
 Image = npt.NDArray[np.uint8]
 
@@ -36,19 +37,19 @@ class TooNearParameters(msgspec.Struct, frozen=True):
     samples: int = 24
 
 
-def fills_picture(image: Image, color: ColorModel, half_width: float, limits: TooNearParameters) -> bool:
+def fills_picture(image: Image, color: ColorModel, last: Shape, limits: TooNearParameters) -> bool:
     """Say whether a lost target fills the picture.
 
     Parameters
     ----------
     image : ndarray of shape (h, w, channels), uint8
     color : ColorModel
-    half_width : float
-        Of the target as it was seen last, px.
+    last : Shape
+        The target as it was seen last.
     limits : TooNearParameters
     """
     height, width = image.shape[:2]
-    if color.gray == "edges" or half_width < limits.size * min(height, width):
+    if color.gray == "edges" or type(last).half_width(last.state) < limits.size * min(height, width):
         return False
     down, across = math.ceil(height / limits.samples), math.ceil(width / limits.samples)
     few = np.ascontiguousarray(image[down // 2 :: down, across // 2 :: across])

@@ -267,8 +267,8 @@ class Tracker(Copied, Generic[S]):
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
         predicted = self._coast()
-        judged = self._ball.knows() and self._step.outlines.judges(self.color)
-        if not judged or (predicted is None and self._frames % 2 == 1):  # of a ball, by turns with the network's search
+        turn = predicted is None and self._frames % 2 == 1  # of a lost ball, by turns with the network's search
+        if turn or not (self._ball.knows() and self._step.outlines.judges(self.color)):
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
             rejection = "" if best is None else self._confirm(image, best, predicted)
             if rejection is None:
@@ -276,18 +276,17 @@ class Tracker(Copied, Generic[S]):
             reason = rejection or reason
         if self._found_ball(image, predicted):
             return None
-        size = 0.0 if self._last is None else float(self._family.half_width(self._last.state))
-        reason = TOO_NEAR if fills_picture(image, self.color, size, self.parameters.too_near) else reason
-        return Lost(reason, self._time, None if predicted is None else self._shape_of(predicted))
+        near = self._last is not None and fills_picture(image, self.color, self._last, self.parameters.too_near)
+        return Lost(TOO_NEAR if near else reason, self._time, self._shape_of(predicted))
 
     def _found_ball(self, image: Image, predicted: Floats | None) -> bool:
         """Find a ball with the network: the lost one, or in the first picture that which was clicked."""
-        family, last = self._family, self._last
-        if last is not None:
-            where = gate_of(family, last.state), None if predicted is None else gate_of(family, predicted)
+        if self._last is not None:
+            expected = None if predicted is None else gate_of(self._family, predicted)
+            where = gate_of(self._family, self._last.state), expected
             return self._ball.knows() and self._ball.find(image, self.color, *where, self._time, self._interval)
         clicked = self._clicked() if self._frames == 1 else None
-        if clicked is None or not self._ball.begin(image, self.color, gate_of(family, clicked.state), self._time):
+        if clicked is None or not self._ball.begin(image, self.color, clicked, self._time):
             return False
         self._hint = None
         return True
@@ -339,9 +338,11 @@ class Tracker(Copied, Generic[S]):
 
     def _is_expected(self, estimate: Estimate) -> bool:
         """Whether a detection can be the target: about where it was seen last, or else with full evidence."""
-        limits, last = self.parameters.reach, self._last
+        limits, last, there = self.parameters.reach, self._last, gate_of(self._family, estimate.state)
+        if self._ball.is_other(there, self._time):
+            return False
         if last is not None and estimate.evidence is not None:
-            here, there = gate_of(self._family, last.state), gate_of(self._family, estimate.state)
+            here = gate_of(self._family, last.state)
             ratio = max(here.half_width, there.half_width) / min(here.half_width, there.half_width)
             recent = self._time - float(self._fitter.work.motion.time) < limits.remembered_s
             near = here.distance(there) < limits.remembered * here.half_width
@@ -355,9 +356,8 @@ class Tracker(Copied, Generic[S]):
         here, there = gate_of(self._family, predicted), gate_of(self._family, estimate.state)
         if here.near(there, limits):
             return True
-        valid = not self._fitter.validate_detection(
-            estimate, self._ball.elsewhere(self.color, here.alone(there, limits))
-        )
+        prior = self._ball.elsewhere(self.color, here.alone(there, limits))
+        valid = not self._fitter.validate_detection(estimate, prior)
         return valid and here.reachable(there, self._step.missed(self._time, self._interval), limits)
 
     def _confirm(self, image: Image, state: Floats, predicted: Floats | None) -> str | None:
@@ -392,9 +392,9 @@ class Tracker(Copied, Generic[S]):
             return self._ball.elsewhere(self.color, not weighs or self._last is None)
         return (Prior.CLICKED if self._frames == 1 else Prior.HERE) if weighs else Prior.PRESENT
 
-    def _shape_of(self, state: Floats) -> S | None:
-        """Shape of an extrapolated state, None where it has shrunk to nothing."""
+    def _shape_of(self, state: Floats | None) -> S | None:
+        """Shape of an extrapolated state, None where there is none or it has shrunk to nothing."""
         try:
-            return self._family.from_state(state, self._last)
+            return None if state is None else self._family.from_state(state, self._last)
         except ValueError:
             return None

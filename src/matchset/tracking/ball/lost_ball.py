@@ -17,6 +17,7 @@ import numpy.typing as npt
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
+from matchset.shapes.shape import Shape
 from matchset.tracking.ball.disc_search import DiscSearch
 from matchset.tracking.ball.judge import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.ball.others import Others
@@ -131,6 +132,10 @@ class LostBall:
                 self._others.notice(Gate(*disc.circle), seen, time)
         for place in places:
             self._search.in_vain(place)
+
+    def is_other(self, place: Gate, time: float) -> bool:
+        """Whether what is at a place was there while the ball was elsewhere."""
+        return self._others.is_one(place, time)
 
     def relight(self, gains: Floats) -> None:
         """Remember the color, and what the network knows of it, in another light.
@@ -261,14 +266,14 @@ class LostBall:
         step.take_disc(image, color, there, covariance_of(disc), when)
         return True
 
-    def begin(self, image: Image, color: ColorModel, clicked: Gate, time: float) -> bool:
+    def begin(self, image: Image, color: ColorModel, clicked: Shape, time: float) -> bool:
         """Begin with a disc that the network sees at the click; whether there is one.
 
         Parameters
         ----------
         image, color, time
             See `find`.
-        clicked : Gate
+        clicked : Shape
             Circle around the click.
         """
         step = self._step
@@ -276,7 +281,7 @@ class LostBall:
             return False
         network = step.outlines.network
         limits = network.limits
-        disc = likeliest(network.discs(image, [np.array(clicked[:3])]), limits.sure, limits.same)
+        disc = likeliest(network.discs(image, [clicked.state]), limits.sure, limits.same)
         if disc is None:
             return False
         self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]

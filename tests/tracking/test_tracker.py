@@ -12,6 +12,7 @@ from scenes import BLUE, FPS, HEIGHT, WIDTH, Answer, Picture, at, blue, off, run
 import matchset as ms
 from matchset.image.light.color_adaptation import AdaptationParameters
 from matchset.sim.clips.clip import Clip
+from matchset.tracking.ball.judge import NetworkParameters
 from matchset.tracking.parameters import TrackerParameters
 
 MOVING = [(60.0 + 4.0 * k, 80.0 + 1.5 * k, 25.0) for k in range(12)]
@@ -20,6 +21,9 @@ MOVING = [(60.0 + 4.0 * k, 80.0 + 1.5 * k, 25.0) for k in range(12)]
 @pytest.fixture
 def tracker() -> ms.Tracker[ms.Circle]:
     return ms.Tracker(ms.Circle, blue())
+
+
+UNUSED = NetworkParameters(used=False)
 
 
 def test_a_track_is_what_the_design_says(tracker: ms.Tracker[ms.Circle]) -> None:
@@ -183,7 +187,7 @@ def test_the_color_adapts_in_a_copy_of_its_own() -> None:
     np.testing.assert_array_equal(color.table, table)
     assert (tracker.color.log_odds != log_odds).any()
     for limits in (AdaptationParameters(rate=0.0), AdaptationParameters(max_drift=0.0)):
-        fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adaptation=limits))
+        fixed = ms.Tracker(ms.Circle, color, parameters=TrackerParameters(adaptation=limits, network=UNUSED))
         assert not all(run(fixed, fading_images()))
         np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
 

@@ -22,6 +22,7 @@ from matchset.image.frame import Frame
 from matchset.image.video import Video
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
+from matchset.localization.markers.ball_colors import pick_marker
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
@@ -173,7 +174,7 @@ def targets_for(
     else:
         x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
         frame, taken = _frame_of(source, video, target.frame if index is None else index, taken)
-        color = ColorModel.pick(frame.image, x, y)
+        color = pick_marker(frame.image, x, y)
     return msgspec.structs.replace(target, color=target.color | color), color, taken
 
 

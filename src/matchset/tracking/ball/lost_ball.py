@@ -6,6 +6,7 @@ place, size and color is added. The likeliest disc is the prior of a fit to its 
 it, the disc itself counts.
 """
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -14,11 +15,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
-from matchset.image.disc_network.network import Disc
+from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
+from matchset.image.disc_network.polar_patch import colors_of
+from matchset.numeric.jit import collection_paused
 from matchset.shapes.shape import Shape
-from matchset.tracking.ball.disc_search import DiscSearch
+from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
 from matchset.tracking.ball.judge import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.ball.others import Others
 from matchset.tracking.detectors import Detectors
@@ -28,6 +32,20 @@ from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+
+SMALL = 64  # format: side of a small picture, px
+
+
+@functools.cache
+@collection_paused()
+def precompile_ball() -> None:
+    """Run every kernel of a search for a ball once on a small picture, so that no frame waits for the compiler."""
+    image, circle = np.zeros((SMALL, SMALL, 3), np.uint8), (0.5 * SMALL, 0.5 * SMALL, 0.25 * SMALL)
+    cv2.circle(image, (SMALL // 2, SMALL // 2), SMALL // 4, (255, 255, 255), -1)
+    known = colors_of(image, circle)
+    DiscNetwork.packaged().lead(image, [circle], FollowParameters(), known)
+    find_soft_region(image, circle, SoftRegionParameters())
+    DiscSearch(DiscSearchParameters()).about(image, np.array((100.0, 0.0, 0.0)), Gate(*circle), float(SMALL))
 
 
 class _Expected(NamedTuple):
@@ -81,6 +99,8 @@ class LostBall:
         self._color: Floats | None = None
         self._half_width, self._pictures = 0.0, 0
         self.seen = False
+        if step.outlines.is_disc:
+            precompile_ball()
 
     def forget(self, color: ColorModel) -> None:
         """Be as one is that has seen nothing but what the color was learned from.

@@ -9,7 +9,7 @@ world = ms.sim.World(ms.sim.ChainParameters(vehicles=2), seed=7)
 cameras = ms.sim.WorldCameras(world, camera, preset="typical")
 
 sample = cameras.held_ball(0)  # a ball 1 m before the camera, its marker in the middle of the picture
-marker_color = ms.ColorModel.pick(sample, 319.5, 239.5)
+marker_color = ms.ColorModel.pick(sample, 319.5, 239.5, reading=2)  # a spot on the ball
 color = ms.ColorModel.pick(sample, 280.0, 239.5) | marker_color
 target = ms.BallTarget(diameter=0.28, marker_diameter=0.06)
 tracker, markers = ms.Tracker(ms.Circle, color), ms.MarkerTracker(marker_color, target)

@@ -10,6 +10,7 @@ import numpy as np
 import matchset as ms
 from benchmarks.options import Options
 from benchmarks.results import Figure, Finding, Goal, Section
+from matchset.localization.markers.ball_colors import pick_marker
 from matchset.localization.neighbors.ball_search import BallSearch
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
 
@@ -33,7 +34,7 @@ def run(options: Options) -> Section:
 def watcher(seed: int) -> ms.Neighbors:
     """Make neighbors whose colors were learnt from one click each."""
     frame = next(iter(MultiBallClip(camera=CAMERA, paths=[lambda _: (0.0, 0.0, 1.0)], frames=1, seed=seed)))
-    purple = ms.ColorModel.pick(frame.image, CAMERA.cx, CAMERA.cy)
+    purple = pick_marker(frame.image, CAMERA.cx, CAMERA.cy)
     blue = ms.ColorModel.pick(frame.image, CAMERA.cx - 40.0, CAMERA.cy) | purple
     return ms.Neighbors(CAMERA, TARGET, blue, purple)
 

@@ -1,6 +1,7 @@
 """Several balloons, and who watches them."""
 
 import matchset as ms
+from matchset.localization.markers.ball_colors import pick_marker
 from matchset.sim.clips.multi_ball_clip import MultiBallClip
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
@@ -12,6 +13,6 @@ def neighbors(seed: int, preset: str) -> ms.Neighbors:
     frame = next(
         iter(MultiBallClip(camera=CAMERA, paths=[lambda _: (0.0, 0.0, 1.0)], frames=1, seed=seed, preset=preset))
     )
-    purple = ms.ColorModel.pick(frame.image, CAMERA.cx, CAMERA.cy)
+    purple = pick_marker(frame.image, CAMERA.cx, CAMERA.cy)
     blue = ms.ColorModel.pick(frame.image, CAMERA.cx - 40.0, CAMERA.cy)
     return ms.Neighbors(CAMERA, TARGET, blue | purple, purple)

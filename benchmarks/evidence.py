@@ -36,9 +36,10 @@ from matchset.fitting.evidence import ColorStep, EvidenceParameters, log_odds, m
 from matchset.fitting.fit_quality import tolerance_of
 from matchset.fitting.validation import Statistics, ValidationParameters
 from matchset.fitting.workspace import SearchWindow
+from matchset.image.frame import channels_last
 from matchset.numeric.jit import interpreted
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, channels_last
+from matchset.tracking.detector import DETECTION_LINES, DetectionParameters
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 
 Floats = npt.NDArray[np.float64]

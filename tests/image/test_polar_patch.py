@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from matchset.image.disc_network import patch_format as form
 from matchset.image.disc_network.lab import lab_of
-from matchset.image.disc_network.polar_patch import colors_of, picture_of, read_patch
+from matchset.image.disc_network.polar_patch import colors_of, read_patch
+from matchset.image.frame import channels_last
 
 Floats = npt.NDArray[np.float64]
 Colors = npt.NDArray[np.float32]
@@ -153,14 +154,14 @@ def test_colors_are_those_of_their_slow_twin(circle: Circle3) -> None:
 
 def test_pictures_are_read_as_they_are_whole_and_writable() -> None:
     image = scene(20.0)
-    assert picture_of(image) is image
+    assert channels_last(image) is image
     frozen, part = image.copy(), image[::2, ::2]
     frozen.flags.writeable = False
     for other in (frozen, part):
-        read = picture_of(other)
+        read = channels_last(other)
         assert read.flags.carray
         assert np.array_equal(read, other)
-    assert picture_of(image[..., 0]).shape == (HEIGHT, WIDTH, 1)
+    assert channels_last(image[..., 0]).shape == (HEIGHT, WIDTH, 1)
     patch, same = (read_patch(each, (160.0, 120.0, 20.0)) for each in (image, frozen))
     assert patch is not None
     assert same is not None

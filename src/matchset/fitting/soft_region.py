@@ -14,15 +14,15 @@ part of the rim is sharp.
 """
 
 import math
-import threading
 from typing import NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.fitting.soft_region_kernel import MOST_CELLS, MOST_LINES, REGION_LIMITS, REGION_MEMORY, find_region
-from matchset.numeric.record import Block
+from matchset.fitting.soft_region_kernel import MOST_CELLS, MOST_LINES, REGION_MEMORY, find_region
+from matchset.image.frame import channels_last
+from matchset.numeric.record import ThreadBlock, fields, store
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -147,7 +147,7 @@ class SoftRegion(NamedTuple):
     rim: float
 
     def worth(self, limits: SoftRegionParameters) -> float:
-        """Say what the region adds to the score of its outline: nothing where its rim is sharp, or it is no disc."""
+        """Say what the region is worth: nothing where its rim is sharp, or it is no disc."""
         softness = (self.rim - limits.soft) / (limits.softer - limits.soft)
         roundness = (max(self.agreement, self.swept) - limits.agreement) / (limits.agrees - limits.agreement)
         return limits.worth * min(max(softness, 0.0), 1.0) * min(max(roundness, 0.0), 1.0)
@@ -157,14 +157,7 @@ class SoftRegion(NamedTuple):
         return self.rim < limits.soft and self.agreement < limits.round
 
 
-class _Memory(threading.local):
-    """Working memory of each thread."""
-
-    def __init__(self) -> None:
-        self.block: Block = np.zeros(REGION_MEMORY.itemsize // 8)
-
-
-_MEMORY = _Memory()
+_MEMORY = ThreadBlock(REGION_MEMORY)
 
 
 def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> SoftRegion | None:
@@ -185,12 +178,12 @@ def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> 
     if disc[2] < limits.min_half_width:
         return None
     block = _MEMORY.block
-    memory = block.view(REGION_MEMORY)[0]
-    memory["limits"] = tuple(getattr(limits, name) for name in REGION_LIMITS.names or ())
-    memory["x"], memory["y"], memory["half_width"] = disc
-    if not find_region(image if image.ndim > 2 else image[:, :, np.newaxis], block):
+    memory = fields(block, REGION_MEMORY)
+    store(memory.limits, limits)
+    memory.x, memory.y, memory.half_width = disc
+    if not find_region(channels_last(image), block):
         return None
-    found = SoftRegion(*(float(memory[name]) for name in SoftRegion._fields))
+    found = SoftRegion(*(float(getattr(memory, name)) for name in SoftRegion._fields))
     away = math.dist(found[:2], disc[:2]) / disc[2]
     if not 1.0 / limits.growth < found.half_width / disc[2] < limits.growth or away > limits.move:
         return None

@@ -170,3 +170,12 @@ def check_image(image: npt.NDArray[np.uint8]) -> None:
         raise ValueError(f"a picture must be an array of uint8, got {found}")
     if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3) or image.size == 0:
         raise ValueError(f"a picture must have shape (h, w, 3) or (h, w), got {image.shape}")
+
+
+def channels_last(image: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """View of a picture as (h, w, channels); a copy only where it is not in one piece or may not be written to.
+
+    Read-only arrays are another type to the compiler, which would start in the middle of a video.
+    """
+    whole = image if image.flags.carray else np.array(image, order="C")
+    return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

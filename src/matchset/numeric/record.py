@@ -8,6 +8,7 @@ That costs no time in a compiled call (decision 080), where an argument that is 
 microseconds in a cold one. Python reads and writes the same names through `fields`.
 """
 
+import threading
 from collections.abc import Sequence
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
@@ -72,6 +73,18 @@ def _field_dtype(name: str, kind: Any) -> np.dtype[Any]:
 def new_block(layout: np.dtype[np.void]) -> Block:
     """Zeros for one record of this layout."""
     return np.zeros(layout.itemsize // 8)
+
+
+class ThreadBlock(threading.local):
+    """Working memory of kernels for one record of a layout: a block for each thread.
+
+    Parameters
+    ----------
+    layout : dtype
+    """
+
+    def __init__(self, layout: np.dtype[np.void]) -> None:
+        self.block = new_block(layout)
 
 
 def fields(block: Block, layout: np.dtype[np.void]) -> Any:

@@ -11,13 +11,13 @@ import numpy.typing as npt
 from matchset.fitting.fitter import Estimate
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
-from matchset.image.frame import Picture, frame_of
+from matchset.image.frame import Picture, channels_last, frame_of
 from matchset.numeric.arguments import check_kind, checked_count
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape
 from matchset.tracking.ball.disc_detector import DiscDetector, DiscDetectorParameters
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, channels_last, track_of
+from matchset.tracking.detector import DETECTION_LINES, DetectionParameters, Detector, track_of
 from matchset.tracking.search.voting import Searcher, SearchParameters, stride_for
 from matchset.tracking.track import Track
 

@@ -320,12 +320,3 @@ def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | No
     if fitter.moves_covariance and (by := slopes(shape)) is not None:
         covariance = by @ covariance @ by.T
     return Track(shape, covariance, support, points, time)
-
-
-def channels_last(image: Image) -> Image:
-    """View of a picture as (h, w, channels); a copy only where it is not in one piece or may not be written to.
-
-    Read-only arrays are another type to the compiler, which would start in the middle of a video.
-    """
-    whole = image if image.flags.carray else np.array(image, order="C")
-    return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

@@ -11,14 +11,14 @@ from matchset.fitting.fitter import NOT_FOUND, Estimate, Fitter
 from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import MAX_LINES, SearchWindow
 from matchset.image.color import ColorModel
-from matchset.image.frame import ArrayFrames, Frame, Picture, check_follows
+from matchset.image.frame import ArrayFrames, Frame, Picture, channels_last, check_follows
 from matchset.numeric.arguments import check_kind, checked_count, checked_point
 from matchset.numeric.copies import Copied
 from matchset.numeric.words import one_line
 from matchset.shapes.shape import Shape, finds_itself, nearest
 from matchset.tracking.ball.lost_ball import LostBall
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.detector import Detector, channels_last, track_of
+from matchset.tracking.detector import Detector, track_of
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.motion import gate_of, initialize, predict_state

@@ -114,6 +114,7 @@ def _track_sources(
             taken: tuple[Frame, ...] = ()
             if target is None:
                 target, taken = target_for(source, video, options.target)
+                target.say_notes()
             elif tracks:  # the click was in the first source
                 target = msgspec.structs.replace(target, start=None)
             tracks.append(_track(video, itertools.chain(taken, video), target, distances, stop))

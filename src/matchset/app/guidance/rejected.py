@@ -13,9 +13,10 @@ from matchset.fitting.validation import Prior
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.candidates import find_candidates
 from matchset.image.color import ColorModel
+from matchset.image.frame import channels_last
 from matchset.shapes.shape import finds_itself, from_hull
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.detector import DETECTION_LINES, channels_last
+from matchset.tracking.detector import DETECTION_LINES
 from matchset.tracking.search.voting import Searcher
 
 Floats = npt.NDArray[np.float64]

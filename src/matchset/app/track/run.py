@@ -47,6 +47,7 @@ def run_track(options: TrackOptions) -> int:
         except RefusedClickError as refused:
             explain_refused_click(refused, command, output_folder(options.out, "track", options.force))
             raise
+        target.say_notes()
         tracker_at = trackers_for(target, make)
         folder = output_folder(options.out, "track", options.force)
         statistics, explainer = RunStatistics(), Explainer(command, target)

@@ -51,11 +51,19 @@ class LearnedTarget(msgspec.Struct, frozen=True):
         A point on it, px, if one was clicked.
     frame : int
         The frame in which it was clicked.
+    notes : tuple of str
+        What is to be said of how the click was understood.
     """
 
     color: Any
     start: tuple[float, float] | None = None
     frame: int = 0
+    notes: tuple[str, ...] = ()
+
+    def say_notes(self) -> None:
+        """Print the notes, once all else that was typed has been understood."""
+        for note in self.notes:
+            print(f"note: {note}", file=sys.stderr)
 
 
 def check_target_options(options: TargetOptions, source: str) -> None:
@@ -130,10 +138,8 @@ def target_in(source: str, video: Video, options: TargetOptions) -> tuple[Learne
     else:
         frame, (x, y) = _candidate_in(source, video, options.candidate or "")
     color = color_at(frame, x, y, options.reading)
-    print("note: " + taken_words(color, options.reading), file=sys.stderr)
-    if color.note:
-        print("note: " + color.note, file=sys.stderr)
-    return LearnedTarget(color, (x, y), frame.index), frame
+    notes = (taken_words(color, options.reading), *([color.note] if color.note else []))
+    return LearnedTarget(color, (x, y), frame.index, notes), frame
 
 
 def _candidate_in(source: str, video: Video, text: str) -> tuple[Frame, tuple[int, int]]:

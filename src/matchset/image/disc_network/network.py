@@ -24,7 +24,9 @@ from matchset.image.disc_network import look
 from matchset.image.disc_network.layers import TAPS, TILE
 from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RAYS, Circle3, Colors, Image, Patch
 from matchset.image.disc_network.patch_kernel import PATCH_MEMORY
-from matchset.image.disc_network.polar_patch import NOTHING, picture_of
+from matchset.image.disc_network.polar_patch import NOTHING
+from matchset.image.frame import channels_last
+from matchset.numeric.record import new_block
 
 Floats = npt.NDArray[np.float64]
 Arrays = dict[str, npt.NDArray[np.float32]]
@@ -146,7 +148,7 @@ class DiscNetwork:
         """Working memory of this thread."""
         if self._memories.memory is None:
             self._memories.memory = look.Memory(
-                patch_block=np.zeros(PATCH_MEMORY.itemsize // 8),
+                patch_block=new_block(PATCH_MEMORY),
                 patch=np.zeros((RAYS, PLACES, NUMBERS), np.float32),
                 rays=np.zeros((RAYS, self._width), np.float32),
                 more=np.zeros((RAYS, self._width), np.float32),
@@ -206,7 +208,7 @@ class DiscNetwork:
             limits.rounds, limits.most_step, limits.still, limits.least_radius, float(limits.hopeless)
         )
         colors, network = NOTHING if known is None else known, (self._weights, self._memory())
-        taken = look.follow(picture_of(image), begin, colors, bounds, network, looks, rows)
+        taken = look.follow(channels_last(image), begin, colors, bounds, network, looks, rows)
         return [_disc_of(row) for row in rows], taken
 
     def follow(

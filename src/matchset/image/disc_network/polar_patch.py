@@ -7,8 +7,6 @@ histograms of both; whether it is in the picture; and, of a ball whose colors ar
 (`colors_of`), the log-odds of its color in those against around the circle.
 """
 
-import threading
-
 import numpy as np
 
 from matchset.image.disc_network.patch_format import (
@@ -34,19 +32,13 @@ from matchset.image.disc_network.patch_kernel import (
     read_patch_kernel,
     read_places_kernel,
 )
-from matchset.numeric.record import Block
+from matchset.image.frame import channels_last
+from matchset.numeric.record import ThreadBlock
 
 NOTHING = np.empty(0, np.float32)  # format: colors known, where none are
 
 
-class PatchBlocks(threading.local):
-    """Working memory of the kernels that read patches: one of each thread."""
-
-    def __init__(self) -> None:
-        self.block: Block = np.zeros(PATCH_MEMORY.itemsize // 8)
-
-
-_BLOCKS = PatchBlocks()
+_BLOCKS = ThreadBlock(PATCH_MEMORY)
 
 
 def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Patch | None:
@@ -68,7 +60,7 @@ def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Pa
     """
     patch = np.empty((RAYS, PLACES, NUMBERS), np.float32)
     colors = NOTHING if known is None else known
-    read = read_patch_kernel(picture_of(image), np.array(circle, np.float64), colors, _BLOCKS.block, patch)
+    read = read_patch_kernel(channels_last(image), np.array(circle, np.float64), colors, _BLOCKS.block, patch)
     return patch if read else None
 
 
@@ -87,7 +79,7 @@ def colors_of(image: Image, circle: Circle3) -> Colors | None:
     ndarray of shape (9216,), float32, or None
         By bin of CIE Lab, smoothed.
     """
-    if not read_places_kernel(picture_of(image), np.array(circle, np.float64), _BLOCKS.block):
+    if not read_places_kernel(channels_last(image), np.array(circle, np.float64), _BLOCKS.block):
         return None
     memory = _BLOCKS.block.view(PATCH_MEMORY)[0]
     colors, seen = memory["colors"][:, :INSIDE_PLACES], memory["seen"][:, :INSIDE_PLACES]
@@ -101,12 +93,3 @@ def colors_of(image: Image, circle: Circle3) -> Colors | None:
         for _ in range(rounds):
             counts = 0.5 * counts + 0.25 * (np.roll(counts, 1, axis) + np.roll(counts, -1, axis))
     return np.asarray(counts.ravel() / max(float(counts.sum()), 1e-6), np.float32)
-
-
-def picture_of(image: Image) -> Image:
-    """Picture as kernels read it: of shape (h, w, channels), in one piece; a copy only where it is not or is read-only.
-
-    Read-only arrays are another type to the compiler.
-    """
-    whole = image if image.flags.carray else np.array(image, order="C")
-    return whole if whole.ndim == 3 else whole[:, :, np.newaxis]

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.color import ColorModel
-from matchset.image.frame import Picture, frame_of
+from matchset.image.frame import Picture, channels_last, frame_of
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.marker_color import mark_color
 from matchset.localization.markers.marker_step import follow_markers
@@ -17,7 +17,6 @@ from matchset.numeric.copies import Copied
 from matchset.numeric.record import fields, new_block, store
 from matchset.numeric.words import one_line
 from matchset.shapes.circle import Circle
-from matchset.tracking.detector import channels_last
 from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]

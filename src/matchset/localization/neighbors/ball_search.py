@@ -8,10 +8,9 @@ import msgspec
 from matchset.fitting.fitter import Fitter
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, channels_last
 from matchset.shapes.circle import Circle
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.detector import channels_last
 from matchset.tracking.search.voting import Searcher, SearchParameters
 from matchset.tracking.track_step import precompile_search
 

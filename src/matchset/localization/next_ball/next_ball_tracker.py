@@ -14,7 +14,7 @@ import numpy.typing as npt
 from matchset.camera.camera_model import CameraModel
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
-from matchset.image.frame import Frame
+from matchset.image.frame import Frame, channels_last
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.next_ball.disc_search import Triple, compare_disc, precompile, sample_points, search_disc
@@ -22,7 +22,6 @@ from matchset.localization.pose import Pose
 from matchset.numeric.copies import Copied
 from matchset.shapes.circle import Circle
 from matchset.tracking.compiled_step import tracking_fitter
-from matchset.tracking.detector import channels_last
 from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.disc_network.lab_cells import write_lab
-from matchset.image.disc_network.polar_patch import picture_of
+from matchset.image.frame import channels_last
 from matchset.numeric.jit import kernel
 from matchset.tracking.motion import Gate
 
@@ -254,7 +254,7 @@ class DiscSearch:
         """Discs in a window of cells."""
         limits, (left, top, step) = self.limits, grid
         sums, merits = np.empty((size[0] + 1, size[1] + 1, 3)), np.empty(size, np.float32)
-        write_sums(picture_of(image), np.array((left, top)), step, self._lab, sums)
+        write_sums(channels_last(image), np.array((left, top)), step, self._lab, sums)
         write_merits(sums, color, self._bounds, self._own, merits)
         radius = place.half_width / step
         for _, known in self._in_vain:

@@ -1,4 +1,4 @@
-"""Outlines of discs by the network of `image/disc_network`, and how others are weighed against them: `Judge`.
+"""What the network of `image/disc_network` sees, with what else is known of a ball: `Judge`.
 
 Edge points say where contrasts are, not whose they are: a hand, a tube or leaves of its color make better ones than a
 ball's shaded rim. The network has seen many balls, and says where the outline is and how sure that is.

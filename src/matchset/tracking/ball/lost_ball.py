@@ -99,7 +99,7 @@ class LostBall:
         self._color: Floats | None = None
         self._half_width, self._pictures = 0.0, 0
         self.seen = False
-        if step.outlines.is_disc:
+        if step.outlines.is_disc and parameters.network.used:
             precompile_ball()
 
     def forget(self, color: ColorModel) -> None:
@@ -145,7 +145,8 @@ class LostBall:
         network, limits = self._step.outlines.network, self._others.limits
         network.left = min(network.left, limits.looks)
         known = self._others.places(seen)[: limits.looks // 2]
-        anywhere = self._standing_out(image, color, _Expected(seen, seen.half_width, 1.0), near=False)
+        self._search.begin_picture()
+        anywhere = self._anywhere(image, color, seen)
         places = [*known, *(each for each in anywhere if self._others.is_clear(each, seen))]
         for odds, disc in self._alike(image, color, places):
             if odds > limits.least:
@@ -224,8 +225,12 @@ class LostBall:
         self, image: Image, color: ColorModel, near: Sequence[Gate], prior: _Expected, time: float
     ) -> tuple[float, Disc] | None:
         """Likeliest disc near some places, or where something stands out, if its log-odds are enough."""
-        search, network = self._search, self._step.outlines.network
-        standing_out = self._standing_out(image, color, prior)
+        search, network, own = self._search, self._step.outlines.network, self._color
+        assert own is not None
+        search.begin_picture()
+        around = prior.place._replace(half_width=self._half_width)
+        here = search.about(image, own, around, search.limits.reach * prior.missed * self._half_width)
+        standing_out = [*map(self._larger, here), *self._anywhere(image, color, prior.place)]
         likely = self._likely(image, color, [*near, *standing_out], prior, time)
         for place in standing_out:
             if all(place.distance(Gate(*disc.circle)) > place.half_width for _, disc in likely):
@@ -233,22 +238,20 @@ class LostBall:
         best = max(likely, key=lambda each: each[0], default=None)
         return best if best is not None and best[0] > network.limits.lost else None
 
-    def _standing_out(self, image: Image, color: ColorModel, prior: _Expected, near: bool = True) -> list[Gate]:
-        """Places where a disc stands out: near the prior's, and by turns anywhere, by the mean color or by votes."""
-        search, own = self._search, self._color
+    def _anywhere(self, image: Image, color: ColorModel, around: Gate) -> list[Gate]:
+        """Places anywhere where a disc stands out, by turns by its mean color or by votes for its outline."""
+        own = self._color
         assert own is not None
-        search.begin_picture()
         self._pictures += 1
-        around = prior.place._replace(half_width=self._half_width)
-        reach = search.limits.reach * prior.missed * self._half_width
-        places = search.about(image, own, around, reach) if near else []
         if self._pictures % 2 == 0:
-            places += search.about(image, own, around, float(max(image.shape)))
-        places = [each._replace(half_width=search.limits.larger * each.half_width) for each in places]
-        if self._pictures % 2 == 1:
-            votes = self._detectors.suited(image, self._half_width).searcher.candidates(image, color)
-            places += [Gate(*vote[:3]) for vote in votes[: search.limits.most].tolist()]
-        return places
+            around = around._replace(half_width=self._half_width)
+            return [*map(self._larger, self._search.about(image, own, around, float(max(image.shape))))]
+        votes = self._detectors.suited(image, self._half_width).searcher.candidates(image, color)
+        return [Gate(*vote[:3]) for vote in votes[: self._search.limits.most].tolist()]
+
+    def _larger(self, place: Gate) -> Gate:
+        """Place from whose circle the network is led: the size remembered may be that of the lit part."""
+        return place._replace(half_width=self._search.limits.larger * place.half_width)
 
     def _likely(
         self, image: Image, color: ColorModel, places: Sequence[Gate], prior: _Expected, time: float

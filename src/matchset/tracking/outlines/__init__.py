@@ -1,4 +1,5 @@
-"""Which outline is the target's where a fit alone does not say: `OutlineChoice`.
+"""Which outline is the target's where a fit alone does not say.
 
-`hypotheses` are shapes around an ambiguous fit, and `network_outlines` the discs that the network of discs sees.
+Read `outline_choice`: of a ball the network of discs judges (`ball.judge`). `hypotheses` are shapes around an ambiguous
+fit of any other family.
 """

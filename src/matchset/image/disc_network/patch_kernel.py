@@ -227,7 +227,9 @@ def _write_log_odds(memory: Record, all_inside: float, all_around: float, known:
 
 @kernel(refcount=False)
 def read_places_kernel(image: Image, circle: Floats, block: Block) -> bool:
-    """Read the colors of the places of a circle into a `PATCH_MEMORY`; False where hardly anything is in the picture.
+    """Read the colors of the places of a circle, and their bins, into a `PATCH_MEMORY`.
+
+    False where hardly anything of the circle is in the picture.
 
     Parameters
     ----------
@@ -236,4 +238,8 @@ def read_places_kernel(image: Image, circle: Floats, block: Block) -> bool:
         x, y and radius, px.
     block : float64
     """
-    return _read_places(image, circle, block.view(PATCH_MEMORY)[0])
+    memory = block.view(PATCH_MEMORY)[0]
+    if not _read_places(image, circle, memory):
+        return False
+    _find_bins(memory)
+    return True

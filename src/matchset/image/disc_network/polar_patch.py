@@ -14,10 +14,7 @@ from matchset.image.disc_network.patch_format import (
     BINS_L,
     COLORS,
     KNOWN_ROUNDS,
-    LOW_AB,
     NUMBERS,
-    PER_AB,
-    PER_L,
     PLACES,
     RADII,
     RAYS,
@@ -33,7 +30,7 @@ from matchset.image.disc_network.patch_kernel import (
     read_places_kernel,
 )
 from matchset.image.frame import channels_last
-from matchset.numeric.record import ThreadBlock
+from matchset.numeric.record import ThreadBlock, fields
 
 NOTHING = np.empty(0, np.float32)  # format: colors known, where none are
 
@@ -81,13 +78,11 @@ def colors_of(image: Image, circle: Circle3) -> Colors | None:
     """
     if not read_places_kernel(channels_last(image), np.array(circle, np.float64), _BLOCKS.block):
         return None
-    memory = _BLOCKS.block.view(PATCH_MEMORY)[0]
-    colors, seen = memory["colors"][:, :INSIDE_PLACES], memory["seen"][:, :INSIDE_PLACES]
+    memory = fields(_BLOCKS.block, PATCH_MEMORY)
+    which, seen = memory.which[:, :INSIDE_PLACES], memory.seen[:, :INSIDE_PLACES]
     if not seen.any():
         return None
-    light = np.clip((colors[..., 0] * PER_L).astype(np.int64), 0, BINS_L - 1)
-    a, b = (np.clip(((colors[..., k] - LOW_AB) * PER_AB).astype(np.int64), 0, BINS_AB - 1) for k in (1, 2))
-    which, weights = (light * BINS_AB + a) * BINS_AB + b, RADII[:INSIDE_PLACES] * seen
+    weights = RADII[:INSIDE_PLACES] * seen
     counts = np.bincount(which.ravel(), weights.ravel(), minlength=COLORS).reshape(BINS_L, BINS_AB, BINS_AB)
     for axis, rounds in enumerate(KNOWN_ROUNDS):
         for _ in range(rounds):

@@ -56,7 +56,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds from which it is taken where the fit was rejected: more loses blurred balls, less follows other things.
     differs, differs_much : float
         Squared distance, in its standard deviations, from which a fit that was confirmed and a detection differ from
-        it: edge points are more exact where both agree. A region that differs as much from it, in the standard
+        it: edge points are more exact where both agree. The first is the 99 % quantile of chi-square. A region that differs as much from it, in the standard
         deviations of both, is of something else.
     sharp : float
         MSAC score of a confirmed fit from which it is not compared: of 6 clicks on real clips with more than 0.75, edge
@@ -100,7 +100,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     sure: float = 1.0
     clear: float = 2.0
     alone: float = 5.0
-    differs: float = 25.0
+    differs: float = 11.3
     differs_much: float = 30.0
     sharp: float = 0.68
     far: float = 1.0

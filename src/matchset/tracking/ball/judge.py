@@ -56,8 +56,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         Log-odds from which it is taken where the fit was rejected: more loses blurred balls, less follows other things.
     differs, differs_much : float
         Squared distance, in its standard deviations, from which a fit that was confirmed and a detection differ from
-        it: edge points are more exact where both agree. The first is the 99 % quantile of chi-square. A region that differs as much from it, in the standard
-        deviations of both, is of something else.
+        it: edge points are more exact where both agree. The first is the 99 % quantile of chi-square with three degrees
+        of freedom. A region that differs by it, in the standard deviations of both, is of something else.
     sharp : float
         MSAC score of a confirmed fit from which it is not compared: of 6 clicks on real clips with more than 0.75, edge
         points were right in 4 and the network in 4, and in rendered sequences edge points were, from 0.68 on, with a

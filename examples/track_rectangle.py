@@ -10,7 +10,7 @@ x, y = clip.first_click
 tracker: ms.Tracker[ms.Rectangle] | None = None
 for frame, truth in clip:
     if tracker is None:
-        tracker = ms.Tracker(ms.Rectangle, ms.ColorModel.pick(frame.image, x, y), start=(x, y))
+        tracker = ms.Tracker(ms.Rectangle, ms.ColorModel.pick(frame.image, x, y, ball=False), start=(x, y))
     track = tracker.update(frame)
     if isinstance(track, ms.Lost):
         print(frame.index, "lost:", track.reason)

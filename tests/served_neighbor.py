@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
+from matchset.localization.markers.ball_colors import pick_marker
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Image = npt.NDArray[np.uint8]
@@ -53,7 +54,7 @@ class ServedNeighbor:
         """Write the colors and the camera; returns the options of `matchset fly` that name them."""
         x, y = CAMERA.project(np.array([_place(0.0)]))[0].tolist()
         radius = 0.14 / AHEAD * CAMERA.fx
-        ColorModel.pick(self._frames[0], x, y).save(folder / "marker.npz")
+        pick_marker(self._frames[0], x, y).save(folder / "marker.npz")
         ColorModel.pick(self._frames[0], x - 0.6 * radius, y).save(folder / "ball.npz")
         CAMERA.save(folder / "camera.toml")
         return [

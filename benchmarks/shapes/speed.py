@@ -51,7 +51,7 @@ def races_of(case: str, options: Options) -> tuple[Result, Result]:
     clip = CASES[case].clip("typical", options.seeds[0], count)
     pairs = list(clip)
     frames, (first, outline) = [frame for frame, _ in pairs], pairs[0]
-    color = ms.ColorModel.pick(first.image, *clip.first_click)
+    color = ms.ColorModel.pick(first.image, *clip.first_click, ball=False)
     found = ms.Tracker(CASES[case].family, color, start=clip.first_click).update(first)
     if not isinstance(found, ms.Track):
         raise RuntimeError(f"{case}: not found in the first frame: {found.reason}")

@@ -71,7 +71,7 @@ def follow_shape(task: ShapeTask) -> ShapeTrial:
     for frame, truth in clip:
         click = clip.first_click
         if tracker is None:
-            tracker = ms.Tracker(case.family, ms.ColorModel.pick(frame.image, *click), start=click)
+            tracker = ms.Tracker(case.family, ms.ColorModel.pick(frame.image, *click, ball=False), start=click)
             finders = {name: METHODS[name](task.case, frame.image, truth) for name in task.peers}
         answer = tracker.update(frame)
         result.ours.append(case.errors(clip, frame.index, answer.shape) if isinstance(answer, ms.Track) else None)

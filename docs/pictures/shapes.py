@@ -58,7 +58,7 @@ def tile(family: type[Any], shown: ShapeClip) -> npt.NDArray[np.uint8]:
     tracker: ms.Tracker[Any] | None = None
     for frame, _ in shown:
         if tracker is None:
-            color = ms.ColorModel.pick(frame.image, *shown.first_click)
+            color = ms.ColorModel.pick(frame.image, *shown.first_click, ball=False)
             tracker = ms.Tracker(family, color, start=shown.first_click)
         answer = tracker.update(frame)
     image = frame.image.copy()

@@ -274,10 +274,9 @@ def test_a_disc_that_is_sure_is_the_prior_of_an_ambiguous_fit() -> None:
     assert sure == pytest.approx(0.8, abs=0.1)
 
 
-def test_hypotheses_are_tested_where_the_network_sees_no_ball() -> None:
-    limits = NetworkParameters()
-    assert not followed(0.0, 1.0, limits.clear + 0.1)[1]
-    assert followed(0.0, 1.0, limits.clear - 0.1)[1]
+def test_the_network_alone_tells_which_outline_is_the_balls() -> None:
+    for log_odds in (-4.0, 0.0, 4.0):
+        assert not followed(0.0, 1.0, log_odds)[1], "no hypotheses beside it"
 
 
 def test_a_picture_costs_no_more_than_its_looks_and_nothing_is_looked_at_twice() -> None:

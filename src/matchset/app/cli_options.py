@@ -151,6 +151,7 @@ class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):
     color: Color = None
     hsv: Hsv = None
     gray: str | None = None  # an option of some commands only: see GrayTargetOptions
+    ball: bool = True  # no option: whether the shape that is followed is one
 
 
 class GrayTargetOptions(TargetOptions, frozen=True, kw_only=True):

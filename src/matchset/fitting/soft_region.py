@@ -177,7 +177,7 @@ def find_soft_region(image: Image, disc: Disc, limits: SoftRegionParameters) -> 
     """
     if disc[2] < limits.min_half_width:
         return None
-    block = _MEMORY.block
+    block = _MEMORY.numbers
     memory = fields(block, REGION_MEMORY)
     store(memory.limits, limits)
     memory.x, memory.y, memory.half_width = disc

@@ -98,10 +98,7 @@ class ColorModel(Copied):
 
     @classmethod
     def learn(
-        cls,
-        image: Picture,
-        region: tuple[int, int, int, int],
-        parameters: ColorParameters = DEFAULT,
+        cls, image: Picture, region: tuple[int, int, int, int], parameters: ColorParameters = DEFAULT
     ) -> "ColorModel":
         """Learn the color from a box inside the target; the rest of the picture teaches the background.
 
@@ -136,7 +133,14 @@ class ColorModel(Copied):
 
     @classmethod
     def pick(
-        cls, image: Picture, x: float, y: float, parameters: ColorParameters = DEFAULT, *, reading: int = 1
+        cls,
+        image: Picture,
+        x: float,
+        y: float,
+        parameters: ColorParameters = DEFAULT,
+        *,
+        reading: int = 1,
+        ball: bool = True,
     ) -> "ColorModel":
         """Learn the color from one click on the target.
 
@@ -148,6 +152,8 @@ class ColorModel(Copied):
         parameters : ColorParameters
         reading : int
             Which of the `alternatives` is meant, if it is not the first.
+        ball : bool
+            Whether a ball may be meant. If not, what grew in color from the click is the target: for other shapes.
 
         Raises
         ------
@@ -157,12 +163,11 @@ class ColorModel(Copied):
         """
         image = image_of(image)
         check_kind("parameters", parameters, ColorParameters)
-        check_number("x of the pick", x)
-        check_number("y of the pick", y)
+        for name, number in (("x", x), ("y", y), ("reading", reading)):
+            check_number(f"{name} of the pick", number)
         if not (-0.5 <= x < image.shape[1] - 0.5 and -0.5 <= y < image.shape[0] - 0.5):
             raise ValueError(f"pick ({x}, {y}) does not lie in the {image.shape[1]} x {image.shape[0]} picture")
-        check_number("reading of the pick", reading)
-        targets, readings = regions_at_click(image, x, y, parameters, reading)
+        targets, readings = regions_at_click(image, x, y, parameters if ball else parameters.without_balls(), reading)
         taken = readings[reading - 1]
         model = cls._of_reading(image, targets, taken, parameters)
         if isinstance(model, str):

@@ -170,6 +170,10 @@ class ColorParameters(msgspec.Struct, frozen=True):
     region: RegionParameters = RegionParameters()
     ball: BallAtClickParameters = BallAtClickParameters()
 
+    def without_balls(self) -> "ColorParameters":
+        """Return the same, with which no click means a ball."""
+        return msgspec.structs.replace(self, ball=msgspec.structs.replace(self.ball, used=False))
+
 
 DEFAULT = ColorParameters()
 

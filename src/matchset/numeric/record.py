@@ -84,7 +84,7 @@ class ThreadBlock(threading.local):
     """
 
     def __init__(self, layout: np.dtype[np.void]) -> None:
-        self.block = new_block(layout)
+        self.numbers = new_block(layout)
 
 
 def fields(block: Block, layout: np.dtype[np.void]) -> Any:

@@ -15,6 +15,7 @@ import matchset as ms
 from matchset.app.calibrate.mount_command import parse_place
 from matchset.app.flight.config import read_flight
 from matchset.control.mount.camera_mount import mounting, turn_about_down
+from matchset.localization.markers.ball_colors import pick_marker
 
 CAMERA = ms.CameraModel(width=640, height=480, fx=400.0, fy=400.0, cx=319.5, cy=239.5)
 RADIUS, MARKER = 0.14, 0.03
@@ -56,7 +57,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     marker = mounting(*MOUNT).T @ (
         np.array(PLACES[0]) + RADIUS * turn_about_down(-MARKER_YAW) @ np.array((0.0, 0.0, -1.0))
     )
-    ms.ColorModel.pick(sample, *CAMERA.project(marker[None])[0]).save(folder / "marker.npz")
+    pick_marker(sample, *CAMERA.project(marker[None])[0]).save(folder / "marker.npz")
     CAMERA.save(folder / "camera.toml")
     return made
 

@@ -168,7 +168,6 @@ def targets_for(
     """
     target, taken = target_for(source, video, options)
     if not marker.given:
-        target.say_notes()
         return target, None, taken
     if marker.marker_pick is None:
         color = load_color(marker.marker_color or ())
@@ -176,7 +175,6 @@ def targets_for(
         x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
         frame, taken = _frame_of(source, video, target.frame if index is None else index, taken)
         color = pick_marker(frame.image, x, y)
-    target.say_notes()
     return msgspec.structs.replace(target, color=target.color | color), color, taken
 
 

@@ -60,6 +60,7 @@ def run_locate(options: LocateOptions) -> int:
             explain_refused_click(refused, command, output_folder(options.out, "locate", options.force))
             raise
         locator: Locator = locator_of(options, target, marker_color, camera, ball)
+        target.say_notes()
         folder = output_folder(options.out, "locate", options.force)
         statistics, path, explainer = RunStatistics(), PathLog(), Explainer(command, target)
         outputs = _outputs(options, video, PosePainter(camera, ball.radius, options.marker.given), folder)

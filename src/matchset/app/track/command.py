@@ -17,6 +17,7 @@ from matchset.app.cli_options import (
     GrayTargetOptions,
     Params,
     Points,
+    ReadingNumber,
     ShapeName,
     ShownOptions,
     Source,
@@ -111,6 +112,10 @@ class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
         str | None,
         typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball: learn its color and save it."),
     ] = None
+    reading: ReadingNumber = 1
+    marker: Annotated[bool, typer.Option("--marker", help="The --pick lies on a ball's marker: learn that spot.")] = (
+        False
+    )
     out: Annotated[
         Path | None,
         typer.Option("-o", metavar="FILE", help="The color file (.npz); without a pick, the picture."),
@@ -132,6 +137,10 @@ def _check_learn(options: LearnOptions) -> None:
     from matchset.app.run_folder import check_run
 
     out = options.out
+    if options.pick is None and (options.marker or options.reading != 1):
+        raise ValueError("--marker and --reading say what a --pick means: give one")
+    if options.marker and options.reading != 1:
+        raise ValueError("give one of --marker and --reading, not both")
     if out is not None and options.pick is not None and out.suffix.lower() != ".npz":
         raise ValueError(f"a color file's name must end in .npz, got {str(out)!r}")
     if out is not None and options.pick is None and out.suffix.lower() not in (".png", ".jpg"):

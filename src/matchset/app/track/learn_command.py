@@ -1,5 +1,6 @@
 """`matchset learn`: show ball-like circles in a frame (`show_candidates`), or save a color (`learn_color`)."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from matchset.app.track.command import LearnOptions
 from matchset.app.track.frame_picker import lit_frame_at
 from matchset.app.track.grid_picture import grid_picture
 from matchset.app.track.shape_option import parse_shape
-from matchset.app.track.target_options import RefusedClickError, color_at, parse_pick
+from matchset.app.track.target_options import RefusedClickError, color_at, parse_pick, taken_words
 from matchset.image.candidates import Candidate
 from matchset.image.circle_score import SCORE
 from matchset.image.color import ColorModel
@@ -45,7 +46,7 @@ def learn_color(options: LearnOptions) -> int:
         frame = lit_frame_at(video, options.frame or at or 0)
         live = video.live
     try:
-        color = color_at(frame, x, y)
+        color = color_at(frame, x, y, options.reading, family is Circle, options.marker)
     except RefusedClickError as refused:
         run = Run("learn", options.source, options.topic, family, f"{x:g},{y:g}@{frame.index}", live=live)
         explain_refused_click(refused, run, output_folder(None, "learn"))
@@ -57,6 +58,8 @@ def learn_color(options: LearnOptions) -> int:
     )
     picture = output_file(path.with_name(path.stem + "-mask.png"), options.force, options.source)
     color.save(path)
+    if family is Circle and not options.marker:
+        print(f"note: {taken_words(color, options.reading)}", file=sys.stderr)
     small = reduced(frame)
     write_picture(picture, mask_picture(small.image, color))
     print(f"color saved:  {path}")

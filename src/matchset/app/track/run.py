@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from matchset.app.cli_options import source_words
 from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
@@ -23,6 +25,7 @@ from matchset.app.track.rows import track_table
 from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import RefusedClickError, check_target_options, target_for
 from matchset.image.video import Video
+from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 
 _KEPT = {"points": "--points", "params": "--params", "fps": "--fps"}
@@ -43,7 +46,8 @@ def run_track(options: TrackOptions) -> int:
     with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
         command = _command(options, family, video.live)
         try:
-            target, taken = target_for(options.source, video, options.target)
+            wanted = msgspec.structs.replace(options.target, ball=family is Circle)
+            target, taken = target_for(options.source, video, wanted)
         except RefusedClickError as refused:
             explain_refused_click(refused, command, output_folder(options.out, "track", options.force))
             raise

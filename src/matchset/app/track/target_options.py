@@ -16,6 +16,7 @@ from matchset.app.track.frame_picker import frame_at, lit_frame_at
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 from matchset.image.video import Video
+from matchset.localization.markers.ball_colors import pick_marker
 
 _PICK = re.compile(r"\s*(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*(?:@\s*(\d{1,9})\s*)?")
 _CANDIDATE = re.compile(r"\s*(\d{1,9})\s*(?:@\s*(\d{1,9})\s*)?")
@@ -137,7 +138,7 @@ def target_in(source: str, video: Video, options: TargetOptions) -> tuple[Learne
         frame = lit_frame_at(video, index or 0)
     else:
         frame, (x, y) = _candidate_in(source, video, options.candidate or "")
-    color = color_at(frame, x, y, options.reading)
+    color = color_at(frame, x, y, options.reading, options.ball)
     notes = (taken_words(color, options.reading), *([color.note] if color.note else []))
     return LearnedTarget(color, (x, y), frame.index, notes), frame
 
@@ -166,10 +167,12 @@ def taken_words(color: ColorModel, reading: int = 1) -> str:
     return "; ".join((words, *(f"or {each}" for each in rest[:1])))
 
 
-def color_at(frame: Frame, x: float, y: float, reading: int = 1) -> ColorModel:
+def color_at(frame: Frame, x: float, y: float, reading: int = 1, ball: bool = True, marker: bool = False) -> ColorModel:
     """Learn the color at a click; `RefusedClickError` where none can be learned, ValueError outside of the picture."""
     try:
-        return ColorModel.pick(frame.image, x, y, reading=reading)
+        return (
+            pick_marker(frame.image, x, y) if marker else ColorModel.pick(frame.image, x, y, reading=reading, ball=ball)
+        )
     except ValueError as error:
         rows, columns = frame.image.shape[:2]
         outside = not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5)

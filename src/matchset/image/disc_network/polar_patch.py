@@ -57,7 +57,7 @@ def read_patch(image: Image, circle: Circle3, known: Colors | None = None) -> Pa
     """
     patch = np.empty((RAYS, PLACES, NUMBERS), np.float32)
     colors = NOTHING if known is None else known
-    read = read_patch_kernel(channels_last(image), np.array(circle, np.float64), colors, _BLOCKS.block, patch)
+    read = read_patch_kernel(channels_last(image), np.array(circle, np.float64), colors, _BLOCKS.numbers, patch)
     return patch if read else None
 
 
@@ -76,9 +76,9 @@ def colors_of(image: Image, circle: Circle3) -> Colors | None:
     ndarray of shape (9216,), float32, or None
         By bin of CIE Lab, smoothed.
     """
-    if not read_places_kernel(channels_last(image), np.array(circle, np.float64), _BLOCKS.block):
+    if not read_places_kernel(channels_last(image), np.array(circle, np.float64), _BLOCKS.numbers):
         return None
-    memory = fields(_BLOCKS.block, PATCH_MEMORY)
+    memory = fields(_BLOCKS.numbers, PATCH_MEMORY)
     which, seen = memory.which[:, :INSIDE_PLACES], memory.seen[:, :INSIDE_PLACES]
     if not seen.any():
         return None

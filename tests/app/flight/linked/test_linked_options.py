@@ -28,7 +28,10 @@ LINK = "serial:///dev/ttyUSB0"
         ("--camera 0 --link LINK --fov 60 --camera-file c.toml", "one of the two"),
         ("--camera 0 --link LINK --fov 190", "between 0 and 180, got 190"),
         ("--camera 0 --link LINK --fov 60", "made by 'matchset learn 0 --pick X,Y -o ball.npz'"),
-        ("--camera 0 --link LINK --fov 60 --color ball.npz", "made by 'matchset learn 0 --pick X,Y -o marker.npz'"),
+        (
+            "--camera 0 --link LINK --fov 60 --color ball.npz",
+            "made by 'matchset learn 0 --pick X,Y --marker -o marker.npz'",
+        ),
         ("--camera 0 --link LINK --fov 60 --delay-ms nan", "delay_ms must be within 0 ... 1000, got nan"),
         ("--camera 0 --link LINK --fov 60 --diameter -1", "diameter"),
         ("--camera 0 --link LINK --fov 60 --color no.npz --marker-color no.npz", "no.npz"),

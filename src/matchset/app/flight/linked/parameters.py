@@ -87,13 +87,13 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
                 f"{source} --board 9x6 --square 0.025 -o camera.toml', or --fov DEG (fov_deg), its horizontal field of "
                 "view; one of the two"
             )
-        for files, option, what in (
-            (self.color, "--color ball.npz (color)", "ball"),
-            (self.marker_color, "--marker-color marker.npz (marker_color)", "marker"),
+        for files, option, what, click in (
+            (self.color, "--color ball.npz (color)", "ball", "--pick X,Y"),
+            (self.marker_color, "--marker-color marker.npz (marker_color)", "marker", "--pick X,Y --marker"),
         ):
             if not files:
                 raise ValueError(
-                    f"say what color the {what} has: {option}, made by 'matchset learn {source} --pick X,Y -o "
+                    f"say what color the {what} has: {option}, made by 'matchset learn {source} {click} -o "
                     f"{what}.npz'; 'matchset learn {source}' shows a picture with its pixels"
                 )
 

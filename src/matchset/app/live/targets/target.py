@@ -16,6 +16,7 @@ from matchset.app.track.shape_option import NAMES, parse_shape
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
+from matchset.localization.markers.ball_colors import pick_marker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.shapes.shape import Shape, center_of, outline
@@ -77,7 +78,7 @@ class Target:
         else:
             self.begun = begin.x, begin.y
             check_inside(*self.begun, *frame.image.shape[1::-1])
-            color = ColorModel.pick(frame.image, *self.begun, reading=begin.reading)
+            color = ColorModel.pick(frame.image, *self.begun, reading=begin.reading, ball=family is Circle)
         self.readings = [str(each) for each in color.alternatives]
         self.number, self.name, self.note = number, f"{begin.shape} {number}", color.note
         self.shape, self.parameters = begin.shape, tuple(family.parameters)
@@ -131,7 +132,7 @@ class Target:
         """
         if self._family is not Circle:
             raise ValueError(f"{self.name} is no ball: only balls have markers")
-        color, before = ColorModel.pick(frame.image, x, y), self._marker
+        color, before = pick_marker(frame.image, x, y), self._marker
         joint = self.tracker.color | color
         self._marker = color, width
         try:

@@ -48,6 +48,12 @@ def test_another_reading_of_a_click_is_learned_on_request(tmp_path: Path) -> Non
     assert ms.ColorModel.load(tmp_path / "ball.npz").alternatives == ()
 
 
+def test_of_another_shape_what_grew_in_color_is_meant() -> None:
+    image, (x, y, _), _ = draw("spotted", 4)
+    assert [each.name for each in ms.ColorModel.pick(image, x, y, ball=False).alternatives] == ["region"]
+    assert ms.ColorModel.pick(image, x, y).alternatives[0].name == "ball"
+
+
 def test_readings_are_named_by_where_they_are() -> None:
     circles = [(50.0, 50.0, 20.0), (52.0, 50.0, 6.0), (60.0, 50.0, 45.0), (72.0, 50.0, 19.0)]
     discs = [Weighed(circle, 20.0 - k) for k, circle in enumerate(circles)]

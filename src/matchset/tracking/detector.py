@@ -17,7 +17,7 @@ from matchset.image.color import ColorModel
 from matchset.shapes.shape import Shape, finds_itself, from_hull, slopes
 from matchset.tracking.outlines.hypotheses import Hypotheses, HypothesisParameters
 from matchset.tracking.search.voting import Searcher
-from matchset.tracking.track import Track
+from matchset.tracking.track import Acquisition, Track
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
@@ -300,7 +300,13 @@ def _place_of(estimate: Estimate) -> Start:
     return Start(float(estimate.state[0]), float(estimate.state[1]), estimate.fit.half_width, estimate.state)
 
 
-def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | None = None) -> Track[S]:
+def track_of(
+    fitter: Fitter[S],
+    last: S | None,
+    time: float,
+    spread: Floats | None = None,
+    acquired: Acquisition | None = None,
+) -> Track[S]:
     """Answer with the last fit of a fitter.
 
     Parameters
@@ -312,6 +318,8 @@ def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | No
         Of the frame, s.
     spread : ndarray of shape (p, p), float64, optional
         Covariance between the outlines that it may be: what the covariance of its edge points does not know of.
+    acquired : Acquisition, optional
+        When it was found.
     """
     support, covariance, points = fitter.answer()
     if spread is not None:
@@ -319,4 +327,4 @@ def track_of(fitter: Fitter[S], last: S | None, time: float, spread: Floats | No
     shape = fitter.family.from_state(fitter.state, last)
     if fitter.moves_covariance and (by := slopes(shape)) is not None:
         covariance = by @ covariance @ by.T
-    return Track(shape, covariance, support, points, time)
+    return Track(shape, covariance, support, points, time, acquired)

@@ -31,6 +31,27 @@ class Mode(enum.Enum):
     SEARCHING, TRACKING, COASTING = range(3)
 
 
+class Acquisition(msgspec.Struct, frozen=True):
+    """When a shape was found that was not seen in the frame before, and how sure that was.
+
+    Parameters
+    ----------
+    time : float
+        Of that frame, s.
+    log_odds : float or None
+        That what was found there is the target, of all that was known then: outline, network, color, size and place.
+        None where nothing is weighed, as for gray edges.
+    """
+
+    time: float
+    log_odds: float | None = None
+
+    @property
+    def probability(self) -> float | None:
+        """The same as a probability."""
+        return None if self.log_odds is None else 0.5 + 0.5 * math.tanh(0.5 * self.log_odds)
+
+
 class Track(msgspec.Struct, Generic[S], frozen=True):
     """A shape that this frame's own pixels confirm.
 
@@ -46,6 +67,9 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
         The edge points that decided the fit, px (Epstein & Feldman, Eq. 4); gross outliers are left out.
     time : float
         The frame's time, s.
+    acquired : Acquisition or None
+        When it was found, or found again after it was lost: since then it is followed from frame to frame. Of this
+        frame if `acquired.time` is its time. None where `Tracker.start` said where it is.
     """
 
     shape: S
@@ -53,6 +77,7 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
     support: float
     match_set: npt.NDArray[np.float64]
     time: float
+    acquired: Acquisition | None = None
 
     def measured(self) -> dict[str, tuple[float, float | None]]:
         """Return the shape's parameters by name, px and rad, with their standard deviations; None if not finite."""

@@ -29,6 +29,7 @@ from matchset.tracking.outlines.hypotheses import Hypotheses
 from matchset.tracking.outlines.outline_choice import OutlineChoice
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.search.voting import Searcher
+from matchset.tracking.track import Acquisition
 
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
@@ -36,6 +37,7 @@ Image = npt.NDArray[np.uint8]
 
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
+ONE_FRAME = 1.5  # geometry: a time between that of one frame and that of two, frames
 
 
 class TrackStep(Copied, Generic[S]):
@@ -56,11 +58,14 @@ class TrackStep(Copied, Generic[S]):
         Whether the shape was given by somebody and no picture has confirmed it yet.
     without_outline : bool
         Whether the last sighting was a disc by its color or its looks, whose outline nothing confirmed.
+    acquired : Acquisition or None
+        When the shape was found last; None if somebody said where it is.
     """
 
     def __init__(self, fitter: Fitter[S], parameters: TrackerParameters) -> None:
         self.fitter, self.parameters, self.faint, self.given = fitter, parameters, 0, False
         self.without_outline = False
+        self.acquired: Acquisition | None = None
         self._hypotheses = Hypotheses(fitter, parameters.hypotheses)
         self.outlines = OutlineChoice(fitter, parameters)
 
@@ -68,6 +73,7 @@ class TrackStep(Copied, Generic[S]):
         """Be as a step is that has seen nothing."""
         self.faint, self.given, self.without_outline = 0, False, False
         self.outlines.spread = None
+        self.acquired = None
         self._make_derived()
 
     def _derive(self) -> None:
@@ -87,10 +93,11 @@ class TrackStep(Copied, Generic[S]):
         index : int
             Number of the frame.
         """
-        fitter, self.outlines.spread = self.fitter, None
+        fitter, self.outlines.spread, missed = self.fitter, None, self.missed(time, interval)
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
             self.without_outline = False
+            self._note_acquired(image, color, time, missed)
             return None
         estimate = fitter.estimate(rejection)
         if rejection:
@@ -101,8 +108,16 @@ class TrackStep(Copied, Generic[S]):
             return estimate
         if rejection:
             self.accept(time)
+        if not self.given:
+            self._note_acquired(image, color, time, missed)
         self.given = False
         return None
+
+    def _note_acquired(self, image: Image, color: ColorModel, time: float, missed: float) -> None:
+        """Note a shape that was not seen in the frame before as found again."""
+        if missed > ONE_FRAME:
+            weighed = self.fitter.weigh(self.fitter.estimate(Rejection.NONE), image, color)
+            self.acquired = Acquisition(time, weighed.evidence)
 
     def _chance_in_noise(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
         """Demand of a shape that was given what a detection needs, where noise alone has edge points anywhere."""

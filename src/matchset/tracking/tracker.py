@@ -24,7 +24,7 @@ from matchset.tracking.initialization import initialize_near, model_for_image
 from matchset.tracking.motion import gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.too_near import TOO_NEAR, fills_picture
-from matchset.tracking.track import Lost, Mode, Track
+from matchset.tracking.track import Acquisition, Lost, Mode, Track
 from matchset.tracking.track_step import TrackStep, precompile, precompile_search
 
 S = TypeVar("S", bound=Shape)
@@ -132,6 +132,7 @@ class Tracker(Copied, Generic[S]):
         initialize(self._fitter.work, shape.state, self._time, sigma)
         self._fitter.work.motion.size_count = 0.0
         self._initial = self._last = shape
+        self._step.acquired = None
         self.mode = Mode.TRACKING
 
     def restart(self, hint: tuple[float, float] | S | None = None) -> None:
@@ -168,8 +169,7 @@ class Tracker(Copied, Generic[S]):
         self.color, self.mode = self._given.copy(), Mode.SEARCHING
         self._adapting.begin(self.color)
         self._detectors.forget()
-        self._format = None
-        self._initial = self._last = None
+        self._format = self._initial = self._last = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
         self._step.forget()
@@ -207,11 +207,10 @@ class Tracker(Copied, Generic[S]):
             rejected = self._tracked(image)
         if rejected is not None:
             reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
-            lost = self._detect(image, reason)
-            if lost is not None:
+            if (lost := self._detect(image, reason)) is not None:
                 return lost
         self.mode = Mode.TRACKING
-        track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread)
+        track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread, self._step.acquired)
         self._last = track.shape
         if self._step.without_outline:
             return track
@@ -381,6 +380,7 @@ class Tracker(Copied, Generic[S]):
         if estimate.fit.color_score > self.parameters.confidence.clear_score:
             self._step.faint = 0
         self._step.accept(self._time)
+        self._step.acquired = Acquisition(self._time, estimate.evidence)
         return None
 
     def _prior(self, predicted: Floats | None) -> Prior:

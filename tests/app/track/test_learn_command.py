@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from benchmarks.clicks.scenes import draw
 from blue_ball import Matchset, ball_picture
 
 from matchset.app.guidance.large_frames import reduced, rescaled
@@ -54,6 +55,24 @@ def test_a_pick_saves_a_color_and_a_mask(
     assert "exists: choose another name" in capsys.readouterr().err
 
 
+def test_what_was_clicked_on_a_ball_with_a_marker_is_said_and_may_be_the_marker(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    image, ball, spot = draw("spotted", 4)
+    assert spot is not None
+    cv2.imwrite("spotted.png", image)
+    click = f"{spot[0]:.0f},{spot[1]:.0f}"
+    others = ColorModel.pick(image, round(spot[0]), round(spot[1])).alternatives
+    number = 1 + [each.name for each in others].index("ball around it")
+    for name, more in (("first", ()), ("whole", ("--reading", str(number))), ("marker", ("--marker",))):
+        assert matchset("learn", "spotted.png", "--pick", click, *more, "-o", f"{name}.npz") == 0
+        assert ("the click is taken for: " in capsys.readouterr().err) == (name != "marker")
+    on_ball = round(ball[1] + 0.8 * ball[2]), round(ball[0])
+    pixels = np.array([[image[round(spot[1]), round(spot[0])], image[on_ball]]])
+    assert (ColorModel.load("marker.npz").scores(pixels)[0] > 0).tolist() == [True, False]
+    assert ColorModel.load("whole.npz").scores(pixels)[0, 1] > 0
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -61,6 +80,10 @@ def test_a_pick_saves_a_color_and_a_mask(
         (("--pick", "560,60"), "does not lie in"),
         (("--pick", "56,60", "-o", "ball.txt"), "must end in .npz"),
         (("-o", "ball.npz"), "names a picture"),
+        (("--marker",), "say what a --pick means: give one"),
+        (("--reading", "2"), "say what a --pick means: give one"),
+        (("--pick", "56,60", "--marker", "--reading", "2"), "one of --marker and --reading, not both"),
+        (("--pick", "56,60", "--reading", "9"), "reading 9 of the click (56, 60): there are"),
         (("--frame", "99"), "there is no frame 99"),
     ],
 )

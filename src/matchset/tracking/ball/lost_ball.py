@@ -28,6 +28,7 @@ from matchset.tracking.ball.others import Others
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.motion import Gate
 from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.track import Acquisition
 from matchset.tracking.track_step import TrackStep
 
 Floats = npt.NDArray[np.float64]
@@ -219,7 +220,10 @@ class LostBall:
         if disc.log_odds > network.limits.renewed:
             self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
         disc = self._step.outlines.refined(image, disc)
-        return self._take(image, color, disc, (time, expected is None), network.limits.renewed)
+        taken = self._take(image, color, disc, (time, expected is None), network.limits.renewed)
+        if taken:
+            self._step.acquired = Acquisition(time, best[0])
+        return taken
 
     def _likeliest(
         self, image: Image, color: ColorModel, near: Sequence[Gate], prior: _Expected, time: float
@@ -308,4 +312,5 @@ class LostBall:
         if disc is None:
             return False
         self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
+        self._step.acquired = Acquisition(time, disc.log_odds)
         return self._take(image, color, disc, (time, True), limits.clicked)

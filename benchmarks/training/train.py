@@ -22,6 +22,7 @@ import torch
 import typer
 from torch.nn import functional
 
+from benchmarks.pruning.silent import with_silent
 from benchmarks.training.augmentation import AugmentationParameters, varied
 from benchmarks.training.examples import Examples, read_examples
 from matchset.image.disc_network.look import LOG_PRECISIONS, MOVES, PRECISION, STEPS
@@ -185,11 +186,12 @@ def _earlier(path: Path) -> dict[str, torch.Tensor]:
         return state
     state = {}
     with np.load(path) as file:
-        for name, reach in {"first": 1, **dict.fromkeys(STEPS, KERNEL), "out": 1, "cls": 0}.items():
-            weight = torch.from_numpy(file[f"{name}.w"].astype(np.float32))
-            by_ray = weight.reshape(reach, -1, weight.shape[1]).permute(2, 1, 0) if reach else weight.T
-            state[f"{name}.weight"] = by_ray
-            state[f"{name}.bias"] = torch.from_numpy(file[f"{name}.b"].astype(np.float32))
+        kept = with_silent({name: file[name] for name in file.files})
+    for name, reach in {"first": 1, **dict.fromkeys(STEPS, KERNEL), "out": 1, "cls": 0}.items():
+        weight = torch.from_numpy(kept[f"{name}.w"].astype(np.float32))
+        by_ray = weight.reshape(reach, -1, weight.shape[1]).permute(2, 1, 0) if reach else weight.T
+        state[f"{name}.weight"] = by_ray
+        state[f"{name}.bias"] = torch.from_numpy(kept[f"{name}.b"].astype(np.float32))
     return state
 
 

@@ -64,9 +64,11 @@ class RegionMemory:
     weights: Annotated[Floats, (3,), "f8"]
     spread: Annotated[Floats, (3, 3), "f8"]
     inverse: Annotated[Floats, (3, 3), "f8"]
+    columns: Annotated[Cells, (MOST_CELLS * TAPS,), "i8"]
+    rows: Annotated[Cells, (MOST_CELLS * TAPS,), "i8"]
     pixels: Annotated[Floats, (3, MOST_CELLS * MOST_CELLS), "f8"]
     away: Annotated[Floats, (MOST_CELLS * MOST_CELLS,), "f8"]
-    values: Annotated[Floats, (MOST_CELLS * MOST_CELLS,), "f8"]
+    values: Annotated[Floats, (3, MOST_CELLS * MOST_CELLS), "f8"]
     labels: Annotated[Cells, (MOST_CELLS * MOST_CELLS,), "i8"]
     stack: Annotated[Cells, (MOST_CELLS * MOST_CELLS,), "i8"]
     widths: Annotated[Floats, (MOST_LINES,), "f8"]
@@ -99,6 +101,10 @@ def _read_window(image: Image, memory: Record) -> bool:
     memory.step, memory.count = side / cells, cells
     taps = min(max(math.ceil(memory.step), 1), TAPS)
     share = 1.0 / (taps * taps)
+    for k in range(cells * taps):
+        at = (k // taps + (k % taps + 0.5) / taps) * memory.step
+        memory.columns[k] = min(max(int(memory.left + at), 0), width - 1)
+        memory.rows[k] = min(max(int(memory.top + at), 0), height - 1)
     for row in range(cells):
         for column in range(cells):
             index = row * cells + column
@@ -106,12 +112,10 @@ def _read_window(image: Image, memory: Record) -> bool:
             down = memory.top + (row + 0.5) * memory.step - 0.5 - y
             memory.away[index] = math.sqrt((across) ** 2 + (down) ** 2) / size
             for channel in range(image.shape[2]):
-                total = 0.0
-                for k in range(taps):
-                    for m in range(taps):
-                        at_x = memory.left + (column + (m + 0.5) / taps) * memory.step
-                        at_y = memory.top + (row + (k + 0.5) / taps) * memory.step
-                        total += _pixel(image, at_x, at_y, channel)
+                total = 0
+                for k in range(row * taps, row * taps + taps):
+                    for m in range(column * taps, column * taps + taps):
+                        total += image[memory.rows[k], memory.columns[m], channel]
                 memory.pixels[channel, index] = share * total
     return True
 
@@ -119,26 +123,28 @@ def _read_window(image: Image, memory: Record) -> bool:
 @kernel(refcount=False, entry=False)
 def _add_spread(memory: Record, channels: int, least: float, most: float, typical: Floats) -> int:
     """Add half the covariance of the pixels between two distances, and write their median; how many they are."""
-    cells, away, count = int(memory.count), memory.away, 0
+    cells, away, count, values = int(memory.count), memory.away, 0, memory.values
+    for index in range(cells * cells):
+        if least < away[index] < most:
+            for channel in range(channels):
+                values[channel, count] = memory.pixels[channel, index]
+            count += 1
+    if count < FEW:
+        return count
     for channel in range(channels):
-        count, total = 0, 0.0
-        for index in range(cells * cells):
-            if least < away[index] < most:
-                memory.values[count] = memory.pixels[channel, index]
-                total += memory.values[count]
-                count += 1
-        if count < FEW:
-            return count
+        total = 0.0
+        for k in range(count):
+            total += values[channel, k]
         memory.center[channel] = total / count
-        typical[channel] = median(memory.values[:count])
     for a in range(channels):
-        for b in range(channels):
+        for b in range(a, channels):
             total = 0.0
-            for index in range(cells * cells):
-                if least < away[index] < most:
-                    first = memory.pixels[a, index] - memory.center[a]
-                    total += first * (memory.pixels[b, index] - memory.center[b])
+            for k in range(count):
+                total += (values[a, k] - memory.center[a]) * (values[b, k] - memory.center[b])
             memory.spread[a, b] += 0.5 * total / (count - 1)
+            memory.spread[b, a] = memory.spread[a, b]
+    for channel in range(channels):
+        typical[channel] = median(values[channel, :count])
     return count
 
 
@@ -293,10 +299,10 @@ def _share_at(image: Image, memory: Record, x: float, y: float) -> float:
 def _width_of_line(image: Image, memory: Record, turn: float) -> float:
     """Width of the rim along a line from the center, half-widths; 1 where it does not end, -1 where none is crossed."""
     limits, line, spacing = memory.limits, memory.line, (LAST_PLACE - FIRST_PLACE) / (PLACES - 1)
-    end = 0
+    end, across, down = 0, math.cos(turn), math.sin(turn)
     for place in range(PLACES):
         away = memory.half_width * (FIRST_PLACE + spacing * place)
-        line[place] = _share_at(image, memory, memory.x + away * math.cos(turn), memory.y + away * math.sin(turn))
+        line[place] = _share_at(image, memory, memory.x + away * across, memory.y + away * down)
         if end == 0 and place > 0 and line[place] < limits.level:
             end = place
     if end == 0 or not line[0] > limits.level:

@@ -1,7 +1,10 @@
-"""One layer of the network in compiled code: `dense`, and `gather_around`, which a circular convolution needs before.
+"""One layer of the network in compiled code: `dense`, `gather_around` before it, and `add_outputs` after it.
 
 NumPy's BLAS would start a thread for each core for matrices of this size, and wait for them: on a busy computer that
 takes a hundred times as long as the arithmetic. A kernel stays in the thread that calls it.
+
+The rays lie one behind the other, with those of the other end before and after them: what a circular convolution sees
+are rows at fixed distances. A layer that was pruned gives some channels only.
 """
 
 import numpy as np
@@ -10,9 +13,12 @@ import numpy.typing as npt
 from matchset.numeric.jit import kernel
 
 Singles = npt.NDArray[np.float32]
+Places = npt.NDArray[np.int64]
 
-TILE = 4  # format: outputs that are worked out together; layers are as wide as a multiple of it
+TILE = 4  # format: outputs that are worked out together; layers give a multiple of it
 TAPS = 5  # format: rays that a convolution sees, itself in the middle
+FARTHEST_STEP = 8  # format: longest step of a convolution, in rays
+AROUND = TAPS // 2 * FARTHEST_STEP  # geometry: rays of the other end before and after the rays
 
 
 @kernel(refcount=False, reassociate=True, fused=True, entry=False)
@@ -21,12 +27,12 @@ def dense(values: Singles, weights: Singles, bias: Singles, out: Singles) -> Non
 
     Parameters
     ----------
-    values : (4 m, k), float32
+    values : (4 m, >= k), float32
     weights : (4 n, k), float32
     bias : (4 n,), float32
-    out : (4 m, 4 n), float32, written
+    out : (4 m, >= 4 n), float32, written
     """
-    inputs = values.shape[1]
+    inputs = weights.shape[1]
     for r in range(0, values.shape[0], TILE):
         v0, v1, v2, v3 = values[r], values[r + 1], values[r + 2], values[r + 3]
         for j in range(0, weights.shape[0], TILE):
@@ -58,15 +64,36 @@ def gather_around(rays: Singles, first: int, step: int, out: Singles) -> None:
 
     Parameters
     ----------
-    rays : (n, width), float32
+    rays : (n + 2 * `AROUND`, width), float32
     first : int
     step : int
         Of the convolution, in rays.
     out : (m, 5 * width), float32, written
     """
-    count, width = rays.shape
+    width = rays.shape[1]
     for k in range(out.shape[0]):
         for tap in range(TAPS):
-            source = (first + k + step * (tap - TAPS // 2)) % count
+            source = AROUND + first + k + step * (tap - TAPS // 2)
             for i in range(width):
                 out[k, tap * width + i] = rays[source, i]
+
+
+@kernel(refcount=False, entry=False)
+def add_outputs(more: Singles, outputs: Places, rays: Singles) -> None:
+    """Add what a layer gives to some channels of all rays, and close the ring.
+
+    Parameters
+    ----------
+    more : (64, k), float32
+    outputs : (m,), int64
+        Channels.
+    rays : (64 + 2 * `AROUND`, width), float32, written
+    """
+    count = rays.shape[0] - 2 * AROUND
+    for ray in range(count):
+        for j in range(outputs.shape[0]):
+            rays[AROUND + ray, outputs[j]] += more[ray, j]
+    for k in range(AROUND):
+        for j in range(rays.shape[1]):
+            rays[k, j] = rays[count + k, j]
+            rays[AROUND + count + k, j] = rays[AROUND + k, j]

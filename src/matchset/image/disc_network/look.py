@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.disc_network.layers import dense, gather_around
+from matchset.image.disc_network.layers import AROUND, FARTHEST_STEP, Places, Singles, add_outputs, dense, gather_around
 from matchset.image.disc_network.patch_format import DIRECTIONS, NUMBERS, PLACES, RAYS, Colors, Image, Patch
 from matchset.image.disc_network.patch_kernel import read_patch_kernel
 from matchset.numeric.jit import kernel
@@ -14,23 +14,32 @@ from matchset.numeric.linalg import invert_3x3, transform
 from matchset.numeric.record import Block
 
 Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
 
-STEPS = {"a": 1, "b": 2, "c": 4, "d": 8}  # format: of the convolutions, in rays
+STEPS = {"a": 1, "b": 2, "c": 4, "d": FARTHEST_STEP}  # format: of the convolutions, in rays
 PRECISION = 30.0  # format: of a circle of which nothing is seen, 1 / radii^2
 LOG_PRECISIONS = (-6.0, 8.0)  # format: of a ray, least and largest
 MOVES = np.column_stack((DIRECTIONS, np.ones(RAYS)))  # theorem: how the outline moves along the rays with x, y, radius
 WAYS = tuple(STEPS.values())
-AT_ONCE = 8  # format: rays that are convolved together: what they see fits into the first cache
+AT_ONCE = 8  # format: rays that are worked out together: what they see fits into the first cache
 
 
 class Weights(NamedTuple):
-    """Weights of the network as kernels read them: of each layer by output."""
+    """Weights of the network as kernels read them.
 
-    first: Singles
-    first_bias: Singles
-    around: Singles
-    around_bias: Singles
+    Attributes
+    ----------
+    outputs : tuple of ndarray of shape (m,), int64
+        Of each layer, to which channel each output is added.
+    layers : tuple of ndarray of shape (m, k), float32
+        By output.
+    biases : tuple of ndarray of shape (m,), float32
+    out, out_bias, there, there_bias : ndarray, float32
+        From the channels to what is said of a ray, (2, channels), and to the log-odds, (2 channels,).
+    """
+
+    outputs: tuple[Places, ...]
+    layers: tuple[Singles, ...]
+    biases: tuple[Singles, ...]
     out: Singles
     out_bias: Singles
     there: Singles
@@ -67,21 +76,20 @@ RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE, ROW = 2, 3, 12, 13, 14, 
 @kernel(refcount=False)
 def see(weights: Weights, memory: Memory) -> float:
     """Log-odds that the patch in the memory shows a ball; the step to it and its precision are written, in radii."""
-    rays, more, gathered = memory.rays, memory.more, memory.gathered
-    dense(memory.patch.reshape(RAYS, PLACES * NUMBERS), weights.first, weights.first_bias, rays)
-    width = rays.shape[1]
-    for layer in range(len(WAYS)):
+    rays, more, gathered, width = memory.rays, memory.more, memory.gathered, memory.rays.shape[1]
+    rays[:] = 0.0
+    dense(memory.patch.reshape(RAYS, PLACES * NUMBERS), weights.layers[0], weights.biases[0], more)
+    add_outputs(more, weights.outputs[0], rays)
+    for k in range(len(WAYS)):
         for first in range(0, RAYS, AT_ONCE):
-            gather_around(rays, first, WAYS[layer], gathered)
-            dense(gathered, weights.around[layer], weights.around_bias[layer], more[first : first + AT_ONCE])
-        for ray in range(RAYS):
-            for k in range(width):
-                rays[ray, k] += more[ray, k]
+            gather_around(rays, first, WAYS[k], gathered)
+            dense(gathered, weights.layers[1 + k], weights.biases[1 + k], more[first : first + AT_ONCE])
+        add_outputs(more, weights.outputs[1 + k], rays)
     _weigh_rays(weights, memory)
     odds = weights.there_bias[0]
     for k in range(width):
-        total, most = np.float32(0.0), rays[0, k]
-        for ray in range(RAYS):
+        total, most = np.float32(0.0), rays[AROUND, k]
+        for ray in range(AROUND, AROUND + RAYS):
             total += rays[ray, k]
             most = max(most, rays[ray, k])
         odds += weights.there[k] * total / np.float32(RAYS) + weights.there[width + k] * most
@@ -99,8 +107,8 @@ def _weigh_rays(weights: Weights, memory: Memory) -> None:
     for ray in range(RAYS):
         length, log_weight = weights.out_bias[0], weights.out_bias[1]
         for k in range(rays.shape[1]):
-            length += weights.out[0, k] * rays[ray, k]
-            log_weight += weights.out[1, k] * rays[ray, k]
+            length += weights.out[0, k] * rays[AROUND + ray, k]
+            log_weight += weights.out[1, k] * rays[AROUND + ray, k]
         weight = math.exp(min(max(float(log_weight), LOG_PRECISIONS[0]), LOG_PRECISIONS[1]))
         for i in range(3):
             right[i] += weight * length * MOVES[ray, i]

@@ -51,6 +51,8 @@ def mean_disc(discs: Sequence[Disc], merits: Floats, same: float) -> Disc:
         With precision and log-odds of the best one.
     """
     best = discs[int(merits.argmax())]
+    if len(discs) == 1:
+        return best
     circles = np.array([disc.circle for disc in discs])
     weights = np.where(are_same(discs, best, same), np.exp(merits - merits.max()), 0.0)[:, np.newaxis, np.newaxis]
     precisions = weights * np.array([disc.precision for disc in discs])

@@ -14,14 +14,14 @@ import math
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.image.disc_network import look
-from matchset.image.disc_network.layers import TAPS, TILE
+from matchset.image.disc_network.layers import AROUND, TAPS, TILE, Places, Singles
 from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RAYS, Circle3, Colors, Image, Patch
 from matchset.image.disc_network.patch_kernel import PATCH_MEMORY
 from matchset.image.disc_network.polar_patch import NOTHING
@@ -29,7 +29,7 @@ from matchset.image.frame import channels_last
 from matchset.numeric.record import new_block
 
 Floats = npt.NDArray[np.float64]
-Arrays = dict[str, npt.NDArray[np.float32]]
+Arrays = dict[str, npt.NDArray[Any]]
 
 FILE = Path(__file__).resolve().parent / "weights.npz"
 ALL_LOOKS = 1_000_000  # format: where nobody counts them
@@ -102,47 +102,50 @@ class _Memories(threading.local):
     memory: look.Memory | None = None
 
 
+class _Layer(NamedTuple):
+    """A layer as kernels read it, see `look.Weights`."""
+
+    outputs: Places
+    weights: Singles
+    bias: Singles
+
+    @staticmethod
+    def of(weights: Arrays, name: str) -> "_Layer":
+        """Take a layer, with outputs added whose weights are all 0, so that they are a multiple of `TILE`."""
+        by_input, bias = weights[f"{name}.w"].astype(np.float32), weights[f"{name}.b"].astype(np.float32)
+        on = weights.get(f"{name}.on", np.arange(len(bias))).astype(np.int64)
+        more = 0, -len(on) % TILE
+        return _Layer(np.pad(on, more), np.ascontiguousarray(np.pad(by_input, ((0, 0), more)).T), np.pad(bias, more))
+
+
 class DiscNetwork:
     """The network with its weights; any number of threads may use it.
 
     Parameters
     ----------
-    weights : dict of str to ndarray, float32
-        Of each layer `NAME.w` of shape (in, out) and `NAME.b` of shape (out,): `first`, `a` to `d`, `out`, `cls`.
+    weights : dict of str to ndarray
+        Of each layer `NAME.w` of shape (in, out) and `NAME.b` of shape (out,), float32: `first`, `a` to `d`, `out`,
+        `cls`. Of a layer that was pruned also `NAME.on`, which channels these outputs are.
     """
 
     def __init__(self, weights: Arrays) -> None:
-        width = len(weights["first.b"])
-        self._width = width + -width % TILE  # of the numbers that are added, all weights are 0
+        width = len(weights["out.w"])
+        layers = [_Layer.of(weights, name) for name in ("first", *look.STEPS)]
         self._weights = look.Weights(
-            self._by_output(weights["first.w"], 1),
-            self._padded(weights["first.b"]),
-            np.stack([self._by_output(weights[f"{name}.w"], TAPS) for name in look.STEPS]),
-            np.stack([self._padded(weights[f"{name}.b"]) for name in look.STEPS]),
-            np.stack([self._padded(each) for each in weights["out.w"].T]),
+            *(tuple(each) for each in zip(*layers, strict=True)),
+            np.ascontiguousarray(weights["out.w"].T, np.float32),
             weights["out.b"].astype(np.float32),
-            np.concatenate([self._padded(each) for each in np.split(weights["cls.w"][:, 0], 2)]),
+            np.ascontiguousarray(weights["cls.w"][:, 0], np.float32),
             weights["cls.b"].astype(np.float32),
         )
-        self._memories = _Memories()
-
-    def _padded(self, values: Patch) -> Patch:
-        return np.asarray(np.pad(values, (0, self._width - len(values))), np.float32)
-
-    def _by_output(self, weights: Patch, taps: int) -> Patch:
-        """Weights of a layer by output, of shape (width, in): its inputs are numbers of places, or of some rays."""
-        inputs, width = weights.shape
-        by_tap = weights.reshape(taps, inputs // taps, width)
-        more = 0 if taps == 1 else self._width - width
-        padded = np.pad(by_tap, ((0, 0), (0, more), (0, self._width - width)))
-        return np.ascontiguousarray(padded.reshape(-1, self._width).T, np.float32)
+        self._memories, self._width = _Memories(), width
 
     @staticmethod
     @functools.cache
     def packaged() -> "DiscNetwork":
         """Read the network of the package, once."""
         with np.load(FILE) as file:
-            return DiscNetwork({name: file[name].astype(np.float32) for name in file.files})
+            return DiscNetwork({name: file[name] for name in file.files})
 
     def _memory(self) -> look.Memory:
         """Working memory of this thread."""
@@ -150,8 +153,8 @@ class DiscNetwork:
             self._memories.memory = look.Memory(
                 patch_block=new_block(PATCH_MEMORY),
                 patch=np.zeros((RAYS, PLACES, NUMBERS), np.float32),
-                rays=np.zeros((RAYS, self._width), np.float32),
-                more=np.zeros((RAYS, self._width), np.float32),
+                rays=np.zeros((RAYS + 2 * AROUND, self._width), np.float32),
+                more=np.zeros((RAYS, max(map(len, self._weights.biases))), np.float32),
                 gathered=np.zeros((look.AT_ONCE, TAPS * self._width), np.float32),
                 step=np.zeros(3),
                 precision=np.zeros((3, 3)),

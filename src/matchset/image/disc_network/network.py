@@ -132,7 +132,9 @@ class DiscNetwork:
         width = len(weights["out.w"])
         layers = [_Layer.of(weights, name) for name in ("first", *look.STEPS)]
         self._weights = look.Weights(
-            *(tuple(each) for each in zip(*layers, strict=True)),
+            tuple(each.outputs for each in layers),
+            tuple(each.weights for each in layers),
+            tuple(each.bias for each in layers),
             np.ascontiguousarray(weights["out.w"].T, np.float32),
             weights["out.b"].astype(np.float32),
             np.ascontiguousarray(weights["cls.w"][:, 0], np.float32),

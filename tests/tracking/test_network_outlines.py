@@ -51,7 +51,7 @@ def test_distances_and_the_likeliest_disc() -> None:
 @pytest.mark.parametrize("circle", [(20.0, 15.0, 9.0), (2.0, 1.0, 9.0), (39.0, 29.0, 6.0), (-50.0, 10.0, 5.0)])
 def test_the_middle_of_a_disc_is_what_lies_within_a_share_of_its_radius(circle: tuple[float, float, float]) -> None:
     image = np.arange(30 * 40 * 3, dtype=np.int64).reshape(30, 40, 3).astype(np.uint8)
-    part, inside = middle_of(image, circle, 0.7, 100.0)
+    part, inside = middle_of(image, circle, 0.7)
     rows, columns = np.indices(image.shape[:2])
     expected = image[np.hypot(columns - circle[0], rows - circle[1]) <= 0.7 * circle[2]]
     assert sorted(part[inside].tolist()) == sorted(expected.tolist())

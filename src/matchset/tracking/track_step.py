@@ -146,11 +146,14 @@ class TrackStep(Copied, Generic[S]):
         period = limits.hypotheses.period if finds_itself(self.fitter.family) else 1
         may_test = bool(estimate.rejection) or index % period == 0
         if may_test and self.fitter.validator.is_ambiguous(estimate.fit):
-            chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
-            chosen = chosen or self._with_modes(image, color, estimate, speed)
-            if chosen is None and not self.outlines.judges(color):
-                chosen = self._test_hypotheses(image, color, estimate, speed)
-            estimate = chosen or self._unless_faint(estimate, image, color)
+            stretched = self._with_modes(image, color, estimate, speed)
+            if stretched is not None:
+                estimate = stretched
+            else:
+                chosen = self.outlines.choose(image, color, estimate, (time, interval), speed)
+                if chosen is None and not self.outlines.judges(color):
+                    chosen = self._test_hypotheses(image, color, estimate, speed)
+                estimate = chosen or self._unless_faint(estimate, image, color)
         rejection = estimate.rejection or self._confidence_lost(estimate, image, color)
         if not rejection:
             rejection = self._outside_gate(self.fitter.weigh(estimate, image, color), predicted, missed)

@@ -64,9 +64,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
         tenth of the error.
     far : float
         How far from the prediction it may be where the fit was rejected, radii.
-    middle, middle_pixels, color_share : float
-        Share of the pixels within so many radii that must have the target's color. Of a large disc every so manieth
-        row and column is read that it is so many wide, about: more is more exact and slower.
+    middle, color_share : float
+        Share of the pixels within so many radii that must have the target's color.
     lost : float
         Log-odds from which a disc is the lost target, all that is known of its place and color added ...
     forgotten, anywhere : float
@@ -93,8 +92,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
 
     used: bool = True
     looks: int = 12
-    follow: FollowParameters = FollowParameters(rounds=4, still=2.0)
-    search: FollowParameters = FollowParameters(rounds=4, still=2.0, hopeless=-2.0)
+    follow: FollowParameters = FollowParameters(rounds=5, still=0.3)
+    search: FollowParameters = FollowParameters(rounds=5, still=0.3, hopeless=-2.0)
     moved: float = 1.0
     inflation: float = 4.0
     same: float = 0.5
@@ -106,7 +105,6 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     sharp: float = 0.68
     far: float = 1.0
     middle: float = 0.7
-    middle_pixels: float = 28.0
     color_share: float = 0.3
     lost: float = 1.2
     forgotten: float = 4.0
@@ -249,7 +247,7 @@ class Judge:
 
     def has_color(self, image: Image, color: ColorModel, circle: Circle3) -> bool:
         """Whether enough of the middle of a disc has the target's color."""
-        part, inside = middle_of(image, circle, self.limits.middle, self.limits.middle_pixels)
+        part, inside = middle_of(image, circle, self.limits.middle)
         if not inside.any():
             return False
         return bool((color.scores(part).reshape(inside.shape)[inside] > 0).mean() > self.limits.color_share)
@@ -258,7 +256,7 @@ class Judge:
         """Median color of the middle of a disc, CIE Lab; None outside of the picture and unused."""
         if not self.limits.used:
             return None
-        part, inside = middle_of(image, circle, self.limits.middle, self.limits.middle_pixels)
+        part, inside = middle_of(image, circle, self.limits.middle)
         if not inside.any():
             return None
         return np.asarray(np.median(lab_of(part)[inside], axis=0), np.float64)
@@ -309,15 +307,14 @@ def squared_distances(disc: Disc, states: Floats) -> Floats:
     return np.asarray(np.einsum("...i,ij,...j->...", apart, disc.precision, apart))
 
 
-def middle_of(image: Image, circle: Circle3, share: float, most: float) -> tuple[Image, Mask]:
-    """Part of a picture around the middle of a disc, about so many pixels wide at most, and which are in that."""
+def middle_of(image: Image, circle: Circle3, share: float) -> tuple[Image, Mask]:
+    """Part of a picture around the middle of a disc, and which of its pixels are in that."""
     (x, y, radius), (height, width) = circle, image.shape[:2]
     reach = share * radius
-    step = max(round(2.0 * reach / most), 1)
     left, top = max(round(x - reach), 0), max(round(y - reach), 0)
     rows, columns = range(top, min(round(y + reach) + 1, height)), range(left, min(round(x + reach) + 1, width))
-    part = np.ascontiguousarray(image[top : max(rows.stop, top) : step, left : max(columns.stop, left) : step])
-    return part, disc_mask(part.shape[:2], ((x - left) / step, (y - top) / step, radius / step), share)
+    part = np.ascontiguousarray(image[top : max(rows.stop, top), left : max(columns.stop, left)])
+    return part, disc_mask(part.shape[:2], (x - left, y - top, radius), share)
 
 
 def covariance_of(disc: Disc) -> Floats:

@@ -35,8 +35,8 @@ from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
-WITHOUT_NETWORK = TrackerParameters(network=NetworkParameters(used=False))
-"""How a follower tracks its ball: a picture has a third of a millisecond, and flights were measured so."""
+TRACKING = TrackerParameters(network=NetworkParameters(looks=4))
+"""How a follower tracks its ball: the network of discs judges it, with few looks, since a command waits for them."""
 
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
 """Of a step, in their order; `PilotStep.stage_times` has their computing times."""
@@ -180,7 +180,7 @@ class Pilot:
         target = self.parameters.target
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._link_is_armed = False
-        self._tracker = Tracker(Circle, self._colors.ball, parameters=WITHOUT_NETWORK)
+        self._tracker = Tracker(Circle, self._colors.ball, parameters=TRACKING)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
         self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)

@@ -37,7 +37,6 @@ Image = npt.NDArray[np.uint8]
 
 PICTURE = 64  # format: size of a small picture, px
 CENTER, HALF_WIDTH = 31.5, 20.0  # geometry: of the shape in it, px
-ONE_FRAME = 1.5  # geometry: a time between that of one frame and that of two, frames
 
 
 class TrackStep(Copied, Generic[S]):
@@ -93,11 +92,10 @@ class TrackStep(Copied, Generic[S]):
         index : int
             Number of the frame.
         """
-        fitter, self.outlines.spread, missed = self.fitter, None, self.missed(time, interval)
+        fitter, self.outlines.spread = self.fitter, None
         rejection = fitter.track(image, color, time, interval)
         if not rejection and not self.given:  # of an `IntEnum` that is faster than a comparison
             self.without_outline = False
-            self._note_acquired(image, color, time, missed)
             return None
         estimate = fitter.estimate(rejection)
         if rejection:
@@ -108,16 +106,13 @@ class TrackStep(Copied, Generic[S]):
             return estimate
         if rejection:
             self.accept(time)
-        if not self.given:
-            self._note_acquired(image, color, time, missed)
         self.given = False
         return None
 
-    def _note_acquired(self, image: Image, color: ColorModel, time: float, missed: float) -> None:
-        """Note a shape that was not seen in the frame before as found again."""
-        if missed > ONE_FRAME:
-            weighed = self.fitter.weigh(self.fitter.estimate(Rejection.NONE), image, color)
-            self.acquired = Acquisition(time, weighed.evidence)
+    def note_acquired(self, image: Image, color: ColorModel, time: float) -> None:
+        """Note the last fit, of a shape that was not seen in the frame before, as found at a time, s."""
+        weighed = self.fitter.weigh(self.fitter.estimate(Rejection.NONE), image, color)
+        self.acquired = Acquisition(time, weighed.evidence)
 
     def _chance_in_noise(self, estimate: Estimate, image: Image, color: ColorModel) -> Rejection:
         """Demand of a shape that was given what a detection needs, where noise alone has edge points anywhere."""

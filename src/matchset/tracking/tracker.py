@@ -131,8 +131,7 @@ class Tracker(Copied, Generic[S]):
         sigma = limits.sigma_px + limits.sigma_share * float(self._family.half_width(shape.state))
         initialize(self._fitter.work, shape.state, self._time, sigma)
         self._fitter.work.motion.size_count = 0.0
-        self._initial = self._last = shape
-        self._step.acquired = None
+        self._initial, self._last, self._step.acquired = shape, shape, None
         self.mode = Mode.TRACKING
 
     def restart(self, hint: tuple[float, float] | S | None = None) -> None:
@@ -209,6 +208,8 @@ class Tracker(Copied, Generic[S]):
             reason = self._fitter.validator.describe(rejected.rejection, rejected.fit)
             if (lost := self._detect(image, reason)) is not None:
                 return lost
+        elif self.mode is Mode.COASTING:
+            self._step.note_acquired(image, self.color, self._time)
         self.mode = Mode.TRACKING
         track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread, self._step.acquired)
         self._last = track.shape
@@ -246,8 +247,7 @@ class Tracker(Copied, Generic[S]):
             self.color.check(image)
             self._format = image.shape
         if self._frames:
-            passed = time - self._time
-            self._interval = passed if passed < 1.0 else 1.0
+            self._interval = min(time - self._time, 1.0)
         self._time = time
         self._frames += 1
         return channels_last(image)

@@ -170,9 +170,9 @@ def taken_words(color: ColorModel, reading: int = 1) -> str:
 def color_at(frame: Frame, x: float, y: float, reading: int = 1, ball: bool = True, marker: bool = False) -> ColorModel:
     """Learn the color at a click; `RefusedClickError` where none can be learned, ValueError outside of the picture."""
     try:
-        return (
-            pick_marker(frame.image, x, y) if marker else ColorModel.pick(frame.image, x, y, reading=reading, ball=ball)
-        )
+        if marker:
+            return pick_marker(frame.image, x, y)
+        return ColorModel.pick(frame.image, x, y, reading=reading, ball=ball)
     except ValueError as error:
         rows, columns = frame.image.shape[:2]
         outside = not (-0.5 <= x < columns - 0.5 and -0.5 <= y < rows - 0.5)

@@ -220,10 +220,7 @@ class LostBall:
         if disc.log_odds > network.limits.renewed:
             self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
         disc = self._step.outlines.refined(image, disc)
-        taken = self._take(image, color, disc, (time, expected is None), network.limits.renewed)
-        if taken:
-            self._step.acquired = Acquisition(time, best[0])
-        return taken
+        return self._take(image, color, (best[0], disc), (time, expected is None), network.limits.renewed)
 
     def _likeliest(
         self, image: Image, color: ColorModel, near: Sequence[Gate], prior: _Expected, time: float
@@ -279,18 +276,24 @@ class LostBall:
         discs = judge.discs(image, [np.array(each[:3]) for each in starts], searched=True)
         return [(odds, disc) for disc in discs if (odds := judge.alike(image, disc, own, color)) is not None]
 
-    def _take(self, image: Image, color: ColorModel, disc: Disc, when: tuple[float, bool], sure: float) -> bool:
-        """Take a disc, unless it is not sure and the region there is another shape.
+    def _take(
+        self, image: Image, color: ColorModel, found: tuple[float, Disc], when: tuple[float, bool], sure: float
+    ) -> bool:
+        """Take a disc, after its log-odds of being the target, unless it is not sure and the region is another shape.
 
         If the edge points around it confirm it, the fit to them is taken.
         """
-        step, there = self._step, Gate(*disc.circle)
+        step, (odds, disc) = self._step, found
+        there = Gate(*disc.circle)
         if step.outlines.fit_lost(image, color, disc):
             step.take_fit(*when)
-            return True
-        if disc.log_odds <= sure and step.outlines.is_other_shape(image, step.fitter.family.from_coarse(*there).state):
+        elif disc.log_odds <= sure and step.outlines.is_other_shape(
+            image, step.fitter.family.from_coarse(*there).state
+        ):
             return False
-        step.take_disc(image, color, there, covariance_of(disc), when)
+        else:
+            step.take_disc(image, color, there, covariance_of(disc), when)
+        step.acquired = Acquisition(when[0], odds)
         return True
 
     def begin(self, image: Image, color: ColorModel, clicked: Shape, time: float) -> bool:
@@ -312,5 +315,4 @@ class LostBall:
         if disc is None:
             return False
         self._color, self._half_width = network.median_color(image, disc.circle), disc.circle[2]
-        self._step.acquired = Acquisition(time, disc.log_odds)
-        return self._take(image, color, disc, (time, True), limits.clicked)
+        return self._take(image, color, (disc.log_odds, disc), (time, True), limits.clicked)

@@ -4,6 +4,6 @@
     python -m benchmarks.pruning examples.npz --out weights.npz
 
 An output of a layer with the rectifier that is 0 for every ray of every example adds nothing, and a network that has
-learned with a decay of its weights has many of them: of 4 times 96 outputs 206. Without them a look takes less time,
+learned with a decay of its weights has many of them: of 4 times 96 outputs 202. Without them a look takes less time,
 and all answers stay the same, bit for bit (docs/decisions/132-weights-without-silent-outputs.md).
 """

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from live_pages import Heard, click_ball, hold, wait_for_picture, wait_until
+from live_pages import Heard, click_ball, hold, state_of, wait_for_picture, wait_until
 
 BEGIN, END = 800, 1800  # pictures; the heap grows by 0.1 MB up to 800, and by 6 kB in 1,500 more
 LARGEST = 3e5  # bytes that the page's heap may grow from one to the other: 300 a picture
@@ -61,8 +61,12 @@ def test_a_page_that_is_open_for_a_week_shows_follows_and_draws(served: str, pag
     click_ball(heard, clip[1])
     wait_until(page, "!document.getElementById('hint').checkVisibility()")
     hold(heard)
-    page.evaluate("(number) => { window.sample = undefined; window.number = number; }", WEEK)
+    clicked = state_of(page)["index"]
     page.locator("#file button.forward").click()
+    wait_until(page, lambda: state_of(page)["index"] > clicked)
+    wait_until(page, lambda: page.locator("#reading .number").count() >= 3)
+    page.evaluate("(number) => { window.sample = undefined; window.number = number; }", WEEK)
+    page.locator("#file button.back").click()  # to a frame in which the ball is known when it is shown
     wait_until(page, "window.sample !== undefined")
     page.evaluate("(count) => window.feedPage(count)", 200)
     assert page.evaluate("window.number") == WEEK + 200

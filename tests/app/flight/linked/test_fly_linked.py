@@ -33,7 +33,7 @@ def line(tmp_path: Path, camera: MjpegServer, transmitter: PtyTransmitter, files
 def test_a_dry_run_sends_no_throttle_and_says_what_it_would_send(
     tmp_path: Path, camera: MjpegServer, transmitter: PtyTransmitter, line: list[str]
 ) -> None:
-    code, out, err = FlightProcess(tmp_path, "fly", *line, "--duration", "7").ended()
+    code, out, err = FlightProcess(tmp_path, "fly", *line, "--duration", "12").ended()  # a line every five seconds
     assert code == 0, out + err
     assert {moment.throttle for moment in transmitter.moments} == {0}
     assert "armed" not in {moment.state for moment in transmitter.moments}

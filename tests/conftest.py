@@ -5,7 +5,11 @@ import signal
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 from pty_transmitter import PtyTransmitter
+
+settings.register_profile("no clock", deadline=None)  # beside other work an example now and then takes a second
+settings.load_profile("no clock")
 
 
 def pytest_configure() -> None:

@@ -72,7 +72,7 @@ def test_a_uniform_middle_has_no_edges_and_a_black_picture_none_at_all() -> None
 
 
 @given(images, margins, thresholds)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_edge_points_are_the_sets_of_the_print(image: Mask, margin: int, threshold: float) -> None:
     E = reference.edge_points(image, margin, threshold)
     expected = naive.edges(image, margin, threshold)
@@ -81,7 +81,6 @@ def test_edge_points_are_the_sets_of_the_print(image: Mask, margin: int, thresho
 
 
 @given(images, margins)
-@settings(deadline=None)
 def test_edge_difference_turns_with_the_picture(image: Mask, margin: int) -> None:
     was = reference.edge_difference(image, margin)
     mirrored = reference.edge_difference(image[:, ::-1], margin)
@@ -100,7 +99,6 @@ def test_edge_difference_turns_with_the_picture(image: Mask, margin: int) -> Non
 
 
 @given(images, margins)
-@settings(deadline=None)
 def test_opposite_edges_are_disjoint_and_within_the_margin(image: Mask, margin: int) -> None:
     for direction, difference in reference.edge_difference(image, margin).items():
         assert np.abs(difference).max() <= margin
@@ -163,7 +161,7 @@ def test_white_faces_the_center_of_a_white_disc_and_not_of_a_black_one() -> None
 
 
 @given(images, margins, thresholds, coordinates, coordinates)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_arc_segments_are_the_cases_of_the_print(
     image: Mask, margin: int, threshold: float, x: float, y: float
 ) -> None:
@@ -176,7 +174,6 @@ def test_arc_segments_are_the_cases_of_the_print(
 
 
 @given(images, margins, thresholds, coordinates, coordinates, st.floats(0.5, 8), st.floats(0.05, 1))
-@settings(deadline=None)
 def test_match_set_is_the_intersection(
     image: Mask, margin: int, threshold: float, x: float, y: float, radius: float, eps: float
 ) -> None:

@@ -23,7 +23,7 @@ from naive import disc
     st.integers(1, 2),
     st.floats(0.05, 0.95),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_init_circle_is_the_loop_of_the_print(image: Mask, margin: int, eps: float) -> None:
     E = reference.edge_points(image, margin, 0)
     best, circle = 0, None
@@ -42,7 +42,7 @@ def test_init_circle_is_the_loop_of_the_print(image: Mask, margin: int, eps: flo
 
 
 @given(st.floats(17, 31), st.floats(17, 31), st.floats(6, 13))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_init_circle_finds_a_disc(x: float, y: float, radius: float) -> None:
     found = reference.init_circle(disc(x, y, radius))
     assert found is not None
@@ -80,7 +80,7 @@ def test_init_circle_of_a_picture_without_edges_is_none(image: npt.NDArray[np.fl
     st.floats(30, 66), st.floats(30, 66), st.floats(10, 20), st.floats(0, 2 * np.pi), st.floats(0, 2),
     st.floats(-1, 1),
 )  # fmt: skip
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_track_circle_follows_a_disc(x: float, y: float, radius: float, way: float, step: float, growth: float) -> None:
     last = Circle(x, y, radius)
     truth = Circle(x + step * np.cos(way), y + step * np.sin(way), radius + growth)
@@ -105,7 +105,6 @@ def test_track_circle_without_an_answer_keeps_the_last() -> None:
 
 
 @given(arrays(np.bool_, (12, 12)), st.lists(st.tuples(st.integers(0, 11), st.integers(0, 11)), max_size=9))
-@settings(deadline=None)
 def test_track_circle_survives_any_picture(image: Mask, match_points: list[tuple[int, int]]) -> None:
     H = np.array(match_points, float).reshape(-1, 2)
     C, S = reference.track_circle(image, H, Circle(5, 6, 3), 1, 0)

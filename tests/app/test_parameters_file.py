@@ -101,7 +101,7 @@ def test_a_wrong_file_is_one_line(
     assert capsys.readouterr().err == "error: no such file: none.toml\n"
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.binary(max_size=100) | st.text(max_size=100).map(str.encode))
 def test_any_other_file_is_read_or_refused_with_its_name(
     tmp_path_factory: pytest.TempPathFactory, content: bytes

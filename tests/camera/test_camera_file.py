@@ -250,7 +250,7 @@ words = st.one_of(st.text(max_size=60), st.text("[]{}:,-#!&*|>'\"%@ \n\t=.0159kf
 
 
 @pytest.mark.parametrize("suffix", ["toml", "yaml"])
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_anything_else_is_a_value_error(tmp_path: Path, suffix: str, data: st.DataObject) -> None:
     """Damaged files: numbers replaced, lines lost, text cut and inserted. A camera comes out whole or not at all."""

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import matchset as ms
@@ -78,7 +78,6 @@ coefficients = st.floats(-2.0, 2.0)
 offsets = st.floats(-0.02, 0.02)
 
 
-@settings(deadline=None)
 @given(coefficients, coefficients, offsets, offsets, coefficients, st.integers(0, 2**32 - 1))
 def test_there_and_back(k1: float, k2: float, p1: float, p2: float, k3: float, seed: int) -> None:
     """Of any lens: what has a ray is projected back to where it was; nothing is NaN."""
@@ -90,7 +89,6 @@ def test_there_and_back(k1: float, k2: float, p1: float, p2: float, k3: float, s
     assert np.abs(model.project(rays[seen]) - points[seen]).max(initial=0.0) < 1e-6
 
 
-@settings(deadline=None)
 @given(*[st.floats(-1e9, 1e9)] * 5, st.lists(st.tuples(st.floats(-1e300, 1e300), st.floats(-1e300, 1e300)), max_size=9))
 def test_no_lens_makes_a_ray_that_is_none(
     k1: float, k2: float, p1: float, p2: float, k3: float, points: list[tuple[float, float]]

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.command import Command
@@ -61,7 +61,6 @@ def test_in_a_hand_velocities_stay_whose_they_are() -> None:
     np.testing.assert_allclose(own.at(1.3).velocity, np.zeros(3), atol=1e-6)
 
 
-@settings(deadline=None)
 @given(st.floats(0.0, 20.0), st.floats(1e-3, 1.0))
 def test_what_is_handed_over_changes_no_difference_of_velocities(lifted: float, since: float) -> None:
     own, neighbor = moved(0.5, NEVER)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
@@ -29,7 +29,6 @@ def repeats(numbers: list[int], parameters: RepeatedPictureParameters = DEFAULT)
     return counts
 
 
-@settings(deadline=None)
 @given(st.lists(st.integers(0, 9), max_size=40))
 def test_a_picture_counts_exactly_if_it_came_before(numbers: list[int]) -> None:
     expected: list[int] = []

@@ -97,7 +97,7 @@ def test_the_near_step_ranks_the_right_radius_first(radius: float) -> None:
     assert max(near(-way), near(way)) > measure_near_step(image, color, outline(X + 2.0 * way), radius, LIMITS)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     radius=st.floats(8.0, 45.0),
     share=st.floats(-0.7, 0.7),
@@ -130,7 +130,7 @@ def slow_boundary(image: Picture, color: ms.ColorModel, line: Floats, half_width
     return -span + (sums.index(max(sums)) - 0.5) * 2.0 * span / (count - 1)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 1000),
     x=st.floats(-20.0, 260.0),

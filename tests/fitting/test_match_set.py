@@ -69,7 +69,7 @@ MARGINS = st.integers(1, 4)
     images, st.data(), st.sampled_from(list(SIDES)), MARGINS, st.floats(0.0, 12.0), st.integers(1, 127),
     st.floats(0.0, 0.99), st.floats(0.05, 5.0),
 )  # fmt: skip
-@settings(max_examples=400, deadline=None, derandomize=True)
+@settings(max_examples=400, derandomize=True)
 def test_a_split_is_an_edge_point_of_the_print(
     image: Mask,
     data: st.DataObject,

@@ -138,7 +138,7 @@ def test_two_rows_are_a_swept_disc_as_before() -> None:
     assert 0.8 < swept_agreement(region) <= 1.0
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.integers(0, 2**32 - 1), st.floats(0.02, 0.98), st.integers(1, 12), st.integers(1, 12))
 def test_any_region_has_an_agreement(seed: int, share: float, rows: int, columns: int) -> None:
     region = np.zeros((16, 16), bool)
@@ -161,7 +161,7 @@ def test_a_line_across_the_disc_is_no_blurred_target() -> None:
                 assert found is None or np.isfinite(found).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1, 3]), st.integers(1, 40), st.floats(5.0, 30.0))
 def test_noise_and_speckles_never_raise(seed: int, channels: int, speckle: int, size: float) -> None:
     rng = np.random.default_rng(seed)

@@ -79,7 +79,7 @@ def test_small_and_narrow_pictures_are_no_error(size: tuple[int, int]) -> None:
         assert all(region.shape == size and region.any() for region in regions)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(x=st.floats(-30.0, 60.0), y=st.floats(-30.0, 60.0), radius=st.floats(0.0, 50.0), share=st.floats(0.1, 1.0))
 def test_the_pixels_of_a_disc_are_those_within_it(x: float, y: float, radius: float, share: float) -> None:
     mask = disc_mask((24, 33), (x, y, radius), share)

@@ -151,7 +151,7 @@ def test_the_layers_are_circular_convolutions_and_the_step_is_a_least_squares_fi
     assert seen.log_odds == pytest.approx(float((pooled @ weights["cls.w"] + weights["cls.b"])[0]), abs=1e-4)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(turn=st.integers(0, RAYS - 1), seed=st.integers(0, 1000))
 def test_a_turned_patch_has_a_turned_step(turn: int, seed: int) -> None:
     network = DiscNetwork.packaged()

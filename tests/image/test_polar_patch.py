@@ -120,7 +120,7 @@ def test_a_patch_is_that_of_its_slow_twin(radius: float, place: tuple[float, flo
     assert_alike(read_patch(image, (*place, radius), known), naive_patch(image, (*place, radius), known))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     x=st.floats(-30.0, 350.0), y=st.floats(-30.0, 270.0), size=st.floats(math.log(4.0), math.log(200.0)),
     seed=st.integers(0, 50), gray=st.booleans(),

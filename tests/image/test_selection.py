@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.image.disc_network.selection import median, quantile, select
@@ -19,7 +19,6 @@ def all_of_them(values: npt.NDArray[np.float64], rank: int, share: float, out: n
     out[0] = select(values, rank)
 
 
-@settings(deadline=None)
 @given(values=VALUES, share=st.floats(0.0, 1.0))
 def test_quantiles_are_those_of_numpy(values: list[int], share: float) -> None:
     array, out = np.array(values, np.float64), np.empty(3)

@@ -87,7 +87,7 @@ def turned_from_the_camera(cosine: float, around: float) -> Floats:
 
 
 @given(st.floats(0.22, 0.999), st.floats(0.0, 6.28))
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 def test_a_marker_on_the_near_side_is_where_its_ray_meets_the_ball_first(cosine: float, around: float) -> None:
     out = turned_from_the_camera(cosine, around)
     x, y = BARREL.project((PLACE + REACH * out)[np.newaxis])[0].tolist()

@@ -44,7 +44,7 @@ def _turn(vector: Floats) -> Floats:
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 10_000))
 def test_two_sights_make_the_sight_of_who_cannot_be_seen(seed: int) -> None:
     balls = room(seed)
@@ -70,7 +70,7 @@ def test_a_straight_chain_keeps_its_distances() -> None:
     np.testing.assert_allclose(second.position, (0.0, 0.19, 1.5), atol=1e-15)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10_000), st.integers(2, 6))
 def test_every_camera_of_a_chain_is_where_it_is(seed: int, count: int) -> None:
     balls = room(seed, count)

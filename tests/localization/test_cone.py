@@ -57,7 +57,6 @@ def slow_position(camera: ms.CameraModel, points: Floats, start: Floats) -> Floa
 
 
 @given(cameras, places)
-@settings(deadline=None)
 def test_an_exact_outline_gives_the_exact_place_at_any_angle_off_axis(camera: ms.CameraModel, place: Floats) -> None:
     position, covariance = located(camera, ball(camera, place))
     np.testing.assert_allclose(position, place, rtol=1e-6, atol=1e-8)
@@ -65,7 +64,7 @@ def test_an_exact_outline_gives_the_exact_place_at_any_angle_off_axis(camera: ms
 
 
 @given(places, st.floats(0.02, 3.0))
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 def test_all_lengths_scale_with_the_diameter(place: Floats, scale: float) -> None:
     seen = ball(PINHOLE, place)
     found, _ = located(PINHOLE, seen, radius=0.14 * scale)
@@ -186,7 +185,6 @@ def test_what_cannot_be_a_ball_before_the_camera_is_said() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(-1e7, 1e7), st.floats(-1e7, 1e7)), max_size=40), cameras)
-@settings(deadline=None)
 def test_any_points_give_finite_numbers_or_a_reason(points: list[tuple[float, float]], camera: ms.CameraModel) -> None:
     seen = ms.Track(ms.Circle(300.0, 200.0, 40.0), np.eye(3), 1.0, np.array(points).reshape(-1, 2), 0.0)
     found = pose_of(camera, seen)

@@ -77,7 +77,7 @@ def test_without_a_marker_only_the_position_is_observed() -> None:
 
 
 @given(st.sampled_from([PINHOLE, BARREL]), st.floats(-0.4, 0.4), st.floats(-0.25, 0.25), st.floats(-55.0, 55.0))
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 def test_one_marker_and_level_vehicles_give_the_whole_pose(
     camera: ms.CameraModel, x: float, y: float, yaw: float
 ) -> None:
@@ -118,7 +118,7 @@ def test_the_signs_of_the_paper() -> None:
     st.tuples(st.floats(-12.0, 12.0), st.floats(-25.0, 25.0), st.floats(-40.0, 40.0)),
     st.permutations((0, 1, 2)),
 )
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 def test_three_markers_give_the_full_rotation_in_any_order(
     camera: ms.CameraModel, at: tuple[float, float], angles: tuple[float, float, float], order: list[int]
 ) -> None:

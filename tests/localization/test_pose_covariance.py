@@ -19,7 +19,7 @@ def pose_at(seed: int) -> Pose:
     )
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.integers(0, 10_000))
 def test_spreads_are_those_of_a_sample(seed: int) -> None:
     pose = pose_at(seed)

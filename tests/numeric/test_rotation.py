@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -13,7 +13,6 @@ vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 
 
 @given(vectors, vectors)
-@settings(deadline=None)
 def test_turns_agree_with_scipy(one: Floats, other: Floats) -> None:
     first, second = Rotation.from_rotvec(one), Rotation.from_rotvec(other)
     vector = np.empty(3)

@@ -24,7 +24,6 @@ def outline(state: Floats, angle: Floats) -> Floats:
 
 
 @given(states)
-@settings(deadline=None)
 def test_the_trace_is_the_outline_with_its_outward_normals(state: Floats) -> None:
     angles = np.arctan2(*turns(N).T[::-1])
     points, normals, _ = trace(state, turns(N))
@@ -37,7 +36,6 @@ def test_the_trace_is_the_outline_with_its_outward_normals(state: Floats) -> Non
 
 
 @given(states)
-@settings(deadline=None)
 def test_the_jacobian_is_how_the_outline_moves_along_its_normal(state: Floats) -> None:
     points, normals, jacobian = trace(state, turns(N))
     for k in range(5):
@@ -48,7 +46,7 @@ def test_the_jacobian_is_how_the_outline_moves_along_its_normal(state: Floats) -
 
 
 @given(st.floats(10.0, 150.0), st.floats(1.0, 1.22), st.floats(0.0, 3.2))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_the_answer_is_the_least_squares_circle_of_a_ball_off_axis(b: float, ratio: float, turn: float) -> None:
     """Up to the design's 22 %: the near-circle is nowhere far from the ellipse, and its circle is the truth's."""
     a, angles = ratio * b, 2.0 * np.pi * np.arange(360) / 360

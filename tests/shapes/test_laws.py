@@ -72,7 +72,7 @@ def test_fitting_an_outline_returns_the_shape(
 
 @every_shape
 @given(shift=st.tuples(st.floats(-80, 80), st.floats(-80, 80)), turn=st.floats(-3.1, 3.1), scale=st.floats(0.6, 1.7))
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 def test_moving_turning_and_scaling_the_points_does_so_to_the_answer(
     shapes: dict[str, Any], name: str, shift: tuple[float, float], turn: float, scale: float
 ) -> None:

@@ -76,7 +76,7 @@ def sums_of(cells: Floats) -> Floats:
     return sums
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     left=st.floats(-3.0, 30.0), top=st.floats(-3.0, 30.0), step=st.floats(1.0, 5.0),
     rows=st.integers(1, 7), columns=st.integers(1, 7), channels=st.sampled_from((1, 3)), seed=st.integers(0, 99),
@@ -121,7 +121,7 @@ def merits_of(cells: Floats, color: Floats, limits: DiscSearchParameters) -> Sin
     return merits
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     rows=st.integers(1, 20), columns=st.integers(1, 20), spread=st.floats(0.1, 20.0),
     middle=st.integers(0, 2), wide=st.integers(1, 3), ring=st.integers(1, 3), seed=st.integers(0, 999),
@@ -135,7 +135,7 @@ def test_merits_are_those_of_plain_means(
     assert merits_of(cells, color, limits) == pytest.approx(naive_merits(cells, color, limits), abs=1e-5)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     rows=st.integers(1, 9), columns=st.integers(1, 9), reach=st.integers(0, 4), most=st.integers(0, 5),
     seed=st.integers(0, 999),
@@ -182,7 +182,7 @@ def test_a_gray_picture_is_searched_too() -> None:
     assert math.dist(found[0][:2], at) < 6.5
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(x=st.floats(75.0, 345.0), y=st.floats(12.0, 228.0), skipped=st.integers(0, 20))
 def test_a_large_window_is_covered_part_after_part(x: float, y: float, skipped: int) -> None:
     image, search, cells = picture((x, y)), DiscSearch(BY_PARTS), SIZE[0] * SIZE[1] / (9.0 / 4.0) ** 2

@@ -88,7 +88,7 @@ def picture(kind: str, seed: int, shape: tuple[int, ...]) -> Picture:
     st.tuples(st.floats(-20, 90), st.floats(-20, 90), st.floats(0.1, 80)),
     st.booleans(),
 )
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=80, derandomize=True)
 def test_any_pictures_from_any_start(
     kinds: list[tuple[str, int]],
     shape: tuple[int, int],

@@ -6,8 +6,9 @@ transform adds circles whose rim is an edge although region and surroundings hav
 score from the picture. There is no randomness: the same picture gives the same numbers.
 """
 
+import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import msgspec
@@ -15,7 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.image.circle_score import SCORE, CircleTuple, Floats, LabImage, median, score_circle
+from matchset.numeric.jit import helper, kernel
 
+Points = npt.NDArray[np.int32]
 Picture = npt.NDArray[np.uint8]
 
 
@@ -211,7 +214,7 @@ def _region_circles(mask: Picture, point: tuple[float, float] | None) -> Iterato
         hull_area = cv2.contourArea(cv2.convexHull(contour))
         if area < PROPOSAL.min_solidity * hull_area or area > PROPOSAL.max_area * side * side:
             continue
-        circle = _fit_circle(contour[:, 0, :].astype(np.float64))
+        circle = _fit_circle(np.asarray(contour[:, 0], np.int32))
         if circle is not None and low <= circle[2] <= high:
             yield circle
 
@@ -224,27 +227,75 @@ def _reaches(contour: npt.NDArray[Any], point: tuple[float, float]) -> bool:
     return left - room <= x <= left + width + room and top - room <= y <= top + height + room
 
 
-def _fit_circle(points: Floats) -> CircleTuple | None:
-    """Fit a circle by least squares (Kasa 1976), repeatedly without the points far from it."""
-    inliers = points
-    for _ in range(PROPOSAL.fit_rounds):
-        if len(inliers) < PROPOSAL.min_fit:
-            return None
-        mean = inliers.mean(axis=0)
-        x, y = (inliers - mean).T
-        squares = x * x + y * y
+class FitLimits(NamedTuple):
+    """See `ProposalParameters`."""
+
+    rounds: int
+    tolerance: float
+    tolerance_px: float
+    min_points: int
+    min_inliers: float
+
+
+def _fit_circle(points: Points) -> CircleTuple | None:
+    """Fit a circle to the points of an outline; None where too few of them lie on it."""
+    limits = FitLimits(
+        PROPOSAL.fit_rounds, PROPOSAL.fit_tolerance, PROPOSAL.fit_tolerance_px, PROPOSAL.min_fit, PROPOSAL.min_inliers
+    )
+    circle = np.zeros(3)
+    if not fit_circle_kernel(points, limits, circle):
+        return None
+    return float(circle[0]), float(circle[1]), float(circle[2])
+
+
+@kernel(refcount=False)
+def fit_circle_kernel(points: Points, limits: FitLimits, circle: Floats) -> bool:
+    """Fit a circle by least squares (Kasa 1976), repeatedly without the points far from it; whether enough are on it.
+
+    Parameters
+    ----------
+    points : (n, 2), int32
+        px.
+    limits : FitLimits
+    circle : (3,), float64, written
+        x, y and radius, px.
+    """
+    reach = math.inf  # of the residuals of points that count
+    for _ in range(limits.rounds):
+        count, mean_x, mean_y = 0, 0.0, 0.0
+        for k in range(points.shape[0]):
+            if _residual(points, k, circle) < reach:
+                count, mean_x, mean_y = count + 1, mean_x + points[k, 0], mean_y + points[k, 1]
+        if count < limits.min_points:
+            return False
+        mean_x, mean_y = mean_x / count, mean_y / count
+        xx = xy = yy = xq = yq = 0.0
+        for k in range(points.shape[0]):
+            if _residual(points, k, circle) < reach:
+                x, y = points[k, 0] - mean_x, points[k, 1] - mean_y
+                q = x * x + y * y
+                xx, xy, yy, xq, yq = xx + x * x, xy + x * y, yy + y * y, xq + x * q, yq + y * q
         # About the mean the sums of x and y vanish, and the normal equations are two.
-        xx, xy, yy, xq, yq = float(x @ x), float(x @ y), float(y @ y), float(x @ squares), float(y @ squares)
         determinant = xx * yy - xy * xy
         if not determinant > 1e-9 * xx * yy:
-            return None
-        center = np.array((xq * yy - yq * xy, yq * xx - xq * xy)) / (2.0 * determinant)
-        radius = float(np.sqrt(max(float(squares.mean()) + float(center @ center), 1e-9)))
-        residual = np.abs(np.hypot(*(points - mean - center).T) - radius)
-        inliers = points[residual < max(PROPOSAL.fit_tolerance * radius, PROPOSAL.fit_tolerance_px)]
-    if len(inliers) < PROPOSAL.min_inliers * len(points):
-        return None
-    return float(mean[0] + center[0]), float(mean[1] + center[1]), radius
+            return False
+        x, y = (xq * yy - yq * xy) / (2.0 * determinant), (yq * xx - xq * xy) / (2.0 * determinant)
+        circle[0], circle[1], circle[2] = (
+            mean_x + x,
+            mean_y + y,
+            math.sqrt(max((xx + yy) / count + x * x + y * y, 1e-9)),
+        )
+        reach = max(limits.tolerance * circle[2], limits.tolerance_px)
+    count = 0
+    for k in range(points.shape[0]):
+        count += _residual(points, k, circle) < reach
+    return bool(count >= limits.min_inliers * points.shape[0])
+
+
+@helper
+def _residual(points: Points, k: int, circle: Floats) -> float:
+    """Distance of a point from a circle, px."""
+    return float(abs(math.hypot(points[k, 0] - circle[0], points[k, 1] - circle[1]) - circle[2]))
 
 
 def _hough_circles(lab: LabImage) -> list[CircleTuple]:
@@ -275,13 +326,13 @@ def _same(one: CircleTuple, other: CircleTuple) -> bool:
 def _candidate(lab: LabImage, circle: CircleTuple, score: float, scale: float) -> Candidate:
     """Make a candidate in the pixels of the whole picture, with the best pixel to click."""
     x, y, radius = circle
-    height, width = lab.shape[:2]
-    rows, columns = np.mgrid[0:height, 0:width]
-    distance = np.hypot(columns - x, rows - y)
-    disc = lab[distance < 0.75 * radius]
-    deviation = np.linalg.norm(lab - median(disc), axis=2)
+    left, top = max(math.floor(x - radius), 0), max(math.floor(y - radius), 0)
+    part = lab[top : math.ceil(y + radius) + 1, left : math.ceil(x + radius) + 1]
+    rows, columns = np.indices(part.shape[:2])
+    distance = np.hypot(columns + left - x, rows + top - y)
+    deviation = np.linalg.norm(part - median(part[distance < 0.75 * radius]), axis=2)
     # Among pixels that are equally typical, the one closest to the center is the safest click.
     best = np.argmin(np.where(distance < 0.5 * radius, deviation + 4.0 * distance / radius, np.inf))
-    row, column = divmod(int(best), width)
+    row, column = np.add(np.unravel_index(best, part.shape[:2]), (top, left)).tolist()
     pick = round((column + 0.5) / scale - 0.5), round((row + 0.5) / scale - 0.5)
     return Candidate((x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5, radius / scale, pick, score)

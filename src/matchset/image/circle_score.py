@@ -172,10 +172,8 @@ def score_circle(lab: LabImage, circle: CircleTuple) -> CircleScore:
     x, y, radius = circle
     angles = 2.0 * np.pi * np.arange(SCORE.rays) / SCORE.rays
     step = min(max(SCORE.rim_step_low, SCORE.rim_step * radius), SCORE.rim_step_high)
-    core, middle, inner, outer = (
-        _sample(lab, x + r * np.cos(angles), y + r * np.sin(angles))
-        for r in (0.5 * radius, max(radius - 2.0 * step, 0.5 * radius), radius - step, radius + step)
-    )
+    places = np.array((0.5 * radius, max(radius - 2.0 * step, 0.5 * radius), radius - step, radius + step))[:, None]
+    core, middle, inner, outer = _sample(lab, x + places * np.cos(angles), y + places * np.sin(angles))
     visible = np.isfinite(outer[:, 0])
     if visible.sum() < SCORE.min_visible * SCORE.rays:
         return NOT_A_CIRCLE
@@ -199,10 +197,10 @@ def median(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
 
 def _sample(lab: LabImage, x: Floats, y: Floats) -> Floats:
-    """Return the colors at points, NaN outside the picture."""
+    """Return the colors at points, along one axis more; NaN outside the picture."""
     height, width = lab.shape[:2]
-    columns, rows = np.round(x).astype(int), np.round(y).astype(int)
+    columns, rows = np.rint(x).astype(int), np.rint(y).astype(int)
     inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    colors = np.full((len(x), 3), np.nan)
+    colors = np.full((*x.shape, 3), np.nan)
     colors[inside] = lab[rows[inside], columns[inside]]
     return colors

@@ -65,7 +65,7 @@ BUTTONS = st.one_of(
 )
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(BUTTONS, max_size=10))
 def test_any_sequence_of_buttons_shows_the_picture_of_that_index(feed: FileFeed, buttons: list[Any]) -> None:
     take(feed, Seek(0))

@@ -103,7 +103,7 @@ def same(one: Frame, other: Frame) -> bool:
     return one.index == other.index and one.time == other.time and np.array_equal(one.image, other.image)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.floats(0.0, 1.0, exclude_max=True), max_size=8))
 def test_any_order_gives_the_frames_of_a_plain_reading(file: Known, reader: ExactReader, shares: list[float]) -> None:
     _, _, plain = file
@@ -119,7 +119,7 @@ def test_a_file_is_read_backward(file: Known, reader: ExactReader) -> None:
     assert all(same(frame, right) for frame, right in zip(backward, reversed(plain), strict=True))
 
 
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.integers(-12, 5), max_size=12), st.floats(0.0, 1.0, exclude_max=True))
 def test_steps_to_and_fro_show_the_picture_of_that_place(
     file: Known, reader: ExactReader, steps: list[int], begin: float

@@ -288,7 +288,7 @@ NEARLY = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.sampled_from(["/ws", "/states"]), st.lists(WORDS | NEARLY, min_size=1, max_size=4))
 def test_nonsense_ends_one_session_and_nothing_else(server: Served, address: str, said: list[str | bytes]) -> None:
     with connect(f"ws://{server.host}/states") as watching:
@@ -299,7 +299,7 @@ def test_nonsense_ends_one_session_and_nothing_else(server: Served, address: str
             pass
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.text(max_size=40), st.binary(max_size=200) | NEARLY.map(str.encode))
 def test_any_body_is_answered(client: httpx.Client, kind: str, body: bytes) -> None:
     answer = client.post(f"/do/{quote(kind, safe='')}", content=body)

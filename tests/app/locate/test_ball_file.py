@@ -55,7 +55,7 @@ def test_a_bad_file_is_a_clear_error(tmp_path: Path, text: str, words: str) -> N
         ball_target(None, None, write(tmp_path, text), True)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_any_other_file_is_a_value_error(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
     path = tmp_path_factory.mktemp("any") / "ball.toml"

@@ -78,7 +78,7 @@ def read_back(kind: str, definitions: dict[str, str], data: bytes) -> Any:
     return types.deserialize_cdr(data, name)
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
 @given(inner=members([*NAMES, "string"]), outer=members([*NAMES, "string", PART]))
 def test_any_message_comes_back(inner: tuple[list[str], list[Any]], outer: tuple[list[str], list[Any]]) -> None:
     bags.need_rosbags()

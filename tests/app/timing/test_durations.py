@@ -20,7 +20,7 @@ def counted(times: list[float]) -> Durations:
     return durations
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(TIMES, st.integers(0, 64))
 def test_quantiles_are_those_of_numpy_but_for_half_a_percent(times: list[float], sixty_fourths: int) -> None:
     share = sixty_fourths / 64
@@ -28,7 +28,7 @@ def test_quantiles_are_those_of_numpy_but_for_half_a_percent(times: list[float],
     assert found == pytest.approx(exact, rel=0.0051, abs=1e-6)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(TIMES)
 def test_mean_and_worst_are_exact_and_the_figures_in_order(times: list[float]) -> None:
     found = counted(times).times()

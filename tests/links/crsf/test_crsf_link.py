@@ -450,7 +450,7 @@ def test_poor_quality_and_a_refusal_are_warnings() -> None:
     assert bench.link.status().warnings == ("the flight controller refuses to be armed: ANGL!",)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.binary(max_size=40), max_size=30))
 def test_no_noise_turns_a_motor_or_breaks_a_link(noise: list[bytes]) -> None:
     bench = Bench()

@@ -4,7 +4,7 @@ import contextlib
 import struct
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.command import Command
@@ -34,13 +34,11 @@ def only(data: bytes) -> telemetry.Message | None:
     return decode(kind, payload)
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.lists(st.integers(172, 1811), min_size=16, max_size=16))
 def test_channels_are_packed_as_bit_by_bit(values: list[int]) -> None:
     assert channels_of(crsf.pack_channels(values)) == values
 
 
-@settings(deadline=None)  # a busy computer
 @given(STICK, STICK, STICK, st.floats(0.0, 1.0), st.integers(5, 16))
 def test_a_command_comes_back_within_half_a_step(
     roll: float, pitch: float, yaw: float, throttle: float, arm: int
@@ -54,7 +52,6 @@ def test_a_command_comes_back_within_half_a_step(
     assert [k + 1 for k in range(4, 16) if values[k] > 1000] == [arm]
 
 
-@settings(deadline=None)  # a busy computer
 @given(STICK, STICK, STICK, st.floats(0.0, 1.0))
 def test_disarmed_there_is_no_throttle_and_every_switch_is_low(
     roll: float, pitch: float, yaw: float, throttle: float
@@ -77,7 +74,6 @@ def test_the_checksum_of_a_command_is_the_published_one() -> None:
     assert crsf.frame(telemetry.COMMAND, bind).hex() == "c80732ecc810019ee8"
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.integers(0, 63))
 def test_the_number_of_the_receiver_is_in_its_command(number: int) -> None:
     payload = telemetry.select_receiver(number)
@@ -137,14 +133,12 @@ def test_what_makes_no_sense_is_refused(kind: int, payload: bytes) -> None:
         decode(kind, payload)
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.integers(0, 255), st.binary(max_size=60))
 def test_no_payload_upsets_the_decoder(kind: int, payload: bytes) -> None:
     with contextlib.suppress(ValueError):
         decode(kind, payload)
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.binary(max_size=400), st.integers(1, 64))
 def test_no_noise_hides_what_follows_it(noise: bytes, step: int) -> None:
     parser, found = crsf.Parser(telemetry.ADDRESSES), []
@@ -154,7 +148,6 @@ def test_no_noise_hides_what_follows_it(noise: bytes, step: int) -> None:
     assert (0x14, link_statistics(88)[3:-1]) in found
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.binary(min_size=1, max_size=200))
 def test_every_byte_belongs_to_a_frame_or_is_counted(noise: bytes) -> None:
     parser = crsf.Parser(telemetry.ADDRESSES)

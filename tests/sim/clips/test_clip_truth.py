@@ -44,7 +44,7 @@ def off_ellipse(outline: SphereOutline, points: npt.NDArray[np.float64]) -> npt.
     return (level - 1.0) * outline.b
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(x=st.floats(-0.7, 0.7), y=st.floats(-0.7, 0.7), depth=st.floats(0.4, 20.0), radius=st.floats(0.01, 0.25))
 def test_the_outline_is_the_projection_of_the_tangent_circle(x: float, y: float, depth: float, radius: float) -> None:
     center = np.array([x * depth, y * depth, depth])

@@ -24,15 +24,13 @@ class Led:
     def __init__(self, start: Circle3, limits: FollowParameters) -> None:
         self.circle, self.looks = np.array(start), 0
         self.found: Disc | None = None
-        self.done, self.log_odds = start[2] < limits.least_radius, -math.inf
+        self.done, self.promise = start[2] < limits.least_radius, -math.inf
 
     def look(self, image: Picture, limits: FollowParameters) -> None:
         """Look once and go on."""
         self.looks += 1
         patch = read_patch(image, (self.circle[0], self.circle[1], self.circle[2]))
         seen = None if patch is None else NETWORK.see(patch)
-        if seen is not None:
-            self.log_odds = seen.log_odds
         if seen is None or (self.looks == 1 and seen.log_odds < limits.hopeless):
             self.found, self.done = None, True
             return
@@ -40,7 +38,9 @@ class Led:
         self.circle = self.circle + np.clip(seen.step, -limits.most_step, limits.most_step) * scale
         x, y, radius = self.circle.tolist()
         self.found = Disc((x, y, radius), seen.precision / scale**2, seen.log_odds)
-        self.done = bool(seen.step @ seen.precision @ seen.step < limits.still)
+        squared = float(seen.step @ seen.precision @ seen.step)
+        self.done = squared < limits.still
+        self.promise = seen.log_odds + limits.unrest * math.log(max(squared, limits.still))
         if radius < limits.least_radius:
             self.found, self.done = None, True
 
@@ -48,14 +48,14 @@ class Led:
 def naive_lead(
     image: Picture, starts: list[Circle3], limits: FollowParameters, looks: int
 ) -> tuple[list[Disc | None], int]:
-    """Each start once, in their order, then the likeliest of those that have not arrived."""
+    """Each start once, in their order, then the most promising of those that have not arrived."""
     led, taken = [Led(start, limits) for start in starts], 0
     while taken < looks:
         left = [each for each in led if not each.done and each.looks < limits.rounds]
         if not left:
             break
         new = [each for each in left if each.looks == 0]
-        (new[0] if new else max(left, key=lambda each: each.log_odds)).look(image, limits)
+        (new[0] if new else max(left, key=lambda each: each.promise)).look(image, limits)
         taken += 1
     return [each.found for each in led], taken
 

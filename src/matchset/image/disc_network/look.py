@@ -68,9 +68,11 @@ class FollowLimits(NamedTuple):
     still: float
     least_radius: float
     hopeless: float
+    unrest: float
 
 
-RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE, ROW = 2, 3, 12, 13, 14, 15, 16  # format: of a row of `follow`
+RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE = 2, 3, 12, 13, 14, 15  # format: of a row of `follow`
+PROMISE, ROW = 16, 17
 
 
 @kernel(refcount=False)
@@ -134,15 +136,15 @@ def _follow_one(image: Image, circle: Floats, known: Colors, network: tuple[Weig
 
 @kernel(refcount=False, entry=False)
 def _next_start(rows: Floats, limits: FollowLimits) -> int:
-    """Which start is looked at next: each once, in their order, then the likeliest of those not at rest; -1: none."""
+    """Which start is looked at next: each once, in their order, then the most promising not at rest; -1: none."""
     best, most = -1, -math.inf
     for k in range(rows.shape[0]):
         if rows[k, IS_DONE] != 0.0 or rows[k, LOOKS] >= limits.rounds:
             continue
         if rows[k, LOOKS] == 0.0:
             return k
-        if rows[k, LOG_ODDS] > most:
-            best, most = k, rows[k, LOG_ODDS]
+        if rows[k, PROMISE] > most:
+            best, most = k, rows[k, PROMISE]
     return best
 
 
@@ -156,7 +158,7 @@ def follow(
     looks: int,
     rows: Floats,
 ) -> int:
-    """Go from circles to balls, in looks: each circle once, then on from the likeliest, as far as there are looks.
+    """Go from circles to balls, in looks: each circle once, then on from the most promising, while there are looks.
 
     It has seven parameters: each is an array or a record of another kind.
 
@@ -202,4 +204,5 @@ def follow(
                 squared += step[i] * precision[i, j] * step[j]
         row[IS_FOUND] = circle[RADIUS] >= limits.least_radius
         row[IS_DONE] = squared < limits.still or row[IS_FOUND] == 0.0
+        row[PROMISE] = row[LOG_ODDS] + limits.unrest * math.log(max(squared, limits.still))
     return looks

@@ -70,7 +70,7 @@ class DiscSearchParameters(msgspec.Struct, frozen=True):
     least: float = 0.1
     larger: float = 1.3
     same: float = 0.3
-    cells: int = 6000
+    cells: int = 16000
     again: int = 8
 
 

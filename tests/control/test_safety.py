@@ -400,3 +400,37 @@ def test_a_ball_that_is_in_view_but_not_believed_is_not_called_unseen() -> None:
         reasons.add(state.reason)
     assert state.phase == "descending"
     assert reasons == {doubt, f"{doubt} for {LIMITS.hold_time:g} s"}
+
+
+def test_what_is_too_near_is_backed_off_from_and_forgotten_when_it_has_gone() -> None:
+    state, now = fly()
+    for distance, pitch, phase in ((0.4, -LIMITS.back_off, "holding"), (0.6, HOVER.pitch, "flying")):
+        for _ in range(15):
+            now += STEP
+            inputs = SafetyInputs(now, now, now, True, distance=distance)
+            command, state = safety_filter(HOVER, inputs, state)
+        assert command == Command(HOVER.roll, pitch, HOVER.yaw, HOVER.throttle)
+        assert state.phase == phase
+        assert state.reason == ("something is nearer than 0.5 m" if phase == "holding" else "")
+
+
+def test_a_controller_that_goes_back_faster_is_not_held() -> None:
+    state, now = fly()
+    for _ in range(15):
+        now += STEP
+        inputs = SafetyInputs(now, now, now, True, distance=0.0)
+        command, state = safety_filter(DesiredCommand(0.0, -0.8, 0.0, 0.5), inputs, state)
+    assert command.pitch == pytest.approx(-0.8)
+
+
+def test_one_that_stays_too_near_is_landed_for_good() -> None:
+    state, now = fly()
+    for _ in range(round((LIMITS.max_near_time + LIMITS.descent_duration + 0.1) / STEP)):
+        now += STEP
+        _, state = safety_filter(HOVER, SafetyInputs(now, now, now, True, distance=0.4), state)
+    assert (state.phase, state.reason) == ("cut", "something was nearer than 0.5 m for 2 s")
+
+
+def test_it_does_not_start_before_something_too_near() -> None:
+    command, state = safety_filter(HOVER, SafetyInputs(1.0, 1.0, 1.0, True, distance=0.3), SafetyState())
+    assert (command, state.phase, state.reason) == (Command(), "locked", "something is nearer than 0.5 m")

@@ -25,6 +25,7 @@ LIMITS = SafetyParameters(
     min_throttle=0.4,
     max_throttle=0.8,
     max_throttle_rate=4.0,
+    max_near_time=0.35,
 )
 OLD = 0.5  # s: older than every limit
 TINY = 1e-9
@@ -52,6 +53,7 @@ class Happening(NamedTuple):
     desired: DesiredCommand | None
     armed: bool
     fault: str
+    distance: float = math.nan
 
 
 class Taken(NamedTuple):
@@ -63,11 +65,14 @@ class Taken(NamedTuple):
     after: Situation
     frame_age: float
     seen_age: float
+    near_age: float
 
 
 HAPPENINGS = [
     Happening(*each)
-    for each in itertools.product(("ball", "no ball", "none"), DESIRED, (True, False), ("", "the picture stands still"))
+    for each in itertools.product(
+        ("ball", "no ball", "none"), DESIRED, (True, False), ("", "the picture stands still"), (math.nan, 0.4)
+    )
 ]
 
 
@@ -86,14 +91,20 @@ def step(before: Situation, happening: Happening) -> Taken:
     now = STEP
     frame_time = before.frame_time if happening.picture == "none" else now
     seen_time = now if happening.picture == "ball" else before.seen_time
-    inputs = SafetyInputs(now, frame_time, seen_time, happening.armed, happening.fault)
+    inputs = SafetyInputs(now, frame_time, seen_time, happening.armed, happening.fault, distance=happening.distance)
     command, state = safety_filter(happening.desired, inputs, before.state, LIMITS)
-    names = ("time", "descent_start", "seen_time", "seen_since")
+    names = ("time", "descent_start", "seen_time", "seen_since", "near_since")
     times: dict[str, Any] = {name: shifted(getattr(state, name), now) for name in names}
     state = state._replace(**times)
     state = state._replace(command=rounded(state.command), initial_throttle=round(state.initial_throttle, 1))
     after = Situation(shifted(frame_time, now), shifted(seen_time, now), state)
-    return Taken(before, happening, command, after, now - frame_time, now - seen_time)
+    near_age = now - before.state.near_since if is_near(happening) else 0.0
+    return Taken(before, happening, command, after, now - frame_time, now - seen_time, near_age)
+
+
+def is_near(happening: Happening) -> bool:
+    """Whether something is too near."""
+    return happening.distance < LIMITS.min_distance
 
 
 @functools.cache
@@ -149,6 +160,7 @@ def test_motors_start_only_with_the_ball_in_sight_and_an_answer() -> None:
             assert each.happening.armed
             assert not each.happening.fault
             assert each.seen_age == each.frame_age <= LIMITS.max_frame_age
+            assert not is_near(each.happening)
             assert each.happening.desired is not None
             assert all(map(math.isfinite, each.happening.desired))
             assert each.command.throttle <= LIMITS.max_throttle_rate * LIMITS.max_step + TINY
@@ -183,6 +195,7 @@ def test_every_way_into_a_descent_has_its_reason() -> None:
                 or each.frame_age > LIMITS.max_frame_age
                 or each.seen_age > LIMITS.hold_time
                 or unanswered > LIMITS.hold_time
+                or each.near_age >= LIMITS.max_near_time
             )
             assert state.reason
         assert (each.after.state.phase == "flying") == (not each.after.state.reason)
@@ -212,6 +225,21 @@ def test_it_flies_only_by_new_pictures_with_an_answer() -> None:
             assert each.frame_age == each.seen_age
 
 
+def test_whatever_is_too_near_is_backed_off_from_as_fast_as_the_sticks_may() -> None:
+    flown = [each for each in walk() if is_near(each.happening) and each.after.state.phase in ("flying", "holding")]
+    assert flown
+    for each in flown:
+        assert each.after.state.phase == "holding"
+        last, change = each.before.state.command.pitch, LIMITS.max_stick_rate * STEP
+        assert each.command.pitch <= max(-LIMITS.back_off, last - change) + TINY
+
+
+def test_nothing_too_near_for_long_is_flown_beside() -> None:
+    for each in walk():
+        if each.near_age >= LIMITS.max_near_time:
+            assert each.after.state.phase in ("locked", "descending", "cut")
+
+
 @pytest.mark.parametrize(
     ("happening", "limit"),
     [
@@ -222,6 +250,8 @@ def test_it_flies_only_by_new_pictures_with_an_answer() -> None:
         (Happening("ball", DESIRED[1], True, ""), LIMITS.hold_time),
         (Happening("ball", DESIRED[2], True, "the picture stands still"), 0.0),
         (Happening("ball", DESIRED[2], False, ""), -LIMITS.descent_duration),
+        (Happening("ball", DESIRED[2], True, "", 0.4), LIMITS.max_near_time),
+        (Happening("no ball", None, True, "", 0.0), LIMITS.hold_time),
     ],
 )
 def test_from_everywhere_silence_ends_in_motors_off_in_time(happening: Happening, limit: float) -> None:

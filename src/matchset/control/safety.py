@@ -38,6 +38,8 @@ class SafetyParameters(
         "max_frame_age": "fresh",
         "hold_time": "hold",
         "reacquisition_time": "seen_again",
+        "min_distance": "nearest",
+        "max_near_time": "near",
         "descent_duration": "descent",
         "final_throttle_ratio": "descent_throttle",
     },
@@ -76,6 +78,16 @@ class SafetyParameters(
     reacquisition_time : float
         How long the ball must be seen again without a gap until a descent is called off, s. Chosen by hand: three
         frames (``seen_again``).
+    min_distance : float
+        Distance below which whatever is seen is too near, m: the vehicle goes back. Less lets others come nearer, more
+        goes back from a neighbor that only swings. Chosen by hand: two vehicles of 20 cm, and what one goes on while it
+        turns back (``nearest``).
+    back_off : float
+        Pitch stick by which it goes back at least, 0 ... 1. More goes back faster, and nearer to whoever is behind.
+        Chosen by hand: 1.5 m/s^2 of a vehicle whose largest tilt is 30 degrees.
+    max_near_time : float
+        How long something may be too near until the vehicle lands, s: it may have been held or caught (``near``).
+        Chosen by hand: half a meter is gone back in less.
     descent_duration : float
         Time from the first command of a descent to the cut, s. Chosen by hand: down from 1 to 2 m (``descent``).
     initial_throttle_ratio, final_throttle_ratio : float
@@ -99,6 +111,9 @@ class SafetyParameters(
     max_frame_age: float = 0.3
     hold_time: float = 1.0
     reacquisition_time: float = 0.1
+    min_distance: float = 0.5
+    back_off: float = 0.3
+    max_near_time: float = 2.0
     descent_duration: float = 2.0
     initial_throttle_ratio: float = 0.98
     final_throttle_ratio: float = 0.75
@@ -113,6 +128,7 @@ class SafetyParameters(
             "min_throttle",
             "max_throttle",
             "max_hover",
+            "back_off",
             "initial_throttle_ratio",
             "final_throttle_ratio",
         )
@@ -150,6 +166,9 @@ class SafetyInputs(NamedTuple):
         counts.
     hover : float
         Throttle that hovers, as far as it is known, or NaN: a descent begins with no more, also out of a climb.
+    distance : float
+        Of the nearest thing in the newest frame, as far as it is known, m; 0 for what fills the picture; NaN if none is
+        known.
     """
 
     now: float
@@ -159,6 +178,7 @@ class SafetyInputs(NamedTuple):
     fault: str = ""
     doubt: str = ""
     hover: float = math.nan
+    distance: float = math.nan
 
 
 class SafetyState(NamedTuple):
@@ -183,6 +203,8 @@ class SafetyState(NamedTuple):
         The last command.
     weak_since : float
         Since when more throttle hovers than may, or all of it is desired, s; stays in a descent.
+    near_since : float
+        Since when something is too near without a gap, s; stays in a descent.
     """
 
     phase: Phase = "locked"
@@ -194,6 +216,7 @@ class SafetyState(NamedTuple):
     initial_throttle: float = 0.0
     command: Command = Command()
     weak_since: float = math.inf
+    near_since: float = math.inf
 
 
 def safety_filter(
@@ -226,34 +249,46 @@ def safety_filter(
     seen_since = _seen_since(inputs, state, usable, limits)
     answered = usable or state.phase == "locked"
     seen_time = inputs.seen_time if answered else min(inputs.seen_time, state.seen_time)
-    weak_since = _weak_since(desired, inputs, state, limits)
-    reason = _reason_to_descend(inputs, seen_time, weak_since, limits)
+    state = state._replace(
+        weak_since=_weak_since(desired, inputs, state, limits), near_since=_near_since(inputs, state, limits)
+    )
+    reason = _reason_to_descend(inputs, seen_time, state, limits)
     if state.phase == "cut":
-        return Command(), state._replace(time=inputs.now, seen_time=seen_time, weak_since=weak_since)
-    seen = usable and inputs.seen_time == inputs.frame_time
-    unseen = "" if seen else (inputs.doubt or "the ball is not seen") if usable else "the controller has no answer"
-    if state.phase == "locked" and (reason or unseen):
-        state = state._replace(seen_time=seen_time, weak_since=weak_since, reason=reason or unseen, time=inputs.now)
-        return Command(), state
-    if state.phase == "descending" and not inputs.now - seen_since >= limits.reacquisition_time:
+        return Command(), state._replace(time=inputs.now, seen_time=seen_time)
+    is_near, why_held = inputs.distance < limits.min_distance, _reason_to_hold(inputs, usable, limits)
+    if state.phase == "locked" and (reason or why_held):
+        return Command(), state._replace(seen_time=seen_time, reason=reason or why_held, time=inputs.now)
+    if state.phase == "descending" and (is_near or not inputs.now - seen_since >= limits.reacquisition_time):
         reason = reason or state.reason
     if reason:
-        state = state._replace(reason=reason, seen_since=seen_since, seen_time=seen_time, weak_since=weak_since)
+        state = state._replace(reason=reason, seen_since=seen_since, seen_time=seen_time)
         return _descend(inputs, state, limits)
     since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
     step = min(max(since, 0.0), limits.max_step)
     goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, state.command.throttle)
+    if is_near:
+        goal = goal._replace(pitch=min(goal.pitch, -limits.back_off))
     command = _limited(goal, state.command, inputs.hover, step, limits)
-    phase: Phase = "holding" if unseen else "flying"
+    phase: Phase = "holding" if why_held else "flying"
     return command, SafetyState(
         phase,
-        unseen,
+        why_held,
         inputs.now,
         seen_time=seen_time,
         seen_since=seen_since,
         command=command,
-        weak_since=weak_since,
+        weak_since=state.weak_since,
+        near_since=state.near_since,
     )
+
+
+def _reason_to_hold(inputs: SafetyInputs, usable: bool, limits: SafetyParameters) -> str:
+    """Say why it does not fly by the controller alone; empty if it does."""
+    if inputs.distance < limits.min_distance:
+        return f"something is nearer than {limits.min_distance:g} m"
+    if not usable:
+        return "the controller has no answer"
+    return "" if inputs.seen_time == inputs.frame_time else inputs.doubt or "the ball is not seen"
 
 
 def _seen_since(inputs: SafetyInputs, state: SafetyState, usable: bool, limits: SafetyParameters) -> float:
@@ -276,7 +311,15 @@ def _weak_since(
     return min(state.weak_since, inputs.now) if weak and state.phase in AIRBORNE else math.inf
 
 
-def _reason_to_descend(inputs: SafetyInputs, seen_time: float, weak_since: float, limits: SafetyParameters) -> str:
+def _near_since(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> float:
+    """Since when something is too near without a gap, s; inf if nothing is or nothing flies; a descent keeps it."""
+    if state.phase == "descending":
+        return state.near_since
+    near = inputs.distance < limits.min_distance and state.phase in AIRBORNE
+    return min(state.near_since, inputs.now) if near else math.inf
+
+
+def _reason_to_descend(inputs: SafetyInputs, seen_time: float, state: SafetyState, limits: SafetyParameters) -> str:
     """Say why the flight must end; empty if there is no reason."""
     if inputs.fault:
         return inputs.fault
@@ -286,7 +329,9 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, weak_since: float
         return f"{inputs.doubt or 'the ball has not been seen'} for {limits.hold_time:g} s"
     if not inputs.now - seen_time <= limits.hold_time:
         return f"the controller has not answered for {limits.hold_time:g} s"
-    if inputs.now - weak_since >= limits.max_hover_time:
+    if inputs.now - state.near_since >= limits.max_near_time:
+        return f"something was nearer than {limits.min_distance:g} m for {limits.max_near_time:g} s"
+    if inputs.now - state.weak_since >= limits.max_hover_time:
         return "hovering takes nearly all of the throttle: the battery is nearly empty, or it is too heavy"
     return ""
 

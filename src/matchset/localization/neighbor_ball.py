@@ -1,4 +1,4 @@
-"""Which of the balls in a picture is the neighbor's: `find_neighbor_ball`."""
+"""Which of the balls in a picture is the neighbor's: `find_neighbor_ball`; how far one is away: `distance_seen`."""
 
 import math
 
@@ -8,10 +8,13 @@ import numpy.typing as npt
 
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.localizer import Localizer
+from matchset.localization.cone import ConeFailure
+from matchset.localization.localizer import REASONS, Localizer
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
+from matchset.tracking.too_near import TOO_NEAR
+from matchset.tracking.track import Lost, Track
 
 
 class AssociationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -76,3 +79,26 @@ def find_neighbor_ball(
         if pose.distance < nearest:
             best, nearest = track.shape, pose.distance
     return best
+
+
+def distance_seen(ball: Track[Circle] | Lost[Circle], pose: Pose | Lost[Pose], before: float) -> float:
+    """Distance of the ball that is followed, whosever it is.
+
+    Parameters
+    ----------
+    ball : Track or Lost
+    pose : Pose or Lost
+        Of that ball.
+    before : float
+        Distance in the picture before, m.
+
+    Returns
+    -------
+    float
+        m; 0 if the ball fills the picture or touches the camera, as before if it is not seen: what was lost near by is
+        still there.
+    """
+    if isinstance(pose, Pose):
+        return pose.distance
+    fills = (isinstance(ball, Lost) and ball.reason == TOO_NEAR) or pose.reason == REASONS[ConeFailure.TOO_NEAR]
+    return 0.0 if fills else before

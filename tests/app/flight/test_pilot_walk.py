@@ -32,6 +32,7 @@ PARAMETERS = PilotParameters(
         min_throttle=0.4,
         max_throttle=0.8,
         max_throttle_rate=4.0,
+        max_near_time=0.35,
     )
 )
 SAFETY = PARAMETERS.safety
@@ -134,13 +135,14 @@ class Walked(Pilot):
         self._safety, self._frame_time, self._seen_time = at.safety, at.frame_time, at.seen_time
         self._pictures, self._fault, self.armed = at.pictures, at.fault, at.armed
         self.killed, self.landing, self._link_is_armed = at.killed, at.landing, False
-        self._excitation = None
+        self._excitation, self._distances = None, (math.inf, math.inf)
 
     def _locate(self, frame: object, now: float, stamps: list[float]) -> Any:  # noqa: ARG002
         picture = self._happening.picture
-        if picture in ("ball", "nothing"):
+        if picture in ("ball", "near", "nothing"):
             self._frame_time, self._pictures = now, PicturesSeen()
-            self._seen_time = now if picture == "ball" else self._seen_time
+            self._seen_time = self._seen_time if picture == "nothing" else now
+            self._distances = (0.4, 0.4) if picture == "near" else self._distances
         elif picture in ("again", "old"):
             repeats = min(self._pictures.repeats + 1, self.parameters.repeated.final_repeats)
             self._pictures = PicturesSeen((), repeats, self._pictures.went_back or picture == "old")
@@ -151,9 +153,12 @@ class Walked(Pilot):
 HAPPENINGS = [
     Happening(*cast("Any", each))
     for each in itertools.product(
-        ("", "arm", "cut", "land"), ("ball", "nothing", "none", "again", "old"), (True, False), ("armed", "failsafe")
+        ("", "arm", "cut", "land"),
+        ("ball", "near", "nothing", "none", "again", "old"),
+        (True, False),
+        ("armed", "failsafe"),
     )
-    if not each[0] or (each[1] in ("ball", "none") and each[2])
+    if (not each[0] or (each[1] in ("ball", "none") and each[2])) and (each[1] != "near" or each[2:] == (True, "armed"))
 ]
 
 
@@ -173,7 +178,7 @@ def step(before: Situation, happening: Happening) -> Taken:
         pilot.land("by hand")
     done = pilot.step()
     safety = done.safety
-    names = ("time", "descent_start", "seen_time", "seen_since")
+    names = ("time", "descent_start", "seen_time", "seen_since", "near_since")
     times: dict[str, Any] = {name: shifted(getattr(safety, name)) for name in names}
     safety = safety._replace(**times)
     command = msgspec.structs.replace(safety.command, throttle=round(safety.command.throttle, 1))
@@ -239,6 +244,15 @@ def test_from_everywhere_a_landing_ends_in_motors_off_in_time() -> None:
         assert at.safety.phase in ("cut", "locked")
 
 
+def test_whatever_is_too_near_is_backed_off_from_whoever_holds_the_phase() -> None:
+    flown = [each for each in walk() if each.happening.picture == "near" and each.after.safety.phase == "holding"]
+    assert flown
+    change = SAFETY.max_stick_rate * STEP
+    for each in flown:
+        assert each.command.pitch <= max(-SAFETY.back_off, each.before.safety.command.pitch - change)
+    assert not any(each.after.safety.phase == "flying" for each in walk() if each.happening.picture == "near")
+
+
 def test_a_refusal_is_noticed_at_once_and_lasts_until_it_is_armed() -> None:
     for each in walk():
         if each.after.armed and each.happening.link == "failsafe":
@@ -262,6 +276,7 @@ def test_pictures_that_are_not_of_now_end_the_flight_for_good() -> None:
 
 def test_from_everywhere_bad_pictures_end_in_motors_off_in_time() -> None:
     limits = {"none": SAFETY.max_frame_age, "nothing": SAFETY.hold_time, "again": SAFETY.max_frame_age, "old": 0.15}
+    limits["near"] = SAFETY.max_near_time
     for picture, limit in limits.items():
         most = round((limit + SAFETY.descent_duration) / STEP + 2.0)
         for situation in {each.before for each in walk()}:

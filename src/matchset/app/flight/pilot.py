@@ -26,7 +26,7 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
-from matchset.localization.neighbor_ball import AssociationParameters, find_neighbor_ball
+from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -143,6 +143,9 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     def __post_init__(self) -> None:
         if not 0.0 < self.near < math.inf:
             raise ValueError(f"near must be positive, got {self.near}")
+        away, least = math.hypot(*msgspec.structs.astuple(self.place)), self.safety.min_distance
+        if not away > least:
+            raise ValueError(f"a follower goes back from less than {least:g} m, but its place is {away:.2f} m away")
 
 
 class Pilot:
@@ -189,6 +192,7 @@ class Pilot:
         self._excitation = None if shaken is None else Excitation(self.parameters.place, shaken)
         self._pictures, self._fault = PicturesSeen(), ""
         self._frame_time = self._seen_time = -math.inf
+        self._distances = (math.inf, math.inf)
 
     def _rehearse(self) -> None:
         """Take some steps with painted pictures and nobody at the other end, then forget them."""
@@ -276,8 +280,8 @@ class Pilot:
         self._check_association(pose)
         fault = self._picture_fault()
         doubt = self._follower.neighbor.doubt if isinstance(pose, Pose) else ""
-        hover, landing = self._follower.hover_throttle, self.landing or fault
-        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, landing, doubt, hover)
+        hover, landing, distance = self._follower.hover_throttle, self.landing or fault, max(self._distances)
+        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, landing, doubt, hover, distance)
         desired = control and (self._excitation(control, self._safety, now) if self._excitation else control.desired)
         wanted, self._safety = safety_filter(desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()
@@ -328,6 +332,7 @@ class Pilot:
             return Lost(why, now), (), Lost(why, now)
         ball, markers = self._outlines(frame, stamps)
         pose = self._localizer.update(ball, markers)
+        self._distances = (self._distances[1], distance_seen(ball, pose, self._distances[1]))
         if self.parameters.follower.beyond.share and frame.index % self.parameters.next_ball.every == 0:
             self._look_beyond(frame, ball)
         stamps.append(time.perf_counter())

@@ -72,7 +72,7 @@ class FollowLimits(NamedTuple):
 
 
 RADIUS, PRECISIONS, LOG_ODDS, LOOKS, IS_FOUND, IS_DONE = 2, 3, 12, 13, 14, 15  # format: of a row of `follow`
-PROMISE, ROW = 16, 17
+PROMISE, ROW = 16, 17  # format: what a further look promises, and how many numbers a row has
 
 
 @kernel(refcount=False)

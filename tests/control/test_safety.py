@@ -434,3 +434,31 @@ def test_one_that_stays_too_near_is_landed_for_good() -> None:
 def test_it_does_not_start_before_something_too_near() -> None:
     command, state = safety_filter(HOVER, SafetyInputs(1.0, 1.0, 1.0, True, distance=0.3), SafetyState())
     assert (command, state.phase, state.reason) == (Command(), "locked", "something is nearer than 0.5 m")
+
+
+def test_before_something_near_no_descent_is_called_off() -> None:
+    state, now = fly()
+    for fault, distance, phase in (("old", math.nan, "descending"), ("", 0.4, "descending"), ("", math.nan, "flying")):
+        for _ in range(6):
+            now += STEP
+            _, state = safety_filter(HOVER, SafetyInputs(now, now, now, True, fault, distance=distance), state)
+        assert state.phase == phase
+
+
+def test_a_landing_from_something_near_goes_on_when_that_has_gone() -> None:
+    state, now = fly()
+    for distance, seconds in ((0.4, LIMITS.max_near_time + 0.2), (1.5, 0.5)):
+        for _ in range(round(seconds / STEP)):
+            now += STEP
+            _, state = safety_filter(HOVER, SafetyInputs(now, now, now, True, distance=distance), state)
+        assert state.phase == "descending"
+
+
+def test_on_the_ground_it_waits_for_what_is_near_to_go() -> None:
+    state, now = SafetyState(), 0.0
+    for _ in range(round((LIMITS.max_near_time + 0.5) / STEP)):
+        now += STEP
+        _, state = safety_filter(HOVER, SafetyInputs(now, now, now, True, distance=0.4), state)
+    assert (state.phase, state.reason) == ("locked", "something is nearer than 0.5 m")
+    _, state = safety_filter(HOVER, SafetyInputs(now + STEP, now + STEP, now + STEP, True, distance=1.5), state)
+    assert state.phase == "flying"

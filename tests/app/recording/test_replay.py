@@ -89,7 +89,7 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
     assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
     assert list(step["outcome"]["ball"]) == ["shape", "covariance", "support", "match_set", "time", "acquired"]
-    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (9, 9)
+    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (9, 10)
     assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]
     assert list(truth["truth"][0]) == ["place", "turn", "ball"]
 

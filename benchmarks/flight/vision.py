@@ -1,0 +1,147 @@
+"""What the tracker does in flight, beside the noise of flights without pictures: `python -m benchmarks.flight.vision`.
+
+Outlines and poses of rendered flights are compared with the truth, and those of the same flights without pictures, so
+that what is tuned on the second can be trusted on the first: quantiles, how long errors last, whether covariances hold.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import typer
+from scipy import stats
+
+from benchmarks.results import table
+from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
+from matchset.links.simulated import STEPS_PER_FRAME, SimulationParameters
+from matchset.localization.pose import Pose
+from matchset.sim.conditions.outlines import Outline, OutlineCameras, OutlineNoise
+from matchset.tracking.track import Track
+
+Floats = npt.NDArray[np.float64]
+
+EXACT = OutlineNoise(point_px=0.0, size=0.0, center_px=0.0, marker_deg=0.0)
+BEGIN = 5.0  # s, of the start, which counts elsewhere
+QUANTILES = (50, 90, 95, 99)
+LAGS = (1, 3, 10)  # pictures
+FAR = 0.3  # m, a pose that is farther off leads into the neighbor
+LIMIT = float(stats.chi2.ppf(0.95, 3))
+NAMES = ("x, px", "y, px", "r, px", "right, m", "down, m", "ahead, m")
+
+
+class Seen(NamedTuple):
+    """A picture of one follower.
+
+    Attributes
+    ----------
+    errors : ndarray of shape (6,)
+        Of the outline's center and radius, px, and of the ball's position in the camera frame, m; NaN if it was lost.
+    square : float
+        Normalized error squared of the position; NaN if it was lost.
+    heading : float
+        Error of the heading that it flies by, m; NaN if it has none.
+    """
+
+    errors: Floats
+    square: float
+    heading: float
+
+
+def watch(parameters: FlightParameters) -> list[list[Seen]]:
+    """Fly, and compare each picture of each follower with the truth.
+
+    Parameters
+    ----------
+    parameters : FlightParameters
+    """
+    with Flight(parameters) as flight:
+        exact = OutlineCameras(flight.chain.world, parameters.world.camera, EXACT)
+        seen: list[list[Seen]] = [[] for _ in flight.chain.cameras]
+        for chain_step in flight:
+            for who, pictures in enumerate(seen):
+                if chain_step.time >= parameters.arming_time(who) + BEGIN:
+                    pictures.append(_seen(exact, chain_step, who))
+    return seen
+
+
+def _seen(exact: OutlineCameras, chain_step: ChainStep, who: int) -> Seen:
+    """Compare a picture with the truth."""
+    step, truth = chain_step.steps[who], chain_step.truth_at_exposure
+    errors, square = np.full(6, np.nan), np.nan
+    outline = exact.outline(who, STEPS_PER_FRAME * chain_step.index)
+    if isinstance(step.ball, Track) and isinstance(outline, Outline):
+        errors[:3] = step.ball.shape.state[:3] - (*outline.middle, outline.radius)
+    if isinstance(step.pose, Pose):
+        view = exact.viewpoint(truth[who])
+        errors[3:] = step.pose.position - view.from_room @ (truth[who + 1].ball - view.position)
+        square = float(errors[3:] @ np.linalg.solve(step.pose.covariance[:3, :3], errors[3:]))
+    heading = np.nan if step.control is None else step.control.heading - float(chain_step.true_positions[who, 2])
+    return Seen(errors, square, heading)
+
+
+def quantiles(errors: Floats) -> list[float]:
+    """Quantiles of the magnitude of errors; NaN are left out."""
+    known = np.abs(errors[np.isfinite(errors)])
+    return np.percentile(known, QUANTILES).tolist() if len(known) else [np.nan] * len(QUANTILES)
+
+
+def autocorrelation(followers: Sequence[Floats], lag: int) -> float:
+    """Correlation of errors with those so many pictures later, of the same follower."""
+    pairs = np.concatenate([np.column_stack((each[:-lag], each[lag:])) for each in followers])
+    pairs = pairs[np.isfinite(pairs).all(axis=1)]
+    return float(np.corrcoef(pairs.T)[0, 1]) if len(pairs) > 2 else np.nan
+
+
+def longest(followers: Sequence[Floats], limit: float) -> int:
+    """Most pictures in a row whose errors are larger than a limit; those that were lost neither count nor end it."""
+    most = 0
+    for each in followers:
+        run = 0
+        for error in each[np.isfinite(each)]:
+            run = run + 1 if abs(error) > limit else 0
+            most = max(most, run)
+    return most
+
+
+def summary(followers: Sequence[Sequence[Seen]]) -> list[list[str]]:
+    """Rows of what was seen: one for each number of an outline and of a pose."""
+    rows = []
+    for k, name in enumerate(NAMES):
+        each = [np.array([seen.errors[k] for seen in pictures]) for pictures in followers]
+        values = [*quantiles(np.concatenate(each)), *(autocorrelation(each, lag) for lag in LAGS)]
+        rows.append([name, *(f"{value:.3g}" for value in values)])
+    return rows
+
+
+def in_words(followers: Sequence[Sequence[Seen]]) -> str:
+    """Say what no table has: losses, covariances, how long poses and headings were far off."""
+    every = [seen for pictures in followers for seen in pictures]
+    squares = np.array([seen.square for seen in every])
+    known = squares[np.isfinite(squares)]
+    away = [np.array([np.linalg.norm(seen.errors[3:]) for seen in pictures]) for pictures in followers]
+    heading = [np.array([seen.heading for seen in pictures]) for pictures in followers]
+    return (
+        f"{len(every)} pictures, {100.0 * np.isnan(squares).mean():.2f} % lost; "
+        f"normalized error squared below its 95 % quantile in {100.0 * (known < LIMIT).mean():.1f} %; "
+        f"poses more than {FAR:g} m off: {longest(away, FAR)} in a row, headings flown by: {longest(heading, FAR)}"
+    )
+
+
+def main(
+    seeds: Annotated[str, typer.Option(help="Seeds of the flights, joined by commas.")] = "900,901",
+    seconds: Annotated[float, typer.Option(help="Length of each, s.")] = 20.0,
+) -> None:
+    """Compare rendered flights with the same ones without pictures."""
+    say: Callable[[str], None] = typer.echo
+    for quick in (False, True):
+        followers: list[list[Seen]] = []
+        for seed in map(int, seeds.split(",")):
+            world = SimulationParameters(seed=seed, quick=quick)
+            followers += watch(FlightParameters(duration=seconds, world=world))
+        say(f"\n{'without pictures' if quick else 'rendered'}: {in_words(followers)}\n")
+        say(table(["", *(f"{q} %" for q in QUANTILES), *(f"lag {lag}" for lag in LAGS)], summary(followers)))
+
+
+if __name__ == "__main__":
+    typer.run(main)

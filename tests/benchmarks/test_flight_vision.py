@@ -1,0 +1,37 @@
+"""What a tracker does in flight, in numbers: quantiles, correlation in time, runs of far poses; and a flight."""
+
+import numpy as np
+import pytest
+from benchmarks.flight.vision import NAMES, autocorrelation, in_words, longest, quantiles, summary, watch
+
+from matchset.app.flight.flight import FlightParameters
+from matchset.links.simulated import SimulationParameters
+
+
+def test_quantiles_are_those_of_magnitudes_and_leave_losses_out() -> None:
+    errors = np.array([-3.0, 1.0, np.nan, 2.0])
+    assert quantiles(errors)[0] == 2.0
+    assert np.isnan(quantiles(np.array([np.nan]))).all()
+
+
+def test_errors_of_different_followers_are_not_correlated_with_each_other() -> None:
+    rng = np.random.default_rng(1)
+    steady = [np.repeat(rng.standard_normal(400), 5) for _ in range(2)]
+    assert autocorrelation(steady, 1) == pytest.approx(0.8, abs=0.08)
+    assert autocorrelation(steady, 10) == pytest.approx(0.0, abs=0.15)
+    assert np.isnan(autocorrelation([np.array([1.0, 2.0])], 1))
+
+
+def test_a_loss_neither_counts_nor_ends_a_run_of_far_poses() -> None:
+    assert longest([np.array([0.4, np.nan, -0.5, 0.1, 0.4]), np.array([0.1])], 0.3) == 2
+
+
+def test_a_flight_without_pictures_shows_the_noise_that_it_was_given() -> None:
+    seen = watch(FlightParameters(duration=8.0, world=SimulationParameters(seed=900, quick=True)))
+    assert len(seen) == 2
+    rows = summary(seen)
+    assert [row[0] for row in rows] == list(NAMES)
+    medians = [float(row[1]) for row in rows]
+    assert medians[:2] == pytest.approx([0.12, 0.12], abs=0.04)
+    assert max(medians[3:]) < 0.01
+    assert "0.00 % lost" in in_words(seen)

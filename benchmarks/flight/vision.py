@@ -4,15 +4,17 @@ Outlines and poses of rendered flights are compared with the truth, and those of
 that what is tuned on the second can be trusted on the first: quantiles, how long errors last, whether covariances hold.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import typer
-from scipy import stats
+from scipy.stats import chi2
 
+from benchmarks.options import parse_seeds
 from benchmarks.results import table
+from benchmarks.tracking.covariance import FREEDOM, LEVEL
 from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
 from matchset.links.simulated import STEPS_PER_FRAME, SimulationParameters
 from matchset.localization.pose import Pose
@@ -26,7 +28,7 @@ BEGIN = 5.0  # s, of the start, which counts elsewhere
 QUANTILES = (50, 90, 95, 99)
 LAGS = (1, 3, 10)  # pictures
 FAR = 0.3  # m, a pose that is farther off leads into the neighbor
-LIMIT = float(stats.chi2.ppf(0.95, 3))
+LIMIT = float(chi2.ppf(LEVEL, FREEDOM))
 NAMES = ("x, px", "y, px", "r, px", "right, m", "down, m", "ahead, m")
 
 
@@ -40,7 +42,7 @@ class Seen(NamedTuple):
     square : float
         Normalized error squared of the position; NaN if it was lost.
     heading : float
-        Error of the heading that it flies by, m; NaN if it has none.
+        Heading that it flies by, for when its command acts, less the true one when that was sent, m; NaN: it has none.
     """
 
     errors: Floats
@@ -129,18 +131,17 @@ def in_words(followers: Sequence[Sequence[Seen]]) -> str:
 
 
 def main(
-    seeds: Annotated[str, typer.Option(help="Seeds of the flights, joined by commas.")] = "900,901",
+    seeds: Annotated[str, typer.Option(help='Seeds of the flights, as "900-903,910".')] = "900,901",
     seconds: Annotated[float, typer.Option(help="Length of each, s.")] = 20.0,
 ) -> None:
     """Compare rendered flights with the same ones without pictures."""
-    say: Callable[[str], None] = typer.echo
     for quick in (False, True):
         followers: list[list[Seen]] = []
-        for seed in map(int, seeds.split(",")):
+        for seed in parse_seeds(seeds):
             world = SimulationParameters(seed=seed, quick=quick)
             followers += watch(FlightParameters(duration=seconds, world=world))
-        say(f"\n{'without pictures' if quick else 'rendered'}: {in_words(followers)}\n")
-        say(table(["", *(f"{q} %" for q in QUANTILES), *(f"lag {lag}" for lag in LAGS)], summary(followers)))
+        typer.echo(f"\n{'without pictures' if quick else 'rendered'}: {in_words(followers)}\n")
+        typer.echo(table(["", *(f"{q} %" for q in QUANTILES), *(f"lag {lag}" for lag in LAGS)], summary(followers)))
 
 
 if __name__ == "__main__":

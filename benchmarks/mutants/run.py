@@ -67,7 +67,7 @@ def _test(copy: Path, tests: tuple[str, ...]) -> None:
     import pytest
 
     slow = [hypothesis.HealthCheck.too_slow]
-    hypothesis.settings.register_profile("mutants", derandomize=True, suppress_health_check=slow)
+    hypothesis.settings.register_profile("mutants", deadline=None, derandomize=True, suppress_health_check=slow)
     hypothesis.settings.load_profile("mutants")
     os.setpgrp()  # so that what the tests start ends with them
     os.chdir(copy)

@@ -46,8 +46,6 @@ class ProposalParameters(msgspec.Struct, frozen=True):
         Area of a region over the area of its convex hull.
     max_area : float
         Area of a region, as a share of the square over the picture's longer side.
-    reach : float
-        How far outside the box around a region a point may lie that the region's circle holds, in sides of the box.
     fit_rounds : int
         Fits of a circle, each without the points far from the one before.
     fit_tolerance, fit_tolerance_px : float
@@ -77,7 +75,6 @@ class ProposalParameters(msgspec.Struct, frozen=True):
     area_above: float = 1.5
     min_solidity: float = 0.6
     max_area: float = 0.5
-    reach: float = 0.15
     fit_rounds: int = 4
     fit_tolerance: float = 0.12
     fit_tolerance_px: float = 1.5
@@ -166,22 +163,20 @@ def lab_of(image: npt.NDArray[Any]) -> LabImage:
     return lab
 
 
-def propose_circles(lab: LabImage, point: tuple[float, float] | None = None) -> list[CircleTuple]:
+def propose_circles(lab: LabImage) -> list[CircleTuple]:
     """Propose circles.
 
     Parameters
     ----------
     lab : ndarray of shape (h, w, 3), float32
         The picture in CIE Lab.
-    point : tuple of float, optional
-        x, y, px: only circles of regions that reach around it are wanted.
 
     Returns
     -------
     list of (x, y, radius)
         In px, many, in no particular order, but the same for the same picture.
     """
-    return [circle for mask in _threshold_masks(lab) for circle in _region_circles(mask, point)] + _hough_circles(lab)
+    return [circle for mask in _threshold_masks(lab) for circle in _region_circles(mask)] + _hough_circles(lab)
 
 
 def _threshold_masks(lab: LabImage) -> Iterator[Picture]:
@@ -199,15 +194,13 @@ def _threshold_masks(lab: LabImage) -> Iterator[Picture]:
                 yield cv2.morphologyEx(mask, cv2.MORPH_OPEN, kernel).astype(np.uint8, copy=False)
 
 
-def _region_circles(mask: Picture, point: tuple[float, float] | None) -> Iterator[CircleTuple]:
+def _region_circles(mask: Picture) -> Iterator[CircleTuple]:
     """Fit a circle to the outline of every region of a mask that may be a disc."""
     contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
     side = max(mask.shape)
     low, high = PROPOSAL.min_radius, PROPOSAL.max_radius
     smallest, largest = PROPOSAL.area_below * low * low * np.pi, PROPOSAL.area_above * high * high * np.pi
     for contour in contours:
-        if point is not None and not _reaches(contour, point):
-            continue
         area = cv2.contourArea(contour)
         if len(contour) < PROPOSAL.min_outline or not smallest < area < largest:
             continue
@@ -217,14 +210,6 @@ def _region_circles(mask: Picture, point: tuple[float, float] | None) -> Iterato
         circle = _fit_circle(np.asarray(contour[:, 0], np.int32))
         if circle is not None and low <= circle[2] <= high:
             yield circle
-
-
-def _reaches(contour: npt.NDArray[Any], point: tuple[float, float]) -> bool:
-    """Whether a point lies in the box around a contour, enlarged by `PROPOSAL.reach`."""
-    left, top, width, height = cv2.boundingRect(contour)
-    room = PROPOSAL.reach * max(width, height)
-    x, y = point
-    return left - room <= x <= left + width + room and top - room <= y <= top + height + room
 
 
 class FitLimits(NamedTuple):
@@ -280,11 +265,8 @@ def fit_circle_kernel(points: Points, limits: FitLimits, circle: Floats) -> bool
         if not determinant > 1e-9 * xx * yy:
             return False
         x, y = (xq * yy - yq * xy) / (2.0 * determinant), (yq * xx - xq * xy) / (2.0 * determinant)
-        circle[0], circle[1], circle[2] = (
-            mean_x + x,
-            mean_y + y,
-            math.sqrt(max((xx + yy) / count + x * x + y * y, 1e-9)),
-        )
+        circle[0], circle[1] = mean_x + x, mean_y + y
+        circle[2] = math.sqrt(max((xx + yy) / count + x * x + y * y, 1e-9))
         reach = max(limits.tolerance * circle[2], limits.tolerance_px)
     count = 0
     for k in range(points.shape[0]):

@@ -107,14 +107,9 @@ class CircleScore(NamedTuple):
     size: float
 
     @property
-    def outline(self) -> float:
-        """Score whatever the color: a lit or painted part of a ball is more vivid than the ball."""
-        return self.rim * self.rim * self.rim * self.contrast * self.even * self.size
-
-    @property
     def whole(self) -> float:
         """Score: rim^3 x contrast x vividness x evenness x size."""
-        return self.outline * self.vivid
+        return self.rim * self.rim * self.rim * self.contrast * self.even * self.size * self.vivid
 
 
 NOT_A_CIRCLE = CircleScore(0.0, 0.0, 0.0, 0.0, 0.0)

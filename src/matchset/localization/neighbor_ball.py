@@ -14,7 +14,7 @@ from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
 from matchset.tracking.too_near import TOO_NEAR
-from matchset.tracking.track import Lost, Track
+from matchset.tracking.track import Lost
 
 
 class AssociationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -81,14 +81,13 @@ def find_neighbor_ball(
     return best
 
 
-def distance_seen(ball: Track[Circle] | Lost[Circle], pose: Pose | Lost[Pose], before: float) -> float:
+def distance_seen(pose: Pose | Lost[Pose], before: float) -> float:
     """Distance of the ball that is followed, whosever it is.
 
     Parameters
     ----------
-    ball : Track or Lost
     pose : Pose or Lost
-        Of that ball.
+        Of that ball; lost with the reason why the ball is, if that is.
     before : float
         Distance in the picture before, m.
 
@@ -100,5 +99,4 @@ def distance_seen(ball: Track[Circle] | Lost[Circle], pose: Pose | Lost[Pose], b
     """
     if isinstance(pose, Pose):
         return pose.distance
-    fills = (isinstance(ball, Lost) and ball.reason == TOO_NEAR) or pose.reason == REASONS[ConeFailure.TOO_NEAR]
-    return 0.0 if fills else before
+    return 0.0 if pose.reason in (TOO_NEAR, REASONS[ConeFailure.TOO_NEAR]) else before

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from matchset.fitting.fit_quality import measure_interior, measure_lines, overlap_of, tolerance_of
 from matchset.fitting.match_set import choose_criteria, find_edge_points
-from matchset.fitting.prior import predict_field_offset
+from matchset.fitting.prior import correct_field_offset, predict_field_offset
 from matchset.fitting.robust_fit import robust_fit
 from matchset.fitting.validation import rejection_without_fit, validate_track
 from matchset.numeric.jit import helper, kernel
@@ -49,6 +49,7 @@ def _narrow(work: Record) -> None:
     limits = work.fit_limits
     work.criteria.range_px = max(limits.next_range, 2.0 + limits.next_range_per_speed * work.window.speed)
     work.iteration.initial_sigma = limits.next_sigma
+    correct_field_offset(work)
 
 
 @helper

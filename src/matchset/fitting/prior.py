@@ -144,21 +144,47 @@ class FieldParameters(msgspec.Struct, frozen=True):
 
 
 @helper
+def time_between_fields(work: Record) -> tuple[float, float]:
+    """Time that lately lay between the even rows and the odd ones, s, and how well that is known, 0 ... 1."""
+    limits, motion, way = work.field_limits, work.motion, work.window.speed
+    speed = math.hypot(motion.velocity[0], motion.velocity[1])
+    if not (speed > 0.0 and way > 0.0 and work.window.velocity_unknown == 0):
+        return 0.0, 0.0
+    frame, noted = way / speed, motion.speed_moment + limits.still_speed * limits.still_speed
+    between = min(max(motion.offset_moment / noted, -frame), frame)
+    if abs(abs(between) - limits.frame_share * frame) < limits.tolerance * frame:
+        return math.copysign(limits.frame_share * frame, between), motion.speed_moment / noted
+    return between, 0.0
+
+
+@helper
 def predict_field_offset(work: Record) -> None:
     """Expect the field offset that the speed, and the time that lately lay between the fields, give.
 
     An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
     one. While it is not known which, the offset has a standard deviation of half the way per frame.
     """
-    limits, motion, offset = work.field_limits, work.motion, work.field_offset
-    x, y, way = motion.velocity[0], motion.velocity[1], work.window.speed
-    speed, between, known = math.hypot(x, y), 0.0, 0.0
-    if speed > 0.0 and way > 0.0 and work.window.velocity_unknown == 0:
-        frame, noted = way / speed, motion.speed_moment + limits.still_speed * limits.still_speed
-        between = min(max(motion.offset_moment / noted, -frame), frame)
-        if abs(abs(between) - limits.frame_share * frame) < limits.tolerance * frame:
-            between = limits.frame_share * frame if between > 0.0 else -limits.frame_share * frame
-            known = motion.speed_moment / noted
-    offset.fitted[0] = offset.expected[0] = between * x
-    offset.fitted[1] = offset.expected[1] = between * y
-    offset.sigma = limits.min_sigma + (limits.unknown_sigma + known * (limits.known_sigma - limits.unknown_sigma)) * way
+    limits, velocity, offset = work.field_limits, work.motion.velocity, work.field_offset
+    between, known = time_between_fields(work)
+    offset.fitted[0] = offset.expected[0] = between * velocity[0]
+    offset.fitted[1] = offset.expected[1] = between * velocity[1]
+    share = limits.unknown_sigma + known * (limits.known_sigma - limits.unknown_sigma)
+    offset.sigma = limits.min_sigma + share * work.window.speed
+
+
+@helper
+def correct_field_offset(work: Record) -> None:
+    """Expect the field offset that the way in this frame gives, as far as it was fitted, in place of the predicted one.
+
+    Where the speed changes within a frame, as in pictures whose camera pitches, the fields lie farther apart than
+    predicted, and one of them would be taken for both.
+    """
+    motion, offset = work.motion, work.field_offset
+    between, _ = time_between_fields(work)
+    way = math.hypot(motion.predicted[0] - motion.last_state[0], motion.predicted[1] - motion.last_state[1])
+    if between == 0.0 or way == 0.0 or work.window.use_prior == 0:
+        return
+    rate = motion.speed / way  # 1 / s: of the time since the last sighting
+    for k in range(2):
+        velocity = motion.velocity[k] + rate * (work.state[k] - motion.predicted[k])
+        offset.fitted[k] = offset.expected[k] = between * velocity

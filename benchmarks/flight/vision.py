@@ -63,17 +63,18 @@ def watch(parameters: FlightParameters) -> list[list[Seen]]:
         for chain_step in flight:
             for who, pictures in enumerate(seen):
                 if chain_step.time >= parameters.arming_time(who) + BEGIN:
-                    pictures.append(_seen(exact, chain_step, who))
+                    pictures.append(_seen(exact, chain_step, who, parameters.world.quick))
     return seen
 
 
-def _seen(exact: OutlineCameras, chain_step: ChainStep, who: int) -> Seen:
-    """Compare a picture with the truth."""
+def _seen(exact: OutlineCameras, chain_step: ChainStep, who: int, quick: bool) -> Seen:
+    """Compare a picture with the truth; without pictures its circle is that of the points' mean, not of a fit."""
     step, truth = chain_step.steps[who], chain_step.truth_at_exposure
     errors, square = np.full(6, np.nan), np.nan
     outline = exact.outline(who, STEPS_PER_FRAME * chain_step.index)
     if isinstance(step.ball, Track) and isinstance(outline, Outline):
-        errors[:3] = step.ball.shape.state[:3] - circle_through(outline.points)
+        true = np.array((*outline.middle, outline.radius)) if quick else circle_through(outline.points)
+        errors[:3] = step.ball.shape.state[:3] - true
     if isinstance(step.pose, Pose):
         view = exact.viewpoint(truth[who])
         errors[3:] = step.pose.position - view.from_room @ (truth[who + 1].ball - view.position)

@@ -3,7 +3,8 @@
 import math
 
 from matchset.app.flight.pilot import PilotStep
-from matchset.control.follower import ControlOutput, RelativeSetpoint
+from matchset.control.control_output import ControlOutput
+from matchset.control.follower import RelativeSetpoint
 from matchset.localization.pose import Pose
 
 

@@ -66,13 +66,13 @@ class LoopConditions(NamedTuple):
 
 
 def lowered(pid: PidParameters, factor: float) -> PidParameters:
-    """Make a loop slower by a factor, 0 ... 1: P by its square, I by its cube, D by the factor itself."""
+    """Lower P, I and D by a factor, 0 ... 1; with 1 it is the same object."""
     if factor == 1.0:
         return pid
     return msgspec.structs.replace(
         pid,
-        proportional=factor**2 * pid.proportional,
-        integral=factor**3 * pid.integral,
+        proportional=factor * pid.proportional,
+        integral=factor * pid.integral,
         derivative=factor * pid.derivative,
     )
 
@@ -80,8 +80,8 @@ def lowered(pid: PidParameters, factor: float) -> PidParameters:
 class FollowerLoops:
     """Cuts a follower's loops open.
 
-    The integrals count with the gain that remains in the end, `PidParameters.integral_floor`. The yaw loop sees the
-    ball's direction through the filter of its place.
+    The integrals count with the gain that remains in the end, `PidParameters.integral_floor`. Of both level axes that
+    one counts whose filter corrects more, which leaves less margin; the yaw loop sees the ball's direction through it.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ class FollowerLoops:
         factor : float
             By which its gains are lowered, see `lowered`.
         """
-        neighbor, axis = self.parameters.neighbor, VERTICAL if name == RISE else slice(0, 3, 2)
-        gains = conditions.filter_gains[axis]
-        seen = FilterGains(gains if gains.ndim == 1 else gains.mean(axis=0), neighbor, neighbor.acceleration_time)
+        neighbor, gains = self.parameters.neighbor, conditions.filter_gains
+        level = max((gains[0], gains[2]), key=lambda each: float(each[0] + each[3]))
+        seen = FilterGains(gains[VERTICAL] if name == RISE else level, neighbor, neighbor.acceleration_time)
         control, vehicle = self._axis(name, conditions)
         control = control._replace(pid=lowered(control.pid, factor))
         return open_loop(control, vehicle, seen, conditions.timing)

@@ -4,7 +4,7 @@ Two things lower the gains of a loop. *Margins*: once a second gain and phase ma
 gains in use, and from the delay and the filter as this flight has them (`loop.py`); the largest factor up to 1 that
 keeps both counts. *Swings*: a stick that goes from side to side again and again (`oscillation.py`) says that the
 vehicle is not as the model of those margins; each time its loop's factor falls by a share, and slowly recovers. The
-lower of both counts. With a factor f, P becomes f^2 P and D becomes f D (`lowered`).
+lower of both counts. P, I and D are lowered by the same factor (`lowered`).
 """
 
 import math
@@ -48,11 +48,13 @@ class StabilityParameters(
 ):
     """When gains are lowered, and by how much; the key in a file is in parentheses where it is another one.
 
-    Sizes of swings were chosen on flights without pictures, seeds 40 to 45: nominal, in gusts, with latencies told
-    wrong, a tilt 25 % larger than told, and gains 1.5 and 2 times as high (decision 133).
+    Sizes of swings were chosen on flights without pictures, seeds 110 to 137: nominal and in gusts, which swing less,
+    and gains 1.5 times as high, also with a tilt 25 % larger than told, which swing more (decision 133).
 
     Parameters
     ----------
+    used : bool
+        Whether gains are lowered, and margins computed, at all.
     gain_margin_db : float
         Least gain margin, dB. More is farther from oscillating, and follows less closely (``gain_margin``).
     phase_margin_deg : float
@@ -87,13 +89,14 @@ class StabilityParameters(
         Time constant of the means of age and filter, s. More is calmer.
     """
 
+    used: bool = True
     gain_margin_db: float = 6.0
     phase_margin_deg: float = 40.0
     delay_doubt: float = 1.0 / 60.0
-    stick_swing: float = 1.35
-    throttle_swing: float = 0.4
+    stick_swing: float = 1.8
+    throttle_swing: float = 0.55
     yaw_swing: float = 0.8
-    swings: int = 4
+    swings: int = 3
     longest: float = 0.8
     turning: float = 0.15
     lowering: float = 0.7
@@ -220,6 +223,8 @@ class GainLimit:
             Time since lift-off, s.
         """
         limits = self.parameters
+        if not limits.used:
+            return
         for state in self._states.values():
             state.left = min(state.left + step / limits.recovery_time, 1.0)
         for stick, value, (words, name) in zip(self._sticks, sticks, STICKS, strict=True):
@@ -246,7 +251,7 @@ class GainLimit:
             Since the last call, s.
         """
         limits, self._waited = self.parameters, self._waited + step
-        if self._waited < limits.period / len(LOOPS) or self._known < limits.averaging:
+        if not limits.used or self._waited < limits.period / len(LOOPS) or self._known < limits.averaging:
             return
         self._waited, name = 0.0, LOOPS[self._turn]
         self._turn = (self._turn + 1) % len(LOOPS)
@@ -254,8 +259,9 @@ class GainLimit:
         timing = Timing(self._step, self._age, delay, limits.delay_doubt, reach)
         conditions = LoopConditions(gains, timing, self._filter_gains, 1.0 + thrust_sigma)
         state = self._states[name]
-        state.allowed = self._allowed(name, conditions)
-        margins = self._margins(name, conditions, state.factor)
+        state.allowed, margins = self._allowed(name, conditions)
+        if state.factor < state.allowed:
+            margins = self._margins(name, conditions, state.factor)
         state.margins = round(margins.gain_db, 1), round(margins.phase_deg, 0)
         self._say()
 
@@ -264,20 +270,18 @@ class GainLimit:
         loop = self.loops.loop(name, conditions, factor)
         return margins_of(loop.frequencies, loop.at_gains)
 
-    def _allowed(self, name: str, conditions: LoopConditions) -> float:
-        """Find the largest of `FACTORS` that keeps both margins, by bisection; the least one if none does."""
-
-        def keeps(factor: float) -> bool:
-            margins = self._margins(name, conditions, factor)
-            return margins.gain_db >= limits.gain_margin_db and margins.phase_deg >= limits.phase_margin_deg
-
+    def _allowed(self, name: str, conditions: LoopConditions) -> tuple[float, Margins]:
+        """Find the largest of `FACTORS` that keeps both margins, by bisection, or the least one, and its margins."""
         limits, low, high = self.parameters, 0, len(FACTORS) - 1
-        if keeps(FACTORS[high]):
-            return FACTORS[high]
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if keeps(FACTORS[middle]) else (low, middle)
-        return FACTORS[low]
+        best, middle = None, high
+        while high >= low:
+            margins = self._margins(name, conditions, FACTORS[middle])
+            if margins.gain_db >= limits.gain_margin_db and margins.phase_deg >= limits.phase_margin_deg:
+                best, low = (FACTORS[middle], margins), middle + 1
+            else:
+                high = middle - 1
+            middle = (low + high + 1) // 2
+        return best or (FACTORS[0], self._margins(name, conditions, FACTORS[0]))
 
     def _say(self) -> None:
         """Put factors, margins and words together."""

@@ -16,10 +16,10 @@ loops have margins, and both count:
 - *vehicle*: cut at the vehicle alone, ``N G e^(-st) / (1 + M - N G' e^(-st'))``. By so much its thrust may differ from
   what dead reckoning believes, and so much later may it answer. Here delay and filter count, also with a right model.
 
-Both close the same loop, ``1 + gains = 0`` where ``1 + vehicle = 0``. Sampling is exact for controllers and filter (z =
-e^(sT)); the vehicle is its continuous response times that of a command that is held for a picture. Left out: limits of
-the sticks and their rates, the shift from one of the filter's accepted pictures to another that is missing, the tilt's
-coupling into the height, what slow estimators learn (thrust, delay, mount).
+Both close the same loop, ``1 + gains = 0`` where ``1 + vehicle = 0``. Commands are held from picture to picture, and
+sampling is exact, z = e^(sT), but for a delay that is no whole number of pictures, which is e^(-st). Left out: limits
+of the sticks and of their rates, pictures that are missing, the tilt's coupling into the height, and what is learned
+slowly (thrust, delay, mount).
 """
 
 import math
@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 # format: of a sweep: from slower than any integral to beyond the bandwidth of every vehicle that is flown, rad/s
-FREQUENCIES = np.geomspace(0.2, 80.0, 240)
+FREQUENCIES = np.geomspace(0.2, 80.0, 160)
 SERIES = 12  # format: terms of the series of a matrix exponential
 HALVINGS = 6  # format: and how often its argument is halved before
 
@@ -195,7 +195,7 @@ def open_loop(
     """
     s = 1j * frequencies
     z = np.exp(s * timing.step)
-    states = _states(vehicle, s) * ((1.0 - 1.0 / z) / (s * timing.step))[:, np.newaxis]  # of a command that is held
+    states = _states(vehicle, timing.step, z)
     place = states[:, -1]
     shape, ahead = _going_on(vehicle, control.lead)
     led = states @ shape.T + np.outer(1.0 / z, ahead)  # the last command goes on
@@ -207,11 +207,11 @@ def open_loop(
     return Loop(frequencies, own, seen, actual, place * np.exp(-s * shown))
 
 
-def _states(vehicle: Vehicle, s: Complex) -> Complex:
-    """Responses of all numbers of a vehicle, (n, order)."""
-    order = len(vehicle.input)
-    systems = s[:, np.newaxis, np.newaxis] * np.eye(order) - vehicle.system
-    response: Complex = np.linalg.solve(systems, vehicle.input[:, np.newaxis].astype(np.complex128))[..., 0]
+def _states(vehicle: Vehicle, step: float, z: Complex) -> Complex:
+    """Responses of all numbers of a vehicle to a command that is held from picture to picture, (n, order)."""
+    moved, added = _going_on(vehicle, step)
+    systems = z[:, np.newaxis, np.newaxis] * np.eye(len(added)) - moved
+    response: Complex = np.linalg.solve(systems, added[:, np.newaxis].astype(np.complex128))[..., 0]
     return response
 
 

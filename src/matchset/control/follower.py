@@ -340,7 +340,7 @@ class Follower:
             yaw_rate / model.full_yaw_rate if most else 0.0,
             self.hover_throttle * (1.0 + up / gravity) / self._upright,
         )
-        self.limit.wanted(desired, acts, step, acts - self.thrust.lift_time)
+        self.limit.wanted(desired, most, acts, step, acts - self.thrust.lift_time)
         self.limit.check(gains, self.ego_motion.delay, self.thrust.sigma, step)
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
         terms = (each.terms for each in (self._right, self._forward, self._up, self._yaw))

@@ -63,12 +63,15 @@ class StabilityParameters(
         How much later than believed a command may show in the margins, s: what nobody knows of a delay. More lowers
         gains sooner. Chosen by hand: half a picture.
     stick_swing : float
-        Least swing of roll and pitch that counts, from one turning point to the next, sticks (-1 ... 1). Less notices
-        sooner, and takes gusts for it.
+        Least swing of roll and pitch that counts, from one turning point to the next, as a multiple of the largest
+        stick: 2 is from stop to stop. Less notices sooner, and takes gusts for it.
     throttle_swing : float
         The same of the throttle, 0 ... 1 (``rise_swing``).
     yaw_swing : float
         The same of the yaw stick.
+    again : float
+        Share of these swings that counts once the gains of a loop are lowered, 0 ... 1. Less damps what is left of an
+        oscillation, and keeps gains low in gusts.
     swings : int
         So many in a row are an oscillation. More is surer, and half a period later each.
     longest : float
@@ -96,8 +99,9 @@ class StabilityParameters(
     stick_swing: float = 1.8
     throttle_swing: float = 0.55
     yaw_swing: float = 0.8
+    again: float = 0.7
     swings: int = 3
-    longest: float = 0.8
+    longest: float = 0.5
     turning: float = 0.15
     lowering: float = 0.7
     least: float = 0.35
@@ -108,9 +112,9 @@ class StabilityParameters(
 
     def __post_init__(self) -> None:
         require_not_negative(self, ("gain_margin_db", "phase_margin_deg", "delay_doubt", "begin"))
-        require_positive(self, ("stick_swing", "throttle_swing", "yaw_swing", "longest", "recovery_time"))
+        require_positive(self, ("stick_swing", "throttle_swing", "yaw_swing", "longest", "recovery_time", "again"))
         require_positive(self, ("period", "averaging", "lowering", "least"))
-        require_share(self, ("turning", "lowering", "least"))
+        require_share(self, ("again", "turning", "lowering", "least"))
         require(self, ("swings",), lambda value: value >= 2, "2 or more")
 
 
@@ -171,7 +175,8 @@ class GainLimit:
         self.loops, self.state = FollowerLoops(loops), GainsInUse()
         sizes = limits.stick_swing, limits.stick_swing, limits.yaw_swing, limits.throttle_swing
         swings = limits.swings, limits.longest, limits.turning
-        self._sticks = [Oscillation(SwingLimits(size, *swings)) for size in sizes]
+        self._limits = [SwingLimits(size, *swings) for size in sizes]
+        self._sticks = [Oscillation(each) for each in self._limits]
         self._states = {name: _LoopState() for name in LOOPS}
         self._filter_gains = np.zeros((3, 5))
         self._age = self._step = self._known = self._waited = 0.0
@@ -209,12 +214,14 @@ class GainLimit:
         self._age += share * (age - self._age)
         self._step += share * (step - self._step)
 
-    def wanted(self, sticks: DesiredCommand, now: float, step: float, lifted: float) -> None:
+    def wanted(self, sticks: DesiredCommand, most: float, now: float, step: float, lifted: float) -> None:
         """Note what the controllers want, and lower the gains of a loop that swings.
 
         Parameters
         ----------
         sticks : DesiredCommand
+        most : float
+            Largest roll and pitch stick; 0 before lift-off.
         now : float
             When it acts, s.
         step : float
@@ -227,11 +234,13 @@ class GainLimit:
             return
         for state in self._states.values():
             state.left = min(state.left + step / limits.recovery_time, 1.0)
-        for stick, value, (words, name) in zip(self._sticks, sticks, STICKS, strict=True):
+        values = sticks.roll / most if most else 0.0, sticks.pitch / most if most else 0.0, sticks.yaw, sticks.throttle
+        for stick, whole, value, (words, name) in zip(self._sticks, self._limits, values, STICKS, strict=True):
+            state = self._states[name]
+            stick.limits = whole if state.left == 1.0 else whole._replace(size=limits.again * whole.size)
             if not lifted >= limits.begin:
                 stick.reset()
             elif stick.update(value, now):
-                state = self._states[name]
                 state.left, state.swung = min(max(limits.lowering * state.factor, limits.least), state.left), words
                 stick.reset()
         self._say()

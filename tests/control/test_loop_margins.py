@@ -131,7 +131,9 @@ class SlowTwin:
 
     FINE = 8  # steps a picture
 
-    def __init__(self, latency: float, share: float, factor: float = 1.0, error: float = 0.0, tilt: float = 1.0) -> None:
+    def __init__(
+        self, latency: float, share: float, factor: float = 1.0, error: float = 0.0, tilt: float = 1.0
+    ) -> None:
         known = gains(share)
         level = msgspec.structs.replace(known.horizontal, max_error=math.inf, output_limit=math.inf, integral=0.0)
         self.pid, self.speed = Pid(level), SpeedFeedforward(known.horizontal_speed)

@@ -312,7 +312,7 @@ def flight_summary(log: FlightLog) -> str:
     if not log.setup.has_truth and not any(follower.has_flown for follower in log.followers):
         return f"{time}; nobody took off"
     if not spread:
-        return f"{time}, nobody crashed"
+        return f"{time}, nobody crashed{_lowered(log)}"
     by = "" if log.setup.has_truth else " by its own eyes"
     return f"{time}, nobody crashed; worst axis {100.0 * max(spread):.1f} cm rms off the set place{by}{_lowered(log)}"
 

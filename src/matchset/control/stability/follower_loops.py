@@ -110,7 +110,7 @@ class FollowerLoops:
         return open_loop(control, vehicle, seen, conditions.timing)
 
     def _axis(self, name: str, conditions: LoopConditions) -> tuple[AxisControl, Vehicle]:
-        """Controllers and vehicle of a loop."""
+        """Return controllers and vehicle of a loop."""
         known, gains, model = self.parameters, conditions.gains, self.parameters.ego_motion
         if name == LEVEL:
             swing, drift, lead = known.oscillation_feedforward, known.drift_feedforward, known.horizontal_lead

@@ -187,11 +187,11 @@ class GainLimit:
         return lowered(pid, self._states[LEVEL].factor)
 
     def rise(self, pid: PidParameters) -> PidParameters:
-        """The same of the height loop."""
+        """Return the same of the height loop."""
         return lowered(pid, self._states[RISE].factor)
 
     def yaw(self, pid: PidParameters) -> PidParameters:
-        """The same of the yaw loop."""
+        """Return the same of the yaw loop."""
         return lowered(pid, self._states[YAW].factor)
 
     def seen(self, filter_gains: Floats, age: float, step: float) -> None:

@@ -211,12 +211,11 @@ def _states(vehicle: Vehicle, step: float, z: Complex) -> Complex:
     """Responses of all numbers of a vehicle to a command that is held from picture to picture, (n, order)."""
     moved, added = _going_on(vehicle, step)
     systems = z[:, np.newaxis, np.newaxis] * np.eye(len(added)) - moved
-    response: Complex = np.linalg.solve(systems, added[:, np.newaxis].astype(np.complex128))[..., 0]
-    return response
+    return np.asarray(np.linalg.solve(systems, added[:, np.newaxis]), np.complex128)[..., 0]
 
 
 def _going_on(vehicle: Vehicle, time: float) -> tuple[Floats, Floats]:
-    """What a state becomes in a time, and what the command that is held adds."""
+    """Return what a state becomes in a time, and what the command that is held adds."""
     order = len(vehicle.input)
     block = np.zeros((order + 1, order + 1))
     block[:order, :order], block[:order, order] = vehicle.system, vehicle.input
@@ -237,7 +236,7 @@ def matrix_exponential(matrix: Floats) -> Floats:
 
 
 def _controllers(control: AxisControl, step: float, z: Complex) -> tuple[Complex, Complex]:
-    """What a place and a speed are multiplied by, with the filter of the derivative and the integral."""
+    """Return what a place and a speed are multiplied by, filter of the derivative and integral included."""
     pid = control.pid
     share = step / (pid.derivative_filter_time + step)
     rate = share / (1.0 - (1.0 - share) / z)

@@ -16,7 +16,7 @@ class SwingLimits(NamedTuple):
     ----------
     size : float
         Least swing, from one turning point to the next, in the unit of the stick.
-    count : int
+    needed : int
         So many in a row.
     longest : float
         Longest swing, s.
@@ -25,7 +25,7 @@ class SwingLimits(NamedTuple):
     """
 
     size: float
-    count: int
+    needed: int
     longest: float
     turning: float
 
@@ -65,7 +65,7 @@ class Oscillation:
             self._turned, self._turned_time = self._extreme, self._extreme_time
             self._rising, self._extreme, self._extreme_time = not self._rising, stick, now
         self.swings = self._complete + self._is_large(self._extreme, self._extreme_time)
-        return self.swings >= self.limits.count
+        return self.swings >= self.limits.needed
 
     def _is_large(self, until: float, time: float) -> bool:
         """Whether the swing from the last turning point is large, and quick."""

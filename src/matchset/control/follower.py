@@ -343,8 +343,8 @@ class Follower:
         self.limit.wanted(desired, most, acts, step, acts - self.thrust.lift_time)
         self.limit.check(gains, self.ego_motion.delay, self.thrust.sigma, step)
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
-        terms = (each.terms for each in (self._right, self._forward, self._up, self._yaw))
-        return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms, gains=self.limit.state)
+        terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
+        return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms, self.limit.state)
 
     def _accelerate_up(self, own: EgoState, ball: Forecast, step: float) -> float:
         """Acceleration upward that leads to the setpoint, m/s^2."""

@@ -38,6 +38,7 @@ def checked(gains: Gains, age: float = 0.067, follower: FollowerParameters = FOL
     found = limit(follower)
     for _ in range(150):
         found.seen(FILTER_GAINS, age, STEP)
+        found.wanted(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 0.0, STEP, 10.0)
         found.check(gains, 0.03, 0.02, STEP)
     return found
 
@@ -71,6 +72,22 @@ def test_gains_without_margin_are_lowered_until_they_have_it() -> None:
     assert found.state.words == f"too little margin of the level loop: gains lowered to {100.0 * factor:.0f} %"
     assert found.level(FOLLOWER.horizontal).derivative == pytest.approx(factor * FOLLOWER.horizontal.derivative)
     assert checked(high_gains(4.0), age=0.067).state.factors[0] > factor  # more delay, less gain
+
+
+def test_pictures_after_a_gap_do_not_count() -> None:
+    found, again = checked(high_gains()), checked(high_gains())
+    for _ in range(30):
+        found.check(high_gains(), 0.03, 0.02, STEP)
+        found.seen(3.0 * FILTER_GAINS, 0.067, 0.2)
+        again.check(high_gains(), 0.03, 0.02, STEP)
+    assert found.state == again.state
+
+
+def test_where_no_factor_keeps_the_margins_the_gains_stay() -> None:
+    steady = msgspec.structs.replace(FOLLOWER.stability, gain_margin_db=200.0)
+    found = checked(high_gains(), follower=msgspec.structs.replace(FOLLOWER, stability=steady))
+    assert found.state.factors == (1.0, 1.0, 1.0)
+    assert 6.0 < found.state.margins[0][0] < 200.0
 
 
 def test_more_margin_asked_for_is_less_gain() -> None:

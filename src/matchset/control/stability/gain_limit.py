@@ -36,7 +36,8 @@ Floats = npt.NDArray[np.float64]
 
 # format: in words, a swing of each stick of `DesiredCommand`, and the loop whose gains it lowers
 STICKS = (("to the side", LEVEL), ("to and fro", LEVEL), ("in yaw", YAW), ("up and down", RISE))
-FACTORS = tuple(np.linspace(0.2, 1.0, 33).tolist())  # format: factors that are tried for the margins
+GAP = 1.5  # format: times between two pictures, over that between two commands, from which on there was a gap
+FACTORS = tuple(np.linspace(0.05, 1.0, 39).tolist())  # format: factors that are tried for the margins
 
 
 class StabilityParameters(
@@ -85,7 +86,7 @@ class StabilityParameters(
     recovery_time : float
         Time in which a factor would go from 0 to 1 again, s. Less swings again sooner, if they are still too high.
     begin : float
-        Time after lift-off in which nothing is noticed, s: taking off swings the sticks.
+        Time after lift-off in which nothing is noticed and no margins count, s: taking off swings the sticks.
     period : float
         From one computation of all margins to the next, s; each loop has a picture of its own.
     averaging : float
@@ -180,7 +181,7 @@ class GainLimit:
         self._states = {name: _LoopState() for name in LOOPS}
         self._filter_gains = np.zeros((3, 5))
         self._age = self._step = self._known = self._waited = 0.0
-        self._turn = 0
+        self._turn, self._flies = 0, False
 
     def level(self, pid: PidParameters) -> PidParameters:
         """Return the gains of the level loop as they are in use; the same object while they are not lowered."""
@@ -204,15 +205,14 @@ class GainLimit:
         age : float
             From its stamp to the sending of the command that answers it, s.
         step : float
-            Since the picture before, s; a long one says nothing.
+            Since the picture before, s; after a gap the filter corrects by more, which is not how it flies.
         """
-        if not step <= self.parameters.averaging:
+        if not step <= GAP * self._step:
             return
         self._known += step
         share = step / min(self._known, self.parameters.averaging)
         self._filter_gains += share * (filter_gains - self._filter_gains)
         self._age += share * (age - self._age)
-        self._step += share * (step - self._step)
 
     def wanted(self, sticks: DesiredCommand, most: float, now: float, step: float, lifted: float) -> None:
         """Note what the controllers want, and lower the gains of a loop that swings.
@@ -232,13 +232,14 @@ class GainLimit:
         limits = self.parameters
         if not limits.used:
             return
+        self._flies = lifted >= limits.begin
         for state in self._states.values():
             state.left = min(state.left + step / limits.recovery_time, 1.0)
         values = sticks.roll / most if most else 0.0, sticks.pitch / most if most else 0.0, sticks.yaw, sticks.throttle
         for stick, whole, value, (words, name) in zip(self._sticks, self._limits, values, STICKS, strict=True):
             state = self._states[name]
             stick.limits = whole if state.left == 1.0 else whole._replace(size=limits.again * whole.size)
-            if not lifted >= limits.begin:
+            if not self._flies:
                 stick.reset()
             elif stick.update(value, now):
                 state.left, state.swung = min(max(limits.lowering * state.factor, limits.least), state.left), words
@@ -246,7 +247,7 @@ class GainLimit:
         self._say()
 
     def check(self, gains: Gains, delay: float, thrust_sigma: float, step: float) -> None:
-        """Compute the margins of one loop, if it is time: first those of level, then height, then yaw.
+        """Compute the margins of one loop in flight, if it is time: first those of level, then height, then yaw.
 
         Parameters
         ----------
@@ -260,7 +261,8 @@ class GainLimit:
             Since the last call, s.
         """
         limits, self._waited = self.parameters, self._waited + step
-        if not limits.used or self._waited < limits.period / len(LOOPS) or self._known < limits.averaging:
+        self._step += (step - self._step) * step / (limits.averaging + step) if self._step else step
+        if not self._flies or self._waited < limits.period / len(LOOPS) or self._known < limits.averaging:
             return
         self._waited, name = 0.0, LOOPS[self._turn]
         self._turn = (self._turn + 1) % len(LOOPS)
@@ -280,7 +282,10 @@ class GainLimit:
         return margins_of(loop.frequencies, loop.at_gains)
 
     def _allowed(self, name: str, conditions: LoopConditions) -> tuple[float, Margins]:
-        """Find the largest of `FACTORS` that keeps both margins, by bisection, or the least one, and its margins."""
+        """Find the largest of `FACTORS` that keeps both margins, by bisection, and the margins.
+
+        Where none does, it is not the gains that are wrong: they stay.
+        """
         limits, low, high = self.parameters, 0, len(FACTORS) - 1
         best, middle = None, high
         while high >= low:
@@ -290,7 +295,7 @@ class GainLimit:
             else:
                 high = middle - 1
             middle = (low + high + 1) // 2
-        return best or (FACTORS[0], self._margins(name, conditions, FACTORS[0]))
+        return best or (1.0, self._margins(name, conditions, 1.0))
 
     def _say(self) -> None:
         """Put factors, margins and words together."""

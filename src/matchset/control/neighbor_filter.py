@@ -210,7 +210,7 @@ def update(block: Block, since: float, yaw_since: float, marker_visible: bool) -
         accepted += OTHER_BALL
     elif correct_position(work, since):
         accepted += POSITION_ACCEPTED
-    if visible and correct_axes(work, work.yaw_axis, yaw_since):
+    if visible and accepted & POSITION_ACCEPTED and correct_axes(work, work.yaw_axis, yaw_since):
         accepted += YAW_ACCEPTED
     return accepted
 

@@ -36,7 +36,7 @@ from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 
-TRACKING = TrackerParameters(network=NetworkParameters(looks=4))
+TRACKING = TrackerParameters(network=NetworkParameters(looks=4, size_sigma=0.03))
 """How a follower tracks its ball: the network of discs judges it, with few looks, since a command waits for them."""
 
 STAGES = ("capture", "track", "markers", "localize", "control", "send")

@@ -46,8 +46,8 @@ KEPT = PAGES / "flights.kept"
 SEEDS = "1000-1019"
 FIRST = parse_seeds(SEEDS)[0]
 TUNED = (
-    "Controllers were tuned on seeds below 100, sizes of swings on 110 to 137, and 100 to 129 and 140 to 145 have been "
-    "looked at; 1000 and up served nothing of a flight."
+    "Controllers were tuned on seeds below 100, sizes of swings on 110 to 137, and others below 1000 have been looked at; "
+    "nothing of a flight was tuned on 1000 and up."
 )
 TEN = "chain_of_ten"
 SPEED = "speed"
@@ -185,7 +185,7 @@ def write(run: Run, path: Path | None) -> None:
     page = run.page(path.parent / "pictures" if path else None)
     if path:
         path.write_text(page, encoding="utf-8")
-    Console(width=400).print(page, highlight=False, markup=False)
+    print(page)
 
 
 def machine_text(machine: Machine) -> str:

@@ -7,11 +7,12 @@ from pathlib import Path
 import msgspec
 import pytest
 from benchmarks.flight import flown as flown_module
+from benchmarks.flight import fly as fly_module
 from benchmarks.flight.flown import Flown, KeptFlights, checksum, flier, fly_missing, sources
 from benchmarks.flight.fly import Run, main
 from benchmarks.flight.rows import Listed, Row, chosen, flight_list, rows
 from benchmarks.workers import spread_until
-from typer import BadParameter
+from typer import BadParameter, Exit
 
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
@@ -182,12 +183,25 @@ def test_without_pictures_the_page_says_so(tmp_path: Path) -> None:
     assert "16 ms" not in page
 
 
-@pytest.mark.parametrize(
-    ("options", "words"), [({"only": "gust3"}, "no row"), ({"share": "3/2"}, "share"), ({"seeds": "x"}, "seeds")]
-)
-def test_wrong_options_are_refused(options: dict[str, str], words: str, tmp_path: Path) -> None:
-    with pytest.raises(BadParameter, match=words):
-        main(**options, kept=[tmp_path / "none"])
+def test_wrong_options_are_refused(tmp_path: Path) -> None:
+    kept = [tmp_path / "none"]
+    with pytest.raises(BadParameter, match="there is no row 'gust3'"):
+        main(only="gust3", kept=kept)
+    with pytest.raises(BadParameter, match="a share is I/N"):
+        main(share="3/2", kept=kept)
+    with pytest.raises(BadParameter, match="seeds are numbers"):
+        main(seeds="x", kept=kept)
+
+
+def test_a_trial_is_only_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(fly_module, "PAGES", tmp_path)
+    for options in ({"quick": True}, {"duration": 3.0}, {}):
+        with pytest.raises(Exit):
+            main(only="wind", kept=[tmp_path / "none"], fly=False, **options)  # type: ignore[arg-type]
+        assert "| wind 1 m/s" in capsys.readouterr().out
+        assert (tmp_path / "FLIGHT.md").exists() == (not options)
 
 
 def test_a_flight_of_a_second_is_scored_and_a_stopped_one_is_not_kept(tmp_path: Path) -> None:

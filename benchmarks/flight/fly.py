@@ -46,8 +46,8 @@ KEPT = PAGES / "flights.kept"
 SEEDS = "1000-1019"
 FIRST = parse_seeds(SEEDS)[0]
 TUNED = (
-    "Controllers were tuned on seeds below 100, sizes of swings on 110 to 137, and others below 1000 have been looked at; "
-    "nothing of a flight was tuned on 1000 and up."
+    "Controllers were tuned on seeds below 100, sizes of swings on 110 to 137, and others below 1000 have been "
+    "looked at; nothing of a flight was tuned on 1000 and up."
 )
 TEN = "chain_of_ten"
 SPEED = "speed"

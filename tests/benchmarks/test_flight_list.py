@@ -14,6 +14,7 @@ from benchmarks.flight.rows import Listed, Row, chosen, flight_list, rows
 from benchmarks.workers import spread_until
 from typer import BadParameter, Exit
 
+import matchset
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
 
@@ -128,7 +129,7 @@ def test_sources_that_change_while_it_flies_end_it(
 
 def test_the_checksum_of_sources_is_that_of_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.py").write_text("1")
-    monkeypatch.setattr(flown_module.matchset, "__file__", str(tmp_path / "__init__.py"))
+    monkeypatch.setattr(matchset, "__file__", str(tmp_path / "__init__.py"))
     first = sources()
     (tmp_path / "notes.md").write_text("decides nothing")
     assert sources() == first
@@ -199,7 +200,7 @@ def test_a_trial_is_only_printed(
     monkeypatch.setattr(fly_module, "PAGES", tmp_path)
     for options in ({"quick": True}, {"duration": 3.0}, {}):
         with pytest.raises(Exit):
-            main(only="wind", kept=[tmp_path / "none"], fly=False, **options)  # type: ignore[arg-type]
+            main(only="wind", kept=[tmp_path / "none"], fly=False, **options)
         assert "| wind 1 m/s" in capsys.readouterr().out
         assert (tmp_path / "FLIGHT.md").exists() == (not options)
 

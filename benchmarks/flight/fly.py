@@ -147,7 +147,8 @@ def main(
     ] = None,
     fly: Annotated[bool, typer.Option("--fly/--no-fly", help="Or only write the page of what is kept.")] = True,
     output: Annotated[
-        Path | None, typer.Option("-o", help="The page: FLIGHT.md, but of a trial it is only printed.")
+        Path | None,
+        typer.Option("-o", help="The page: FLIGHT.md; of a trial, or of no flight at all, it is only printed."),
     ] = None,
 ) -> None:
     """Fly all rows, and write the page; what is kept is not flown again."""
@@ -167,7 +168,7 @@ def main(
             run.kept = KeptFlights(files, code)  # another share may have been flown into it meanwhile
         if SPEED in words or (not words and fly and not quick and share == "1/1" and not stop):
             run.speed = [speed_line(), processing_line()]
-    trial = quick or math.isfinite(duration)
+    trial = quick or math.isfinite(duration) or not any(run.found().values())
     write(run, output or (None if trial else PAGES / "FLIGHT.md"))
     raise typer.Exit(stop.code)
 

@@ -91,7 +91,7 @@ def line_of(row: Row, flown: Sequence[Flown], planned: int, duration: float) -> 
     spread.append(float(np.median(worst)) if worst else math.inf)
     reached = "yes" if judge(row, flown) else "**no**"
     reached += " so far" if len(flown) < planned else ""
-    if row.kind == "spread" and worst and not math.isfinite(max(worst)):
+    if row.kind == "spread" and math.isfinite(row.rms) and worst and not math.isfinite(max(worst)):
         reached = "too short"
     cells = [*start, f"{len(whole.scores)} of {len(flown)}", *map(centimeters, spread), reached]
     return f"| {' | '.join([*cells, '; '.join(remarks(row, flown))])} |"

@@ -198,11 +198,20 @@ def test_a_trial_is_only_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(fly_module, "PAGES", tmp_path)
-    for options in ({"quick": True}, {"duration": 3.0}, {}):
+    kept = [tmp_path / "flights.kept"]
+    for quick, duration in ((True, math.inf), (False, 3.0), (False, math.inf)):
+        fly(flight_list(chosen(rows(), "wind"), (1000,), duration, quick), kept[0])
         with pytest.raises(Exit):
-            main(only="wind", kept=[tmp_path / "none"], fly=False, **options)
-        assert "| wind 1 m/s" in capsys.readouterr().out
-        assert (tmp_path / "FLIGHT.md").exists() == (not options)
+            main(only="wind", kept=kept, fly=False, quick=quick, duration=duration)
+        assert "| 1 of 20 |" in capsys.readouterr().out
+        assert (tmp_path / "FLIGHT.md").exists() == (not quick and duration == math.inf)
+
+
+def test_a_page_without_any_flight_does_not_replace_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fly_module, "PAGES", tmp_path)
+    with pytest.raises(Exit):
+        main(kept=[tmp_path / "none"], fly=False)
+    assert not (tmp_path / "FLIGHT.md").exists()
 
 
 def test_a_flight_of_a_second_is_scored_and_a_stopped_one_is_not_kept(tmp_path: Path) -> None:

@@ -133,5 +133,6 @@ def test_what_is_missing_of_a_row_is_said() -> None:
     assert "| yes so far |" in line_of(row, [flown(seed) for seed in range(12)], 20, math.inf)
     assert "| 0 of 20 |" in line_of(row, [], 20, math.inf)
     assert "too short" in line_of(row, [flown(0, spread=math.inf)], 1, 3.0)
+    assert "too short" not in line_of(Row(name="ten", words="", rms=math.inf), [flown(0, spread=math.inf)], 1, 3.0)
     cells = [line_of(row, flights, 20, math.inf).count("|") for flights in ([], [flown(0)])]
     assert cells[0] == cells[1]

@@ -132,7 +132,7 @@ class FieldParameters(msgspec.Struct, frozen=True):
 
     min_speed: float = 0.5
     min_score: float = 0.5
-    memory: float = 0.98
+    memory: float = 0.9
     still_speed: float = 120.0
     frame_share: float = 0.5
     tolerance: float = 0.15

@@ -99,3 +99,9 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     too_near: TooNearParameters = TooNearParameters()
     remembered: int = 30
     coast: float = 0.35
+
+
+IN_FLIGHT = TrackerParameters(network=NetworkParameters(looks=4, size_sigma=0.03), fields=FieldParameters(memory=0.98))
+"""How a vehicle follows its neighbor's ball: few looks, since a command waits for them; neither of them flies so fast that
+a ball grows by more than 3 % from one picture to the next; and the fields of one camera lie as far apart as they are.
+Chosen on a rendered flight, seed 1107."""

@@ -31,13 +31,9 @@ from matchset.localization.neighbor_ball import AssociationParameters, distance_
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.tracking.ball.judge import NetworkParameters
-from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.parameters import IN_FLIGHT
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
-
-TRACKING = TrackerParameters(network=NetworkParameters(looks=4, size_sigma=0.03))
-"""How a follower tracks its ball: the network of discs judges it, with few looks, since a command waits for them."""
 
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
 """Of a step, in their order; `PilotStep.stage_times` has their computing times."""
@@ -184,7 +180,7 @@ class Pilot:
         target = self.parameters.target
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._link_is_armed = False
-        self._tracker = Tracker(Circle, self._colors.ball, parameters=TRACKING)
+        self._tracker = Tracker(Circle, self._colors.ball, parameters=IN_FLIGHT)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
         self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)

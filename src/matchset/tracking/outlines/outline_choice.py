@@ -14,11 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.prior import time_between_fields
 from matchset.fitting.soft_region import SoftRegion, find_soft_region
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
+from matchset.numeric.jit import interpreted
 from matchset.shapes.shape import outline
 from matchset.tracking.ball.judge import (
     DISC,
@@ -112,14 +114,14 @@ class OutlineChoice:
             return None
         if speed > self._parameters.soft_region.least_way * disc.circle[2]:
             disc = self._with_region(image, disc, estimate.state)
-        if not estimate.rejection and self._fields_apart(disc):
+        if not estimate.rejection and self._is_interlaced() and self._fields_apart(disc):
             disc = of_both_fields(disc, estimate.state, fitter.work.field_offset.fitted)
             if squared_distances(disc, estimate.state[:DISC]) < limits.differs:
                 return None
         if size is not None:
             disc = self.network.of_size(disc, size)
         made, predicted = fitter.block.copy(), fitter.work.motion.predicted[:DISC].copy()
-        fitted = self._fit(image, color, estimate.state, np.array(disc.circle), prior=disc, speed=speed)
+        fitted = self._fit_following(image, color, estimate.state, speed, disc)
         taken = self._taken(image, color, fitted, [disc], predicted)
         if taken is not None:
             return taken
@@ -171,6 +173,20 @@ class OutlineChoice:
             return disc
         sigma = limits.sigma * region.half_width * (limits.worth / worth) ** 2
         return self.network.weighed(disc, (region.x, region.y, region.half_width), sigma)
+
+    def _fit_following(self, image: Image, color: ColorModel, state: Floats, speed: float, disc: Disc) -> Estimate:
+        """Fit around a disc of a target that is followed: with its fields where the picture is known to have two."""
+        if self._is_interlaced():
+            return self._fit(image, color, state, np.array(disc.circle), prior=disc, speed=speed)
+        work = self._fitter.work
+        fields = work.field_offset.fitted.copy()
+        fitted = self._fit(image, color, state, np.array(disc.circle), prior=disc)
+        work.window.speed, work.field_offset.fitted[:] = speed, fields
+        return fitted
+
+    def _is_interlaced(self) -> bool:
+        """Whether the frames before showed two fields, half a frame apart."""
+        return interpreted(time_between_fields)(self._fitter.work)[1] > 0.0
 
     def _fit(
         self,

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.line_filter import Noise, expose, receive, transmit
+from matchset.sim.line_filter import Noise, Receiver, expose, send
 from matchset.sim.rendering.renderer import Picture
 
 PIXEL_TIME = 81e-9  # format: s, of the 640 px that span the 52 us of an active PAL line (ITU-R BT.470)
@@ -129,10 +129,8 @@ def degrade(
     luma, chroma = pole(link.luma_bandwidth, width), pole(link.chroma_bandwidth, width)
     lines = math.sqrt(0.375) if link.chroma_lines else 1.0
     noise = Noise(link.luma_noise / noise_gain(luma), link.chroma_noise / (noise_gain(chroma) * lines), counter)
-    planes = np.empty((height, 3, width), np.float32) if work is None else work
-    transmit(picture, np.array(gain), shift, noise, planes)
     neighbor = 0 if not link.chroma_lines else 2 if link.interlaced else 1
-    receive(planes, (luma, chroma), neighbor, lost, counter, out)
+    send(picture, np.array(gain), shift, noise, Receiver(luma, chroma, neighbor, lost), out)
     return out
 
 

@@ -20,6 +20,7 @@ Words = npt.NDArray[np.uint32]
 
 BLOCK = 32  # geometry: lines that are received at once
 REACH = 2  # geometry: lines above and below a block whose chroma is averaged with its own
+_PAIR = np.uint32(0x00FF00FF)  # format: two of four bytes
 # theorem: 1 / the standard deviation of the sum of four independent uniform bytes, each of variance (256^2 - 1) / 12
 _DEVIATION = 1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0)
 
@@ -53,8 +54,8 @@ def _hash(counter: np.uint32) -> np.uint32:
 @kernel
 def _normal(bits: np.uint32) -> np.float32:
     """Nearly normal deviate of variance 1, |z| < 3.5: the sum of four bytes."""
-    z = np.int32(bits & np.uint32(255)) + np.int32((bits >> np.uint32(8)) & np.uint32(255))
-    z += np.int32((bits >> np.uint32(16)) & np.uint32(255)) + np.int32(bits >> np.uint32(24))
+    pairs = np.uint32((bits & _PAIR) + ((bits >> np.uint32(8)) & _PAIR))
+    z = np.int32((pairs & np.uint32(0xFFFF)) + (pairs >> np.uint32(16)))
     return np.float32(np.int32(z - 510)) * np.float32(_DEVIATION)
 
 
@@ -62,6 +63,20 @@ def _normal(bits: np.uint32) -> np.float32:
 def _to_byte(value: np.float32) -> np.uint32:
     """Round to 0 ... 255."""
     return np.uint32(np.int32(min(max(value + np.float32(0.5), np.float32(0.0)), np.float32(255.0))))
+
+
+@kernel
+def unpack(words: Words) -> Picture:
+    """Make a picture of shape (h, w, 3), BGR, of packed pixels."""
+    picture, byte = np.empty((*words.shape, 3), np.float32), np.uint32(255)
+    for y in range(words.shape[0]):
+        row, line = picture[y], words[y]
+        for x in range(line.shape[0]):
+            word = line[x]
+            row[x, 0] = np.float32(np.int32(word & byte))
+            row[x, 1] = np.float32(np.int32((word >> np.uint32(8)) & byte))
+            row[x, 2] = np.float32(np.int32((word >> np.uint32(16)) & byte))
+    return picture
 
 
 @kernel
@@ -143,24 +158,19 @@ def send(
             _turn(rows, columns[plane])
             _smooth(columns[plane], np.float32(receiver.chroma_pole if plane else receiver.luma_pole))
         _to_words(columns[0], columns[1], columns[2], words)
-        for k in range(min(BLOCK, height - first)):
-            if receiver.lost[first + k]:
-                _streak(out[first + k], np.uint32(noise.counter + np.uint32((first + k) * width)))
-            else:
-                _write(words, k, out[first + k])
+        _write(words, first, out)
+        for y in range(first, min(first + BLOCK, height)):
+            if receiver.lost[y]:
+                _streak(out[y], np.uint32(noise.counter + np.uint32(y * width)))
 
 
 @kernel
 def _transmit(line: Picture, gain: Array, part: np.float32, noise: Noise, y: int, sent: Picture) -> None:
     """Write Y, Cb, Cr (without offset) of gain * line, moved by a part of a pixel, plus white noise."""
-    width, top = sent.shape[1], np.float32(255.0)
-    for k in range(3):
-        level, channel = np.float32(gain[k]), line[k]
-        for x in range(width):
-            channel[x] = min(level * (channel[x] + part * (channel[x + 1] - channel[x])), top)
     luma, blue, red = sent[0], sent[1], sent[2]
-    _to_ycc(line, luma, blue, red)
-    start, chroma = np.uint32(noise.counter + np.uint32(3 * y * width)), np.float32(noise.chroma)
+    _to_ycc(line, gain, part, luma, blue, red)
+    width, chroma = sent.shape[1], np.float32(noise.chroma)
+    start = np.uint32(noise.counter + np.uint32(3 * y * width))
     _add_noise(luma, np.float32(noise.luma), start)
     _add_noise(blue, chroma, np.uint32(start + np.uint32(width)))
     _add_noise(red, chroma, np.uint32(start + np.uint32(2 * width)))
@@ -171,8 +181,8 @@ def _move_packed(row: Words, whole: int, line: Picture) -> None:
     """Do what `_move` does, with a row of packed pixels."""
     width, count, byte = row.shape[0], line.shape[1], np.uint32(255)
     first, last = max(-whole, 0), min(width - whole, count)
-    source, within = row[first + whole : last + whole], line[:, first:last]
-    blue, green, red = within[0], within[1], within[2]
+    source = row[first + whole : last + whole]
+    blue, green, red = line[0, first:last], line[1, first:last], line[2, first:last]
     for x in range(last - first):
         word = source[x]
         blue[x] = np.float32(np.int32(word & byte))
@@ -185,13 +195,18 @@ def _move_packed(row: Words, whole: int, line: Picture) -> None:
 
 
 @kernel
-def _to_ycc(line: Picture, luma: Picture, blue: Picture, red: Picture) -> None:
-    """Write Y, Cb and Cr, without offset, of one line of B, G and R (ITU-R BT.601)."""
+def _to_ycc(line: Picture, gain: Array, part: np.float32, luma: Picture, blue: Picture, red: Picture) -> None:
+    """Write Y, Cb and Cr, without offset, of gain * B, G and R, a part of a pixel on (ITU-R BT.601)."""
+    top, one, two, three = np.float32(255.0), np.float32(gain[0]), np.float32(gain[1]), np.float32(gain[2])
+    first, second, third = line[0], line[1], line[2]
     for x in range(luma.shape[0]):
-        gray = np.float32(0.114) * line[0, x] + np.float32(0.587) * line[1, x] + np.float32(0.299) * line[2, x]
+        b = min(one * (first[x] + part * (first[x + 1] - first[x])), top)
+        g = min(two * (second[x] + part * (second[x + 1] - second[x])), top)
+        r = min(three * (third[x] + part * (third[x + 1] - third[x])), top)
+        gray = np.float32(0.114) * b + np.float32(0.587) * g + np.float32(0.299) * r
         luma[x] = gray
-        blue[x] = np.float32(0.564) * (line[0, x] - gray)
-        red[x] = np.float32(0.713) * (line[2, x] - gray)
+        blue[x] = np.float32(0.564) * (b - gray)
+        red[x] = np.float32(0.713) * (r - gray)
 
 
 @kernel
@@ -203,9 +218,10 @@ def _move(row: AnyPicture, whole: int, line: Picture) -> None:
         channel = line[k]
         channel[:first] = row[0, k]
         channel[last:] = row[width - 1, k]
-    source, within = row[first + whole : last + whole], line[:, first:last]
+    source = row[first + whole : last + whole]
+    blue, green, red = line[0, first:last], line[1, first:last], line[2, first:last]
     for x in range(last - first):
-        within[0, x], within[1, x], within[2, x] = source[x, 0], source[x, 1], source[x, 2]
+        blue[x], green[x], red[x] = source[x, 0], source[x, 1], source[x, 2]
 
 
 @kernel
@@ -264,11 +280,24 @@ def _to_words(luma: Picture, blue: Picture, red: Picture, words: Words) -> None:
 
 
 @kernel
-def _write(words: Words, k: int, line: npt.NDArray[np.uint8]) -> None:
-    """Write one line of a block of words, as bytes."""
-    for x in range(line.shape[0]):
-        word = words[x, k]
-        line[x, 0], line[x, 1], line[x, 2] = word, word >> np.uint32(8), word >> np.uint32(16)
+def _write(words: Words, first: int, out: npt.NDArray[np.uint8]) -> None:
+    """Write a block of words as bytes of the lines from `first` on, four at a time: those beyond the last are it."""
+    end = out.shape[0] - 1
+    for k in range(0, BLOCK, 4):
+        one, two = out[min(first + k, end)], out[min(first + k + 1, end)]
+        three, four = out[min(first + k + 2, end)], out[min(first + k + 3, end)]
+        for x in range(words.shape[0]):
+            column = words[x, k : k + 4]
+            _put(column[0], one, x)
+            _put(column[1], two, x)
+            _put(column[2], three, x)
+            _put(column[3], four, x)
+
+
+@kernel
+def _put(word: np.uint32, line: npt.NDArray[np.uint8], x: int) -> None:
+    """Write B, G and R of a pixel."""
+    line[x, 0], line[x, 1], line[x, 2] = word, word >> np.uint32(8), word >> np.uint32(16)
 
 
 @kernel

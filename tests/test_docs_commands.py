@@ -37,6 +37,7 @@ NOT_RUN = {
     r"matchset (learn|track|calibrate|locate) 0\b": HARDWARE,
     r"matchset radio ": HARDWARE,
     r"matchset fly --camera ": HARDWARE,
+    r"matchset preflight ": HARDWARE,
     r"matchset identify serial:": HARDWARE,
     r"matchset live\b": ENDLESS,
     r"cd firmware/|make (flash|isp) ": HARDWARE,

@@ -63,23 +63,39 @@ def watch(parameters: FlightParameters) -> list[list[Seen]]:
         for chain_step in flight:
             for who, pictures in enumerate(seen):
                 if chain_step.time >= parameters.arming_time(who) + BEGIN:
-                    pictures.append(_seen(exact, chain_step, who))
+                    pictures.append(_seen(exact, chain_step, who, parameters.world.quick))
     return seen
 
 
-def _seen(exact: OutlineCameras, chain_step: ChainStep, who: int) -> Seen:
-    """Compare a picture with the truth."""
+def _seen(exact: OutlineCameras, chain_step: ChainStep, who: int, quick: bool) -> Seen:
+    """Compare a picture with the truth; without pictures its circle is that of the points' mean, not of a fit."""
     step, truth = chain_step.steps[who], chain_step.truth_at_exposure
     errors, square = np.full(6, np.nan), np.nan
     outline = exact.outline(who, STEPS_PER_FRAME * chain_step.index)
     if isinstance(step.ball, Track) and isinstance(outline, Outline):
-        errors[:3] = step.ball.shape.state[:3] - (*outline.middle, outline.radius)
+        true = np.array((*outline.middle, outline.radius)) if quick else circle_through(outline.points)
+        errors[:3] = step.ball.shape.state[:3] - true
     if isinstance(step.pose, Pose):
         view = exact.viewpoint(truth[who])
         errors[3:] = step.pose.position - view.from_room @ (truth[who + 1].ball - view.position)
         square = float(errors[3:] @ np.linalg.solve(step.pose.covariance[:3, :3], errors[3:]))
     heading = np.nan if step.control is None else step.control.heading - float(chain_step.true_positions[who, 2])
     return Seen(errors, square, heading)
+
+
+def circle_through(points: Floats) -> Floats:
+    """Circle that fits points best: x, y, r, px. A ball off the axis is no circle, and its middle not the points' mean.
+
+    Parameters
+    ----------
+    points : ndarray of shape (n, 2)
+        px.
+    """
+    middle = points.mean(axis=0)
+    away = points - middle
+    rows = np.column_stack((2.0 * away, np.ones(len(away))))
+    x, y, rest = np.linalg.lstsq(rows, (away**2).sum(axis=1))[0]
+    return np.array((middle[0] + x, middle[1] + y, np.sqrt(rest + x * x + y * y)))
 
 
 def quantiles(errors: Floats) -> list[float]:

@@ -11,7 +11,7 @@ from pages import API, FOLDERS, ROOT, anchor, decisions, generated
 import matchset
 
 PAGES = ("*.md", "LICENSE", "benchmarks/*.md", "docs/*.md", "docs/decisions/*.md")
-BESIDE = ("docs/pictures/*.[pjws]*[gp]", "docs/site/*.css", "benchmarks/pictures/*.svg")
+BESIDE = ("docs/pictures/*.[pjws]*[gp]", "docs/site/*.css", "docs/*.txt", "benchmarks/pictures/*.svg")
 GUIDES = (
     "getting_started",
     "cli",
@@ -20,6 +20,7 @@ GUIDES = (
     "localization",
     "add_a_shape",
     "flight",
+    "first_flight",
     "safety",
     "recording",
     "ros",

@@ -47,6 +47,7 @@ BOTH = {
     "fly's film": ("c.toml", "fly --config c.toml --video OUT.webm"),
     "fly's camera": ("c.toml", "fly --camera 0 --link serial:///dev/x --camera-file c.toml --report OUT.html"),
     "fly's color": ("c.npz", "fly --camera 0 --link serial:///dev/x --color c.npz --video OUT.webm"),
+    "preflight": ("c.toml", "preflight --config c.toml --camera 0 --link serial:///dev/x -o OUT.json"),
     "identify": ("c.toml", "identify sim://chain --config c.toml -o OUT.toml"),
     "identify's color": ("c.npz", "identify serial:///dev/x --camera 0 --color c.npz -o OUT.npz"),
     "identify's report": ("c.toml", "identify sim://chain --config c.toml --report OUT.html"),

@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from benchmarks.flight.vision import NAMES, autocorrelation, in_words, longest, quantiles, summary, watch
+from benchmarks.flight.vision import (
+    NAMES,
+    autocorrelation,
+    circle_through,
+    in_words,
+    longest,
+    quantiles,
+    summary,
+    watch,
+)
 
 from matchset.app.flight.flight import FlightParameters
 from matchset.links.simulated import SimulationParameters
@@ -35,3 +44,11 @@ def test_a_flight_without_pictures_shows_the_noise_that_it_was_given() -> None:
     assert medians[:2] == pytest.approx([0.12, 0.12], abs=0.04)
     assert max(medians[3:]) < 0.01
     assert "0.00 % lost" in in_words(seen)
+
+
+def test_the_circle_of_an_ellipse_has_its_middle_wherever_its_points_are_dense() -> None:
+    angle = np.pi * np.linspace(0.0, 1.9, 40) ** 1.2
+    ellipse = np.column_stack((100.0 + 31.0 * np.cos(angle), 50.0 + 30.0 * np.sin(angle)))
+    np.testing.assert_allclose(circle_through(ellipse), (100.0, 50.0, 30.5), atol=0.3)
+    circle = np.column_stack((100.0 + 30.0 * np.cos(angle), 50.0 + 30.0 * np.sin(angle)))
+    np.testing.assert_allclose(circle_through(circle), (100.0, 50.0, 30.0), atol=1e-9)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.control.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
+from matchset.control.learned.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
 
 HOVER, GRAVITY, DELAY, LAG, STEP = 0.59, 8.1, 0.03, 0.05, 1.0 / 30.0
 

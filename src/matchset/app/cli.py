@@ -19,6 +19,7 @@ from matchset.app.help_printer import NARROW, load_help_printer, plain_help
 from matchset.app.identify.command import IDENTIFY_EPILOG, identify
 from matchset.app.live.command import LIVE_EPILOG, live
 from matchset.app.locate.command import LOCATE_EPILOG, locate
+from matchset.app.preflight.command import PREFLIGHT_EPILOG, preflight
 from matchset.app.radio.command import radio
 from matchset.app.recording.command import REPLAY_EPILOG, replay
 from matchset.app.simulate.command import SIMULATE_EPILOG, simulate
@@ -64,6 +65,7 @@ app.command(epilog=LEARN_EPILOG)(command_of(learn))
 app.command(epilog=CALIBRATE_EPILOG)(command_of(calibrate))
 app.command(epilog=LOCATE_EPILOG)(command_of(locate))
 app.command(epilog=LIVE_EPILOG)(command_of(live))
+app.command(epilog=PREFLIGHT_EPILOG)(command_of(preflight))
 app.command(epilog=FLY_EPILOG)(command_of(fly))
 app.command(epilog=IDENTIFY_EPILOG)(command_of(identify))
 app.command(epilog=SIMULATE_EPILOG)(command_of(simulate))

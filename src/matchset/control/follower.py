@@ -7,7 +7,6 @@ out of the neighbor, and the setpoint is ``ball + side x + heading z + height up
 """
 
 import math
-from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -16,17 +15,20 @@ import numpy.typing as npt
 from matchset.control.chain.gain_schedule import Gains, GainSchedule, GainScheduleParameters
 from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters
 from matchset.control.command import Command, clip
+from matchset.control.control_output import ControlOutput
 from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
 from matchset.control.learned.common_motion import CommonMotionParameters, hand_over
+from matchset.control.learned.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_not_negative, require_positive, require_share
-from matchset.control.pid import Pid, PidParameters, PidTerms
+from matchset.control.pid import Pid, PidParameters
 from matchset.control.safety import DesiredCommand
-from matchset.control.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
+from matchset.control.stability.follower_loops import LoopParameters
+from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -69,6 +71,7 @@ class FollowerParameters(
         "thrust_estimator": "thrust",
         "max_extrapolation": "reach",
         "pose_timeout": "memory",
+        "stability": "steady",
     },
 ):
     """Parameters of a `Follower`; the key in a file is in parentheses where it is another one.
@@ -108,6 +111,8 @@ class FollowerParameters(
         Whose velocity the pictures show; how camera and marker are mounted; how the next-but-one ball counts.
     schedule : GainScheduleParameters
         The gains that hold where chain and delay are short; those above hold where one of them is long.
+    stability : StabilityParameters
+        When gains are lowered (``steady``).
     max_stick : float
         Largest roll and pitch stick of the low gains, 0 ... 1; with all of it long chains fall in their start.
     max_extrapolation : float
@@ -156,6 +161,7 @@ class FollowerParameters(
     mount: MountParameters = MountParameters()
     beyond: NextButOneParameters = NextButOneParameters()
     schedule: GainScheduleParameters = GainScheduleParameters()
+    stability: StabilityParameters = StabilityParameters()
     max_stick: float = 0.8
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
@@ -169,31 +175,6 @@ class FollowerParameters(
         require_not_negative(self, ("oscillation_feedforward", "drift_feedforward", "horizontal_lead"))
         require_not_negative(self, ("vertical_lead", "max_extrapolation", "pose_timeout"))
         require_positive(self, ("min_step", "max_step", "min_tilt_cosine"))
-
-
-class ControlOutput(NamedTuple):
-    """What a follower computes at a moment.
-
-    Attributes
-    ----------
-    desired : DesiredCommand
-    side, height, heading : float
-        Its position in the level frame of the neighbor's ball when the command acts, m.
-    bearing : float
-        Angle of the ball to the right of straight ahead, rad.
-    right, forward, up, yaw : PidTerms
-        Of the controllers.
-    """
-
-    desired: DesiredCommand
-    side: float
-    height: float
-    heading: float
-    bearing: float
-    right: PidTerms
-    forward: PidTerms
-    up: PidTerms
-    yaw: PidTerms
 
 
 class Follower:
@@ -212,6 +193,8 @@ class Follower:
         Whether the ball moves in the pictures as the commands say.
     mount : CameraMount
     beyond : NextButOne
+    limit : GainLimit
+        Whether its gains are lowered, and why.
     """
 
     def __init__(self, setpoint: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
@@ -231,6 +214,8 @@ class Follower:
         self._speed_x, self._speed_y, self._speed_z = map(SpeedFeedforward, (level, vertical, level))
         low = Gains(self.parameters.horizontal, level, vertical, max_stick=self.parameters.max_stick)
         self._schedule = GainSchedule(low, self.parameters.schedule)
+        loops = LoopParameters(*(getattr(self.parameters, name) for name in LoopParameters._fields))
+        self.limit = GainLimit(loops, self.parameters.stability)
         self._pose_time = self._time = -math.inf
         self._upright = 1.0  # cosine of the tilt at which the last command acts
 
@@ -255,6 +240,7 @@ class Follower:
             own, seen = self.ego_motion.at(pose.time), pose
             pose = self.mount.turn(pose)
             if self.neighbor.update(pose, own):
+                self.limit.seen(self.neighbor.gains, now - pose.time, since)
                 lifted = pose.time - self.thrust.lift_time
                 hand_over(self.ego_motion, (self.neighbor, self.beyond.ball), lifted, since, parameters.common)
                 self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
@@ -328,7 +314,8 @@ class Follower:
         """Run the controllers for a command that begins to act at a time."""
         parameters, model = self.parameters, self.parameters.ego_motion
         gains = self._schedule.update(acts - self.neighbor.time, step, acts - self.thrust.lift_time)
-        self._right.parameters = self._forward.parameters = gains.horizontal
+        self._right.parameters = self._forward.parameters = self.limit.level(gains.horizontal)
+        self._up.parameters, self._yaw.parameters = self.limit.rise(parameters.vertical), self.limit.yaw(parameters.yaw)
         self._speed_x.parameters = self._speed_z.parameters = gains.horizontal_speed
         self._speed_y.parameters = gains.vertical_speed
         times = acts, acts + parameters.horizontal_lead, acts + parameters.vertical_lead
@@ -353,9 +340,11 @@ class Follower:
             yaw_rate / model.full_yaw_rate if most else 0.0,
             self.hover_throttle * (1.0 + up / gravity) / self._upright,
         )
+        self.limit.wanted(desired, most, acts, step, acts - self.thrust.lift_time)
+        self.limit.check(gains, self.ego_motion.delay, self.thrust.sigma, step)
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
-        terms = (each.terms for each in (self._right, self._forward, self._up, self._yaw))
-        return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms)
+        terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
+        return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms, self.limit.state)
 
     def _accelerate_up(self, own: EgoState, ball: Forecast, step: float) -> float:
         """Acceleration upward that leads to the setpoint, m/s^2."""

@@ -149,6 +149,13 @@ class NeighborFilter(Copied):
         return numbers
 
     @property
+    def gains(self) -> Floats:
+        """By what x, y and z were corrected last, per m of the innovation, (3, 5): the Kalman gains."""
+        variance = np.maximum(self._work.innovation_variance[:YAW], np.finfo(np.float64).tiny)  # 0: not yet
+        gains: Floats = self._work.cross[:YAW] / variance[:, np.newaxis]
+        return gains
+
+    @property
     def velocity(self) -> Floats:
         """Velocity of its drift in the frame at rest, (3,), m/s."""
         return self._estimate[:YAW, SPEED].copy()

@@ -9,8 +9,11 @@ from chain_flight import Flown, descending, lost, with_crash, with_step
 from rich.console import Console
 
 from matchset.app.flight.live_view import COLUMNS, LiveView, render_view, text_line
+from matchset.app.flight.log import FlightLog, flight_summary
 from matchset.app.flight.score import FlightCounters
+from matchset.app.live.piloting.state import follower_states
 from matchset.control.follower import RelativeSetpoint
+from matchset.control.stability.gain_limit import GainsInUse
 
 PLACE = RelativeSetpoint(height=-0.19)
 
@@ -49,6 +52,24 @@ def test_the_view_has_a_row_for_each_follower(flown: Flown) -> None:
     assert second.split()[3:5] == ["holding", "-"]
     assert second.rstrip().endswith("1")
     assert reason.startswith("2 holding: the ball is not seen")
+
+
+def test_gains_that_are_lowered_are_said(flown: Flown) -> None:
+    words = "swings to the side: gains lowered to 70 %"
+    step, counters, out = flown.chain_steps[9].steps[0], FlightCounters(2), io.StringIO()
+    assert step.control is not None
+    gains = GainsInUse((0.7, 1.0, 1.0), words=words)
+    step = msgspec.structs.replace(step, control=step.control._replace(gains=gains))
+    chain_step = with_step(flown.chain_steps[9], 0, step)
+    counters.add(chain_step)
+    Console(file=out, width=110).print(render_view(chain_step, counters, PLACE, 60.0, None))
+    assert f"1 flying: {words}" in out.getvalue()
+    assert f"1: flying: {words}, " in text_line(chain_step, counters)
+    assert follower_states(chain_step.steps, counters.followers, PLACE)[0].reason == words
+    log = FlightLog(flown.setup)
+    log.add(chain_step)
+    assert log.gains.lines() == [f"{chain_step.time:.1f} s: vehicle 1: {words}"]
+    assert flight_summary(log).endswith("gains of vehicle 1 were lowered")
 
 
 @pytest.mark.parametrize("width", [24, 30, 40, 60, 80, 81, 110])

@@ -114,14 +114,18 @@ def test_what_comes_after_a_picture_that_stood_still_for_long_is_not_flown_by() 
 
 
 def test_old_pictures_that_never_came_before_are_known_by_their_motion() -> None:
-    parameters = flight(8.0, seed=108, stale=4.0)
-    pilot = msgspec.structs.replace(parameters.pilot, repeated=RepeatedPictureParameters(lines=0))
-    with Flight(msgspec.structs.replace(parameters, pilot=pilot)) as flown:
-        chain_steps = list(flown)
-    for who in range(2):
-        down = [each.steps[who] for each in chain_steps if each.steps[who].safety.phase == "descending"]
-        assert down[0].now - 4.0 <= 1.5
-        assert "does not answer to the commands" in down[0].safety.reason
-        # the radio is one-way: which of both it is cannot be known here
-        assert "old pictures, or commands that got lost" in down[0].safety.reason
-        assert chain_steps[-1].steps[who].safety.phase == "cut"
+    waits = []
+    for seed in (107, 108, 109):  # of 104 to 113 those that are known last, and one like the others
+        parameters = flight(9.0, seed=seed, stale=4.0)
+        pilot = msgspec.structs.replace(parameters.pilot, repeated=RepeatedPictureParameters(lines=0))
+        with Flight(msgspec.structs.replace(parameters, pilot=pilot)) as flown:
+            chain_steps = list(flown)
+        for who in range(2):
+            down = [each.steps[who] for each in chain_steps if each.steps[who].safety.phase == "descending"]
+            waits.append(down[0].now - 4.0)
+            assert "does not answer to the commands" in down[0].safety.reason
+            # the radio is one-way: which of both it is cannot be known here
+            assert "old pictures, or commands that got lost" in down[0].safety.reason
+            assert chain_steps[-1].steps[who].safety.phase == "cut"
+    assert max(waits) <= 2.5  # who hardly tilts cannot be told
+    assert np.median(waits) <= 1.0

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.app.flight.excitation import Excitation, ExcitationParameters, wave
-from matchset.control.follower import ControlOutput, RelativeSetpoint
+from matchset.control.control_output import ControlOutput
+from matchset.control.follower import RelativeSetpoint
 from matchset.control.pid import PidTerms
 from matchset.control.safety import DesiredCommand, Phase, SafetyState
 

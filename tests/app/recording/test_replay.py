@@ -19,7 +19,7 @@ from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.encoding import encode, outcome_of, step_message
 from matchset.app.recording.mcap_file import McapReader, McapWriter, Message, Topic
-from matchset.app.recording.messages import CONFIGURATION
+from matchset.app.recording.messages import CONFIGURATION, WITHOUT_GAINS
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay, first_difference
 from matchset.app.recording.writer import RecordingWriter
@@ -89,7 +89,7 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
     assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
     assert list(step["outcome"]["ball"]) == ["shape", "covariance", "support", "match_set", "time", "acquired"]
-    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (9, 10)
+    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (10, 10)
     assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]
     assert list(truth["truth"][0]) == ["place", "turn", "ball"]
 
@@ -201,6 +201,33 @@ def test_a_missing_picture_is_named(flown: Flown, recording: Path, tmp_path: Pat
             out.write(each, 0.0, number)
     with pytest.raises(ValueError, match="tick 1 lacks the picture of follower 2"):
         list(RecordingReader(tmp_path / "less.mcap"))
+
+
+def test_a_recording_of_the_format_before_is_replayed_as_it_was_flown(
+    flown: Flown, recording: Path, tmp_path: Path
+) -> None:
+    def before(each: Message) -> Message:
+        """Write a message as format 2 had it."""
+        if each.topic != CONFIGURATION and not each.topic.endswith("/step"):
+            return each
+        content = msgspec.msgpack.decode(each.data)
+        if each.topic == CONFIGURATION:
+            content["format"] = WITHOUT_GAINS
+            del content["parameters"]["pilot"]["follower"]["steady"]
+        elif content["outcome"]["answer"] is not None:
+            content["outcome"]["answer"] = content["outcome"]["answer"][:-1]
+        return Message(each.topic, msgspec.msgpack.encode(content))
+
+    messages = [before(each) for each in McapReader(recording)]
+    kinds = [Topic(topic, "x", b"{}") for topic in sorted({each.topic for each in messages})]
+    with McapWriter(tmp_path / "old.mcap", kinds) as out:
+        for number, each in enumerate(messages):
+            out.write(each, 0.0, number)
+    recorded = RecordingReader(tmp_path / "old.mcap")
+    assert not recorded.setup.parameters.pilot.follower.stability.used
+    replayed = Replay(recorded)
+    assert len(list(replayed)) == len(flown.chain_steps)
+    assert replayed.differences == []
 
 
 def test_the_first_difference_is_named(flown: Flown) -> None:

@@ -502,3 +502,29 @@ def test_what_a_uri_gets_wrong_is_said(uri: str, match: str) -> None:
 def test_connect_opens_it() -> None:
     with pytest.raises(LinkError, match="cannot open /nonexistent: No such file"):
         connect("crsf:///nonexistent")
+
+
+def test_sticks_are_shown_with_the_arm_switch_low_and_the_throttle_zero() -> None:
+    bench = Bench()
+    bench.sleep(1.0)
+    begin = bench.module.now
+    bench.link.send_disarmed(Command(roll=0.3, throttle=0.7))
+    bench.sleep(0.1)
+    shown = bench.since(begin)[-1][1]
+    assert shown[0] > 992
+    assert (shown[2], shown[4]) == (LOW, LOW)
+    assert not bench.module.armed
+    bench.fly(0.1)
+    assert bench.module.heard[-1][1][0] == 992
+
+
+def test_sticks_are_not_shown_to_one_that_is_armed() -> None:
+    bench = flying()
+    with pytest.raises(ValueError, match="it is armed"):
+        bench.link.send_disarmed(Command(roll=0.3))
+    other = Bench(armed=True, stubborn=True)
+    other.module._channels = lambda values: None  # type: ignore[method-assign]  # noqa: ARG005
+    other.module.pass_time = lambda: None  # type: ignore[method-assign]
+    other.sleep(1.0)
+    with pytest.raises(LinkError, match="by another transmitter"):
+        other.link.send_disarmed(Command(roll=0.3))

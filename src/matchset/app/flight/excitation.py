@@ -4,7 +4,8 @@ import math
 
 import msgspec
 
-from matchset.control.follower import ControlOutput, RelativeSetpoint
+from matchset.control.control_output import ControlOutput
+from matchset.control.follower import RelativeSetpoint
 from matchset.control.parameter_checks import require, require_not_negative
 from matchset.control.safety import DesiredCommand, SafetyState
 

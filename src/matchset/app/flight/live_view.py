@@ -19,6 +19,7 @@ from matchset.app.flight_report.step_text import (
     distance_text,
     distance_to_set_place,
     position_text,
+    reason_text,
     state_text,
     unsent_text,
 )
@@ -84,7 +85,7 @@ def render_view(
     reasons = [
         Text(f"{number} {state_text(step)}", style=_style(step))
         for number, step in enumerate(chain_step.steps, 1)
-        if step.safety.phase != "flying"
+        if step.safety.phase != "flying" or reason_text(step)
     ]
     return Group(_head(chain_step, duration, speed), FittingTable(rows), *reasons)
 

@@ -10,6 +10,7 @@ from matchset.app.flight.flight import ChainStep, Crash, FlightSetup
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.flight.score import SCORING, FlightCounters, scored_from
 from matchset.app.flight_report.chain_frame import camera_positions, room_to_chain_frame
+from matchset.app.flight_report.gain_notes import GainNotes
 from matchset.app.flight_report.true_circle import true_circle
 from matchset.app.timing.durations import times_of
 from matchset.control.safety import Phase
@@ -135,6 +136,7 @@ class FlightLog:
         Why the motors of a follower, from 0, were stopped from outside, see `PilotStep.stopped`.
     landings : dict of int to str
         Why a follower, from 0, was told to land, see `PilotStep.landing`.
+    gains : GainNotes
     """
 
     def __init__(self, setup: FlightSetup) -> None:
@@ -144,6 +146,7 @@ class FlightLog:
         self.crashes: tuple[Crash, ...] = ()
         self.stops: dict[int, str] = {}
         self.landings: dict[int, str] = {}
+        self.gains = GainNotes(setup.followers)
         self.shown: ChainStep | None = None
         self._balls_in_room = array("d")
 
@@ -156,6 +159,7 @@ class FlightLog:
             self._balls_in_room.extend(sight.ball.tolist())
         self.stops |= {number: step.stopped for number, step in enumerate(chain_step.steps) if step.stopped}
         self.landings |= {number: step.landing for number, step in enumerate(chain_step.steps) if step.landing}
+        self.gains.add(chain_step.time, chain_step.steps)
         for number, position in enumerate(camera_positions(chain_step.steps)):
             self.followers[number].add(self._row(chain_step, number, position))
 
@@ -232,6 +236,7 @@ HEADINGS = (
     "off the set place, cm",
     "age, ms",
     "computing, µs",
+    "margins",
     "at the end",
 )
 EXPLANATIONS = (
@@ -244,6 +249,7 @@ EXPLANATIONS = (
     f"side, height, heading: rms from {SCORING.transient:g} s after its start on",
     f"picture to command: {FIGURES}",
     FIGURES,
+    "least gain and phase margin of its loops, with the gains in use",
     "phase of the safety filter",
 )
 """What each of `HEADINGS` means, where that does not say it."""
@@ -273,6 +279,7 @@ def follower_row(log: FlightLog, number: int) -> tuple[str, ...]:
         ", ".join(f"{value:.1f}" for value in spread.tolist()) or "-",
         _figures(follower.age, 1e3),
         _figures(follower.processing, 1e6),
+        log.gains.margins_text(number),
         _end(log, number),
     )
 
@@ -305,9 +312,15 @@ def flight_summary(log: FlightLog) -> str:
     if not log.setup.has_truth and not any(follower.has_flown for follower in log.followers):
         return f"{time}; nobody took off"
     if not spread:
-        return f"{time}, nobody crashed"
+        return f"{time}, nobody crashed{_lowered(log)}"
     by = "" if log.setup.has_truth else " by its own eyes"
-    return f"{time}, nobody crashed; worst axis {100.0 * max(spread):.1f} cm rms off the set place{by}"
+    return f"{time}, nobody crashed; worst axis {100.0 * max(spread):.1f} cm rms off the set place{by}{_lowered(log)}"
+
+
+def _lowered(log: FlightLog) -> str:
+    """Say whose gains were lowered in the flight."""
+    numbers = [str(number + 1) for number in sorted({number for _, number, _ in log.gains.lowered})]
+    return f"; gains of vehicle {' and '.join(numbers)} were lowered" if numbers else ""
 
 
 def _end(log: FlightLog, number: int) -> str:

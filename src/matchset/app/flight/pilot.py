@@ -17,7 +17,8 @@ from matchset.app.flight.excitation import Excitation, ExcitationParameters
 from matchset.app.flight.real_time.rehearsal import RehearsalCamera, RehearsalLink
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
-from matchset.control.follower import ControlOutput, Follower, FollowerParameters, RelativeSetpoint
+from matchset.control.control_output import ControlOutput
+from matchset.control.follower import Follower, FollowerParameters, RelativeSetpoint
 from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
 from matchset.control.safety import SafetyInputs, SafetyParameters, SafetyState, safety_filter
 from matchset.image.frame import Frame

@@ -63,6 +63,9 @@ def _page(log: FlightLog) -> str:
         parts.append(_pictures(log, log.shown))
     meanings = EXPLANATIONS if log.setup.has_truth else [UNTRUE.get(each, each) for each in EXPLANATIONS]
     parts.append(_figures_table([follower_row(log, number) for number in range(len(log.followers))], meanings))
+    if log.gains.lowered:
+        items = "".join(f"<li>{html.escape(line)}" for line in log.gains.lines())
+        parts.append(f"<h2>Gains that were lowered</h2><ul>{items}</ul>")
     if log.counters.chain_steps:
         parts += _plots(log)
     rows = parameter_rows(log.setup.parameters)

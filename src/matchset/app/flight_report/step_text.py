@@ -3,14 +3,22 @@
 import math
 
 from matchset.app.flight.pilot import PilotStep
-from matchset.control.follower import ControlOutput, RelativeSetpoint
+from matchset.control.control_output import ControlOutput
+from matchset.control.follower import RelativeSetpoint
 from matchset.localization.pose import Pose
 
 
 def state_text(step: PilotStep) -> str:
-    """Phase of the safety filter, with the reason if it is not ``flying``: ``holding: the ball is not seen``."""
-    safety = step.safety
-    return f"{safety.phase}: {safety.reason}" if safety.reason and safety.phase != "flying" else safety.phase
+    """Phase of the safety filter, with what there is to say: ``holding: the ball is not seen``, `reason_text`."""
+    phase, reason = step.safety.phase, reason_text(step)
+    return f"{phase}: {reason}" if reason else phase
+
+
+def reason_text(step: PilotStep) -> str:
+    """Why it is not ``flying``, or, if it is, why its gains are lowered; empty if they are not."""
+    if step.safety.phase != "flying":
+        return step.safety.reason
+    return step.control.gains.words if step.control is not None else ""
 
 
 def position_text(control: ControlOutput | None) -> str:

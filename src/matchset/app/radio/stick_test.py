@@ -4,6 +4,9 @@ Without `--arm` the arm switch stays low: the firmware reports what it hears, an
 after a countdown, they do.
 """
 
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
 import msgspec
 
 from matchset.app import exit_codes
@@ -92,20 +95,50 @@ def run_stick_test(radio: Radio, motor_test: MotorTestParameters | None) -> int:
     return exit_codes.FOUND
 
 
-def all_heard(radio: Radio) -> bool:
-    """Move every stick with the arm switch low, and compare what the firmware heard."""
-    print(f"{'stick':20s} {'sent':>6s} {'heard':>6s}   (motors off)")
-    good = True
-    for name, command in MOVES:
+class HeardMove(NamedTuple):
+    """A stick that was moved with the motors off, and what the firmware heard.
+
+    Attributes
+    ----------
+    name : str
+        "roll to the right".
+    sent, heard : int
+        Of the stick that moved: throttle 0 ... 255, else -127 ... 127.
+    same : bool
+        Whether the firmware heard all four sticks as they were sent.
+    """
+
+    name: str
+    sent: int
+    heard: int
+    same: bool
+
+
+def heard_moves(radio: Radio, moves: Iterable[tuple[str, Command]] = MOVES) -> Iterator[HeardMove]:
+    """Move one stick after the other with the arm switch low, and say what the firmware heard.
+
+    Parameters
+    ----------
+    radio : Radio
+    moves : iterable of (str, Command)
+    """
+    for name, command in moves:
         for _ in range(5):
             sent = radio.link.send_disarmed(command)
             radio.sleep(COMMAND_PERIOD)
         wanted = (round(255 * sent.throttle), *(round(127 * stick) for stick in (sent.pitch, sent.yaw, sent.roll)))
         heard = radio.link.report.heard
         moved = next((place for place, value in enumerate(wanted) if value), 0)
-        same = heard == wanted
+        yield HeardMove(name, wanted[moved], heard[moved], heard == wanted)
+
+
+def all_heard(radio: Radio) -> bool:
+    """Move every stick with the arm switch low, and compare what the firmware heard."""
+    print(f"{'stick':20s} {'sent':>6s} {'heard':>6s}   (motors off)")
+    good = True
+    for name, sent, heard, same in heard_moves(radio):
         good = good and same
-        print(f"{name:20s} {wanted[moved]:6d} {heard[moved]:6d}   {'ok' if same else 'WRONG'}")
+        print(f"{name:20s} {sent:6d} {heard:6d}   {'ok' if same else 'WRONG'}")
     return good
 
 

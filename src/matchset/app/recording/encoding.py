@@ -13,6 +13,8 @@ import numpy.typing as npt
 from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import (
+    FORMAT,
+    WITHOUT_GAINS,
     ColorsMessage,
     Outcome,
     Picture,
@@ -60,14 +62,22 @@ def decode(data: bytes, kind: type[M]) -> M:
         raise ValueError(f"a message is no {kind.__name__}: {error}") from None
 
 
-def outcome_of(step: PilotStep) -> bytes:
-    """Encode everything of a step that a replay must reproduce: all but the picture and the computing times."""
+def outcome_of(step: PilotStep, form: int = FORMAT) -> bytes:
+    """Encode everything of a step that a replay must reproduce: all but the picture and the computing times.
+
+    Parameters
+    ----------
+    step : PilotStep
+    form : int
+        Format of the recording with which it is compared.
+    """
+    answer = step.control[:-1] if form == WITHOUT_GAINS and step.control is not None else step.control
     return encode(
         Outcome(
             ball=step.ball,
             markers=step.markers,
             pose=step.pose,
-            answer=step.control,
+            answer=answer,
             memory=step.safety,
             command=step.command,
             age=step.age,

@@ -11,7 +11,8 @@ from matchset.app.flight.flight import Crash, FlightKind, FlightParameters
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 
-FORMAT = 2  # format: version of a recording; another one is refused
+FORMAT = 3  # format: version of a recording
+WITHOUT_GAINS = 2  # format: the one before, in which no gains were lowered; it is read, any other one is refused
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]
@@ -115,7 +116,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     """What a step makes of the picture, the clock and the steps before, and a replay must reproduce: of `PilotStep`.
 
-    `answer` is `PilotStep.control`, `memory` is `PilotStep.safety`.
+    `answer` is `PilotStep.control`, `memory` is `PilotStep.safety`. In format 2 the former lacks its last field,
+    `gains`.
     """
 
     ball: Any

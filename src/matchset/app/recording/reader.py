@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import msgspec
 
-from matchset.app.flight.flight import FlightSetup
+from matchset.app.flight.flight import FlightParameters, FlightSetup
 from matchset.app.recording.encoding import colors_of, decode, frame_of, frame_of_image
 from matchset.app.recording.mcap_file import McapReader, Message
 from matchset.app.recording.messages import (
     CONFIGURATION,
     FORMAT,
     TRUTH,
+    WITHOUT_GAINS,
     Configuration,
     Picture,
     StepMessage,
@@ -61,6 +62,8 @@ class RecordingReader:
     setup : FlightSetup
     matchset : str
         Version of the package that recorded it.
+    form : int
+        Format of the recording.
 
     Raises
     ------
@@ -76,16 +79,19 @@ class RecordingReader:
         if first is None or first.topic != CONFIGURATION:
             raise ValueError(f"{path} is no recording of a flight: it does not begin with {CONFIGURATION}")
         with _naming(path):
-            self._check_format(first)
+            self.form = self._format(first)
             configuration = decode(first.data, Configuration)
         self.matchset = configuration.matchset
-        followers = configuration.parameters.world.vehicles - 1
+        parameters = configuration.parameters
+        if self.form == WITHOUT_GAINS:
+            parameters = _without_gains(parameters)
+        followers = parameters.world.vehicles - 1
         if len(configuration.cameras) != followers:
             raise ValueError(f"{path} is damaged: {len(configuration.cameras)} cameras for {followers} followers")
         samples = tuple(self._sample(number) for number in range(1, followers + 1))
         with _naming(path):
             self.setup = FlightSetup(
-                configuration.parameters,
+                parameters,
                 configuration.cameras,
                 samples,
                 kind=configuration.kind,
@@ -154,10 +160,11 @@ class RecordingReader:
             raise ValueError(f"the truth of tick {truth.index} is of another number of vehicles")
         return RecordedChainStep(tuple(steps[number] for number in range(1, count + 1)), tuple(frames), truth)
 
-    def _check_format(self, first: Message) -> None:
+    def _format(self, first: Message) -> int:
         head = decode(first.data, _FormatHeader)
-        if head.format != FORMAT:
-            raise ValueError(f"its format is {head.format}, this matchset reads {FORMAT}")
+        if head.format not in (WITHOUT_GAINS, FORMAT):
+            raise ValueError(f"its format is {head.format}, this matchset reads {WITHOUT_GAINS} and {FORMAT}")
+        return head.format
 
     def _sample(self, number: int) -> Frame:
         message = next(self._messages, None)
@@ -165,6 +172,13 @@ class RecordingReader:
             raise ValueError(f"{self.path} is damaged: {sample_topic(number)} is missing")
         with _naming(self.path):
             return frame_of(decode(message.data, Picture))
+
+
+def _without_gains(parameters: FlightParameters) -> FlightParameters:
+    """Return the parameters of a flight in which no gains were lowered."""
+    replace, pilot, follower = msgspec.structs.replace, parameters.pilot, parameters.pilot.follower
+    follower = replace(follower, stability=replace(follower.stability, used=False))
+    return replace(parameters, pilot=replace(pilot, follower=follower))
 
 
 def _frame(number: int, step: StepMessage, picture: bytes | None) -> Frame | None:

@@ -99,8 +99,9 @@ class Replay:
         if self._recorded.damaged:
             return msgspec.structs.replace(step, stage_times=message.spent)
         self.steps += 1
-        if outcome_of(step) != bytes(message.outcome):
-            text = first_difference(bytes(message.outcome), outcome_of(step))
+        outcome = outcome_of(step, self._recorded.form)
+        if outcome != bytes(message.outcome):
+            text = first_difference(bytes(message.outcome), outcome)
             self.differences.append(StepDifference(message.tick, number + 1, text))
         return msgspec.structs.replace(step, stage_times=message.spent)
 

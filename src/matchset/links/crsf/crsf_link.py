@@ -6,6 +6,8 @@ docs/crsf.md has the wiring, how the flight controller must be set up, and a fir
 import time
 from collections.abc import Callable
 
+import msgspec
+
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.arduino.serial_port import Port, SerialPort
@@ -134,6 +136,26 @@ class CrsfLink(NotCopied, Link):
             self._send(Command())
             raise
         self.module.watch(True)
+
+    def send_disarmed(self, command: Command) -> Command:
+        """Send sticks with the arm switch low and the throttle zero: a flight controller shows them, no motor turns.
+
+        Raises
+        ------
+        ValueError
+            If this link has armed it.
+        LinkError
+            If the module is gone or silent, or the flight controller's mode says that the motors may turn.
+        """
+        if self._armed or self._was_armed:
+            raise ValueError(f"{self.uri}: it is armed; sticks are shown with the motors off only")
+        self._check()
+        mode = self.news.mode
+        if mode is not None and not mode.disarmed:
+            raise LinkError(f"{self.uri}: no sticks are shown{self._what_it_says()}")
+        command = msgspec.structs.replace(command, throttle=0.0)
+        self.module.want(command, False)
+        return on_air(channels(command, False, self.parameters.arm_channel))
 
     def land(self, duration: float = 1.5) -> None:
         """Lower the throttle to zero over so many seconds, sticks neutral, then disarm; 0 stops the motors at once.

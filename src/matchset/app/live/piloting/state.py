@@ -11,7 +11,7 @@ import numpy.typing as npt
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.flight.score import FollowerCounters
 from matchset.app.flight_report.chain_frame import camera_positions, chain_frame_to_room, level_ball_frame
-from matchset.app.flight_report.step_text import distance_to_set_place
+from matchset.app.flight_report.step_text import distance_to_set_place, reason_text
 from matchset.app.live.piloting.commander import Duty
 from matchset.app.live.piloting.fleet import FleetStep
 from matchset.control.follower import RelativeSetpoint
@@ -34,7 +34,7 @@ class FollowerState(msgspec.Struct, frozen=True):
     phase : str
         Of the safety filter.
     reason : str
-        Why it is not "flying"; empty if it is.
+        Why it is not "flying", or why its gains are lowered; empty if neither is so.
     found : bool
         Whether it sees its neighbor's ball.
     losses, missing : int
@@ -140,7 +140,7 @@ def _row(step: PilotStep, counters: FollowerCounters, place: RelativeSetpoint) -
     safety, off = step.safety, distance_to_set_place(step.control, place)
     return FollowerState(
         phase=safety.phase,
-        reason="" if safety.phase == "flying" else safety.reason,
+        reason=reason_text(step),
         found=isinstance(step.ball, Track),
         losses=counters.losses,
         missing=counters.missing,

@@ -1,0 +1,86 @@
+"""What a check of `matchset preflight` has found: `Outcome`, made by `judged`, `failed` and `skipped`."""
+
+from typing import Literal
+
+import msgspec
+
+from matchset.app.exit_codes import NOT_FOUND
+
+Verdict = Literal["pass", "fail", "skipped"]
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """One check, and what it found.
+
+    Parameters
+    ----------
+    name : str
+        What is checked: "camera: rate".
+    wanted : str
+        What it must show, in words, with the limit.
+    measured : str
+        What it showed.
+    verdict : str
+        "pass", "fail" or "skipped".
+    advice : str
+        What to do where it failed, or why it was skipped; empty where it passed.
+    code : int
+        Exit code where it failed: 1, 2 for a file or an option, 3 for a device.
+    """
+
+    name: str
+    wanted: str
+    measured: str
+    verdict: Verdict
+    advice: str = ""
+    code: int = NOT_FOUND
+
+    @property
+    def is_failed(self) -> bool:
+        """Whether nothing must go on after it."""
+        return self.verdict == "fail"
+
+
+def judged(name: str, wanted: str, measured: str, good: bool, advice: str) -> Outcome:
+    """Return a check that passes or fails.
+
+    Parameters
+    ----------
+    name, wanted, measured : str
+        See `Outcome`.
+    good : bool
+        Whether it passes.
+    advice : str
+        What to do if it does not.
+    """
+    return Outcome(name, wanted, measured, "pass" if good else "fail", "" if good else advice)
+
+
+def failed(name: str, wanted: str, why: object, code: int, advice: str = "") -> Outcome:
+    """Return a check that could not even be made: a file or a device is to blame.
+
+    Parameters
+    ----------
+    name, wanted : str
+        See `Outcome`.
+    why : object
+        The error, which is what was measured.
+    code : int
+        Exit code.
+    advice : str
+        What to do.
+    """
+    return Outcome(name, wanted, " ".join(str(why).split()), "fail", advice, code)
+
+
+def skipped(name: str, wanted: str, why: str) -> Outcome:
+    """Return a check that was not made.
+
+    Parameters
+    ----------
+    name, wanted : str
+        See `Outcome`.
+    why : str
+        Why not, in words.
+    """
+    return Outcome(name, wanted, "-", "skipped", why)

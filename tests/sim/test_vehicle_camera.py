@@ -42,20 +42,6 @@ def test_a_surface_moves_as_the_camera_does() -> None:
     assert columns.mean() == pytest.approx(79.5 + 100.0 * 0.4 / 2.0)
 
 
-def test_a_texture_may_have_more_colors_than_a_number_of_16_bits_tells_apart() -> None:
-    number = np.arange(300 * 300)
-    texture = np.stack((number % 256, number // 256 % 256, number // 65536, 255 + 0 * number), axis=1).astype(np.uint8)
-    surface = Surface(
-        origin=np.array((-0.5, -0.5, 1.0)),
-        u=np.array((1.0, 0.0, 0.0)),
-        v=np.array((0.0, 1.0, 0.0)),
-        texture=texture.reshape(300, 300, 4),
-    )
-    picture = np.zeros((300, 300, 4), np.uint8)
-    FastScene([surface]).draw(packed(picture), Pinhole(300.0, 300.0, 149.5, 149.5), LEVEL, NOWHERE)
-    np.testing.assert_array_equal(picture, surface.texture)
-
-
 @pytest.mark.parametrize("camera", [PINHOLE, BARREL])
 def test_a_ball_is_where_the_camera_model_projects_it(camera: CameraModel) -> None:
     white = Balloon(color=(255.0, 255.0, 255.0), marker_radius=0.0)

@@ -1,8 +1,7 @@
 """The room as a moving camera sees it: `FastScene`, the fast one of two renderers; `Scene` is the exact one.
 
 One ray a pixel, no interpolation between texels, and a texel either hides what is behind it or does not: an analog
-picture shows no more. What takes longest is to fetch texels from memory: they are kept as numbers of the colors of
-their texture, of which there are few.
+picture shows no more.
 """
 
 import threading
@@ -18,7 +17,6 @@ from matchset.sim.rendering.surface import Surface, span
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
-Numbers = npt.NDArray[np.uint16] | npt.NDArray[np.uint32]
 Depth = npt.NDArray[np.float32]
 
 # format: least word of a pixel with an opacity of 128: little-endian, opacity is the highest byte
@@ -27,24 +25,21 @@ NEAR = 0.03  # geometry: m, nothing nearer to the camera is drawn
 
 
 class PackedSurfaces(NamedTuple):
-    """Surfaces in four arrays.
+    """Surfaces in three arrays.
 
     Parameters
     ----------
     corners : (n, 3, 3)
         Columns: sides u and v, and origin of each surface.
-    sizes : (n, 4)
-        Rows and columns of its texture, and where that and its colors begin.
-    texels : (m,), uint16, or uint32 where a texture has more colors
-        Number of the color of each texel of all textures, in that texture.
-    colors : (k,)
-        BGRA of these.
+    sizes : (n, 3)
+        Rows and columns of its texture, and where that begins.
+    texels : (m,)
+        BGRA of all textures.
     """
 
     corners: Floats
     sizes: Ints
-    texels: Numbers
-    colors: PackedPixels
+    texels: PackedPixels
 
 
 class FastScene:
@@ -61,7 +56,12 @@ class FastScene:
         # Small things mostly stand before large ones: drawn first, they spare the work of drawing what they hide.
         order = sorted(surfaces, key=lambda each: float(np.linalg.norm(np.cross(each.u, each.v))))
         corners = np.array([np.column_stack((each.u, each.v, each.origin)) for each in order])
-        self._surfaces = _pack(corners, [np.ascontiguousarray(each.texture) for each in order])
+        shapes = [each.texture.shape[:2] for each in order]
+        starts = np.concatenate(([0], np.cumsum([h * w for h, w in shapes])[:-1]))
+        sizes: Ints = np.column_stack((np.array(shapes), starts)).astype(np.int64)
+        texels = [np.ascontiguousarray(each.texture).reshape(-1, 4) for each in order]
+        packed_texels: PackedPixels = np.concatenate(texels).view(np.uint32)[:, 0].copy()
+        self._surfaces = PackedSurfaces(corners, sizes, packed_texels)
 
     def draw(
         self,
@@ -110,43 +110,6 @@ class FastScene:
         depth: Depth = kept["depth"]
         depth[:] = 0.0
         return depth
-
-
-def _pack(corners: Floats, textures: list[Bytes]) -> PackedSurfaces:
-    """Pack surfaces: give each color of each texture a number."""
-    numbers, colors = [], []
-    for texture in textures:
-        texels = packed(texture).reshape(-1)
-        number, color = np.empty_like(texels), np.empty_like(texels)
-        count = _number_colors(texels, number, color)
-        numbers.append(number)
-        colors.append(color[:count].copy())
-    starts = [np.cumsum([0, *map(len, each)])[:-1] for each in (numbers, colors)]
-    sizes: Ints = np.column_stack(([each.shape[:2] for each in textures], *starts)).astype(np.int64)
-    texels: Numbers = np.concatenate(numbers)
-    if max(map(len, colors)) <= 1 << 16:
-        texels = texels.astype(np.uint16)
-    return PackedSurfaces(corners, sizes, texels, np.concatenate(colors))
-
-
-@kernel
-def _number_colors(texels: PackedPixels, numbers: PackedPixels, colors: PackedPixels) -> int:
-    """Write which of the different texels each one is, and these, as they come; return how many there are."""
-    bits = 4
-    while 1 << bits < 2 * texels.shape[0]:
-        bits += 1
-    slots, last, count = np.zeros(1 << bits, np.uint32), (1 << bits) - 1, 0  # a hash table of numbers, from 1
-    for i in range(texels.shape[0]):
-        texel = texels[i]
-        at = np.int64(np.uint32(texel * np.uint32(0x9E3779B1)) >> np.uint32(32 - bits))  # Fibonacci hashing
-        while slots[at] and colors[slots[at] - np.uint32(1)] != texel:
-            at = (at + 1) & last
-        if not slots[at]:
-            colors[count] = texel
-            count += 1
-            slots[at] = count
-        numbers[i] = slots[at] - np.uint32(1)
-    return count
 
 
 def packed(picture: Bytes) -> PackedPixels:
@@ -245,7 +208,7 @@ def draw_surfaces_fast(
         if top >= bottom or not _homography(m, lens, h):
             continue
         tall, wide = np.int32(sizes[k, 0]), np.int32(sizes[k, 1])
-        texels, colors = surfaces.texels[sizes[k, 2] :], surfaces.colors[sizes[k, 3] :]
+        texels = surfaces.texels[sizes[k, 2] : sizes[k, 2] + sizes[k, 0] * sizes[k, 1]]
         for y in range(top, bottom):
             first, last = span(h, float(y), width)
             first, last = max(first, columns[y, 0]), min(last, columns[y, 1])
@@ -253,7 +216,7 @@ def draw_surfaces_fast(
                 continue
             where, seen = places[: last + 1 - first], shown[: last + 1 - first]
             _find_texels(h, (first, y), (tall, wide), where, inverse)
-            _fetch(texels, colors, where, seen)
+            _fetch(texels, where, seen)
             _show(seen, inverse, picture[y, first : last + 1], nearest[y, first : last + 1])
 
 
@@ -280,10 +243,10 @@ def _find_texels(
 
 
 @kernel(refcount=False)
-def _fetch(texels: Numbers, colors: PackedPixels, places: npt.NDArray[np.int32], shown: PackedPixels) -> None:
-    """Write the colors of texels; alone in its loop, so that many are fetched at the same time."""
+def _fetch(texels: PackedPixels, places: npt.NDArray[np.int32], shown: PackedPixels) -> None:
+    """Write the texels at places; alone in its loop, so that many are fetched at the same time."""
     for x in range(places.shape[0]):
-        shown[x] = colors[np.uint32(texels[np.uint32(places[x])])]
+        shown[x] = texels[np.uint32(places[x])]
 
 
 @kernel(refcount=False)

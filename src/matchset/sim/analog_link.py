@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.line_filter import AnyPicture, Noise, Receiver, Words, expose, send, unpack
+from matchset.sim.line_filter import AnyPicture, Noise, Receiver, Words, expose, send
 from matchset.sim.rendering.renderer import Picture
 
 PIXEL_TIME = 81e-9  # format: s, of the 640 px that span the 52 us of an active PAL line (ITU-R BT.470)
@@ -107,8 +107,8 @@ def degrade(
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
-    depth = picture.shape[2] if picture.ndim == 3 else 0
-    if not (depth == 3 and picture.dtype == np.float32 or depth in (3, 4) and picture.dtype == np.uint8):
+    depths = {np.dtype(np.float32): (3,), np.dtype(np.uint8): (3, 4)}
+    if picture.ndim != 3 or picture.shape[2] not in depths.get(picture.dtype, ()):
         kind = f"{picture.dtype}, {picture.shape}"
         raise ValueError(f"a picture must be float32 or uint8 of shape (h, w, 3), or uint8 of (h, w, 4), got {kind}")
     height, width = picture.shape[:2]
@@ -116,10 +116,9 @@ def degrade(
     shift = np.asarray(rng.standard_normal(height) * link.line_jitter)
     lost = np.asarray(rng.random(height) < link.lost_lines)
     counter = rng.integers(0, 2**32, dtype=np.uint32)
-    taken = _through_lens(picture, link)
     out = np.empty((height, width, 3), np.uint8)
     if not _is_analog(link):
-        expose(taken, np.array(gain), link.sensor_noise, counter, out)
+        expose(_through_lens(picture, link.blur), np.array(gain), link.sensor_noise, counter, out)
         return out
     if link.sensor_noise > 0.0:
         raise ValueError("sensor_noise of an analog link is a part of luma_noise and chroma_noise: leave it 0")
@@ -127,7 +126,7 @@ def degrade(
     lines = math.sqrt(0.375) if link.chroma_lines else 1.0
     noise = Noise(link.luma_noise / noise_gain(luma), link.chroma_noise / (noise_gain(chroma) * lines), counter)
     neighbor = 0 if not link.chroma_lines else 2 if link.interlaced else 1
-    send(taken, np.array(gain), shift, noise, Receiver(luma, chroma, neighbor, lost), out)
+    send(_sent(picture, link.blur), np.array(gain), shift, noise, Receiver(luma, chroma, neighbor, lost), out)
     return out
 
 
@@ -189,15 +188,19 @@ def _is_analog(link: AnalogLink) -> bool:
     )
 
 
-def _through_lens(picture: Picture | npt.NDArray[np.uint8], link: AnalogLink) -> AnyPicture | Words:
-    """Blur a picture as the lens does; one with four bytes a pixel is packed pixels then, if it is sent as it is."""
-    taken: AnyPicture = picture
+def _through_lens(picture: AnyPicture, blur: float) -> AnyPicture:
+    """Blur a picture as the lens does, and leave out a fourth byte."""
+    colors: AnyPicture = picture
     if picture.shape[2] == 4:
-        words = np.ascontiguousarray(picture).view(np.uint32)[..., 0]
-        if link.blur == 0.0 and _is_analog(link):
-            return words
-        taken = unpack(words)
-    return _blurred(taken.astype(np.float32, copy=False), link.blur) if link.blur > 0.0 else taken
+        colors = cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR).astype(np.uint8, copy=False)
+    return _blurred(colors.astype(np.float32, copy=False), blur) if blur > 0.0 else colors
+
+
+def _sent(picture: AnyPicture, blur: float) -> AnyPicture | Words:
+    """Blur a picture as the lens does; what has four bytes a pixel and is not blurred is sent as packed pixels."""
+    if picture.shape[2] == 4 and blur == 0.0:
+        return np.ascontiguousarray(picture).view(np.uint32)[..., 0]
+    return _through_lens(picture, blur)
 
 
 def _blurred(picture: Picture, sigma: float) -> Picture:

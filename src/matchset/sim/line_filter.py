@@ -66,20 +66,6 @@ def _to_byte(value: np.float32) -> np.uint32:
 
 
 @kernel
-def unpack(words: Words) -> Picture:
-    """Make a picture of shape (h, w, 3), BGR, of packed pixels."""
-    picture, byte = np.empty((*words.shape, 3), np.float32), np.uint32(255)
-    for y in range(words.shape[0]):
-        row, line = picture[y], words[y]
-        for x in range(line.shape[0]):
-            word = line[x]
-            row[x, 0] = np.float32(np.int32(word & byte))
-            row[x, 1] = np.float32(np.int32((word >> np.uint32(8)) & byte))
-            row[x, 2] = np.float32(np.int32((word >> np.uint32(16)) & byte))
-    return picture
-
-
-@kernel
 def expose(picture: AnyPicture, gain: Array, sigma: float, counter: np.uint32, out: npt.NDArray[np.uint8]) -> None:
     """Write gain * picture, cut off at 255, + white noise of deviation sigma in each channel, as bytes."""
     height, width = picture.shape[0], picture.shape[1]

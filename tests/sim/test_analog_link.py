@@ -181,7 +181,7 @@ def slow_bits(counter: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
     z = z * np.uint32(0x7FEB352D)
     z = z ^ (z >> np.uint32(15))
     z = z * np.uint32(0x846CA68B)
-    return z ^ (z >> np.uint32(16))
+    return np.asarray(z ^ (z >> np.uint32(16)), np.uint32)
 
 
 def slow_noise(first: int, shape: tuple[int, ...]) -> npt.NDArray[np.float32]:

@@ -68,7 +68,7 @@ weights: $(READY)  ## fit the weights of hypotheses and of first sight again (te
 evidence: $(READY)  ## fit the weights of the evidence for a detection again (some minutes; ARGS="--data DIR")
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.evidence $(ARGS)
 
-bench-fly: $(READY)  ## fly rows of twenty simulated flights (about two hours on two cores)
+bench-fly: $(READY)  ## fly all rows of simulated flights in pictures (ten hours on two cores; stop it, it goes on)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.fly $(ARGS)
 
 fly-betaflight: $(READY) $(BETAFLIGHT)  ## build Betaflight and fly a follower on it, pictures and all (an hour; ARGS="--only crsf --seeds 110")

@@ -89,7 +89,8 @@ def _commit() -> str:
     if not head:
         return "none"
     # The results themselves change with every run.
-    results = ("benchmarks/RESULTS.md", "benchmarks/REAL.md", "benchmarks/regression/kept.toml", "benchmarks/pictures")
+    pages = ("benchmarks/RESULTS.md", "benchmarks/REAL.md", "benchmarks/FLIGHT.md")
+    results = (*pages, "benchmarks/regression/kept.toml", "benchmarks/pictures")
     changed = _git("status", "--porcelain", "--", ".", *(f":!{path}" for path in (*results, "docs", "README.md")))
     return head + ("+" if changed else "")
 

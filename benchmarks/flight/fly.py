@@ -1,192 +1,197 @@
-"""Rows of twenty flights and the page `benchmarks/FLIGHT.md`: `python -m benchmarks.flight.fly`, or `make bench-fly`.
+"""All rows of simulated flights and the page `benchmarks/FLIGHT.md`: `make bench-fly`, or `-m benchmarks.flight.fly`.
 
-Tuned on seeds 0 to 9; these rows are flown on 110 and up. Scores already flown by the same sources of the package are
-kept in a file and not flown again, so that a run may be stopped and gone on with.
+The rows are those of ``flights.toml``, flown in rendered pictures through the tracker. Each flight is kept as soon as
+it is flown: a run that was stopped, or killed, flies only what is missing, and so does one on another machine that is
+given a share. Only flights of the same sources of the package count.
 """
 
+import math
 import os
+import sys
 import time
-import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import msgspec
 import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-import matchset
 from benchmarks.figures.kept import draw_kept
+from benchmarks.flight.flown import Flier, KeptFlight, KeptFlights, flier, fly_missing, sources
+from benchmarks.flight.page import seeds_text, table_of
 from benchmarks.flight.processing import in_words, processing
+from benchmarks.flight.rows import (
+    Listed,
+    Order,
+    Row,
+    chosen,
+    flight_list,
+    parse_share,
+    rows,
+    share_of,
+)
 from benchmarks.machine import Machine
+from benchmarks.options import parse_seeds
 from benchmarks.workers import one_thread
 from matchset.app.exit_codes import StopRequest
 from matchset.app.flight.flight import Flight, FlightParameters
 from matchset.app.flight.score import FlightScore
-from matchset.app.simulate.flights import fly_all
-from matchset.app.simulate.table import Limits, SweepRow, centimeters
+from matchset.app.simulate.table import centimeters
 from matchset.links.simulated import FPS, SimulationParameters
 
 PAGES = Path(__file__).resolve().parents[1]
-FIRST = 110  # seeds 0 to 9 were tuned on, 100 and 101 were looked at on the way
-PULLED = 2.0  # s
+KEPT = PAGES / "flights.kept"
+SEEDS = "1000-1019"
+FIRST = parse_seeds(SEEDS)[0]
+TUNED = (
+    "Controllers were tuned on seeds below 100, sizes of swings on 110 to 137, and others below 1000 have been "
+    "looked at; nothing of a flight was tuned on 1000 and up."
+)
 TEN = "chain_of_ten"
+SPEED = "speed"
 
 
-class Case(msgspec.Struct, frozen=True, kw_only=True):
-    """A row of the page.
+class Run:
+    """A list of flights, what is kept of it, and its page.
 
     Parameters
     ----------
-    name : str
-    words : str
-        What is flown.
-    bar : str
+    asked : sequence of Row
+    seeds : sequence of int
+    kept : KeptFlights
     duration : float
-        s.
-    world : dict
-        Fields of `SimulationParameters`.
-    judge : callable
-        From a `SweepRow` to whether the bar is reached, and the figure in words.
+        Makes longer flights so short, s.
+    quick : bool
+        Without pictures.
+
+    Attributes
+    ----------
+    every : list of Row
+        Of the page.
+    speed : list of str
+        Rows of a second table.
     """
 
-    name: str
-    words: str
-    bar: str
-    duration: float
-    world: dict[str, Any]
-    judge: Callable[[SweepRow], tuple[bool, str]]
+    def __init__(
+        self, asked: Sequence[Row], seeds: Sequence[int], kept: KeptFlights, duration: float, quick: bool
+    ) -> None:
+        self.every = [row for row in rows() if not (quick and row.pictures)]
+        self.asked, self.seeds, self.kept = [row for row in asked if row in self.every], seeds, kept
+        self.duration, self.quick = duration, quick
+        self.speed: list[str] = []
 
+    def flights(self, order: Order, share: tuple[int, int]) -> list[Listed]:
+        """List what is to be flown here."""
+        return share_of(flight_list(self.asked, self.seeds, self.duration, self.quick, order), share)
 
-def whole(row: SweepRow) -> tuple[bool, str]:
-    """Survival, view and spread."""
-    limits = Limits()
-    axes = ", ".join(centimeters(row.median_spread(axis)) for axis in range(3))
-    words = (
-        f"{row.survived} of {len(row.scores)} fly to the end; ball in view {100.0 * row.in_view:.1f} % at least; "
-        f"spread of side, height, heading {axes} (medians), {centimeters(row.spread)} at worst"
-    )
-    return not row.violation(limits), words
+    def fly(self, listed: Sequence[Listed], fly: Flier, stop: Callable[[], bool]) -> None:
+        """Fly what is missing, and keep it."""
+        done = sum(self.kept.get(each.flight) is not None for each in listed)
+        now = TextColumn("{task.description}")
+        columns = (TextColumn("flights"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), now)
+        with Progress(*columns, console=Console(stderr=True)) as progress:
+            task = progress.add_task("", total=len(listed), completed=done)
+            for each in fly_missing(listed, self.kept, fly, stop, machine_text(Machine.here())):
+                progress.update(task, advance=1, description=f"{each.row.name} {each.seed}")
 
+    def found(self) -> dict[str, list[KeptFlight]]:
+        """Return what is kept of every row, by its name."""
+        found: dict[str, list[KeptFlight]] = {row.name: [] for row in self.every}
+        for each in flight_list(self.every, self.seeds, self.duration, self.quick, "rows"):
+            kept = self.kept.get(each.flight)
+            if kept is not None:
+                found[each.row.name].append(kept)
+        return found
 
-def alive(row: SweepRow) -> tuple[bool, str]:
-    """No crash."""
-    crashed = [score.seed for score in row.scores if score.crash]
-    words = f"{len(row.scores) - len(crashed)} of {len(row.scores)} without a crash, {row.survived} fly to the end"
-    return not crashed, words + (f"; crashed: seeds {', '.join(map(str, crashed))}" if crashed else "")
+    def page(self, pictures: Path | None) -> str:
+        """Write the page; the figure of the chain of ten goes into a folder, None: none is drawn."""
+        found = self.found()
+        flown = {name: [each.flown for each in kept] for name, kept in found.items()}
+        machines = sorted({each.machine for kept in found.values() for each in kept})
+        here = Machine.here()
+        commit = here.commit.removesuffix("+") + (" with changes" if here.commit.endswith("+") else "")
+        where = f"{here.date}, commit {commit}, flown on {' and '.join(machines) or machine_text(here)}."
+        title = "# Flights without pictures" if self.quick else "# Flights"
+        parts = [title, where, f"Seeds {seeds_text(self.seeds)}. {TUNED} {self.origin()}"]
+        parts.append(table_of(self.every, flown, self.asked, len(self.seeds), self.duration))
+        if self.speed:
+            parts.append("\n".join(["| what | bar | measured | reached |", "| --- | --- | --- | --- |", *self.speed]))
+        ten = next((each.score for each in flown.get("ten", []) if each.score.spread), None)
+        return "\n\n".join([*parts, *([ten_text(ten, pictures)] if ten else [])]) + "\n"
 
+    def origin(self) -> str:
+        """Say how the page came about, and what does not count."""
+        how = "flown as by `matchset simulate --quick`" if self.quick else "in rendered pictures, through the tracker"
+        text = f"Written by `make bench-fly`, {how}. Of `benchmarks/flight/flights.toml`, sources {self.kept.code}."
+        unseen = ", ".join(row.name for row in rows() if row.pictures)
+        text += f" Rows that only pictures show are left out: {unseen}." if self.quick else ""
+        return text + (f" {self.left_out()}" if self.kept.left_out else "")
 
-def settles(limit: float) -> Callable[[SweepRow], tuple[bool, str]]:
-    """Time until all are near their places."""
-
-    def judge(row: SweepRow) -> tuple[bool, str]:
-        times = [score.settling_time for score in row.scores]
-        words = f"{float(np.median(times)):.1f} s (median), {max(times):.1f} s at worst"
-        return max(times) <= limit and row.survived == len(row.scores), words
-
-    return judge
-
-
-def comes_down(row: SweepRow) -> tuple[bool, str]:
-    """Time from the pulled cable to the first command of the descent."""
-    times = [score.descent_time - PULLED for score in row.scores]
-    return max(times) <= 0.5, f"descent begins {max(times):.2f} s after the cable at the latest"
-
-
-CASES = (
-    Case(name="chain", words="chain of three, typical, 67 ms", bar="all fly, in view >= 99 %, <= 10 cm rms per axis",
-         duration=60.0, world={}, judge=whole),
-    Case(name="prize", words="the same, bad, 133 ms", bar="(the prize) all fly, in view >= 99 %",
-         duration=60.0, world={"pal": "bad", "latency_ms": 133.0}, judge=whole),
-    Case(name="start", words="0.5 m off in every axis", bar="settled within 6 s", duration=10.0,
-         world={"start_off": 0.5}, judge=settles(6.0)),
-    Case(name="hidden", words="balloon hidden for 0.5 s ten times a minute", bar="no crash", duration=60.0,
-         world={"hidden": 0.5}, judge=alive),
-    Case(name="hidden1", words="the same for 1 s", bar="(the prize) no crash", duration=60.0,
-         world={"hidden": 1.0}, judge=alive),
-    Case(name="cable", words="camera cables pulled at 2 s", bar="descent commanded within 0.5 s", duration=3.5,
-         world={"cable": PULLED}, judge=comes_down),
-)  # fmt: skip
+    def left_out(self) -> str:
+        """Say how many flights do not count."""
+        return f"{self.kept.left_out} kept flights of other sources of matchset are left out."
 
 
 def main(
-    only: Annotated[str, typer.Option(help=f"Some of {', '.join(case.name for case in CASES)}, speed, ten.")] = "",
-    seeds: Annotated[int, typer.Option(min=1, help="Flights in a row.")] = 20,
-    duration: Annotated[float | None, typer.Option(help="Shorter flights, s: a first impression.")] = None,
+    only: Annotated[str, typer.Option(help=f"Names of rows or parts of their words, with commas; {SPEED}.")] = "",
+    seeds: Annotated[str, typer.Option(help="As '1000-1019' or '1000,1005'.")] = SEEDS,
+    duration: Annotated[float, typer.Option(min=0.1, help="Shorter flights, s: a trial.")] = math.inf,
+    quick: Annotated[bool, typer.Option("--quick", help="Without pictures: a trial.")] = False,
     jobs: Annotated[int, typer.Option(min=1, help="Flights at once.")] = min(2, os.cpu_count() or 1),
-    kept: Annotated[Path, typer.Option(help="Scores already flown.")] = PAGES / "flights.kept",
-    output: Annotated[Path, typer.Option("-o", help="The page.")] = PAGES / "FLIGHT.md",
+    share: Annotated[str, typer.Option(help="I/N: every N-th flight of the list, from the I-th on.")] = "1/1",
+    order: Annotated[Order, typer.Option(help="First seed of all rows, then the next one; or row by row.")] = "seeds",
+    kept: Annotated[
+        list[Path] | None, typer.Option(help=f"Flights already flown, {KEPT.name}; of several, the first is added to.")
+    ] = None,
+    fly: Annotated[bool, typer.Option("--fly/--no-fly", help="Or only write the page of what is kept.")] = True,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", help="The page: FLIGHT.md; of a trial, or of no flight at all, it is only printed."),
+    ] = None,
 ) -> None:
-    """Fly rows of twenty seeds and write the page."""
+    """Fly all rows, and write the page; what is kept is not flown again."""
     one_thread()
-    names = [name for name in only.split(",") if name]
-    lines = ["| what | bar | measured | reached |", "| --- | --- | --- | --- |"]
+    words = [each.strip() for each in only.split(",") if each.strip()]
+    files, code = kept or [KEPT], sources()
+    try:
+        asked = chosen(rows(), ",".join(each for each in words if each != SPEED)) if words != [SPEED] else []
+        run = Run(asked, parse_seeds(seeds), KeptFlights(files, code), duration, quick)
+        listed = run.flights(order, parse_share(share))
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    say_left_out(run)
     with StopRequest() as stop:
-        if not names or "speed" in names:
-            lines += [speed_line(), processing_line()]
-        for case in CASES:
-            if names and case.name not in names:
-                continue
-            row = fly_case(case, range(FIRST, FIRST + seeds), duration, jobs, kept, stop)
-            if row.scores:
-                reached, words = case.judge(row)
-                flown = f"{case.words}: {len(row.scores)} flights of {row.scores[0].duration:g} s"
-                lines.append(f"| {flown} | {case.bar} | {words} | {'yes' if reached else '**no**'} |")
-        if (not names or "ten" in names) and not stop:
-            lines.append(ten_line(min(duration or 30.0, 30.0), kept, stop))
-    machine = Machine.here()
-    where = f"{machine.date}, commit {machine.commit}, {machine.processor}, {machine.cores} cores."
-    how = f"Seeds {FIRST} and up; tuned on seeds 0 to 9. Written by `make bench-fly`."
-    page = "\n".join(("# Flights", "", where, how, "", *lines, ""))
-    output.write_text(page, encoding="utf-8")
-    Console().print(page)
+        if fly:
+            run.fly(listed, flier(jobs), lambda: bool(stop))
+            run.kept = KeptFlights(files, code)  # another share may have been flown into it meanwhile
+        if SPEED in words or (not words and fly and not quick and share == "1/1" and not stop):
+            run.speed = [speed_line(), processing_line()]
+    trial = quick or math.isfinite(duration) or not any(run.found().values())
+    write(run, output or (None if trial else PAGES / "FLIGHT.md"))
+    raise typer.Exit(stop.code)
 
 
-def fly_case(
-    case: Case, seeds: range, duration: float | None, jobs: int, kept: Path, stop: Callable[[], bool] | StopRequest
-) -> SweepRow:
-    """Fly what is missing of a row, and keep it."""
-    flights = {
-        seed: FlightParameters(
-            duration=min(duration or case.duration, case.duration),
-            world=SimulationParameters(seed=seed, **case.world),
-        )
-        for seed in seeds
-    }
-    code = sources()
-    keys = {seed: f"{code} {case.name} {seed} {flight.duration:g}" for seed, flight in flights.items()}
-    scores = read_kept(kept)
-    missing = [seed for seed in seeds if keys[seed] not in scores]
-    columns = (TextColumn(case.name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as progress, kept.open("ab") as file:
-        task = progress.add_task(case.name, total=len(seeds), completed=len(seeds) - len(missing))
-        for number, score in fly_all([flights[seed] for seed in missing], jobs, lambda: bool(stop)):
-            key = keys[missing[number]]
-            scores[key] = score
-            file.write(msgspec.msgpack.encode((key, score)).hex().encode() + b"\n")
-            file.flush()
-            progress.advance(task)
-    return SweepRow(scores=tuple(scores[key] for key in keys.values() if key in scores))
+def say_left_out(run: Run) -> None:
+    """Say on stderr what of the kept files does not count."""
+    if run.kept.left_out:
+        print(f"{run.left_out()} A page is of one commit.", file=sys.stderr)
+    if run.kept.torn:
+        print(f"{run.kept.torn} torn lines of kept flights are left out.", file=sys.stderr)
 
 
-def sources() -> str:
-    """Checksum of all that decides a flight but the libraries: the package's Python and its settings."""
-    total = 0
-    for path in sorted(Path(matchset.__file__).parent.rglob("*")):
-        if path.suffix in (".py", ".toml"):
-            total = zlib.crc32(path.read_bytes(), total)
-    return f"{total:08x}"
+def write(run: Run, path: Path | None) -> None:
+    """Print the page, and write it with its figure beside it; None: it is printed only."""
+    page = run.page(path.parent / "pictures" if path else None)
+    if path:
+        path.write_text(page, encoding="utf-8")
+    print(page)
 
 
-def read_kept(path: Path) -> dict[str, FlightScore]:
-    """Read the scores that were flown before."""
-    if not path.exists():
-        return {}
-    lines = path.read_bytes().splitlines()
-    pairs = (msgspec.msgpack.decode(bytes.fromhex(line.decode()), type=tuple[str, FlightScore]) for line in lines)
-    return dict(pairs)
+def machine_text(machine: Machine) -> str:
+    """Say where flights are flown."""
+    return f"{machine.processor}, {machine.cores} cores"
 
 
 def speed_line() -> str:
@@ -213,29 +218,25 @@ def processing_line() -> str:
     return f"| processing, without rendering | <= 300 µs | {in_words(spent)} | {'yes' if reached else '**no**'} |"
 
 
-def ten_line(duration: float, kept: Path, stop: Callable[[], bool] | StopRequest) -> str:
-    """Fly a chain of ten and tell how the spread grows along it."""
-    case = Case(name="ten", words="", bar="", duration=duration, world={"vehicles": 10}, judge=alive)
-    row = fly_case(case, range(FIRST, FIRST + 1), duration, 1, kept, stop)
-    if not row.scores:
-        return "| chain of ten | runs | stopped | **no** |"
-    score = row.scores[0]
-    flown = "to the end" if score.survived else score.crash or score.landing_reason
-    words = f"seed {score.seed}, {score.end:.0f} of {duration:g} s: {flown}"
-    if score.spread:
-        plot(score)
-        spreads = ", ".join(centimeters(float(np.linalg.norm(each))) for each in reversed(score.spread))
-        words += f"; rms of the distance from the set place, next to the rope first: {spreads} ![](pictures/{TEN}.svg)"
-    return f"| chain of ten | runs; growth along the chain | {words} | {'yes' if score.survived else '**no**'} |"
+def ten_text(score: FlightScore, pictures: Path | None) -> str:
+    """Say how the spread grows along a chain of ten, and draw it."""
+    spreads = ", ".join(centimeters(float(np.linalg.norm(each))) for each in reversed(score.spread))
+    words = (
+        f"Chain of ten, seed {score.seed}, {score.end:.0f} s, next to the rope first: {spreads} (rms of the distance)"
+    )
+    if pictures is None:
+        return words
+    plot(score, pictures)
+    return f"{words} ![](pictures/{TEN}.svg)"
 
 
-def plot(score: FlightScore) -> None:
+def plot(score: FlightScore, pictures: Path) -> None:
     """Draw how the spread grows along a chain."""
     spreads = {
         name: [100.0 * float(each[axis]) for each in reversed(score.spread)]
         for axis, name in enumerate(("side", "height", "heading"))
     }
-    draw_kept(PAGES / "pictures", TEN, "spread along a chain", {"spreads_cm": spreads})
+    draw_kept(pictures, TEN, "spread along a chain", {"spreads_cm": spreads})
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
 import math
+import zlib
 
 import cv2
 import numpy as np
@@ -6,6 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from matchset.sim.analog_link import BAD, CLEAN, PRESETS, TYPICAL, AnalogLink, degrade, noise_gain, pole
+from matchset.sim.line_filter import Noise, Receiver, send
 
 PIXEL_TIME = 81e-9
 
@@ -149,3 +151,89 @@ def test_misuse() -> None:
         degrade(np.zeros((4, 4, 3), np.int16), CLEAN, 0)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="sensor_noise"):
         degrade(flat(), AnalogLink(sensor_noise=1.0, luma_noise=1.0), 0)
+
+
+def bars(height: int, width: int) -> npt.NDArray[np.uint8]:
+    """Colors that change along and across the lines; B, G, R and a byte that is not looked at."""
+    y, x = np.indices((height, width))
+    return np.stack((5 * x + y, 3 * y, 255 - 2 * x, 7 * x), axis=2).astype(np.uint8)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("size", [(480, 640), (241, 322), (33, 64), (3, 5)])
+def test_all_kinds_of_pictures_give_the_same_bytes(name: str, size: tuple[int, int]) -> None:
+    words = bars(*size)
+    image = degrade(words, PRESETS[name], 4, gain=(1.0, 0.9, 1.1))
+    colors = np.ascontiguousarray(words[..., :3])
+    np.testing.assert_array_equal(image, degrade(colors, PRESETS[name], 4, gain=(1.0, 0.9, 1.1)))
+    np.testing.assert_array_equal(image, degrade(colors.astype(np.float32), PRESETS[name], 4, gain=(1.0, 0.9, 1.1)))
+
+
+@pytest.mark.parametrize(("name", "checksum"), [("typical", 0x415BF9A5), ("bad", 0x520C3BC5)])
+def test_a_link_gives_the_bytes_that_it_always_gave(name: str, checksum: int) -> None:
+    """Scores of flights are kept: a faster link may not be another one."""
+    assert zlib.crc32(degrade(bars(200, 320)[..., :3].copy(), PRESETS[name], 5).tobytes()) == checksum
+
+
+def slow_bits(counter: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
+    """The 32 random bits of each counter: `lowbias32`."""
+    z = counter ^ (counter >> np.uint32(16))
+    z = z * np.uint32(0x7FEB352D)
+    z = z ^ (z >> np.uint32(15))
+    z = z * np.uint32(0x846CA68B)
+    return np.asarray(z ^ (z >> np.uint32(16)), np.uint32)
+
+
+def slow_noise(first: int, shape: tuple[int, ...]) -> npt.NDArray[np.float32]:
+    """Sum of the four bytes of each hash, of variance 1; counted through in the order of the array."""
+    bits = slow_bits((first + np.arange(math.prod(shape))).astype(np.uint32)).reshape(shape)
+    total = sum((bits >> np.uint32(8 * k) & np.uint32(255)).astype(np.int32) for k in range(4))
+    return np.asarray(total - 510, np.float32) * np.float32(1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0))
+
+
+def slow_send(
+    picture: npt.NDArray[np.float32], gain: npt.NDArray[np.float64], shift: npt.NDArray[np.float64], noise: Noise
+) -> npt.NDArray[np.float32]:
+    """Y, Cb and Cr, (h, 3, w), of a picture with shifted lines, and noise."""
+    height, width = picture.shape[:2]
+    whole = np.floor(-shift).astype(np.int64)
+    part = (-shift - whole).astype(np.float32)[:, None, None]
+    columns = np.clip(np.arange(width + 1) + whole[:, None], 0, width - 1)
+    line = picture[np.arange(height)[:, None], columns]
+    moved = np.minimum(gain.astype(np.float32) * (line[:, :-1] + part * (line[:, 1:] - line[:, :-1])), np.float32(255))
+    blue, green, red = moved.transpose(2, 0, 1)
+    gray = np.float32(0.114) * blue + np.float32(0.587) * green + np.float32(0.299) * red
+    planes = np.stack((gray, np.float32(0.564) * (blue - gray), np.float32(0.713) * (red - gray)), axis=1)
+    sigma = np.array((noise.luma, noise.chroma, noise.chroma), np.float32)[:, None]
+    return np.asarray(planes + sigma * slow_noise(int(noise.counter), planes.shape), np.float32)
+
+
+def slow_receive(planes: npt.NDArray[np.float32], receiver: Receiver) -> npt.NDArray[np.uint8]:
+    """Average chroma over lines, filter forward and back, and convert to bytes of B, G and R."""
+    height, _, width = planes.shape
+    y, n = np.arange(height), receiver.neighbor
+    up, down = planes[np.where(y >= n, y - n, y)], planes[np.where(y + n < height, y + n, y)]
+    planes[:, 1:] = (np.float32(0.5) * planes + np.float32(0.25) * (up + down))[:, 1:]
+    pole = np.array((receiver.luma_pole, receiver.chroma_pole, receiver.chroma_pole), np.float32)
+    for x in range(1, width):
+        planes[..., x] += pole * (planes[..., x - 1] - planes[..., x])
+    for x in range(width - 2, -1, -1):
+        planes[..., x] += pole * (planes[..., x + 1] - planes[..., x])
+    luma, cb, cr = planes.transpose(1, 0, 2)
+    green = luma - np.float32(0.3444) * cb - np.float32(0.7144) * cr
+    bgr = np.stack((luma + np.float32(1.773) * cb, green, luma + np.float32(1.4025) * cr), axis=2)
+    return np.clip(bgr + np.float32(0.5), 0.0, 255.0).astype(np.uint8)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (3, 5), (33, 64), (101, 66)])
+@pytest.mark.parametrize("neighbor", [0, 1, 2])
+def test_lines_are_sent_as_the_slow_way_sends_them(size: tuple[int, int], neighbor: int) -> None:
+    rng = np.random.default_rng(neighbor)
+    words = rng.integers(0, 2**32, size, dtype=np.uint32)
+    gain, shift = np.array((1.1, 0.9, 1.7)), rng.normal(0.0, 20.0, size[0])
+    noise = Noise(6.0, 9.0, np.uint32(2**32 - 50))
+    receiver = Receiver(0.4, 0.2, neighbor, np.zeros(size[0], np.bool_))
+    out = np.empty((*size, 3), np.uint8)
+    send(words, gain, shift, noise, receiver, out)
+    picture = words.view(np.uint8).reshape(*size, 4)[..., :3].astype(np.float32)
+    np.testing.assert_array_equal(out, slow_receive(slow_send(picture, gain, shift, noise), receiver))

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.sim.line_filter import Noise, expose, receive, transmit
+from matchset.sim.line_filter import AnyPicture, Noise, Receiver, Words, expose, send
 from matchset.sim.rendering.renderer import Picture
 
 PIXEL_TIME = 81e-9  # format: s, of the 640 px that span the 52 us of an active PAL line (ITU-R BT.470)
@@ -89,50 +89,44 @@ def degrade(
     link: AnalogLink,
     seed: int,
     gain: tuple[float, float, float] = (1.0, 1.0, 1.0),
-    work: Picture | None = None,
 ) -> npt.NDArray[np.uint8]:
     """Send a picture through an analog link.
 
     Parameters
     ----------
-    picture : ndarray of shape (h, w, 3), float32 or uint8
-        BGR, 0 ... 255; unchanged.
+    picture : ndarray of shape (h, w, 3), float32 or uint8, or (h, w, 4), uint8
+        BGR, 0 ... 255, and in the last case a byte that is not looked at; unchanged.
     link : AnalogLink
     seed : int
         Decides the noise, the jitter and the lost lines; not negative. The same seed gives the same bytes.
     gain : tuple of 3 floats
         Factors of B, G and R: exposure and white balance of the camera. It saturates at 255.
-    work : ndarray of shape (h, 3, w), float32, optional
-        Memory to work in; fresh memory takes longer.
 
     Returns
     -------
     ndarray of shape (h, w, 3), uint8
         BGR.
     """
-    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype not in (np.float32, np.uint8):
+    depths = {np.dtype(np.float32): (3,), np.dtype(np.uint8): (3, 4)}
+    if picture.ndim != 3 or picture.shape[2] not in depths.get(picture.dtype, ()):
         kind = f"{picture.dtype}, {picture.shape}"
-        raise ValueError(f"a picture must be float32 or uint8 of shape (h, w, 3), got {kind}")
+        raise ValueError(f"a picture must be float32 or uint8 of shape (h, w, 3), or uint8 of (h, w, 4), got {kind}")
     height, width = picture.shape[:2]
     rng = np.random.default_rng((seed, 0x9A1))
     shift = np.asarray(rng.standard_normal(height) * link.line_jitter)
     lost = np.asarray(rng.random(height) < link.lost_lines)
     counter = rng.integers(0, 2**32, dtype=np.uint32)
-    if link.blur > 0.0:
-        picture = _blurred(picture.astype(np.float32, copy=False), link.blur)
     out = np.empty((height, width, 3), np.uint8)
     if not _is_analog(link):
-        expose(picture, np.array(gain), link.sensor_noise, counter, out)
+        expose(_through_lens(picture, link.blur), np.array(gain), link.sensor_noise, counter, out)
         return out
     if link.sensor_noise > 0.0:
         raise ValueError("sensor_noise of an analog link is a part of luma_noise and chroma_noise: leave it 0")
     luma, chroma = pole(link.luma_bandwidth, width), pole(link.chroma_bandwidth, width)
     lines = math.sqrt(0.375) if link.chroma_lines else 1.0
     noise = Noise(link.luma_noise / noise_gain(luma), link.chroma_noise / (noise_gain(chroma) * lines), counter)
-    planes = np.empty((height, 3, width), np.float32) if work is None else work
-    transmit(picture, np.array(gain), shift, noise, planes)
     neighbor = 0 if not link.chroma_lines else 2 if link.interlaced else 1
-    receive(planes, (luma, chroma), neighbor, lost, counter, out)
+    send(_sent(picture, link.blur), np.array(gain), shift, noise, Receiver(luma, chroma, neighbor, lost), out)
     return out
 
 
@@ -192,6 +186,21 @@ def _is_analog(link: AnalogLink) -> bool:
         > 0.0
         or link.chroma_lines
     )
+
+
+def _through_lens(picture: AnyPicture, blur: float) -> AnyPicture:
+    """Blur a picture as the lens does, and leave out a fourth byte."""
+    colors: AnyPicture = picture
+    if picture.shape[2] == 4:
+        colors = cv2.cvtColor(picture, cv2.COLOR_BGRA2BGR).astype(np.uint8, copy=False)
+    return _blurred(colors.astype(np.float32, copy=False), blur) if blur > 0.0 else colors
+
+
+def _sent(picture: AnyPicture, blur: float) -> AnyPicture | Words:
+    """Blur a picture as the lens does; what has four bytes a pixel and is not blurred is sent as packed pixels."""
+    if picture.shape[2] == 4 and blur == 0.0:
+        return np.ascontiguousarray(picture).view(np.uint32)[..., 0]
+    return _through_lens(picture, blur)
 
 
 def _blurred(picture: Picture, sigma: float) -> Picture:

@@ -63,7 +63,7 @@ class WorldCameras(WorldViews):
         hanging = Appearance(FastScene(airframe(vehicle, rope=1.0)), above=1.2, turn=self._marker)
         self._appearances = [flying] * (chain.vehicles - 1) + [hanging]
         self._board = _board()
-        degrade(self._camera.frame(), self._link, 0, work=self._camera.planes())
+        degrade(self._camera.frame(), self._link, 0)
 
     def image(self, who: int, step: int) -> Bytes:
         """Take the picture of a camera whose exposure has its middle at a step.
@@ -90,7 +90,7 @@ class WorldCameras(WorldViews):
         for field in range(fields):
             self._expose_field(field, who, step + FIELD * (2 * field - 1) * (fields - 1), frame)
         seed = (self.world.seed * 64 + who) * 1_000_003 + step
-        return degrade(frame, self._link, seed, self._exposures.gain(step), self._camera.planes())
+        return degrade(frame, self._link, seed, self._exposures.gain(step))
 
     def held_ball(self, who: int) -> Bytes:
         """Take a picture of a ball that is held 1 m before a camera, the marker toward it."""

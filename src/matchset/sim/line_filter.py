@@ -1,6 +1,8 @@
 """The kernels of the analog link: noise, line jitter, and low-pass filters along the lines.
 
-Every random number is a hash of a counter and of the pixel's place: lines can be worked on in any order.
+Every random number is a hash of a counter and of the pixel's place: lines can be worked on in any order. They are sent
+and received in blocks that stay in the processor's cache, and filtered side by side, a column of the block after the
+other, since each value along a line needs the one before it.
 """
 
 import math
@@ -14,8 +16,11 @@ from matchset.numeric.jit import kernel
 Array = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.float32]
 AnyPicture = Picture | npt.NDArray[np.uint8]
+Words = npt.NDArray[np.uint32]
 
-_BLOCK = 8  # geometry: lines that are filtered at once
+BLOCK = 32  # geometry: lines that are received at once
+REACH = 2  # geometry: lines above and below a block whose chroma is averaged with its own
+_PAIR = np.uint32(0x00FF00FF)  # format: two of four bytes
 # theorem: 1 / the standard deviation of the sum of four independent uniform bytes, each of variance (256^2 - 1) / 12
 _DEVIATION = 1.0 / math.sqrt(4.0 * (256.0**2 - 1.0) / 12.0)
 
@@ -49,15 +54,15 @@ def _hash(counter: np.uint32) -> np.uint32:
 @kernel
 def _normal(bits: np.uint32) -> np.float32:
     """Nearly normal deviate of variance 1, |z| < 3.5: the sum of four bytes."""
-    z = np.int32(bits & np.uint32(255)) + np.int32((bits >> np.uint32(8)) & np.uint32(255))
-    z += np.int32((bits >> np.uint32(16)) & np.uint32(255)) + np.int32(bits >> np.uint32(24))
+    pairs = np.uint32((bits & _PAIR) + ((bits >> np.uint32(8)) & _PAIR))
+    z = np.int32((pairs & np.uint32(0xFFFF)) + (pairs >> np.uint32(16)))
     return np.float32(np.int32(z - 510)) * np.float32(_DEVIATION)
 
 
 @kernel
-def _to_byte(value: np.float32) -> np.uint8:
+def _to_byte(value: np.float32) -> np.uint32:
     """Round to 0 ... 255."""
-    return np.uint8(np.int32(min(max(value + np.float32(0.5), np.float32(0.0)), np.float32(255.0))))
+    return np.uint32(np.int32(min(max(value + np.float32(0.5), np.float32(0.0)), np.float32(255.0))))
 
 
 @kernel
@@ -76,39 +81,118 @@ def expose(picture: AnyPicture, gain: Array, sigma: float, counter: np.uint32, o
             bytes_[i] = _to_byte(min(line[i] * factor[i], top) + noise)
 
 
-@kernel
-def transmit(picture: AnyPicture, gain: Array, shift: Array, noise: Noise, planes: Picture) -> None:
-    """Write Y, Cb, Cr (without offset) of gain * picture, each line shifted by `shift` px, plus white noise.
+class Receiver(NamedTuple):
+    """What a receiver does to the lines.
 
-    A line that is shifted to the right shows at x what was at x - shift, linear between pixels.
+    Parameters
+    ----------
+    luma_pole, chroma_pole : float
+        Of its low-pass filters.
+    neighbor : int
+        Chroma is averaged over lines y - neighbor, y, y + neighbor (1/4, 1/2, 1/4); 0 ... 2.
+    lost : (h,)
+        Which lines are noise.
+    """
+
+    luma_pole: float
+    chroma_pole: float
+    neighbor: int
+    lost: npt.NDArray[np.bool_]
+
+
+@kernel
+def send(
+    picture: AnyPicture | Words,
+    gain: Array,
+    shift: Array,
+    noise: Noise,
+    receiver: Receiver,
+    out: npt.NDArray[np.uint8],
+) -> None:
+    """Transmit a picture and write what is received, BGR.
+
+    Parameters
+    ----------
+    picture : (h, w, 3) or (h, w)
+        BGR, or packed pixels.
+    gain : (3,)
+        Of B, G, R.
+    shift : (h,)
+        How far each line is shifted to the right, px.
+    noise : Noise
+    receiver : Receiver
+    out : (h, w, 3), written
     """
     height, width = picture.shape[0], picture.shape[1]
-    luma_sigma, chroma_sigma, top = np.float32(noise.luma), np.float32(noise.chroma), np.float32(255.0)
-    line = np.empty((3, width + 1), np.float32)
-    for y in range(height):
-        whole = math.floor(-shift[y])
-        part = np.float32(-shift[y] - whole)
-        _move(picture[y], int(min(max(whole, -width), width)), line)
-        for k in range(3):
-            level, channel = np.float32(gain[k]), line[k]
-            for x in range(width):
-                channel[x] = min(level * (channel[x] + part * (channel[x + 1] - channel[x])), top)
-        luma, blue, red = planes[y, 0], planes[y, 1], planes[y, 2]
-        _to_ycc(line, luma, blue, red)
-        start = np.uint32(noise.counter + np.uint32(3 * y * width))
-        _add_noise(luma, luma_sigma, start)
-        _add_noise(blue, chroma_sigma, np.uint32(start + np.uint32(width)))
-        _add_noise(red, chroma_sigma, np.uint32(start + np.uint32(2 * width)))
+    sent = np.empty((BLOCK + 2 * REACH, 3, width), np.float32)  # line y is at y modulo their number
+    line, rows = np.empty((3, width + 1), np.float32), np.empty((BLOCK, width), np.float32)
+    columns, words = np.empty((3, width, BLOCK), np.float32), np.empty((width, BLOCK), np.uint32)
+    done = 0
+    for first in range(0, height, BLOCK):
+        coming = min(first + BLOCK + REACH, height)
+        for y in range(done, coming):
+            whole = math.floor(-shift[y])
+            begin = int(min(max(whole, -width), width))
+            if picture.ndim == 2:
+                _move_packed(picture[y], begin, line)
+            else:
+                _move(picture[y], begin, line)
+            _transmit(line, gain, np.float32(-shift[y] - whole), noise, y, sent[y % sent.shape[0]])
+        done = coming
+        for plane in range(3):
+            _gather(sent, first, height, plane, receiver.neighbor, rows)
+            _turn(rows, columns[plane])
+            _smooth(columns[plane], np.float32(receiver.chroma_pole if plane else receiver.luma_pole))
+        _to_words(columns[0], columns[1], columns[2], words)
+        _write(words, first, out)
+        for y in range(first, min(first + BLOCK, height)):
+            if receiver.lost[y]:
+                _streak(out[y], np.uint32(noise.counter + np.uint32(y * width)))
 
 
 @kernel
-def _to_ycc(line: Picture, luma: Picture, blue: Picture, red: Picture) -> None:
-    """Write Y, Cb and Cr, without offset, of one line of B, G and R (ITU-R BT.601)."""
+def _transmit(line: Picture, gain: Array, part: np.float32, noise: Noise, y: int, sent: Picture) -> None:
+    """Write Y, Cb, Cr (without offset) of gain * line, moved by a part of a pixel, plus white noise."""
+    luma, blue, red = sent[0], sent[1], sent[2]
+    _to_ycc(line, gain, part, luma, blue, red)
+    width, chroma = sent.shape[1], np.float32(noise.chroma)
+    start = np.uint32(noise.counter + np.uint32(3 * y * width))
+    _add_noise(luma, np.float32(noise.luma), start)
+    _add_noise(blue, chroma, np.uint32(start + np.uint32(width)))
+    _add_noise(red, chroma, np.uint32(start + np.uint32(2 * width)))
+
+
+@kernel
+def _move_packed(row: Words, whole: int, line: Picture) -> None:
+    """Do what `_move` does, with a row of packed pixels."""
+    width, count, byte = row.shape[0], line.shape[1], np.uint32(255)
+    first, last = max(-whole, 0), min(width - whole, count)
+    source = row[first + whole : last + whole]
+    blue, green, red = line[0, first:last], line[1, first:last], line[2, first:last]
+    for x in range(last - first):
+        word = source[x]
+        blue[x] = np.float32(np.int32(word & byte))
+        green[x] = np.float32(np.int32((word >> np.uint32(8)) & byte))
+        red[x] = np.float32(np.int32((word >> np.uint32(16)) & byte))
+    for k in range(3):
+        shift = np.uint32(8 * k)
+        line[k, :first] = np.float32((row[0] >> shift) & byte)
+        line[k, last:] = np.float32((row[width - 1] >> shift) & byte)
+
+
+@kernel
+def _to_ycc(line: Picture, gain: Array, part: np.float32, luma: Picture, blue: Picture, red: Picture) -> None:
+    """Write Y, Cb and Cr, without offset, of gain * B, G and R, a part of a pixel on (ITU-R BT.601)."""
+    top, one, two, three = np.float32(255.0), np.float32(gain[0]), np.float32(gain[1]), np.float32(gain[2])
+    first, second, third = line[0], line[1], line[2]
     for x in range(luma.shape[0]):
-        gray = np.float32(0.114) * line[0, x] + np.float32(0.587) * line[1, x] + np.float32(0.299) * line[2, x]
+        b = min(one * (first[x] + part * (first[x + 1] - first[x])), top)
+        g = min(two * (second[x] + part * (second[x + 1] - second[x])), top)
+        r = min(three * (third[x] + part * (third[x + 1] - third[x])), top)
+        gray = np.float32(0.114) * b + np.float32(0.587) * g + np.float32(0.299) * r
         luma[x] = gray
-        blue[x] = np.float32(0.564) * (line[0, x] - gray)
-        red[x] = np.float32(0.713) * (line[2, x] - gray)
+        blue[x] = np.float32(0.564) * (b - gray)
+        red[x] = np.float32(0.713) * (r - gray)
 
 
 @kernel
@@ -120,9 +204,10 @@ def _move(row: AnyPicture, whole: int, line: Picture) -> None:
         channel = line[k]
         channel[:first] = row[0, k]
         channel[last:] = row[width - 1, k]
-    source, within = row[first + whole : last + whole], line[:, first:last]
+    source = row[first + whole : last + whole]
+    blue, green, red = line[0, first:last], line[1, first:last], line[2, first:last]
     for x in range(last - first):
-        within[0, x], within[1, x], within[2, x] = source[x, 0], source[x, 1], source[x, 2]
+        blue[x], green[x], red[x] = source[x, 0], source[x, 1], source[x, 2]
 
 
 @kernel
@@ -133,66 +218,72 @@ def _add_noise(line: Picture, sigma: np.float32, start: np.uint32) -> None:
 
 
 @kernel
-def _smooth(lines: Picture, poles: Picture) -> None:
-    """Filter lines forward and back, in place, which shifts no phase; many at once, which is faster."""
-    count, width = lines.shape
-    for x in range(1, width):
-        for k in range(count):
-            lines[k, x] += poles[k] * (lines[k, x - 1] - lines[k, x])
-    for x in range(width - 2, -1, -1):
-        for k in range(count):
-            lines[k, x] += poles[k] * (lines[k, x + 1] - lines[k, x])
+def _gather(sent: Picture, first: int, height: int, plane: int, neighbor: int, rows: Picture) -> None:
+    """Copy a block of one plane's lines, those of chroma averaged with their neighbors of the same field."""
+    count, half, quarter = sent.shape[0], np.float32(0.5), np.float32(0.25)
+    for k in range(rows.shape[0]):
+        y = min(first + k, height - 1)
+        above = y - neighbor if y >= neighbor else y
+        below = y + neighbor if y + neighbor < height else y
+        row, here = rows[k], sent[y % count, plane]
+        if plane == 0:
+            row[:] = here
+            continue
+        up, down = sent[above % count, plane], sent[below % count, plane]
+        for x in range(row.shape[0]):
+            row[x] = half * here[x] + quarter * (up[x] + down[x])
 
 
 @kernel
-def receive(
-    planes: Picture,
-    filters: tuple[float, float],
-    neighbor: int,
-    lost: npt.NDArray[np.bool_],
-    counter: np.uint32,
-    out: npt.NDArray[np.uint8],
-) -> None:
-    """Average chroma over lines y - neighbor, y, y + neighbor (1/4, 1/2, 1/4), filter, write BGR.
-
-    `filters` are the poles of the low-pass filters of luma and of chroma.
-    """
-    luma_pole, chroma_pole = filters
-    height, width = planes.shape[0], planes.shape[2]
-    lines = np.empty((3 * _BLOCK, width), np.float32)
-    poles = np.empty(3 * _BLOCK, np.float32)
-    poles[0::3] = luma_pole
-    poles[1::3] = chroma_pole
-    poles[2::3] = chroma_pole
-    half, quarter = np.float32(0.5), np.float32(0.25)
-    for first in range(0, height, _BLOCK):
-        for j in range(_BLOCK):
-            y = min(first + j, height - 1)
-            above = y - neighbor if y >= neighbor else y
-            below = y + neighbor if y + neighbor < height else y
-            lines[3 * j] = planes[y, 0]
-            for k in range(1, 3):
-                mean, up, here, down = lines[3 * j + k], planes[above, k], planes[y, k], planes[below, k]
-                for x in range(width):
-                    mean[x] = half * here[x] + quarter * (up[x] + down[x])
-        _smooth(lines, poles)
-        for j in range(min(_BLOCK, height - first)):
-            if lost[first + j]:
-                _streak(out[first + j], np.uint32(counter + np.uint32((first + j) * width)))
-                continue
-            _to_bgr(lines[3 * j], lines[3 * j + 1], lines[3 * j + 2], out[first + j])
+def _turn(rows: Picture, columns: Picture) -> None:
+    """Write the transpose."""
+    for x in range(columns.shape[0]):
+        for k in range(BLOCK):
+            columns[x, k] = rows[k, x]
 
 
 @kernel
-def _to_bgr(luma: Picture, blue: Picture, red: Picture, out: npt.NDArray[np.uint8]) -> None:
-    """Write one line; `blue` and `red` are its Cb and Cr, which are overwritten."""
-    for x in range(luma.shape[0]):
-        cb, cr = blue[x], red[x]
-        blue[x] = luma[x] + np.float32(1.773) * cb
-        red[x] = luma[x] + np.float32(1.4025) * cr
-        luma[x] = luma[x] - np.float32(0.3444) * cb - np.float32(0.7144) * cr
-    for x in range(luma.shape[0]):
-        out[x, 0], out[x, 1], out[x, 2] = _to_byte(blue[x]), _to_byte(luma[x]), _to_byte(red[x])
+def _smooth(columns: Picture, pole: np.float32) -> None:
+    """Filter lines forward and back, in place, which shifts no phase; (w, n), many side by side."""
+    for x in range(1, columns.shape[0]):
+        for k in range(columns.shape[1]):
+            columns[x, k] += pole * (columns[x - 1, k] - columns[x, k])
+    for x in range(columns.shape[0] - 2, -1, -1):
+        for k in range(columns.shape[1]):
+            columns[x, k] += pole * (columns[x + 1, k] - columns[x, k])
+
+
+@kernel
+def _to_words(luma: Picture, blue: Picture, red: Picture, words: Words) -> None:
+    """Write B, G and R, one word a pixel, of Y, Cb and Cr."""
+    count = words.size
+    y, cb, cr, out = luma.reshape(count), blue.reshape(count), red.reshape(count), words.reshape(count)
+    for i in range(count):
+        blue_byte = _to_byte(y[i] + np.float32(1.773) * cb[i])
+        green_byte = _to_byte(y[i] - np.float32(0.3444) * cb[i] - np.float32(0.7144) * cr[i])
+        red_byte = _to_byte(y[i] + np.float32(1.4025) * cr[i])
+        out[i] = blue_byte | (green_byte << np.uint32(8)) | (red_byte << np.uint32(16))
+
+
+@kernel
+def _write(words: Words, first: int, out: npt.NDArray[np.uint8]) -> None:
+    """Write a block of words as bytes of the lines from `first` on, four at a time: those beyond the last are it."""
+    end = out.shape[0] - 1
+    for k in range(0, BLOCK, 4):
+        one, two = out[min(first + k, end)], out[min(first + k + 1, end)]
+        three, four = out[min(first + k + 2, end)], out[min(first + k + 3, end)]
+        for x in range(words.shape[0]):
+            column = words[x, k : k + 4]
+            _put(column[0], one, x)
+            _put(column[1], two, x)
+            _put(column[2], three, x)
+            _put(column[3], four, x)
+
+
+@kernel
+def _put(word: np.uint32, line: npt.NDArray[np.uint8], x: int) -> None:
+    """Write B, G and R of a pixel."""
+    line[x, 0], line[x, 1], line[x, 2] = word, word >> np.uint32(8), word >> np.uint32(16)
 
 
 @kernel

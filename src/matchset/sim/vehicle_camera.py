@@ -18,10 +18,10 @@ from matchset.numeric.jit import kernel
 from matchset.numeric.record import Block
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.conditions.shade import Shade
-from matchset.sim.rendering.background import FastScene
+from matchset.sim.rendering.background import FastScene, packed
 from matchset.sim.rendering.coverage import SHADING, PackedPixels, Pinhole, draw_sphere_fast
 from matchset.sim.rendering.lens_warp import FastLensWarp, widen
-from matchset.sim.rendering.renderer import Light, Picture, ball_shading
+from matchset.sim.rendering.renderer import Light, ball_shading
 from matchset.sim.vehicle import VehiclePose
 
 Floats = npt.NDArray[np.float64]
@@ -125,35 +125,29 @@ class VehicleCamera:
             Of the camera in the room, m.
         others : list of (VehiclePose, Appearance)
             Whom it may see.
-        frame : ndarray of shape (h, w, 3), uint8
-            BGR; lines field, field + `fields`, ... are written.
+        frame : ndarray of shape (h, w, 4), uint8
+            BGR, and a byte that nobody reads; lines field, field + `fields`, ... are written.
         """
         lens, view = self._lenses[field], Viewpoint(position, np.ascontiguousarray(rotation.T))
-        shape = lens.height, lens.width // 2
-        room, spread = self._buffer("room", shape, np.uint32), self._buffer("spread", shape, np.uint64)
+        words, room = packed(frame), self._buffer("room", (lens.height, lens.width // 2), np.uint32)
         room[:] = 0
         nearest = self.room.draw(room, lens.half, view.from_room, -view.from_room @ position, lens.columns)
         if self.shade is not None:
             for pose, _ in others:
                 spot = view.from_room @ (self.shade.below(pose.ball) - position)
                 self.shade.spot.draw(room, lens.half, view.from_room, spot, lens.columns, nearest)
-        lens.warp(room, spread, frame)
+        lens.warp(room, words)
         left, top, right, bottom = self._window(lens, others, view)
         if right > left:
             window = np.empty((bottom - top, right - left), np.uint32)
             widen(room, left, top, window)
             self._draw(window, lens.full._replace(cx=lens.full.cx - left, cy=lens.full.cy - top), others, view)
-            lens.warp_window(window, left, top, frame)
+            lens.warp_window(window, left, top, words)
 
     def frame(self) -> Bytes:
         """Memory for a frame, of this thread: what is drawn there is valid until the next one."""
-        frame: Bytes = self._buffer("frame", (self.camera.height, self.camera.width, 3), np.uint8)
+        frame: Bytes = self._buffer("frame", (self.camera.height, self.camera.width, 4), np.uint8)
         return frame
-
-    def planes(self) -> Picture:
-        """Memory for the analog link to work in, of this thread."""
-        planes: Picture = self._buffer("planes", (self.camera.height, 3, self.camera.width), np.float32)
-        return planes
 
     def _buffer(self, name: str, shape: tuple[int, ...], kind: type) -> Any:
         """Memory that each thread keeps from picture to picture: fresh pages cost more than drawing on them."""

@@ -59,7 +59,7 @@ class MountParameters(
         of 28 cm.
     tilt_noise : float
         Root of the spectral density of both vehicles' tilts about their means, rad per root of Hz. More learns later,
-        and is disturbed less. Chosen by: `python -m benchmarks.flight.mismatch --only pitched`, seeds 0 to 9.
+        and is disturbed less. Chosen by: `python -m benchmarks.flight.fly --quick --only pitched`, seeds 0 to 9.
     change : float
         How fast the mean elevation may change, rad per root of s: a ball that was touched.
     settling_time : float

@@ -201,29 +201,23 @@ def draw_surfaces_fast(
     """
     height, width, corners, sizes = picture.shape[0], picture.shape[1], surfaces.corners, surfaces.sizes
     h, m = np.empty((3, 3)), np.empty((3, 3))
-    places, inverse = np.empty(width, np.int32), np.empty(width)
+    places, inverse, shown = np.empty(width, np.int32), np.empty(width), np.empty(width, np.uint32)
     for k in range(corners.shape[0]):
         _to_camera(corners[k], pose, m)
         top, bottom = _rows_of(m, lens, height, width)
         if top >= bottom or not _homography(m, lens, h):
             continue
         tall, wide = np.int32(sizes[k, 0]), np.int32(sizes[k, 1])
-        texture = surfaces.texels[sizes[k, 2] : sizes[k, 2] + sizes[k, 0] * sizes[k, 1]]
+        texels = surfaces.texels[sizes[k, 2] : sizes[k, 2] + sizes[k, 0] * sizes[k, 1]]
         for y in range(top, bottom):
             first, last = span(h, float(y), width)
             first, last = max(first, columns[y, 0]), min(last, columns[y, 1])
             if first > last:
                 continue
-            line, depth = picture[y, first : last + 1], nearest[y, first : last + 1]
-            _find_texels(h, (first, y), (tall, wide), places[: line.shape[0]], inverse)
-            for x in range(line.shape[0]):
-                w = inverse[x]
-                if w <= depth[x] or w > 1.0 / NEAR:
-                    continue
-                texel = texture[np.uint32(places[x])]
-                if texel >= OPAQUE:
-                    depth[x] = w
-                    line[x] = texel
+            where, seen = places[: last + 1 - first], shown[: last + 1 - first]
+            _find_texels(h, (first, y), (tall, wide), where, inverse)
+            _fetch(texels, where, seen)
+            _show(seen, inverse, picture[y, first : last + 1], nearest[y, first : last + 1])
 
 
 @kernel(refcount=False)
@@ -246,3 +240,21 @@ def _find_texels(
         i = max(min(np.int32((slope_t * at + start_t) * unit), tall - np.int32(1)), np.int32(0))
         j = max(min(np.int32((slope_s * at + start_s) * unit), wide - np.int32(1)), np.int32(0))
         places[x], inverse[x] = np.int32(i * wide) + j, w
+
+
+@kernel(refcount=False)
+def _fetch(texels: PackedPixels, places: npt.NDArray[np.int32], shown: PackedPixels) -> None:
+    """Write the texels at places; alone in its loop, so that many are fetched at the same time."""
+    for x in range(places.shape[0]):
+        shown[x] = texels[np.uint32(places[x])]
+
+
+@kernel(refcount=False)
+def _show(shown: PackedPixels, inverse: Floats, line: PackedPixels, depth: Depth) -> None:
+    """Draw a row of texels with their 1/depth where they are opaque and nearer than what is drawn."""
+    farthest = 1.0 / NEAR
+    for x in range(shown.shape[0]):
+        w, texel, before, under = inverse[x], shown[x], depth[x], line[x]
+        nearer = (w > before) & (w <= farthest) & (texel >= OPAQUE)
+        depth[x] = np.float32(w) if nearer else before
+        line[x] = texel if nearer else under

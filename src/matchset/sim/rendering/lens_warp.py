@@ -1,8 +1,8 @@
 """What a lens that distorts makes of a pinhole camera's picture: `ExactLensWarp` and `FastLensWarp`.
 
 The exact one averages nine samples of a finer picture for each pixel. The fast one works on a field of packed pixels:
-the room is warped as OpenCV's ``remap`` does it, bilinear with places in 1/32 px, bit for bit, but three colors at
-once: B, G and R of a pixel lie 20 bits apart in one word of 64 bits, so that one product weighs all of them.
+the room is warped as OpenCV's ``remap`` does it, bilinear with places in 1/32 px, bit for bit. It first copies the four
+pixels around each place of a line side by side, so that what is computed of them takes several places at a time.
 """
 
 import math
@@ -20,15 +20,12 @@ from matchset.sim.rendering.renderer import Picture
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
-Longs = npt.NDArray[np.uint64]
+Whole = npt.NDArray[np.int32]
 Singles = npt.NDArray[np.float32]
 
-# format: fixed-point numbers of `FastLensWarp`: a byte, the lower 5 bits of a share; 1 and 1/2 of 32 * 32 = 1024
-_BYTE, _FRACTION = np.uint64(0xFF), np.uint64(31)
-# format: as above
-_ONE, _HALF = np.uint64(32), np.uint64(512 | 512 << 20 | 512 << 40)
 # format: two bytes of a packed pixel at once, and 2 in each, to round quarters
 _PAIR, _TWOS = np.uint32(0x00FF00FF), np.uint32(0x00020002)
+_BYTE = np.uint32(0xFF)  # format: a byte of a packed pixel
 
 
 class ExactWarpParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -137,6 +134,24 @@ class WindowMaps(NamedTuple):
     column_range: Singles
 
 
+class Places(NamedTuple):
+    """Where pixels of a row look into a window, to work in.
+
+    Parameters
+    ----------
+    inside : (n,)
+        Whether they do: 1 or 0.
+    at : (n,)
+        Pixel of the window, counted through; 0 where they do not.
+    shares : (2, n)
+        How far beyond its middle, along x and y, 0 ... 1.
+    """
+
+    inside: Whole
+    at: PackedPixels
+    shares: Singles
+
+
 class FastLensWarp:
     """Warp a field as a lens does, fast: a pinhole camera draws it, in full and with half the columns.
 
@@ -175,26 +190,24 @@ class FastLensWarp:
         across, down = x.astype(np.float32), y.astype(np.float32)
         whole, shares = cv2.convertMaps(((x - 0.5) / 2.0).astype(np.float32), down, cv2.CV_16SC2)
         places = whole.astype(np.int64)
-        self._places = (places[..., 1] * (self.width // 2) + places[..., 0]).astype(np.uint32)
-        self._shares = shares.astype(np.uint32)
+        counted = places[..., 1] * (self.width // 2) + places[..., 0]
+        self._places = (counted << 10 | shares.astype(np.int64)).astype(np.uint32)
         self.columns = _columns(places, self.height, self.width // 2)
         rows_seen = np.column_stack((down.min(axis=1), down.max(axis=1)))
         self._maps = WindowMaps(across, down, rows_seen, np.column_stack((across.min(axis=0), across.max(axis=0))))
 
-    def warp(self, room: PackedPixels, spread: Longs, frame: Bytes) -> None:
+    def warp(self, room: PackedPixels, frame: PackedPixels) -> None:
         """Warp a picture with half the columns, and widen it, into the field's lines of a frame.
 
         Parameters
         ----------
         room : ndarray of shape (height, width // 2), uint32
-        spread : the same, uint64
-            To work in.
-        frame : ndarray of shape (h, w, 3), uint8
-            BGR; written.
+        frame : ndarray of shape (h, w), uint32
+            Written.
         """
-        _warp(room, spread, self._places, self._shares, frame, (self._field, self._fields))
+        _warp(room, self._places, frame, (self._field, self._fields))
 
-    def warp_window(self, window: PackedPixels, left: int, top: int, frame: Bytes) -> None:
+    def warp_window(self, window: PackedPixels, left: int, top: int, frame: PackedPixels) -> None:
         """Warp a part of the full picture, whose upper left pixel is (left, top), into the field's lines of a frame."""
         _warp_window(window, (left, top), self._maps, frame, (self._field, self._fields))
 
@@ -210,35 +223,51 @@ def _columns(places: Ints, height: int, width: int) -> Ints:
 
 
 @kernel
-def _spread_word(word: np.uint64) -> np.uint64:
-    """Move B, G and R of a pixel 20 bits apart."""
-    green, red = (word & np.uint64(0xFF00)) << np.uint64(12), (word & np.uint64(0xFF0000)) << np.uint64(24)
-    return (word & _BYTE) | green | red
+def _warp(room: PackedPixels, places: PackedPixels, frame: PackedPixels, rows: tuple[int, int]) -> None:
+    """Write some rows (first, step) of a frame: the room at places, px, counted through and in 1/32 down and across."""
+    start, step = rows
+    around = np.empty((4, places.shape[1]), np.uint32)
+    for r in range(places.shape[0]):
+        _look_around(room, places[r], np.uint32(10), around)
+        _mix(around, places[r], frame[start + r * step])
 
 
 @kernel
-def _warp(
-    room: PackedPixels, spread: Longs, places: PackedPixels, shares: PackedPixels, frame: Bytes, rows: tuple[int, int]
-) -> None:
-    """Write some rows (first, step) of a frame: the room at places (px, counted through) and shares."""
-    start, step = rows
-    height, width = room.shape
-    for y in range(height):
-        line, out = room[y], spread[y]
-        for x in range(width):
-            out[x] = _spread_word(np.uint64(line[x]))
-    flat, next_line = spread.reshape(height * width), np.uint64(width)
-    one = np.uint64(1)
-    for r in range(places.shape[0]):
-        line, where, share = frame[start + r * step], places[r], shares[r]
-        for x in range(where.shape[0]):
-            at, p, q = np.uint64(where[x]), np.uint64(share[x]) & _FRACTION, np.uint64(share[x]) >> np.uint64(5)
-            above = (_ONE - p) * flat[at] + p * flat[at + one]
-            below = (_ONE - p) * flat[at + next_line] + p * flat[at + next_line + one]
-            total = (_ONE - q) * above + q * below + _HALF
-            line[x, 0] = (total >> np.uint64(10)) & _BYTE
-            line[x, 1] = (total >> np.uint64(30)) & _BYTE
-            line[x, 2] = (total >> np.uint64(50)) & _BYTE
+def _look_around(picture: PackedPixels, places: PackedPixels, parts: np.uint32, around: PackedPixels) -> None:
+    """Copy the pixel at each place of a row, that to its right, that below, and that below to the right.
+
+    Places have so many binary digits after the whole ones, `parts`.
+    """
+    flat, below, one = picture.reshape(picture.size), np.uint64(picture.shape[1]), np.uint64(1)
+    here, right, under, across = around[0], around[1], around[2], around[3]
+    for x in range(places.shape[0]):
+        at = np.uint64(places[x] >> parts)
+        here[x], right[x] = flat[at], flat[at + one]
+        under[x], across[x] = flat[at + below], flat[at + below + one]
+
+
+@kernel
+def _mix(around: PackedPixels, places: PackedPixels, line: PackedPixels) -> None:
+    """Write a row: of four pixels each their mean with weights in 1/32, rounded; B and R at once along the rows."""
+    here, right, under, across = around[0], around[1], around[2], around[3]
+    one, five, eight, sixteen = np.uint32(32), np.uint32(5), np.uint32(8), np.uint32(16)
+    for x in range(line.shape[0]):
+        p, q = places[x] & np.uint32(31), (places[x] >> five) & np.uint32(31)
+        a, b, c, d = here[x], right[x], under[x], across[x]
+        above = np.uint32((one - p) * (a & _PAIR)) + np.uint32(p * (b & _PAIR))
+        below = np.uint32((one - p) * (c & _PAIR)) + np.uint32(p * (d & _PAIR))
+        above_green = np.uint32((one - p) * ((a >> eight) & _BYTE)) + np.uint32(p * ((b >> eight) & _BYTE))
+        below_green = np.uint32((one - p) * ((c >> eight) & _BYTE)) + np.uint32(p * ((d >> eight) & _BYTE))
+        blue = _byte_of(above & np.uint32(0xFFFF), below & np.uint32(0xFFFF), q)
+        red = _byte_of(above >> sixteen, below >> sixteen, q)
+        line[x] = blue | (_byte_of(above_green, below_green, q) << eight) | (red << sixteen)
+
+
+@kernel
+def _byte_of(above: np.uint32, below: np.uint32, share: np.uint32) -> np.uint32:
+    """Mean of two numbers of 32 times a byte's size, weighed in 1/32: a byte."""
+    total = np.uint32(np.uint32((np.uint32(32) - share) * above) + np.uint32(share * below))
+    return np.uint32(np.uint32(total + np.uint32(512)) >> np.uint32(10))
 
 
 @kernel
@@ -264,7 +293,7 @@ def _quarter(other: np.uint32, here: np.uint32) -> np.uint32:
 
 @kernel
 def _warp_window(
-    window: PackedPixels, corner: tuple[int, int], maps: WindowMaps, frame: Bytes, rows: tuple[int, int]
+    window: PackedPixels, corner: tuple[int, int], maps: WindowMaps, frame: PackedPixels, rows: tuple[int, int]
 ) -> None:
     """Write what a part of the full picture shows into some rows (first, step) of a frame."""
     (left, top), (start, step) = corner, rows
@@ -273,24 +302,61 @@ def _warp_window(
     for x in range(maps.column_range.shape[0]):
         if maps.column_range[x, 1] >= left and maps.column_range[x, 0] < right:
             first, last = min(first, x), x
+    count = max(last + 1 - first, 0)
+    around = np.empty((4, count), np.uint32)
+    places = Places(np.empty(count, np.int32), np.empty(count, np.uint32), np.empty((2, count), np.float32))
     for r in range(maps.row_range.shape[0]):
         if maps.row_range[r, 1] < top or maps.row_range[r, 0] >= bottom:
             continue
-        for x in range(first, last + 1):
-            at_x, at_y = maps.across[r, x], maps.down[r, x]
-            if at_x < left or at_x >= right or at_y < top or at_y >= bottom:
-                continue
-            j, i = int(at_x), int(at_y)
-            p, q = at_x - np.float32(j), at_y - np.float32(i)
-            j, i = j - left, i - top
-            above, below, line = window[i], window[i + 1], frame[start + r * step, x]
-            for k in range(3):
-                shift = np.uint32(8 * k)
-                one = _level(above[j], shift) + p * (_level(above[j + 1], shift) - _level(above[j], shift))
-                two = _level(below[j], shift) + p * (_level(below[j + 1], shift) - _level(below[j], shift))
-                line[k] = np.uint8(np.int32(one + q * (two - one) + np.float32(0.5)))
+        across, down = maps.across[r, first : last + 1], maps.down[r, first : last + 1]
+        _find_places(across, down, corner, window.shape, places)
+        _look_around(window, places.at, np.uint32(0), around)
+        _mix_inside(around, places, frame[start + r * step, first : last + 1])
+
+
+@kernel
+def _find_places(
+    across: Singles, down: Singles, corner: tuple[int, int], shape: tuple[int, int], places: Places
+) -> None:
+    """Write where the pixels of a row look into a window, of which the upper left corner and the shape are given."""
+    left, top = np.int32(corner[0]), np.int32(corner[1])
+    wide = np.int32(shape[1])
+    right, bottom = np.float32(left + wide - 1), np.float32(top + np.int32(shape[0]) - 1)
+    least_x, least_y, inside, at = np.float32(left), np.float32(top), places.inside, places.at
+    along, along_y = places.shares[0], places.shares[1]
+    for x in range(across.shape[0]):
+        at_x, at_y = across[x], down[x]
+        seen = (at_x >= least_x) & (at_x < right) & (at_y >= least_y) & (at_y < bottom)
+        j, i = np.int32(at_x), np.int32(at_y)
+        along[x], along_y[x] = at_x - np.float32(j), at_y - np.float32(i)
+        inside[x] = np.int32(seen)
+        at[x] = np.uint32(np.int32(np.int32(i - top) * wide) + np.int32(j - left)) if seen else np.uint32(0)
+
+
+@kernel
+def _mix_inside(around: PackedPixels, places: Places, line: PackedPixels) -> None:
+    """Write those pixels of a row that look into a window: of four of its pixels each their mean, rounded."""
+    here, right, under, across = around[0], around[1], around[2], around[3]
+    inside, along, along_y = places.inside, places.shares[0], places.shares[1]
+    for x in range(line.shape[0]):
+        four, p, q = (here[x], right[x], under[x], across[x]), along[x], along_y[x]
+        word = _mean(four, p, q, np.uint32(0))
+        word |= _mean(four, p, q, np.uint32(8))
+        word |= _mean(four, p, q, np.uint32(16))
+        line[x] = word if inside[x] else line[x]
+
+
+@kernel
+def _mean(
+    four: tuple[np.uint32, np.uint32, np.uint32, np.uint32], p: np.float32, q: np.float32, shift: np.uint32
+) -> np.uint32:
+    """Bilinear mean of one color of four packed pixels, in its place."""
+    a, b, c, d = four
+    one = _level(a, shift) + p * (_level(b, shift) - _level(a, shift))
+    two = _level(c, shift) + p * (_level(d, shift) - _level(c, shift))
+    return np.uint32(np.uint32(np.int32(one + q * (two - one) + np.float32(0.5))) << shift)
 
 
 @kernel
 def _level(word: np.uint32, shift: np.uint32) -> np.float32:
-    return np.float32((word >> shift) & np.uint32(255))
+    return np.float32(np.int32((word >> shift) & _BYTE))

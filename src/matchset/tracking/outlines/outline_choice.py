@@ -323,7 +323,7 @@ class OutlineChoice:
 
 
 def of_both_fields(disc: Disc, state: Floats, offset: Floats) -> Disc:
-    """Disc of an interlaced picture, of which the network may have seen one field: along their offset a fit is believed.
+    """Disc of which the network may have seen one field only: along the offset of the fields the fit is believed.
 
     Parameters
     ----------

@@ -105,6 +105,6 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
 IN_FLIGHT = TrackerParameters(network=NetworkParameters(looks=4, size_sigma=0.03), fields=FieldParameters(memory=0.98))
 """How a vehicle follows its neighbor's ball.
 
-Few looks, since a command waits for them; no ball grows by more than 3 % from one picture to the next; and the fields of
-one camera lie as far apart as they are. Chosen on a rendered flight, seed 1107.
+Few looks, since a command waits for them; no ball grows by more than 3 % from one picture to the next; and the fields
+of one camera lie as far apart as they are. Chosen on a rendered flight, seed 1107.
 """

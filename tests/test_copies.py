@@ -19,7 +19,8 @@ import numpy as np
 import pytest
 
 import matchset as ms
-from matchset.control.ego_motion import AttitudeCommand, EgoMotion
+from matchset.control.ego_motion import EgoMotion
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.sim.world import ChainParameters, World
 

@@ -5,7 +5,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from matchset.control.ego_motion import AttitudeCommand, EgoMotion
+from matchset.control.ego_motion import EgoMotion
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.mount.camera_mount import CameraMount, MountParameters, mounting, turn_about_down
 from matchset.localization.pose import Pose
 

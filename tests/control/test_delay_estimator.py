@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.control.ego_motion import AttitudeCommand, EgoMotion
+from matchset.control.ego_motion import EgoMotion
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.learned.delay import DelayEstimator, DelayEstimatorParameters
 from matchset.control.motion_consistency import MotionConsistency
 from matchset.localization.pose import Pose

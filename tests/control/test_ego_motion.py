@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from matchset.control.ego_motion import GRAVITY, STATE, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
+from matchset.control.ego_motion import STATE, EgoMotion, EgoState
+from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand, EgoMotionParameters
 from matchset.numeric.record import fields, new_block
 from matchset.sim import quadrotor
 from matchset.sim.quadrotor import rotation_matrix, state_at_rest, step_vehicle, vehicle_constants

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from matchset.control.ego_motion import AttitudeCommand, EgoMotion
+from matchset.control.ego_motion import EgoMotion
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.localization.pose import Pose
 

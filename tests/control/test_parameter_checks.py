@@ -5,7 +5,7 @@ import math
 import msgspec
 import pytest
 
-from matchset.control.ego_motion import EgoMotionParameters
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.follower import FollowerParameters
 from matchset.control.neighbor_model import NeighborFilterParameters

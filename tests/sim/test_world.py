@@ -7,7 +7,8 @@ from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehiclePose, toy
-from matchset.sim.world import CAMERA_AHEAD, RATE, ChainParameters, World, quantized, relative_position
+from matchset.sim.on_board.radio import quantized
+from matchset.sim.world import CAMERA_AHEAD, RATE, ChainParameters, World, relative_position
 
 CHAIN = ChainParameters(place=RelativeSetpoint(height=-0.19))
 HOVER = Command(throttle=0.6)

@@ -11,99 +11,35 @@ gyroscope, which turns with its vehicle: with the roll r and the pitch p the yaw
 p)``, ten degrees in a third of a second where both change at once. The constant stick offset that holds the vehicle
 still, its trim, is no tilt and is subtracted before. The position drifts; it serves to compare moments less than a
 second apart.
+
+A vehicle that is told speeds u (`EgoMotionParameters.told_speeds`) holds them by a controller of its own, which tilts:
+its stick s is that of the acceleration ``(u - v) / T_v`` in the level frame that turns with its yaw, within its largest
+tilt, and its lift ``(u - v) / T_r``; it makes up for drag by itself. Its speed does not drift away.
 """
 
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.parameter_checks import require_positive
+from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand, EgoMotionParameters, SpeedCommand
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import helper, kernel
 from matchset.numeric.record import Block, fields, new_block, record_dtype, store
 
 Floats = npt.NDArray[np.float64]
 
-GRAVITY = 9.81  # theorem: standard gravity, m/s^2 (ISO 80000-3: 9.80665), rounded
 TINY = 1e-9  # s, shortest step: a loop over time ends
 CAPACITY = 160  # format: states that are kept
 
 
-class EgoMotionParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={"effective_mass_ratio": "heft"},
-):
-    """Model of the vehicle's answer to its sticks.
-
-    Defaults describe the simulated toy (`matchset/sim/vehicle.toml`); a test compares the two. Measure those of another
-    vehicle from its answer to a step of the stick.
-
-    Parameters
-    ----------
-    full_tilt : float
-        Tilt at full stick, rad. Estimate: toys tilt 15 to 25 degrees.
-    full_yaw_rate : float
-        Yaw rate at full stick, rad/s. Estimate: toys turn 60 to 180 degrees a second.
-    delay : float
-        Time from sending a command to its first effect, s. Estimate: a radio takes 20 to 40 ms.
-    tilt_lag : float
-        Time constant L of the motors before the tilt begins, s. Fitted to the toy's step answer.
-    tilt_time : float
-        Time constant T of the tilt, s: the period of the undamped oscillation over 2 pi. Fitted, as `tilt_lag`.
-    tilt_damping : float
-        Damping ratio z of the tilt; below 1 it overshoots. Fitted, as `tilt_lag`.
-    yaw_lag : float
-        Time constant of the yaw rate, s. Fitted to the toy's step answer.
-    lift_lag : float
-        Time constant of the thrust, s. Estimate: brushed motors have 0.05 to 0.10 s.
-    drag_time : float
-        Time constant D in which drag slows the vehicle down, s. It keeps the dead reckoning from running away. Chosen
-        on the simulated flights of seeds 0 to 9.
-    effective_mass_ratio : float
-        Moved mass over carried mass (``heft`` in a file): the air in a balloon weighs nothing in air and is moved all
-        the same, with half as much around it (added mass). Derived for 100 g and a balloon of 28 cm.
-    integration_step : float
-        Step of the integration, s. Shorter is more exact and slower: the time of a call is proportional to the number
-        of steps. Chosen by hand: a quarter of a picture's period; tests/control/test_ego_motion.py compares with SciPy.
-    """
-
-    full_tilt: float = 0.35
-    full_yaw_rate: float = 2.0
-    delay: float = 0.03
-    tilt_lag: float = 0.03
-    tilt_time: float = 0.054
-    tilt_damping: float = 0.6
-    yaw_lag: float = 0.055
-    lift_lag: float = 0.05
-    drag_time: float = 3.5
-    effective_mass_ratio: float = 1.2
-    integration_step: float = 1.0 / 120.0
-
-    def __post_init__(self) -> None:
-        require_positive(self, self.__struct_fields__)
-
-
-class AttitudeCommand(NamedTuple):
-    """A command without the trim: tilt to the right and forward, rad; yaw rate, rad/s; lift (upward), m/s^2."""
-
-    roll: float = 0.0
-    pitch: float = 0.0
-    yaw_rate: float = 0.0
-    lift: float = 0.0
-
-
 class _Command:
-    tilt: Annotated[Floats, (2,), "f8"]  # roll to the right, pitch forward, rad
+    tilt: Annotated[Floats, (2,), "f8"]  # roll to the right, pitch forward, rad; or speeds along them, m/s
     yaw_rate: float
-    lift: float
+    lift: float  # m/s^2; or a rise, m/s
 
 
 class _State:
@@ -210,7 +146,7 @@ class EgoMotion(Copied):
         self._command = self._block[start : start + len(AttitudeCommand._fields)]
         precompile()
 
-    def update(self, command: AttitudeCommand, now: float) -> None:
+    def update(self, command: AttitudeCommand | SpeedCommand, now: float) -> None:
         """Note a command that was sent, and when, s; later than before."""
         extend(self._block, now)
         self._command[:] = command
@@ -259,6 +195,16 @@ class EgoMotion(Copied):
 
 
 @helper
+def tilts_of_speeds(work: Any, state: Any) -> tuple[float, float]:
+    """Return roll and pitch by which a vehicle that is told speeds goes over to them, rad."""
+    model, told, c, s = work.parameters, work.command.tilt, math.cos(state.yaw), math.sin(state.yaw)
+    right, forward = state.velocity[0] * c - state.velocity[2] * s, state.velocity[0] * s + state.velocity[2] * c
+    gain, most = model.effective_mass_ratio / (GRAVITY * model.speed_time), model.full_tilt
+    roll, pitch = math.atan(gain * (told[0] - right)), math.atan(gain * (told[1] - forward))
+    return min(max(roll, -most), most), min(max(pitch, -most), most)
+
+
+@helper
 def propagate(work: Any, before: Block, step: float, after: Block) -> None:
     """Write the state one step later under the last command.
 
@@ -268,21 +214,23 @@ def propagate(work: Any, before: Block, step: float, after: Block) -> None:
     model, command = work.parameters, work.command
     new.time = old.time + step
     begin, frequency = step / (model.tilt_lag + step), 1.0 / model.tilt_time
+    told, lift, drag = (command.tilt[0], command.tilt[1]), command.lift, max(1.0 - step / model.drag_time, 0.0)
+    if model.told_speeds != 0:
+        told, lift, drag = tilts_of_speeds(work, old), (command.lift + old.velocity[1]) / model.rise_time, 1.0
     for k in range(2):  # roll, pitch
-        new.motor_tilt[k] = old.motor_tilt[k] + (command.tilt[k] - old.motor_tilt[k]) * begin
+        new.motor_tilt[k] = old.motor_tilt[k] + (told[k] - old.motor_tilt[k]) * begin
         error = new.motor_tilt[k] - old.tilt[k] - step * old.tilt_rate[k]
         acceleration = frequency * (frequency * error - 2.0 * model.tilt_damping * old.tilt_rate[k])
         implicit = 1.0 + step * frequency * (2.0 * model.tilt_damping + step * frequency)
         new.tilt_rate[k] = old.tilt_rate[k] + step * acceleration / implicit
         new.tilt[k] = old.tilt[k] + step * new.tilt_rate[k]
     new.yaw_rate = old.yaw_rate + (command.yaw_rate - old.yaw_rate) * step / (model.yaw_lag + step)
-    new.lift = old.lift + (command.lift - old.lift) * step / (model.lift_lag + step)
+    new.lift = old.lift + (lift - old.lift) * step / (model.lift_lag + step)
     turned = new.yaw_rate - math.sin(new.tilt[0]) * new.tilt_rate[1]
     new.yaw = old.yaw + step * turned / (math.cos(new.tilt[0]) * math.cos(new.tilt[1]))
     gravity = GRAVITY / model.effective_mass_ratio
     right, forward = gravity * math.tan(new.tilt[0]) / math.cos(new.tilt[1]), gravity * math.tan(new.tilt[1])
     c, s = math.cos(new.yaw), math.sin(new.yaw)
-    drag = max(1.0 - step / model.drag_time, 0.0)
     new.velocity[0] = drag * old.velocity[0] + (right * c + forward * s) * step
     new.velocity[1] = drag * old.velocity[1] - new.lift * step
     new.velocity[2] = drag * old.velocity[2] + (forward * c - right * s) * step

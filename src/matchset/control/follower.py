@@ -7,6 +7,7 @@ out of the neighbor, and the setpoint is ``ball + side x + heading z + height up
 """
 
 import math
+from typing import Literal, Self
 
 import msgspec
 import numpy as np
@@ -14,21 +15,24 @@ import numpy.typing as npt
 
 from matchset.control.chain.gain_schedule import Gains, GainSchedule, GainScheduleParameters
 from matchset.control.chain.next_but_one import NextButOne, NextButOneParameters
-from matchset.control.command import Command, clip
+from matchset.control.command import Command
 from matchset.control.control_output import ControlOutput
-from matchset.control.ego_motion import GRAVITY, AttitudeCommand, EgoMotion, EgoMotionParameters, EgoState
+from matchset.control.ego_motion import EgoMotion, EgoState
 from matchset.control.feedforward import FeedforwardParameters, SpeedFeedforward
 from matchset.control.learned.common_motion import CommonMotionParameters, hand_over
-from matchset.control.learned.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
+from matchset.control.learned.thrust_estimator import ThrustEstimatorParameters
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
 from matchset.control.mount.camera_mount import CameraMount, MountParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.neighbor_model import Forecast, NeighborFilterParameters
 from matchset.control.parameter_checks import require, require_not_negative, require_positive, require_share
 from matchset.control.pid import Pid, PidParameters
-from matchset.control.safety import DesiredCommand
 from matchset.control.stability.follower_loops import LoopParameters
 from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
+from matchset.control.sticks.angle_sticks import Wanted
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
+from matchset.control.sticks.kinds import kind_of
+from matchset.control.sticks.speed_parameters import SpeedParameters
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -81,6 +85,9 @@ class FollowerParameters(
 
     Parameters
     ----------
+    commands : str
+        What the sticks of the vehicle are: "angles", and thrust; or "speeds", which it holds by itself. The link of a
+        real flight and the world of a simulated one decide it, so a file need not name it.
     horizontal : PidParameters
         From m to m/s^2, for both level axes (``level``).
     vertical : PidParameters
@@ -113,6 +120,8 @@ class FollowerParameters(
         The gains that hold where chain and delay are short; those above hold where one of them is long.
     stability : StabilityParameters
         When gains are lowered (``steady``).
+    speeds : SpeedParameters
+        What is otherwise where the vehicle is told speeds.
     max_stick : float
         Largest roll and pitch stick of the low gains, 0 ... 1; with all of it long chains fall in their start.
     max_extrapolation : float
@@ -124,6 +133,7 @@ class FollowerParameters(
         throttle is divided. Chosen by hand: 60 degrees.
     """
 
+    commands: Literal["angles", "speeds"] = "angles"
     horizontal: PidParameters = PidParameters(
         proportional=4.0,
         integral=2.1,
@@ -162,6 +172,7 @@ class FollowerParameters(
     beyond: NextButOneParameters = NextButOneParameters()
     schedule: GainScheduleParameters = GainScheduleParameters()
     stability: StabilityParameters = StabilityParameters()
+    speeds: SpeedParameters = SpeedParameters()
     max_stick: float = 0.8
     max_extrapolation: float = 0.4
     pose_timeout: float = 1.2
@@ -175,6 +186,11 @@ class FollowerParameters(
         require_not_negative(self, ("oscillation_feedforward", "drift_feedforward", "horizontal_lead"))
         require_not_negative(self, ("vertical_lead", "max_extrapolation", "pose_timeout"))
         require_positive(self, ("min_step", "max_step", "min_tilt_cosine"))
+
+    @property
+    def in_use(self) -> Self:
+        """As it flies: for a vehicle that is told speeds with those of `speeds` in their places."""
+        return msgspec.structs.replace(self, **self.speeds.changes(self)) if self.commands == "speeds" else self
 
 
 class Follower:
@@ -195,17 +211,19 @@ class Follower:
     beyond : NextButOne
     limit : GainLimit
         Whether its gains are lowered, and why.
+    thrust : ThrustEstimator or TakeOff
+        What is known of the throttle that hovers, and of lift-off.
+    sticks : Sticks
+        What sticks mean.
     """
 
     def __init__(self, setpoint: RelativeSetpoint | None = None, parameters: FollowerParameters | None = None) -> None:
         self.setpoint = setpoint or RelativeSetpoint()
-        self.parameters = parameters or FollowerParameters()
+        self.parameters = (parameters or FollowerParameters()).in_use
         self.ego_motion = EgoMotion(self.parameters.ego_motion)
         self.neighbor = NeighborFilter(self.parameters.neighbor)
         self.consistency = MotionConsistency(self.parameters.motion_consistency)
-        model, hover = self.parameters.ego_motion, self.parameters.hover_throttle
-        gravity, thrust = GRAVITY / model.effective_mass_ratio, self.parameters.thrust_estimator
-        self.thrust = ThrustEstimator(hover, gravity, model.delay, model.lift_lag, thrust)
+        self.sticks, self.thrust = kind_of(self.parameters)
         self.mount = CameraMount(self.parameters.mount)
         self.beyond = NextButOne(self.parameters.beyond, self.parameters.neighbor)
         self._right, self._forward = Pid(self.parameters.horizontal), Pid(self.parameters.horizontal)
@@ -217,7 +235,6 @@ class Follower:
         loops = LoopParameters(*(getattr(self.parameters, name) for name in LoopParameters._fields))
         self.limit = GainLimit(loops, self.parameters.stability)
         self._pose_time = self._time = -math.inf
-        self._upright = 1.0  # cosine of the tilt at which the last command acts
 
     def update(self, pose: "Pose | Lost[Pose]", now: float) -> ControlOutput | None:
         """Compute the command for a pose.
@@ -242,7 +259,8 @@ class Follower:
             if self.neighbor.update(pose, own):
                 self.limit.seen(self.neighbor.gains, now - pose.time, since)
                 lifted = pose.time - self.thrust.lift_time
-                hand_over(self.ego_motion, (self.neighbor, self.beyond.ball), lifted, since, parameters.common)
+                if not parameters.ego_motion.told_speeds:  # which know their speed better than a picture
+                    hand_over(self.ego_motion, (self.neighbor, self.beyond.ball), lifted, since, parameters.common)
                 self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
                 self.thrust.delay = self.ego_motion.delay
                 upright = math.cos(own.roll) * math.cos(own.pitch)
@@ -272,15 +290,8 @@ class Follower:
         if now + self.ego_motion.delay < self.thrust.lift_time:  # what they integrate in a hand is no trim
             for pid in (self._right, self._forward, self._yaw):
                 pid.reset()
-        model, gravity = self.parameters.ego_motion, GRAVITY / self.parameters.ego_motion.effective_mass_ratio
-        right, forward = self._right.terms.integral, self._forward.terms.integral
-        attitude = AttitudeCommand(
-            model.full_tilt * command.roll - math.atan(right / gravity),
-            model.full_tilt * command.pitch - math.atan(forward / gravity),
-            model.full_yaw_rate * command.yaw - self._yaw.terms.integral,
-            gravity * (command.throttle * self._upright / self.hover_throttle - 1.0),
-        )
-        self.ego_motion.update(attitude if command.throttle > 0.0 else AttitudeCommand(), now)
+        trim = Wanted(*(pid.terms.integral for pid in (self._right, self._forward, self._up, self._yaw)))
+        self.ego_motion.update(self.sticks.told(command, trim, self.hover_throttle), now)
 
     @property
     def hover_throttle(self) -> float:
@@ -312,7 +323,7 @@ class Follower:
 
     def _control(self, acts: float, step: float) -> ControlOutput:
         """Run the controllers for a command that begins to act at a time."""
-        parameters, model = self.parameters, self.parameters.ego_motion
+        parameters = self.parameters
         gains = self._schedule.update(acts - self.neighbor.time, step, acts - self.thrust.lift_time)
         self._right.parameters = self._forward.parameters = self.limit.level(gains.horizontal)
         self._up.parameters, self._yaw.parameters = self.limit.rise(parameters.vertical), self.limit.yaw(parameters.yaw)
@@ -324,41 +335,38 @@ class Follower:
         for feedforward, axis in ((self._speed_x, ball.x), (self._speed_y, ball.y), (self._speed_z, ball.z)):
             feedforward.update(axis.speed, step)
         yaw = own.yaw
-        right, forward = self._accelerate_level(own_level, ball_level, yaw, step)
-        up = self._accelerate_up(own_vertical, ball_vertical, step)
+        right, forward = self._go_level(own_level, ball_level, yaw, step)
+        up = self._go_up(own_vertical, ball_vertical, step)
         x, y, z = own.position.tolist()
         x, y, z = ball.x.value - x, ball.y.value - y, ball.z.value - z  # from the vehicle to the ball
         bearing = math.atan2(x, z) - yaw
         bearing -= 2.0 * math.pi * math.floor(bearing / (2.0 * math.pi) + 0.5)
         yaw_rate = self._yaw.update(0.0, -bearing, step)
-        gravity = GRAVITY / model.effective_mass_ratio
         most = gains.max_stick if acts >= self.thrust.lift_time else 0.0  # in a hand integrals wind up
-        self._upright = max(math.cos(own.roll) * math.cos(own.pitch), parameters.min_tilt_cosine)
-        desired = DesiredCommand(
-            clip(math.atan(right / gravity) / model.full_tilt, -most, most),
-            clip(math.atan(forward / gravity) / model.full_tilt, -most, most),
-            yaw_rate / model.full_yaw_rate if most else 0.0,
-            self.hover_throttle * (1.0 + up / gravity) / self._upright,
-        )
+        wanted = Wanted(right, forward, up, yaw_rate)
+        desired = self.sticks.desired(wanted, self.hover_throttle, most, (own.roll, own.pitch))
         self.limit.wanted(desired, most, acts, step, acts - self.thrust.lift_time)
         self.limit.check(gains, self.ego_motion.delay, self.thrust.sigma, step)
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
         terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
         return ControlOutput(desired, z * sin - x * cos, y, -x * sin - z * cos, bearing, *terms, self.limit.state)
 
-    def _accelerate_up(self, own: EgoState, ball: Forecast, step: float) -> float:
-        """Acceleration upward that leads to the setpoint, m/s^2."""
+    def _go_up(self, own: EgoState, ball: Forecast, step: float) -> float:
+        """Acceleration or speed upward that leads to the setpoint."""
         error = own.position.item(1) - ball.y.value + self.setpoint.height
+        speed = self._speed_y.output(ball.y.speed)
         ahead = -self._schedule.gains.vertical_drift_feedforward * ball.y.drift_acceleration
-        return ahead + self._up.update(0.0, -error, step, self._speed_y.output(ball.y.speed) - own.velocity.item(1))
+        ahead = self.sticks.ahead(-speed, ahead, upward=True)
+        return ahead + self._up.update(0.0, -error, step, speed - own.velocity.item(1))
 
-    def _accelerate_level(self, own: EgoState, ball: Forecast, yaw: float, step: float) -> tuple[float, float]:
-        """Accelerations to the right and forward that lead to the setpoint, m/s^2."""
+    def _go_level(self, own: EgoState, ball: Forecast, yaw: float, step: float) -> tuple[float, float]:
+        """Accelerations or speeds to the right and forward that lead to the setpoint."""
         place, speed, (ax, az) = self._level_target(ball)
         cos, sin = math.cos(yaw), math.sin(yaw)
         position, velocity = own.position.tolist(), own.velocity.tolist()
         x, z = place[0] - position[0], place[1] - position[2]
         vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
+        ax, az = self.sticks.ahead(speed[0], ax), self.sticks.ahead(speed[1], az)
         right, forward = x * cos - z * sin, x * sin + z * cos
         right_speed, forward_speed = vx * cos - vz * sin, vx * sin + vz * cos
         return (

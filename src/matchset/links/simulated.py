@@ -25,6 +25,7 @@ from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.conditions.exposures import half_exposure
 from matchset.sim.conditions.outlines import Outline, OutlineCameras, OutlineNoise
+from matchset.sim.on_board.speed_control import SpeedControlParameters
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehicleParameters, VehiclePose, toy
 from matchset.sim.world import RATE, ChainParameters, World
@@ -88,6 +89,10 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         The vehicles; their level bias is replaced by `bias_deg`.
     conditions : Conditions
         How the simulated side differs from all that. In a URI its names stand beside the others: ``?thrust=0.8``.
+    commands : str
+        What the vehicles are told: "angles", and thrust; or "speeds", which they hold by themselves.
+    speed_control : SpeedControlParameters
+        Of vehicles that are told speeds; its `used` does not count.
     quick : bool
         Without pictures: outlines of balls and markers from the truth, with the noise of a tracker. Many times as fast;
         nothing can be taken for a ball that is none.
@@ -120,6 +125,8 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     model: CameraModel | None = None
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)
     conditions: Conditions = Conditions()
+    commands: Literal["angles", "speeds"] = "angles"
+    speed_control: SpeedControlParameters = SpeedControlParameters()
     quick: bool = False
     noise: OutlineNoise = OutlineNoise()
 
@@ -171,6 +178,7 @@ class SimulationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
             rope=RopeParameters(swing=self.swing, yaw_deg=self.yaw_deg),
             vehicle=msgspec.structs.replace(self.vehicle, level_bias_deg=self.bias_deg),
             conditions=self.conditions,
+            speed_control=msgspec.structs.replace(self.speed_control, used=self.commands == "speeds"),
         )
 
     @property

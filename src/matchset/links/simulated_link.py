@@ -8,7 +8,7 @@ import numpy as np
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.link import Link, LinkStatus, State
-from matchset.sim.world import quantized
+from matchset.sim.on_board.radio import quantized
 
 if TYPE_CHECKING:
     from matchset.links.simulated import SimulatedChain

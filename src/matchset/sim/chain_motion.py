@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Block, record_dtype
+from matchset.sim.on_board.speed_control import LETS_GO, OnBoard, SpeedControl, aim_at_speeds
 from matchset.sim.quadrotor import STATE, Setpoint, VehicleConstants, Wake, advance, rotation_matrix, write_downwash
 from matchset.sim.rope import RopeState, hanging_rotation, rope_yaw, swing
 
@@ -18,6 +19,8 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 MOST_VEHICLES = 20  # format: capacity of a block
+ON_BOARD = record_dtype(OnBoard)
+ON_BOARD_SIZE = ON_BOARD.itemsize // 8  # format: its numbers
 # format: what happened to a vehicle; HIT_VEHICLE + k: it hit vehicle k
 NOTHING, HIT_FLOOR, HIT_CEILING, HIT_WALL, HIT_VEHICLE = range(5)
 
@@ -70,6 +73,7 @@ class ChainState:
     check_period: int  # steps from one test for crashes to the next
     vehicle: VehicleConstants
     electronics: ElectronicsConstants
+    speed_control: SpeedControl
     wake: Wake
     air: Wind
     room: RoomConstants
@@ -84,6 +88,7 @@ class ChainState:
     level_bias: Annotated[Floats, (MOST_VEHICLES, 2), "f8"]  # of roll and pitch, rad
     level_wander: Annotated[Floats, (MOST_VEHICLES, 2), "f8"]  # rad
     battery_age: Annotated[Floats, (MOST_VEHICLES,), "f8"]  # in use at the beginning, s
+    on_board: Annotated[Floats, (MOST_VEHICLES, ON_BOARD_SIZE), "f8"]  # `OnBoard` of those that are told speeds
 
 
 CHAIN = record_dtype(ChainState)
@@ -121,6 +126,8 @@ def fly(chain: Block, states: Floats, kicks: Floats, past: Floats, past_offsets:
         time = now.step * now.time_step
         for who in range(last):
             _aim(now, who, time)
+            if now.speed_control.used != 0:
+                _hold_speeds(now, states[who], who)
             if now.held[who] != 0 and not now.setpoint.thrust < now.electronics.release_thrust:
                 now.held[who] = 0
             if now.crashed[who] == 0 and now.held[who] == 0:
@@ -196,6 +203,24 @@ def _aim(now: Any, who: int, time: float) -> None:
     setpoint.pitch = like.full_tilt * (heard * sticks[1]) + bias[1] + wander[1]
     setpoint.yaw_rate = like.full_yaw_rate * (heard * sticks[2]) + like.yaw_trim
     setpoint.thrust = most * throttle
+
+
+@kernel(refcount=False)
+def _hold_speeds(now: Any, state: Block, who: int) -> None:
+    """Write the setpoint of a vehicle that holds the speeds of its sticks, after that of the yaw: see `_aim`."""
+    like, sticks, aim = now.electronics, now.sticks[who], now.setpoint
+    silent = (now.step - now.heard[who]) * now.time_step > like.failsafe
+    if now.held[who] != 0 and (silent or sticks[3] < LETS_GO):
+        aim.thrust = 0.0
+        return
+    time = now.step * now.time_step
+    left = 1.0 - like.battery_sag * min((now.battery_age[who] + time) / like.flight_time, 1.0) - like.battery_loss * time
+    aim.roll, aim.pitch, aim.thrust = like.full_tilt, like.full_tilt, like.full_thrust * max(left, 0.0)
+    landing = silent or not sticks[3] > 0.0
+    own = now.on_board[who].view(ON_BOARD)[0]
+    aim_at_speeds(now.speed_control, own, state.view(STATE)[0], sticks, landing, now.time_step, aim)
+    aim.roll += now.level_bias[who, 0] + now.level_wander[who, 0]
+    aim.pitch += now.level_bias[who, 1] + now.level_wander[who, 1]
 
 
 @kernel(refcount=False)

@@ -14,6 +14,8 @@ from matchset.sim import chain_motion
 from matchset.sim.chain_motion import CHAIN, HIT_CEILING, HIT_FLOOR, HIT_VEHICLE, HIT_WALL, MOST_VEHICLES, NOTHING
 from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.conditions.gusts import Gusts
+from matchset.sim.on_board.radio import quantized
+from matchset.sim.on_board.speed_control import SpeedControlParameters, store_speed_control
 from matchset.sim.quadrotor import (
     GRAVITY,
     STATE,
@@ -87,6 +89,8 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         The toy by default.
     world : WorldParameters
     wake : WakeParameters
+    speed_control : SpeedControlParameters
+        Whether vehicles are told speeds, and how they hold them.
     conditions : Conditions
         How vehicles, rope and air differ from that; nobody is told.
     """
@@ -98,6 +102,7 @@ class ChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     vehicle: VehicleParameters = msgspec.field(default_factory=toy)
     world: WorldParameters = WorldParameters()
     wake: WakeParameters = WakeParameters()
+    speed_control: SpeedControlParameters = SpeedControlParameters()
     conditions: Conditions = Conditions()
 
     def __post_init__(self) -> None:
@@ -288,6 +293,7 @@ class World(Copied):
         self._part("vehicle", VEHICLE)[:] = vehicle_constants(vehicle)
         self._part("wake", WAKE)[:] = wake_constants(vehicle, parameters.wake)
         electronics, room = motion.electronics, motion.room
+        store_speed_control(motion.speed_control, parameters.speed_control, vehicle)
         electronics.full_tilt = math.radians(vehicle.full_tilt_deg)
         electronics.full_yaw_rate = math.radians(vehicle.full_yaw_rate_deg)
         electronics.full_thrust = conditions.full_thrust(told) * GRAVITY
@@ -383,15 +389,6 @@ def relative_position(me: VehiclePose, neighbor: VehiclePose) -> Floats:
     across = (out[2] / length, -out[0] / length)
     side, heading = away[0] * across[0] + away[2] * across[1], (away[0] * out[0] + away[2] * out[2]) / length
     return np.array((side, -away[1], heading))
-
-
-def quantized(command: Command, levels: float) -> Command:
-    """Round sticks to the steps of the radio: `levels` from end to end."""
-    half = 0.5 * levels
-    roll, pitch, yaw = (
-        min(max(round(value * half) / half, -1.0), 1.0) for value in (command.roll, command.pitch, command.yaw)
-    )
-    return Command(roll, pitch, yaw, round(command.throttle * levels) / levels)
 
 
 def _far_end(parameters: ChainParameters) -> float:

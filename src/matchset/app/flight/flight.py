@@ -87,7 +87,10 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     @property
     def loop(self) -> PilotParameters:
         """Every follower's loop in a chain of this length."""
-        follower = in_chain(self.pilot.follower, self.world.vehicles - 1, self.long)
+        follower = self.pilot.follower
+        if self.world.commands == "speeds":
+            follower = msgspec.structs.replace(follower, commands="speeds")
+        follower = in_chain(follower.in_use, self.world.vehicles - 1, self.long)
         return msgspec.structs.replace(self.pilot, follower=follower)
 
     def arming_time(self, follower: int) -> float:

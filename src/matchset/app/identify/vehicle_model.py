@@ -20,7 +20,7 @@ import numpy.typing as npt
 from scipy.signal import cont2discrete, lfilter
 
 from matchset.app.identify.flight_log import FlightLog
-from matchset.control.ego_motion import GRAVITY
+from matchset.control.sticks.ego_parameters import GRAVITY
 
 T = TypeVar("T")
 Floats = npt.NDArray[np.float64]

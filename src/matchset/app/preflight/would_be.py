@@ -11,7 +11,7 @@ from typing import NamedTuple
 from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import clip
 from matchset.control.control_output import ControlOutput
-from matchset.control.ego_motion import GRAVITY
+from matchset.control.sticks.ego_parameters import GRAVITY
 from matchset.control.follower import FollowerParameters
 
 

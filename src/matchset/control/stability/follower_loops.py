@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.chain.gain_schedule import Gains
-from matchset.control.ego_motion import EgoMotionParameters
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.neighbor_model import VERTICAL, NeighborFilterParameters
 from matchset.control.pid import PidParameters
 from matchset.control.stability.loop import (
@@ -16,8 +16,10 @@ from matchset.control.stability.loop import (
     Loop,
     Timing,
     Vehicle,
+    level_speed_vehicle,
     level_vehicle,
     open_loop,
+    rise_speed_vehicle,
     rise_vehicle,
     yaw_vehicle,
 )
@@ -112,6 +114,8 @@ class FollowerLoops:
     def _axis(self, name: str, conditions: LoopConditions) -> tuple[AxisControl, Vehicle]:
         """Return controllers and vehicle of a loop."""
         known, gains, model = self.parameters, conditions.gains, self.parameters.ego_motion
+        if model.told_speeds and name != YAW:
+            return self._speed_axis(name, conditions)
         if name == LEVEL:
             swing, drift, lead = known.oscillation_feedforward, known.drift_feedforward, known.horizontal_lead
             control = AxisControl(gains.horizontal, lead, gains.horizontal_speed, swing, drift)
@@ -121,3 +125,15 @@ class FollowerLoops:
             control = AxisControl(known.vertical, lead, gains.vertical_speed, 0.0, drift)
             return control, rise_vehicle(model, conditions.thrust)
         return AxisControl(known.yaw), yaw_vehicle(model, conditions.tilt)
+
+    def _speed_axis(self, name: str, conditions: LoopConditions) -> tuple[AxisControl, Vehicle]:
+        """Return the same of a vehicle that is told speeds."""
+        known, gains, model = self.parameters, conditions.gains, self.parameters.ego_motion
+        if name == LEVEL:
+            time, lead = model.speed_time, known.horizontal_lead
+            swing, drift = time * known.oscillation_feedforward, time * known.drift_feedforward
+            control = AxisControl(gains.horizontal, lead, gains.horizontal_speed, swing, drift, 1.0)
+            return control, level_speed_vehicle(model, conditions.tilt)
+        drift, lead = model.rise_time * gains.vertical_drift_feedforward, known.vertical_lead
+        control = AxisControl(known.vertical, lead, gains.vertical_speed, 0.0, drift, 1.0)
+        return control, rise_speed_vehicle(model, conditions.thrust)

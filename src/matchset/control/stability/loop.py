@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.ego_motion import EgoMotionParameters
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.neighbor_model import NeighborFilterParameters
 from matchset.control.pid import PidParameters
@@ -78,7 +78,10 @@ class AxisControl(NamedTuple):
     speed : FeedforwardParameters or None
         Of the neighbor's speed.
     swing, drift : float
-        Shares of the neighbor's oscillating acceleration, and of its other one, that are flown at once.
+        Shares of the neighbor's oscillating acceleration, and of its other one, that are flown at once; where speeds
+        are told, times the time in which the vehicle goes over to one.
+    along : float
+        Share of the neighbor's speed that is told besides: 1 where speeds are told.
     """
 
     pid: PidParameters
@@ -86,6 +89,7 @@ class AxisControl(NamedTuple):
     speed: FeedforwardParameters | None = None
     swing: float = 0.0
     drift: float = 0.0
+    along: float = 0.0
 
 
 class Vehicle(NamedTuple):
@@ -170,6 +174,26 @@ def rise_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     system[1, 0], system[1, 1] = 1.0, -1.0 / model.drag_time
     system[2, 1] = 1.0
     return Vehicle(system, np.array((1.0 / model.lift_lag, 0.0, 0.0)), gain)
+
+
+def level_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
+    """The same of one that is told a level speed: it asks itself for the acceleration that goes over to it."""
+    vehicle = level_vehicle(model, gain)
+    vehicle.system[3, 3] = 0.0
+    return _held(vehicle, model.speed_time)
+
+
+def rise_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
+    """Lift, speed and height of one that is told a rise."""
+    vehicle = rise_vehicle(model, gain)
+    vehicle.system[1, 1] = 0.0
+    return _held(vehicle, model.rise_time)
+
+
+def _held(vehicle: Vehicle, time: float) -> Vehicle:
+    """Let a vehicle hold its speed by itself, going over to another one in a time, s."""
+    vehicle.system[:, -2] -= vehicle.input / time
+    return vehicle._replace(input=vehicle.input / time)
 
 
 def yaw_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
@@ -260,6 +284,8 @@ def _seen(control: AxisControl, neighbor: FilterGains, timing: Timing, z: Comple
         speed = low + control.speed.high_frequency_gain * (speed - low)
     on_place, on_speed = _controllers(control, timing.step, z)
     seen: Complex = on_place * place + on_speed * speed + control.swing * swinging + control.drift * drifting
+    if control.along:
+        seen += control.along * speed
     return seen
 
 

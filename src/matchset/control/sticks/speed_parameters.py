@@ -1,0 +1,99 @@
+"""Parameters of a follower whose vehicle is told speeds: `SpeedParameters`."""
+
+from typing import Any
+
+import msgspec
+
+from matchset.control.feedforward import FeedforwardParameters
+from matchset.control.parameter_checks import require_not_negative, require_share
+from matchset.control.pid import PidParameters
+from matchset.control.sticks.speed_sticks import HOLD
+
+
+class SpeedParameters(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    rename={
+        "horizontal": "level",
+        "vertical": "rise",
+        "horizontal_lead": "lead",
+        "vertical_lead": "rise_lead",
+        "oscillation_feedforward": "ahead",
+        "drift_feedforward": "drift",
+        "horizontal_speed": "pace",
+        "vertical_speed": "rise_pace",
+    },
+):
+    """What takes the place of the parameters of the same names of a follower; the key in a file is in parentheses.
+
+    Chosen on flights without pictures of seeds 0 to 4, and by their margins: docs/log.md, 2026-11-27.
+
+    Parameters
+    ----------
+    horizontal, vertical : PidParameters
+        From m to m/s, for both level axes, and upward (``level``, ``rise``). The neighbor's speed is flown besides, so
+        the proportional gain alone comes to rest at the set place; the derivative, of the difference of the speeds, has
+        no unit and makes up for the vehicle's own lag. More of both holds tighter, until the delay makes it swing. The
+        integral learns a speed that the vehicle flies with sticks in the middle.
+    horizontal_lead, vertical_lead : float
+        Time from the first to the full effect of a command, s, for which places and speeds are predicted. More is
+        calmer, until the prediction fails (``lead``, ``rise_lead``).
+    oscillation_feedforward, drift_feedforward : float
+        Shares of the setpoint's accelerations whose speed at the end of the lag is told at once, 0 ... 1. More follows
+        closer, and passes it on to the next of the chain (``ahead``, ``drift``).
+    horizontal_speed, vertical_speed : FeedforwardParameters
+        Feedforward of the neighbor's speed (``pace``, ``rise_pace``).
+    max_stick : float
+        Largest roll and pitch stick, 0 ... 1. Less is a slower vehicle, which a neighbor may leave behind.
+    takeoff : float
+        How long the vehicle takes off by itself, s: sticks do not count before. More waits longer; less begins to learn
+        trims while it still climbs. A Tello takes about 5 s; the simulated one begins in a hand and takes none.
+    """
+
+    horizontal: PidParameters = PidParameters(
+        proportional=1.6,
+        integral=0.15,
+        derivative=0.5,
+        derivative_filter_time=0.033,
+        max_error=0.6,
+        output_limit=0.9,
+        integral_limit=0.3,
+        integral_zone=0.3,
+        integral_lead=0.6,
+    )
+    vertical: PidParameters = PidParameters(
+        proportional=1.6,
+        derivative=0.5,
+        derivative_filter_time=0.033,
+        output_limit=0.8,
+    )
+    horizontal_lead: float = 0.074
+    vertical_lead: float = 0.038
+    oscillation_feedforward: float = 0.85
+    drift_feedforward: float = 0.45
+    horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.9, crossover_time=0.23)
+    vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.9, crossover_time=0.75)
+    max_stick: float = 1.0
+    takeoff: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_share(self, ("max_stick", "oscillation_feedforward", "drift_feedforward"))
+        require_not_negative(self, ("horizontal_lead", "vertical_lead", "takeoff"))
+
+    def changes(self, follower: Any) -> dict[str, Any]:
+        """Return what is otherwise in the parameters of a follower whose vehicle is told speeds.
+
+        Parameters
+        ----------
+        follower : FollowerParameters
+        """
+        changed: dict[str, Any] = {
+            name: getattr(self, name) for name in self.__struct_fields__ if name in follower.__struct_fields__
+        }
+        return changed | {
+            "hover_throttle": HOLD,
+            "schedule": msgspec.structs.replace(follower.schedule, weight=0.0),
+            "ego_motion": msgspec.structs.replace(follower.ego_motion, told_speeds=True),
+        }

@@ -29,6 +29,7 @@ LIMITS = SafetyParameters(
 )
 OLD = 0.5  # s: older than every limit
 TINY = 1e-9
+HOLDS = 0.5  # throttle that stands still where speeds are told
 NOTHING = Command()
 DESIRED = (
     None,
@@ -86,12 +87,14 @@ def rounded(command: Command) -> Command:
     return Command(command.roll, command.pitch, command.yaw, round(command.throttle, 1))
 
 
-def step(before: Situation, happening: Happening) -> Taken:
+def step(before: Situation, happening: Happening, holds: float = math.nan) -> Taken:
     """Take one step, `STEP` after the last."""
     now = STEP
     frame_time = before.frame_time if happening.picture == "none" else now
     seen_time = now if happening.picture == "ball" else before.seen_time
-    inputs = SafetyInputs(now, frame_time, seen_time, happening.armed, happening.fault, distance=happening.distance)
+    inputs = SafetyInputs(
+        now, frame_time, seen_time, happening.armed, happening.fault, distance=happening.distance, holds=holds
+    )
     command, state = safety_filter(happening.desired, inputs, before.state, LIMITS)
     names = ("time", "descent_start", "seen_time", "seen_since", "near_since")
     times: dict[str, Any] = {name: shifted(getattr(state, name), now) for name in names}
@@ -114,11 +117,17 @@ def walk() -> list[Taken]:
 
 
 @functools.cache
-def steps_to_standstill(situation: Situation, happening: Happening) -> int:
+def walk_of_speeds() -> list[Taken]:
+    """The same of a vehicle that is told speeds."""
+    return walk_all(Situation(), HAPPENINGS, functools.partial(step, holds=HOLDS))
+
+
+@functools.cache
+def steps_to_standstill(situation: Situation, happening: Happening, holds: float = math.nan) -> int:
     """How many steps of the same kind it takes until the motors are off."""
     count = 0
     while True:
-        taken = step(situation, happening)
+        taken = step(situation, happening, holds)
         count += 1
         if taken.command == NOTHING and taken.after.state.phase in ("cut", "locked"):
             return count
@@ -256,4 +265,42 @@ def test_nothing_too_near_for_long_is_flown_beside() -> None:
 )
 def test_from_everywhere_silence_ends_in_motors_off_in_time(happening: Happening, limit: float) -> None:
     longest = max(steps_to_standstill(situation, happening) for situation in {each.before for each in walk()})
+    assert STEP * longest <= limit + LIMITS.descent_duration + 2.0 * STEP
+
+
+def test_one_that_is_told_speeds_stands_still_without_an_answer() -> None:
+    flown = [each for each in walk_of_speeds() if each.after.state.phase in ("flying", "holding")]
+    unanswered = [
+        each for each in flown if each.happening.desired is None or not all(map(math.isfinite, each.happening.desired))
+    ]
+    assert unanswered
+    for each in unanswered:
+        last, change = each.before.state.command.throttle, LIMITS.max_throttle_rate * STEP
+        assert abs(each.command.throttle - HOLDS) <= max(abs(last - HOLDS) - change, 0.0) + TINY
+
+
+def test_a_descent_of_one_that_is_told_speeds_never_climbs_and_sinks_no_faster_than_it_did_or_is_to() -> None:
+    slowest = LIMITS.final_throttle_ratio * HOLDS
+    descents = [each for each in walk_of_speeds() if each.after.state.phase == "descending"]
+    assert descents
+    for each in descents:
+        last = each.before.state.command
+        assert each.command.throttle <= min(last.throttle, HOLDS)
+        assert each.command.throttle >= min(last.throttle, slowest) - TINY
+        for name in ("roll", "pitch", "yaw"):
+            assert abs(getattr(each.command, name)) <= abs(getattr(last, name))
+
+
+@pytest.mark.parametrize(
+    ("happening", "limit"),
+    [
+        (Happening("none", DESIRED[2], True, ""), LIMITS.max_frame_age),
+        (Happening("no ball", DESIRED[3], True, ""), LIMITS.hold_time),
+        (Happening("ball", None, True, ""), LIMITS.hold_time),
+        (Happening("ball", DESIRED[2], True, "the picture stands still"), 0.0),
+    ],
+)
+def test_from_everywhere_one_that_is_told_speeds_lands_in_time(happening: Happening, limit: float) -> None:
+    situations = {each.before for each in walk_of_speeds()}
+    longest = max(steps_to_standstill(situation, happening, HOLDS) for situation in situations)
     assert STEP * longest <= limit + LIMITS.descent_duration + 2.0 * STEP

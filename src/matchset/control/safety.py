@@ -169,6 +169,9 @@ class SafetyInputs(NamedTuple):
     distance : float
         Of the nearest thing in the newest frame, as far as it is known, m; 0 for what fills the picture; NaN if none is
         known.
+    holds : float
+        Throttle that stands still where the throttle is a speed up or down; NaN where it is thrust. Without an answer
+        that is sent, in place of the last one, which may climb; a descent begins there.
     """
 
     now: float
@@ -179,6 +182,7 @@ class SafetyInputs(NamedTuple):
     doubt: str = ""
     hover: float = math.nan
     distance: float = math.nan
+    holds: float = math.nan
 
 
 class SafetyState(NamedTuple):
@@ -198,7 +202,7 @@ class SafetyState(NamedTuple):
     seen_since : float
         Since when the ball is seen without a gap, s.
     initial_throttle : float
-        Throttle before the descent, or what hovers, if that is less.
+        Throttle before the descent, or what hovers, if that is less; `SafetyInputs.holds` where that is known.
     command : Command
         The last command.
     weak_since : float
@@ -227,8 +231,8 @@ def safety_filter(
     Parameters
     ----------
     desired : DesiredCommand or None
-        What the controller wants; None, or anything not finite, counts as no answer: neutral sticks, same throttle, and
-        the ball counts as not seen.
+        What the controller wants; None, or anything not finite, counts as no answer: neutral sticks, same throttle (or
+        `SafetyInputs.holds`), and the ball counts as not seen.
     inputs : SafetyInputs
         The situation. A time that is not finite or in the future counts as too old.
     state : SafetyState
@@ -265,7 +269,8 @@ def safety_filter(
         return _descend(inputs, state, limits)
     since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
     step = min(max(since, 0.0), limits.max_step)
-    goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, state.command.throttle)
+    same = state.command.throttle if math.isnan(inputs.holds) else inputs.holds
+    goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, same)
     if is_near:
         goal = goal._replace(pitch=min(goal.pitch, -limits.back_off))
     command = _limited(goal, state.command, inputs.hover, step, limits)
@@ -339,7 +344,7 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, state: SafetyStat
 def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> tuple[Command, SafetyState]:
     """Neutral sticks and less throttle, then the cut; the state has the reason already."""
     if state.phase != "descending":
-        throttle = min(state.command.throttle, inputs.hover)
+        throttle = min(state.command.throttle, inputs.hover) if math.isnan(inputs.holds) else inputs.holds
         state = state._replace(descent_start=inputs.now, initial_throttle=throttle)
     share = (inputs.now - state.descent_start) / limits.descent_duration
     if not 0.0 <= share < 1.0:

@@ -102,6 +102,7 @@ class Watch:
     desired = DesiredCommand(0.0, 0.0, 0.0, 0.9)
     holds = True
     hover_throttle = 0.8
+    sticks = Sticks()
 
     @property
     def consistency(self) -> "Watch":

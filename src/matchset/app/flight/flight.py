@@ -73,6 +73,8 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     def __post_init__(self) -> None:
         if not 0.1 <= self.duration <= 3600.0:
             raise ValueError(f"duration must be within 0.1 ... 3600, got {self.duration}")
+        if self.pilot.follower.commands == "speeds" and self.world.commands == "angles":
+            raise ValueError('commands: [flight.world] commands = "speeds" is what changes it, or the link tello:')
         if self.together < 1:
             raise ValueError(f"together must be 1 or more, got {self.together}")
         if not 0.0 <= self.stagger <= 60.0:

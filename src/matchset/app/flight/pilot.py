@@ -278,7 +278,8 @@ class Pilot:
         fault = self._picture_fault()
         doubt = self._follower.neighbor.doubt if isinstance(pose, Pose) else ""
         hover, landing, distance = self._follower.hover_throttle, self.landing or fault, max(self._distances)
-        inputs = SafetyInputs(now, self._frame_time, self._seen_time, self.armed, landing, doubt, hover, distance)
+        seen, holds = self._seen_time, self._follower.sticks.holds
+        inputs = SafetyInputs(now, self._frame_time, seen, self.armed, landing, doubt, hover, distance, holds)
         desired = control and (self._excitation(control, self._safety, now) if self._excitation else control.desired)
         wanted, self._safety = safety_filter(desired, inputs, self._safety, self.parameters.safety)
         stopped = self._stop_reason()

@@ -11,6 +11,7 @@ from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.flight.command import run_flight
 from matchset.app.flight.flight import ChainFlight, ChainStep, Flight
 from matchset.app.flight.linked.opening import open_flight
+from matchset.app.flight.linked.vehicle_kind import told_to
 from matchset.app.flight.score import FlightScorer
 from matchset.app.identify.command import IdentifyOptions
 from matchset.app.identify.estimate import estimate
@@ -140,6 +141,8 @@ def _opened(options: IdentifyOptions, parameters: IdentifyParameters) -> ChainFl
             'say whom to identify: sim://chain, or serial:///dev/ttyUSB0 --camera 0; see "identify --help"'
         )
     flight = options.flight(parameters)
+    if flight.world.commands == "speeds" or any(told_to(each.link) == "speeds" for each in followers):
+        raise ValueError("what is identified is what a vehicle makes of angles and thrust; this one is told speeds")
     if not followers:
         return Flight(flight)
     if len(followers) > 1:

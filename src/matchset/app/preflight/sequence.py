@@ -13,6 +13,7 @@ from matchset.app.exit_codes import BAD_INPUT, DEVICE
 from matchset.app.flight.flight import FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
 from matchset.app.flight.linked.followers import LinkedFollowers
+from matchset.app.flight.linked.vehicle_kind import for_links
 from matchset.app.flight.linked.linked_flight import LinkedFlight
 from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.linked.opening import LinkedFiles, open_camera, open_link, read_files
@@ -81,6 +82,7 @@ def vehicle_checks(follower: LinkedFollower, flight: FlightParameters, bench: Be
         yield judged("files", FILES, "read", True, "")
         bench.person.say("the camera is watched ...")
         try:
+            flight = for_links(flight, (follower.link,))
             camera = bench.open_camera(follower, files.camera, flight)
         except (ValueError, LinkError) as error:
             code = DEVICE if isinstance(error, LinkError) else BAD_INPUT

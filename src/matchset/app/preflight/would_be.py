@@ -42,15 +42,18 @@ def would_be(control: ControlOutput, parameters: FollowerParameters) -> WouldBe:
     ----------
     control : ControlOutput
     parameters : FollowerParameters
-        What full sticks do.
+        What full sticks do; as in use.
     """
     model = parameters.ego_motion
+    yaw = clip(control.yaw.output / model.full_yaw_rate, -1.0, 1.0)
+    if model.told_speeds:
+        roll, pitch = (clip(terms.output / model.full_speed, -1.0, 1.0) for terms in (control.right, control.forward))
+        return WouldBe(roll, pitch, yaw, control.up.output / model.full_rise)
     gravity = GRAVITY / model.effective_mass_ratio
     roll, pitch = (
         clip(math.atan(terms.output / gravity) / model.full_tilt, -1.0, 1.0)
         for terms in (control.right, control.forward)
     )
-    yaw = clip(control.yaw.output / model.full_yaw_rate, -1.0, 1.0)
     return WouldBe(roll, pitch, yaw, control.up.output / gravity)
 
 

@@ -35,8 +35,9 @@ class SpeedParameters(
     horizontal, vertical : PidParameters
         From m to m/s, for both level axes, and upward (``level``, ``rise``). The neighbor's speed is flown besides, so
         the proportional gain alone comes to rest at the set place; the derivative, of the difference of the speeds, has
-        no unit and makes up for the vehicle's own lag. More of both holds tighter, until the delay makes it swing. The
-        integral learns a speed that the vehicle flies with sticks in the middle.
+        no unit and makes up for the vehicle's own lag. More of both holds tighter, until the delay makes it swing. There
+        is no integral: a speed that the vehicle flies with sticks in the middle looks like the neighbor's, backward, and
+        is flown against at once.
     horizontal_lead, vertical_lead : float
         Time from the first to the full effect of a command, s, for which places and speeds are predicted. More is
         calmer, until the prediction fails (``lead``, ``rise_lead``).
@@ -53,24 +54,13 @@ class SpeedParameters(
     """
 
     horizontal: PidParameters = PidParameters(
-        proportional=1.6,
-        integral=0.15,
-        derivative=0.5,
-        derivative_filter_time=0.033,
-        max_error=0.6,
-        output_limit=0.9,
-        integral_limit=0.3,
-        integral_zone=0.3,
-        integral_lead=0.6,
+        proportional=2.5, derivative=0.5, derivative_filter_time=0.033, max_error=0.4, output_limit=0.9
     )
     vertical: PidParameters = PidParameters(
-        proportional=1.6,
-        derivative=0.5,
-        derivative_filter_time=0.033,
-        output_limit=0.8,
+        proportional=1.6, derivative=0.5, derivative_filter_time=0.033, output_limit=0.8
     )
-    horizontal_lead: float = 0.074
-    vertical_lead: float = 0.038
+    horizontal_lead: float = 0.1
+    vertical_lead: float = 0.05
     oscillation_feedforward: float = 0.85
     drift_feedforward: float = 0.45
     horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.9, crossover_time=0.23)

@@ -35,11 +35,13 @@ def before(setup: FlightSetup, followers: LinkedFollowers, keys: bool) -> Iterat
 def assumed(setup: FlightSetup) -> str:
     """Say which numbers a flight relies on that nobody can see in a picture."""
     pilot = setup.parameters.pilot
-    target, place, follower = pilot.target, pilot.place, pilot.follower
+    target, place, follower = pilot.target, pilot.place, setup.parameters.loop.follower
+    own, hovers = follower.ego_motion, f"throttle that hovers {follower.hover_throttle:g}"
+    speeds = f"it holds speeds, at full stick {own.full_speed:g} m/s, upward {own.full_rise:g} m/s"
     return (
         f"assumed: ball {100.0 * target.diameter:g} cm, marker {100.0 * target.marker_diameter:g} cm; place "
         f"{place.heading:g} m before the marker, {place.side:+g} m to its right, {place.height:+g} m above the ball; "
-        f"throttle that hovers {follower.hover_throttle:g}"
+        f"{speeds if own.told_speeds else hovers}"
     )
 
 

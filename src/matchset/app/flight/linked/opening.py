@@ -16,6 +16,7 @@ from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.linked.linked_flight import LinkedFlight
 from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.linked.parameters import LinkedFollower
+from matchset.app.flight.linked.vehicle_kind import for_links, start_video
 from matchset.app.flight.pilot import Pilot
 from matchset.app.flight.real_time.rehearsal import RehearsalLink
 from matchset.app.track.target_options import load_color
@@ -73,6 +74,7 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
     source = str(follower.camera)
     if Path(source).exists() and not Path(source).is_char_device():
         raise ValueError(f"--camera must be a camera or a stream, and {source} is a file: nobody can fly by the past")
+    start_video(follower)
     video = Video(source, exposure=follower.exposure, white_balance=follower.white_balance, fps=follower.fps)
     try:
         size = video.width, video.height
@@ -90,16 +92,12 @@ def open_link(uri: str, dry: bool) -> Link:
     Raises
     ------
     ValueError
-        If no link has this scheme, it is a simulated one, or the vehicle is told speeds.
+        If no link has this scheme, or it is a simulated one.
     LinkError
         If the device cannot be opened, or does not answer.
     """
     if uri.startswith("sim:"):
         raise ValueError(f"--link {uri}: a simulated chain has cameras of its own; type: matchset fly {uri}")
-    if uri.startswith("tello:"):
-        raise ValueError(
-            f"--link {uri}: a Tello is told speeds, a follower commands angles and thrust; see docs/tello.md"
-        )
     link = connect(uri)
     return DryLink(link) if dry else link
 
@@ -137,6 +135,7 @@ def open_followers(
     """
     check_followers(followers)
     files = [read_files(follower) for follower in followers]
+    parameters = for_links(parameters, [follower.link for follower in followers])
     parameters = with_world(parameters, vehicles=len(followers) + 1)
     with ExitStack() as stack:
         cameras = []

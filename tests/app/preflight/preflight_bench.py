@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from fake_autopilot import FakeAutopilot
+from fake_tello import FakeTello
 from fakes import Clock, FakePort
 from scipy.spatial.transform import Rotation
 
@@ -23,6 +24,7 @@ from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.crsf.crsf_link import CrsfLink
 from matchset.links.link import Link
 from matchset.links.mavlink.mavlink_link import MavlinkLink
+from matchset.links.tello.tello_link import TelloLink
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from radio_modules import Module
 from served_neighbor import AHEAD, CAMERA, UP, ServedNeighbor
@@ -180,7 +182,7 @@ class Devices:
     Attributes
     ----------
     kind : str
-        "serial", "crsf" or "mavlink".
+        "serial", "crsf", "mavlink" or "tello".
     link_error, camera_error : Exception or None
         Raised when one is opened.
     """
@@ -196,6 +198,7 @@ class Devices:
     def __post_init__(self) -> None:
         self.clock = Clock()
         self.port, self.autopilot, self.module = FakePort(self.clock), FakeAutopilot(self.clock), Module()
+        self.tello = FakeTello(self.clock)
         self.camera = PlayedCamera(self.films, self.clock, self.sleep)
         self.person = Somebody(self.camera)
         self.link: Link | None = None
@@ -217,6 +220,8 @@ class Devices:
         elif self.kind == "crsf":
             self.module.read()
             self.link = CrsfLink(uri, self.module, self.clock, self._turned, threaded=False)
+        elif self.kind == "tello":
+            self.link = TelloLink(uri, self.tello, clock=self.clock, sleep=self.sleep)
         else:
             self.link = MavlinkLink(uri, self.autopilot, clock=self.clock, sleep=self.sleep)
         return self.link
@@ -231,7 +236,8 @@ class Devices:
 
     @property
     def options(self) -> PreflightOptions:
-        uri = {"serial": "serial:///dev/x", "crsf": "crsf:///dev/x", "mavlink": "mavlink:udpin:0.0.0.0:1"}[self.kind]
+        uris = {"serial": "serial:///dev/x", "crsf": "crsf:///dev/x", "mavlink": "mavlink:udpin:0.0.0.0:1"}
+        uri = uris.get(self.kind, "tello:")
         names = dict(zip(self.files[::2], self.files[1::2], strict=True))
         linked = LinkedOptions(
             camera="0",
@@ -261,7 +267,8 @@ class Devices:
         autopilot = any(z > 0 for _, _, z, _ in self.autopilot.sticks) or any(
             number == 400 for number, _ in self.autopilot.asked
         )
-        return arduino or whoop or autopilot
+        tello = self.tello.motors or "takeoff" in self.tello.heard
+        return arduino or whoop or autopilot or tello
 
 
 def films() -> dict[str, list[Image]]:

@@ -51,7 +51,7 @@ def made(devices: Devices) -> tuple[int, list[Outcome]]:
     return code, found
 
 
-@pytest.mark.parametrize("kind", ["serial", "crsf", "mavlink"])
+@pytest.mark.parametrize("kind", ["serial", "crsf", "mavlink", "tello"])
 def test_all_is_well(devices: Callable[[str], Devices], kind: str, capsys: pytest.CaptureFixture[str]) -> None:
     bench = devices(kind)
     code, found = made(bench)
@@ -63,13 +63,14 @@ def test_all_is_well(devices: Callable[[str], Devices], kind: str, capsys: pytes
         "serial": {"link: vehicle", "link: battery"},
         "crsf": set(),
         "mavlink": {"link: vehicle", "link: battery", "sticks: arrive"},
+        "tello": {"link: vehicle", "sticks: arrive"},
     }
     assert skipped == told[kind]
     assert all(each.advice for each in found if each.verdict == "skipped")
     assert "matchset fly --camera 0 --link" in out.replace("\n", " ")
     assert "--record first.mcap" in out
     assert bench.camera.closed
-    assert bench.port.closed or bench.module.closed or bench.autopilot.closed
+    assert bench.port.closed or bench.module.closed or bench.autopilot.closed or bench.tello.closed
 
 
 def test_nobody_is_asked_nothing(devices: Callable[[str], Devices]) -> None:

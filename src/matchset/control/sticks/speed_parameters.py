@@ -54,17 +54,17 @@ class SpeedParameters(
     """
 
     horizontal: PidParameters = PidParameters(
-        proportional=2.5, derivative=0.5, derivative_filter_time=0.033, max_error=0.4, output_limit=0.9
+        proportional=1.4, derivative=0.4, derivative_filter_time=0.033, max_error=0.5, output_limit=0.9
     )
     vertical: PidParameters = PidParameters(
-        proportional=1.6, derivative=0.5, derivative_filter_time=0.033, output_limit=0.8
+        proportional=1.4, derivative=0.4, derivative_filter_time=0.033, output_limit=0.8
     )
-    horizontal_lead: float = 0.1
-    vertical_lead: float = 0.05
+    horizontal_lead: float = 0.2
+    vertical_lead: float = 0.1
     oscillation_feedforward: float = 0.85
     drift_feedforward: float = 0.45
-    horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.9, crossover_time=0.23)
-    vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.9, crossover_time=0.75)
+    horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.0, crossover_time=1.0)
+    vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.3, crossover_time=1.0)
     max_stick: float = 1.0
     takeoff: float = 0.0
 

@@ -1,4 +1,4 @@
-"""Links other than the Arduino's under `matchset fly`: an autopilot in a dry run, and a Tello, which is refused."""
+"""Links other than the Arduino's under `matchset fly`: an autopilot in a dry run."""
 
 import socket
 import threading
@@ -55,9 +55,3 @@ def test_in_a_dry_run_an_autopilot_is_sent_neither_sticks_nor_a_mode(autopilot: 
     assert "HEARTBEAT" in names
     assert "MANUAL_CONTROL" not in names
     assert {packet.values["command"] for packet in heard if packet.message.name == "COMMAND_LONG"} == {511}
-
-
-@pytest.mark.parametrize("dry", [True, False])
-def test_a_tello_is_refused(dry: bool) -> None:
-    with pytest.raises(ValueError, match=r"--link tello:: a Tello is told speeds, .* see docs/tello\.md"):
-        open_link("tello:", dry)

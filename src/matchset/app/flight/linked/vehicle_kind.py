@@ -51,7 +51,7 @@ def for_links(parameters: FlightParameters, uris: Sequence[str]) -> FlightParame
     speeds = msgspec.structs.replace(follower.speeds, takeoff=max(follower.speeds.takeoff, TAKEOFF))
     follower = msgspec.structs.replace(follower, commands="speeds", speeds=speeds)
     pilot = msgspec.structs.replace(parameters.pilot, follower=follower)
-    return with_world(msgspec.structs.replace(parameters, pilot=pilot), commands="speeds")
+    return msgspec.structs.replace(with_world(parameters, commands="speeds"), pilot=pilot)
 
 
 def start_video(follower: LinkedFollower) -> None:

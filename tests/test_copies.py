@@ -20,8 +20,8 @@ import pytest
 
 import matchset as ms
 from matchset.control.ego_motion import EgoMotion
-from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.neighbor_filter import NeighborFilter
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.sim.world import ChainParameters, World
 
 ROWS, COLUMNS = np.indices((240, 320))

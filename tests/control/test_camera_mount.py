@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from matchset.control.ego_motion import EgoMotion
-from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.mount.camera_mount import CameraMount, MountParameters, mounting, turn_about_down
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.localization.pose import Pose
 
 STEP = 1.0 / 30.0

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from matchset.control.command import Command
 from matchset.control.ego_motion import EgoMotion
-from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.follower import Follower
 from matchset.control.learned.common_motion import CommonMotionParameters, hand_over
 from matchset.control.neighbor_filter import NeighborFilter
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.localization.pose import Pose
 
 STEP, LATENCY = 1.0 / 30.0, 0.067

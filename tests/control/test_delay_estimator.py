@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.ego_motion import EgoMotion
-from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.learned.delay import DelayEstimator, DelayEstimatorParameters
 from matchset.control.motion_consistency import MotionConsistency
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.localization.pose import Pose
 
 FPS, LATENCY, STEP = 30, 0.067, 1 / 30

@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 from matchset.control.command import Command
 from matchset.control.control_output import ControlOutput
 from matchset.control.ego_motion import EgoMotion
-from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand
 from matchset.control.follower import Follower, FollowerParameters, RelativeSetpoint
+from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 

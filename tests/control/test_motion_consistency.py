@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from matchset.control.ego_motion import EgoMotion
-from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.control.motion_consistency import MotionConsistency, MotionConsistencyParameters
+from matchset.control.sticks.ego_parameters import AttitudeCommand
 from matchset.localization.pose import Pose
 
 FPS, LATENCY = 30, 0.067

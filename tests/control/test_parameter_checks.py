@@ -5,12 +5,12 @@ import math
 import msgspec
 import pytest
 
-from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.follower import FollowerParameters
 from matchset.control.neighbor_model import NeighborFilterParameters
 from matchset.control.pid import PidParameters
 from matchset.control.safety import SafetyParameters
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 
 KEYS: dict[type[msgspec.Struct], str] = {
     EgoMotionParameters: """full_tilt full_yaw_rate delay tilt_lag tilt_time tilt_damping yaw_lag lift_lag drag_time

@@ -100,7 +100,9 @@ def test_sticks_are_shares_of_the_full_speeds() -> None:
     assert desired == pytest.approx((0.25, -0.5, 0.25, 0.75))
     assert sticks.told(Command(*desired), Wanted(0.1, 0.0, 0.0, 0.1), HOLD) == pytest.approx((0.4, -1.0, 0.3, 0.4))
     assert sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0))[:2] == (0.8, -0.8)
-    assert sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0)).throttle < 1.0  # all means: no thrust left
+    assert (
+        sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0)).throttle < 1.0
+    )  # all means: no thrust left
 
 
 def test_before_lift_off_they_stand_still_and_without_throttle_nothing_is_told() -> None:

@@ -24,7 +24,9 @@ Floats = npt.NDArray[np.float64]
 def world(bias_deg: float = 0.0, **conditions: float) -> World:
     still = {"level_bias_deg": bias_deg, "level_wander_deg": 0.0}
     vehicle: VehicleParameters = msgspec.structs.replace(toy(), **still)
-    return World(ChainParameters(vehicles=2, vehicle=vehicle, speed_control=TOLD, conditions=Conditions(**conditions)), 3)
+    return World(
+        ChainParameters(vehicles=2, vehicle=vehicle, speed_control=TOLD, conditions=Conditions(**conditions)), 3
+    )
 
 
 def flown(chain: World, command: Command, seconds: float) -> Floats:

@@ -5,9 +5,9 @@ import pytest
 
 from matchset.control.command import Command
 from matchset.control.follower import RelativeSetpoint
+from matchset.sim.on_board.radio import quantized
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehiclePose, toy
-from matchset.sim.on_board.radio import quantized
 from matchset.sim.world import CAMERA_AHEAD, RATE, ChainParameters, World, relative_position
 
 CHAIN = ChainParameters(place=RelativeSetpoint(height=-0.19))

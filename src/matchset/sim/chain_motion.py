@@ -214,7 +214,9 @@ def _hold_speeds(now: Any, state: Block, who: int) -> None:
         aim.thrust = 0.0
         return
     time = now.step * now.time_step
-    left = 1.0 - like.battery_sag * min((now.battery_age[who] + time) / like.flight_time, 1.0) - like.battery_loss * time
+    left = (
+        1.0 - like.battery_sag * min((now.battery_age[who] + time) / like.flight_time, 1.0) - like.battery_loss * time
+    )
     aim.roll, aim.pitch, aim.thrust = like.full_tilt, like.full_tilt, like.full_thrust * max(left, 0.0)
     landing = silent or not sticks[3] > 0.0
     own = now.on_board[who].view(ON_BOARD)[0]

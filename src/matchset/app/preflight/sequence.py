@@ -13,11 +13,11 @@ from matchset.app.exit_codes import BAD_INPUT, DEVICE
 from matchset.app.flight.flight import FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
 from matchset.app.flight.linked.followers import LinkedFollowers
-from matchset.app.flight.linked.vehicle_kind import for_links
 from matchset.app.flight.linked.linked_flight import LinkedFlight
 from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.linked.opening import LinkedFiles, open_camera, open_link, read_files
 from matchset.app.flight.linked.parameters import LinkedFollower
+from matchset.app.flight.linked.vehicle_kind import for_links
 from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.flight.real_time.rehearsal import RehearsalLink
 from matchset.app.preflight.link_checks import battery_check, battery_news, status_checks, vehicle_check

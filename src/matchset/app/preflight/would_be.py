@@ -11,8 +11,8 @@ from typing import NamedTuple
 from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import clip
 from matchset.control.control_output import ControlOutput
-from matchset.control.sticks.ego_parameters import GRAVITY
 from matchset.control.follower import FollowerParameters
+from matchset.control.sticks.ego_parameters import GRAVITY
 
 
 class WouldBe(NamedTuple):

@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.control.chain.gain_schedule import Gains
-from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.neighbor_model import VERTICAL, NeighborFilterParameters
 from matchset.control.pid import PidParameters
 from matchset.control.stability.loop import (
@@ -23,6 +22,7 @@ from matchset.control.stability.loop import (
     rise_vehicle,
     yaw_vehicle,
 )
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 
 Floats = npt.NDArray[np.float64]
 

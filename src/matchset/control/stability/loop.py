@@ -28,10 +28,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.neighbor_model import NeighborFilterParameters
 from matchset.control.pid import PidParameters
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 
 Floats = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]

@@ -98,7 +98,9 @@ def test_links_decide_what_a_vehicle_is_told() -> None:
     slower = msgspec.structs.replace(flight, pilot=msgspec.structs.replace(flight.pilot, follower=slow))
     assert for_links(slower, ["tello:"]).loop.follower.speeds.takeoff == 9.0
     assert [told_to(uri) for uri in ("tello:", "crsf:///dev/ttyUSB0")] == ["speeds", "angles"]
-    with pytest.raises(ValueError, match="tello: is told speeds, crsf:///x angles and thrust: fly them by two programs"):
+    with pytest.raises(
+        ValueError, match="tello: is told speeds, crsf:///x angles and thrust: fly them by two programs"
+    ):
         for_links(flight, ["tello:", "crsf:///x"])
     with pytest.raises(ValueError, match=r'commands = "speeds": --link crsf:///x tells angles and thrust'):
         for_links(with_world(flight, commands="speeds"), ["crsf:///x"])

@@ -46,7 +46,9 @@ def for_links(parameters: FlightParameters, uris: Sequence[str]) -> FlightParame
     follower = parameters.pilot.follower
     if "angles" in kinds:
         if "speeds" in (follower.commands, parameters.world.commands):
-            raise ValueError(f'commands = "speeds": --link {kinds["angles"]} tells angles and thrust; only tello: speeds')
+            raise ValueError(
+                f'commands = "speeds": --link {kinds["angles"]} tells angles and thrust; only tello: speeds'
+            )
         return parameters
     speeds = msgspec.structs.replace(follower.speeds, takeoff=max(follower.speeds.takeoff, TAKEOFF))
     follower = msgspec.structs.replace(follower, commands="speeds", speeds=speeds)

@@ -220,7 +220,7 @@ def _hold_speeds(now: Any, state: Block, who: int) -> None:
     aim.roll, aim.pitch, aim.thrust = like.full_tilt, like.full_tilt, like.full_thrust * max(left, 0.0)
     landing = silent or not sticks[3] > 0.0
     own = now.on_board[who].view(ON_BOARD)[0]
-    aim_at_speeds(now.speed_control, own, state.view(STATE)[0], sticks, landing, now.time_step, aim)
+    aim_at_speeds(now.speed_control, own, state.view(STATE)[0], sticks, landing, aim)
     aim.roll += now.level_bias[who, 0] + now.level_wander[who, 0]
     aim.pitch += now.level_bias[who, 1] + now.level_wander[who, 1]
 

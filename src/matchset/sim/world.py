@@ -293,7 +293,7 @@ class World(Copied):
         self._part("vehicle", VEHICLE)[:] = vehicle_constants(vehicle)
         self._part("wake", WAKE)[:] = wake_constants(vehicle, parameters.wake)
         electronics, room = motion.electronics, motion.room
-        store_speed_control(motion.speed_control, parameters.speed_control, vehicle)
+        store_speed_control(motion.speed_control, parameters.speed_control, vehicle, STEP)
         electronics.full_tilt = math.radians(vehicle.full_tilt_deg)
         electronics.full_yaw_rate = math.radians(vehicle.full_yaw_rate_deg)
         electronics.full_thrust = conditions.full_thrust(told) * GRAVITY

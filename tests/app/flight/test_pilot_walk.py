@@ -17,6 +17,7 @@ from matchset.control.command import Command
 from matchset.control.follower import Follower
 from matchset.control.repeated_picture import PicturesSeen
 from matchset.control.safety import DesiredCommand, SafetyParameters, SafetyState
+from matchset.control.sticks.angle_sticks import Sticks
 from matchset.links.link import Link, LinkStatus, State
 from matchset.tracking.track import Lost
 from walks import walk_all

@@ -177,14 +177,14 @@ def rise_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
 
 
 def level_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
-    """The same of one that is told a level speed: it asks itself for the acceleration that goes over to it."""
+    """Return the same of one that is told a level speed, and asks itself for the acceleration to it."""
     vehicle = level_vehicle(model, gain)
     vehicle.system[3, 3] = 0.0
     return _held(vehicle, model.speed_time)
 
 
 def rise_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
-    """Lift, speed and height of one that is told a rise."""
+    """Return lift, speed and height of one that is told a rise."""
     vehicle = rise_vehicle(model, gain)
     vehicle.system[1, 1] = 0.0
     return _held(vehicle, model.rise_time)

@@ -28,17 +28,17 @@ class SpeedParameters(
 ):
     """What takes the place of the parameters of the same names of a follower; the key in a file is in parentheses.
 
-    Chosen on flights without pictures of seeds 0 to 4, then lowered until the loops are stable with vehicles nearly half
-    and twice as quick as told, since nobody has measured one: docs/log.md, 2026-11-27.
+    Chosen on flights without pictures of seeds 0 to 4, then lowered until the loops are stable with vehicles nearly
+    half and twice as quick as told, since nobody has measured one: docs/log.md, 2026-11-27.
 
     Parameters
     ----------
     horizontal, vertical : PidParameters
         From m to m/s, for both level axes, and upward (``level``, ``rise``). The neighbor's speed is flown besides, so
         the proportional gain alone comes to rest at the set place; the derivative, of the difference of the speeds, has
-        no unit and makes up for the vehicle's own lag. More of both holds tighter, until the delay makes it swing. There
-        is no integral: a speed that the vehicle flies with sticks in the middle looks like the neighbor's, backward, and
-        is flown against at once.
+        no unit and makes up for the vehicle's own lag. More of both holds tighter, until the delay makes it swing.
+        There is no integral: a speed that the vehicle flies with sticks in the middle looks like the neighbor's,
+        backward, and is flown against at once.
     horizontal_lead, vertical_lead : float
         Time from the first to the full effect of a command, s, for which places and speeds are predicted. More is
         calmer, until the prediction fails (``lead``, ``rise_lead``).

@@ -4,8 +4,8 @@ Its level speed goes over to the one that is told with the time T, ``v' = (u - v
 
     u = v_set + T a_set + P (p_set - p) + D (v_set - v) + trim
 
-accelerates it by ``a_set + (P (p_set - p) + (1 + D) (v_set - v)) / T``: v_set alone already damps. All of it is taken for
-the time at which the command acts. There is no throttle that hovers: half of it stands still.
+accelerates it by ``a_set + (P (p_set - p) + (1 + D) (v_set - v)) / T``: v_set alone already damps. All of it is taken
+for the time at which the command acts. There is no throttle that hovers: half of it stands still.
 """
 
 import math

@@ -137,6 +137,8 @@ class TelloParameters(msgspec.Struct, frozen=True, kw_only=True):
         How long any other answer may take, s.
     takeoff_timeout, landing_timeout : float
         How long it may take to take off or to land, s. It answers when it has.
+    takeoff_time : float
+        How long it takes to take off, about, s: until then a follower learns nothing.
     repeat_period : float
         Time after which a first command that was not answered is sent again, s.
     poll_period : float
@@ -164,6 +166,7 @@ class TelloParameters(msgspec.Struct, frozen=True, kw_only=True):
     answer_timeout: float = 3.0
     takeoff_timeout: float = 20.0
     landing_timeout: float = 15.0
+    takeoff_time: float = 5.0
     repeat_period: float = 1.0
     poll_period: float = 0.01
     hold_time: float = 0.3

@@ -76,6 +76,7 @@ class SpeedControl:
     pull: float  # m/s^2 level that a tilt of 45 degrees gives: g over moved to carried mass
     weight: float  # N
     moved_mass: float  # kg
+    time_step: float  # s
 
 
 class OnBoard:
@@ -85,7 +86,9 @@ class OnBoard:
     push: Annotated[Floats, (3,), "f8"]  # i, m/s^2
 
 
-def store_speed_control(record: Any, parameters: SpeedControlParameters, vehicle: VehicleParameters) -> None:
+def store_speed_control(
+    record: Any, parameters: SpeedControlParameters, vehicle: VehicleParameters, time_step: float
+) -> None:
     """Write `SpeedControl` of a vehicle.
 
     Parameters
@@ -94,7 +97,10 @@ def store_speed_control(record: Any, parameters: SpeedControlParameters, vehicle
     parameters : SpeedControlParameters
     vehicle : VehicleParameters
         As it is.
+    time_step : float
+        s.
     """
+    record.time_step = time_step
     for name in parameters.__struct_fields__:
         setattr(record, name, getattr(parameters, name))
     record.weight, record.moved_mass = vehicle.mass * GRAVITY, vehicle.moved_mass
@@ -102,7 +108,7 @@ def store_speed_control(record: Any, parameters: SpeedControlParameters, vehicle
 
 
 @kernel(refcount=False)
-def aim_at_speeds(like: Any, own: Any, state: Any, sticks: Floats, landing: bool, step: float, aim: Any) -> None:
+def aim_at_speeds(like: Any, own: Any, state: Any, sticks: Floats, landing: bool, aim: Any) -> None:
     """Write the tilt and the thrust that hold the speeds of the sticks, and go on by a step.
 
     Parameters
@@ -114,8 +120,6 @@ def aim_at_speeds(like: Any, own: Any, state: Any, sticks: Floats, landing: bool
         Roll, pitch, yaw, throttle.
     landing : bool
         Whether it lands instead.
-    step : float
-        s.
     aim : record of `Setpoint`, written
         Its roll and pitch are limited to what they were before: the largest tilt, rad; and its thrust, N.
     """
@@ -131,9 +135,9 @@ def aim_at_speeds(like: Any, own: Any, state: Any, sticks: Floats, landing: bool
     if landing:
         told = (0.0, 0.0, -like.landing_speed)
     times = (like.speed_time, like.speed_time, like.rise_time)
-    right = hold(like, own, 0, (told[0], speeds[0], times[0]), step)
-    forward = hold(like, own, 1, (told[1], speeds[1], times[1]), step)
-    up = hold(like, own, 2, (told[2], speeds[2], times[2]), step)
+    right = hold(like, own, 0, (told[0], speeds[0], times[0]))
+    forward = hold(like, own, 1, (told[1], speeds[1], times[1]))
+    up = hold(like, own, 2, (told[2], speeds[2], times[2]))
     aim.roll = min(max(math.atan(right / like.pull), -aim.roll), aim.roll)
     aim.pitch = min(max(math.atan(forward / like.pull), -aim.pitch), aim.pitch)
     thrust = (like.weight + like.moved_mass * up) / (math.cos(aim.roll) * math.cos(aim.pitch))
@@ -141,9 +145,10 @@ def aim_at_speeds(like: Any, own: Any, state: Any, sticks: Floats, landing: bool
 
 
 @kernel(refcount=False)
-def hold(like: Any, own: Any, axis: int, of: tuple[float, float, float], step: float) -> float:
+def hold(like: Any, own: Any, axis: int, of: tuple[float, float, float]) -> float:
     """Return the acceleration of an axis, m/s^2, from what it is told, its speed and its time; go on by a step."""
     told, speed, time = of
+    step = like.time_step
     asked: float = (told - speed) / time + own.push[axis]
     push = own.push[axis] + (own.speed[axis] - speed) * step / (time * like.hold_time)
     own.push[axis] = min(max(push, -like.most_push), like.most_push)

@@ -17,16 +17,18 @@ from matchset.app.flight.config import with_world
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.linked.opening import open_link
 from matchset.app.flight.linked.parameters import LinkedFollower
-from matchset.app.flight.linked.vehicle_kind import TAKEOFF, for_links, start_video, told_to
+from matchset.app.flight.linked.vehicle_kind import for_links, start_video, told_to
 from matchset.control.command import Command
 from matchset.control.follower import Follower, FollowerParameters, RelativeSetpoint
 from matchset.control.safety import SafetyInputs, SafetyState, safety_filter
 from matchset.image.errors import LinkError
+from matchset.links.tello.tello_client import TelloParameters
 from matchset.links.tello.tello_link import TelloLink
 from matchset.localization.pose import Pose
 from mjpeg_server import MjpegServer
 
 TELLO = "tello:127.0.0.1"
+TAKEOFF = TelloParameters().takeoff_time
 
 
 def free_port() -> int:

@@ -8,10 +8,8 @@ import msgspec
 from matchset.app.flight.config import with_world
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.linked.parameters import LinkedFollower
-from matchset.links.tello.tello_client import SCHEME, parse_tello
+from matchset.links.tello.tello_client import SCHEME, TelloParameters, parse_tello
 from matchset.links.tello.tello_link import TelloLink
-
-TAKEOFF = 5.0  # s: what a Tello takes for its own take-off, about
 
 
 def told_to(uri: str) -> Literal["angles", "speeds"]:
@@ -50,7 +48,9 @@ def for_links(parameters: FlightParameters, uris: Sequence[str]) -> FlightParame
                 f'commands = "speeds": --link {kinds["angles"]} tells angles and thrust; only tello: speeds'
             )
         return parameters
-    speeds = msgspec.structs.replace(follower.speeds, takeoff=max(follower.speeds.takeoff, TAKEOFF))
+    speeds = msgspec.structs.replace(
+        follower.speeds, takeoff=max(follower.speeds.takeoff, TelloParameters().takeoff_time)
+    )
     follower = msgspec.structs.replace(follower, commands="speeds", speeds=speeds)
     pilot = msgspec.structs.replace(parameters.pilot, follower=follower)
     return msgspec.structs.replace(with_world(parameters, commands="speeds"), pilot=pilot)

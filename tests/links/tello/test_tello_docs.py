@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from fake_tello import FakeTello
 
+from matchset.app.flight.config import read_flight
+from matchset.app.flight.linked.vehicle_kind import for_links
 from matchset.links import connect
 from matchset.links.tello.tello_client import STATES, VIDEO, TelloParameters, parse_tello
 from matchset.links.tello.tello_link import TelloLink
@@ -44,3 +46,14 @@ def test_the_numbers_of_the_page_are_those_of_the_code() -> None:
     assert p.cuts == 10
     for uri in re.findall(r"`(tello:[^`]*)`", PAGE):
         parse_tello(uri)
+
+
+def test_the_settings_of_the_page_are_read(tmp_path: Path) -> None:
+    (settings,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    (tmp_path / "tello.toml").write_text(settings)
+    flight = for_links(read_flight(tmp_path / "tello.toml"), ["tello:"])
+    own, speeds = flight.loop.follower.ego_motion, flight.loop.follower.speeds
+    assert (own.delay, own.full_yaw_rate, own.told_speeds) == (0.1, 1.75, True)
+    assert f"{speeds.horizontal.proportional:g} times the error; so for the height" in PAGE
+    assert f"with {speeds.vertical.proportional:g}" in PAGE
+    assert f"1 m up, {TelloParameters().takeoff_time:g} s" in PAGE

@@ -257,7 +257,7 @@ def test_weights_are_tukey_s_biweight_after_least_absolute_values() -> None:
 
 def test_fields_that_lie_apart_make_the_place_less_sure_along_their_offset() -> None:
     place, share, offset = np.array((0.0, 0.0, 1.5)), 0.1, np.array((0.0, 12.0))
-    seen = track(PINHOLE, place)
+    seen = ball(PINHOLE, place)
     apart = msgspec.structs.replace(seen, field_offset=tuple(offset.tolist()))
     parameters = msgspec.structs.replace(BARE, field_share=share)
     _, still = located(PINHOLE, seen, parameters)

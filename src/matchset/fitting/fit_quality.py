@@ -79,7 +79,7 @@ class QualityParameters(msgspec.Struct, frozen=True):
     covariance_min_score: float = 0.1
     center_sigma: float = 0.01
     size_sigma: float = 0.05
-    field_share: float = 0.1
+    field_share: float = 0.05
 
 
 @helper

@@ -27,7 +27,7 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
-from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball
+from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball, in_lights
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -181,6 +181,7 @@ class Pilot:
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._link_is_armed = False
         self._tracker = Tracker(Circle, self._colors.ball, parameters=IN_FLIGHT)
+        self._lights = in_lights(self._colors.ball, self.parameters.association.shade)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
         self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)
@@ -368,7 +369,7 @@ class Pilot:
             return True
         place, near, candidates = self.parameters.place, self.parameters.near, self.parameters.association.candidates
         expected = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
-        ball = find_neighbor_ball(frame, self._colors.ball, self._localizer, expected, near, candidates)
+        ball = find_neighbor_ball(frame, self._lights, self._localizer, expected, near, candidates)
         if ball is not None:
             self._tracker.start(ball)
         return ball is not None

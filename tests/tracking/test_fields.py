@@ -52,16 +52,18 @@ def test_a_fast_ball_in_whole_frames_has_no_fields() -> None:
 
 @pytest.mark.parametrize(("name", "share"), [("fast", 0.5), ("clean", 0.0)])
 def test_a_track_tells_how_far_its_fields_lie_apart(name: str, share: float) -> None:
-    clip = sequence(name, SEEDS[0], 60, **({} if share else {"speed": 2.0}))
+    changes = {} if share else {"speed": 2.0}
+    clip = sequence(name, SEEDS[0], 60, **changes)
     tracker, errors, before = None, [], None
     for frame, truth in clip:
+        assert truth.circle is not None
         if tracker is None:
             color = ms.ColorModel.pick(frame.image, truth.circle.x, truth.circle.y)
             tracker = ms.Tracker(ms.Circle, color, start=(truth.circle.x, truth.circle.y))
         track = tracker.update(frame)
         if isinstance(track, ms.Track) and before is not None and frame.index > 20:
             way = truth.circle.state[:2] - before
-            errors.append(np.hypot(*(np.abs(track.field_offset) - share * np.abs(way))))
+            errors.append(math.hypot(*(np.abs(track.field_offset) - share * np.abs(way)).tolist()))
         before = truth.circle.state[:2]
     assert np.median(errors) < 1.0
 

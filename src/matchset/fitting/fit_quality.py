@@ -56,6 +56,10 @@ class QualityParameters(msgspec.Struct, frozen=True):
     center_sigma, size_sigma : float
         Least standard deviation of place and size, px: shading, blur and the grid of pixels shift all points alike.
         Chosen by: `python -m benchmarks --only covariance`.
+    field_share : float
+        Standard deviation of the place besides in an interlaced picture, along the offset of its fields and as a share
+        of it: what one field shows alone pulls the outline to it. That of the size has half the variance. Chosen on
+        rendered flights, seeds 910 to 915; `python -m benchmarks.flight.vision` shows a change.
     """
 
     tolerance: float = 0.06
@@ -75,6 +79,7 @@ class QualityParameters(msgspec.Struct, frozen=True):
     covariance_min_score: float = 0.1
     center_sigma: float = 0.01
     size_sigma: float = 0.05
+    field_share: float = 0.05
 
 
 @helper
@@ -214,4 +219,16 @@ def write_answer(work: Record, points: Floats, covariance: Floats) -> tuple[floa
         for k in range(p):
             covariance[j, k] = inflation * 0.5 * (found[j, k] + found[k, j])
         covariance[j, j] += (limits.center_sigma if j < 2 else limits.size_sigma) ** 2
+    add_motion(work, covariance)
     return float(fit.inliers / max(fit.visible, 1)), count
+
+
+@helper
+def add_motion(work: Record, covariance: Floats) -> None:
+    """Add to a covariance what fields that lie apart do to the place, along their offset, and to the size."""
+    share, offset = work.quality_limits.field_share, work.field_offset.fitted
+    for j in range(2):
+        for k in range(2):
+            covariance[j, k] += share * share * offset[j] * offset[k]
+    if work.parameter_count > 2:
+        covariance[2, 2] += 0.5 * share * share * (offset[0] * offset[0] + offset[1] * offset[1])

@@ -47,6 +47,9 @@ class BallParameters(msgspec.Struct, frozen=True):
     center_sigma_px, size_sigma_px : float
         Standard deviation of an error of center and radius that all edge points share (shading, blur, the grid of
         pixels). Chosen in: decision 015; `python -m benchmarks --only localization_covariance` would show a change.
+    field_share : float
+        The same in an interlaced picture, along the offset of its fields and as a share of it; that of the radius has
+        half the variance. As `QualityParameters.field_share`.
     iterations : int
         Most rounds of reweighting. Chosen by hand: 14 are typical (docs/log.md, 2026-11-21).
     absolute_iterations : int
@@ -69,6 +72,7 @@ class BallParameters(msgspec.Struct, frozen=True):
     min_sigma_px: float = 0.02
     center_sigma_px: float = 0.014
     size_sigma_px: float = 0.025
+    field_share: float = 0.1
     iterations: int = 16
     absolute_iterations: int = 6
     biweight_cutoff: float = 4.7

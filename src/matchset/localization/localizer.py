@@ -160,12 +160,20 @@ class Localizer(Copied):
         self._inside[0], self._inside[1] = circle.x, circle.y
         robust = len(points) >= self.parameters.ball.min_points
         self._robust[0] = robust
-        self._shared_covariance[:] = self._shared if robust else ball.covariance
+        self._shared_covariance[:] = self._shared_by_all(ball.field_offset) if robust else ball.covariance
         if not robust:
             return UNIT_CIRCLE * circle.radius + (circle.x, circle.y)
         if points.dtype != np.float64 or not points.flags.carray:  # to the compiler read-only arrays are another type
             return np.array(points, np.float64, order="C")
         return points
+
+    def _shared_by_all(self, offset: tuple[float, float]) -> Floats:
+        """Covariance of an error of x, y and radius that all points share; `offset`: of the fields, px."""
+        apart, share = np.array(offset), self.parameters.ball.field_share
+        shared = self._shared.copy()
+        shared[:2, :2] += share**2 * np.outer(apart, apart)
+        shared[2, 2] += 0.5 * share**2 * float(apart @ apart)
+        return shared
 
     def _take_markers(self, markers: Iterable[Track[Circle] | Lost[Circle]]) -> int:
         """Write the markers' places in the image and their covariances; returns how many count."""

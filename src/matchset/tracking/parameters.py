@@ -3,6 +3,7 @@
 import msgspec
 
 from matchset.fitting.fitter import FittingParameters
+from matchset.fitting.prior import FieldParameters
 from matchset.fitting.soft_region import SoftRegionParameters
 from matchset.image.brightness import BrightnessParameters
 from matchset.image.light.color_adaptation import AdaptationParameters
@@ -99,3 +100,11 @@ class TrackerParameters(FittingParameters, frozen=True, repr_omit_defaults=True)
     too_near: TooNearParameters = TooNearParameters()
     remembered: int = 30
     coast: float = 0.35
+
+
+IN_FLIGHT = TrackerParameters(network=NetworkParameters(looks=4, size_sigma=0.03), fields=FieldParameters(memory=0.98))
+"""How a vehicle follows its neighbor's ball.
+
+Few looks, since a command waits for them; no ball grows by more than 3 % from one picture to the next; and the fields
+of one camera lie as far apart as they are. Chosen on a rendered flight, seed 1107.
+"""

@@ -70,6 +70,9 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
     acquired : Acquisition or None
         When it was found, or found again after it was lost: since then it is followed from frame to frame. Of this
         frame if `acquired.time` is its time. None where `Tracker.start` said where it is.
+    field_offset : tuple of float
+        In a picture of two interlaced fields, from where the odd rows show the shape to where the even rows do, px; the
+        shape is midway. Near 0 in other pictures, and of a shape at rest.
     """
 
     shape: S
@@ -78,6 +81,7 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
     match_set: npt.NDArray[np.float64]
     time: float
     acquired: Acquisition | None = None
+    field_offset: tuple[float, float] = (0.0, 0.0)
 
     def measured(self) -> dict[str, tuple[float, float | None]]:
         """Return the shape's parameters by name, px and rad, with their standard deviations; None if not finite."""

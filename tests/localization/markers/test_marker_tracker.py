@@ -1,4 +1,5 @@
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -187,3 +188,37 @@ def test_no_marker_is_placed_beyond_the_border(beyond: float) -> None:
         found = finder.update(ms.Frame(image, index / 30.0, index), ball)
         assert found or beyond > 0.0
         assert all(marker.shape.x < 159.5 for marker in found)
+
+
+def _resting(place: Floats) -> Callable[[float], Floats]:
+    return lambda _: place
+
+
+@pytest.mark.parametrize("apart", [(0.0, 14.0), (6.0, -9.0), (-8.0, 0.0)])
+def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float, float]) -> None:
+    turn, target = looking(15.0, 40.0), ms.BallTarget()
+    pictures, places, circles = [], [], []
+    for sign in (1.0, -1.0):  # even rows, odd rows
+        shift = sign * 0.5 * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*apart, 0.0))
+        place = PLACE + shift
+        flight = BallFlightClip(
+            camera=PINHOLE, place=_resting(place), turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
+            preset="clean",
+        )  # fmt: skip
+        frame = next(iter(flight))
+        tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=tuple(PINHOLE.project(place[np.newaxis])[0].tolist()))
+        ball = tracker.update(frame)
+        (marker,) = ms.MarkerTracker(PURPLE, target).update(frame, ball)
+        assert isinstance(ball, ms.Track)
+        pictures.append(frame.image)
+        circles.append(ball.shape.state)
+        places.append((marker.shape.x, marker.shape.y))
+    both = pictures[0].copy()
+    both[1::2] = pictures[1][1::2]
+    whole = ms.Track(
+        ms.Circle.from_state(np.mean(circles, axis=0)), 0.01 * np.eye(3), 1.0, np.empty((0, 2)), 0.0, field_offset=apart
+    )
+    finder = ms.MarkerTracker(PURPLE, target)
+    for _ in range(2):  # found, then followed
+        (marker,) = finder.update(both, whole)
+        assert math.dist((marker.shape.x, marker.shape.y), np.mean(places, axis=0).tolist()) < 0.3

@@ -27,17 +27,13 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
-from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball
+from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball, in_lights
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
-from matchset.tracking.ball.judge import NetworkParameters
-from matchset.tracking.parameters import TrackerParameters
+from matchset.tracking.parameters import IN_FLIGHT
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
-
-TRACKING = TrackerParameters(network=NetworkParameters(looks=4))
-"""How a follower tracks its ball: the network of discs judges it, with few looks, since a command waits for them."""
 
 STAGES = ("capture", "track", "markers", "localize", "control", "send")
 """Of a step, in their order; `PilotStep.stage_times` has their computing times."""
@@ -184,7 +180,8 @@ class Pilot:
         target = self.parameters.target
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._link_is_armed = False
-        self._tracker = Tracker(Circle, self._colors.ball, parameters=TRACKING)
+        self._tracker = Tracker(Circle, self._colors.ball, parameters=IN_FLIGHT)
+        self._lights = in_lights(self._colors.ball, self.parameters.association.shade)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
         self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)
@@ -372,7 +369,7 @@ class Pilot:
             return True
         place, near, candidates = self.parameters.place, self.parameters.near, self.parameters.association.candidates
         expected = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
-        ball = find_neighbor_ball(frame, self._colors.ball, self._localizer, expected, near, candidates)
+        ball = find_neighbor_ball(frame, self._lights, self._localizer, expected, near, candidates)
         if ball is not None:
             self._tracker.start(ball)
         return ball is not None

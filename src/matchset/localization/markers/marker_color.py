@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from matchset.localization.markers.marker_patch import field_shift
 from matchset.localization.markers.marker_shape import ellipse_axes
 from matchset.numeric.jit import kernel
 from matchset.numeric.linalg import invert_3x3, transform
@@ -28,7 +29,12 @@ def _cell(image: Bytes, row: int, column: int) -> int:
 
 @kernel(refcount=False)
 def mark_color(
-    image: Bytes, table: npt.NDArray[np.int8], circle: tuple[float, float, float], step: int, mask: Bytes
+    image: Bytes,
+    table: npt.NDArray[np.int8],
+    circle: tuple[float, float, float],
+    fields: tuple[float, float],
+    step: int,
+    mask: Bytes,
 ) -> tuple[int, int]:
     """Mark the pixels of a color inside a circle, on a grid of every `step`-th pixel.
 
@@ -39,6 +45,8 @@ def mark_color(
         See `ColorModel`.
     circle : tuple of 3 floats
         x, y, radius, px.
+    fields : tuple of 2 floats
+        From the odd rows' field to that of the even rows, px: each row is read where its field shows the circle.
     step : int
     mask : (n, n) uint8, written
         1 where the mean score over the cell's 3 x 3 pixels is positive.
@@ -57,12 +65,15 @@ def mark_color(
             mask[i, j] = 0
             if (column - x) ** 2 + (row - y) ** 2 > radius * radius:
                 continue
-            if row < 1 or column < 1 or row >= height - 1 or column >= width - 1:
-                continue
             score = 0
             for a in range(row - 1, row + 2):
-                for b in range(column - 1, column + 2):
-                    score += table[_cell(image, a, b)]
+                half = 0.5 - (a & 1)
+                there, beside = a + 2 * round(0.5 * half * fields[1]), column + round(half * fields[0])
+                if there < 0 or beside < 1 or there >= height or beside >= width - 1:
+                    score = 0
+                    break
+                for b in range(beside - 1, beside + 2):
+                    score += table[_cell(image, there, b)]
             mask[i, j] = score > 0
     return left, top
 
@@ -96,8 +107,8 @@ def _marker_axes(work: Any) -> Floats:
 
 
 @kernel(refcount=False)
-def _distance_squared(axes: Floats, column: int, row: int) -> float:
-    """Squared distance of a pixel from the nearest marker, foreshortening taken out, px^2."""
+def _distance_squared(axes: Floats, column: float, row: float) -> float:
+    """Squared distance of a point from the nearest marker, foreshortening taken out, px^2."""
     nearest = math.inf
     for marker in range(axes.shape[0]):
         k = np.uintp(marker)
@@ -130,10 +141,11 @@ def sum_colors(image: Bytes, work: Any, sums: Floats) -> None:
     height, width, channels = image.shape
     flat, left = image.reshape(-1), max(int(ball.x - reach), 0)
     for row in range(max(int(ball.y - reach), 0), min(int(ball.y + reach) + 1, height), step):
-        half = math.sqrt(max(reach * reach - (row - ball.y) ** 2, 0.0))
-        first = left + step * max(math.ceil((ball.x - half - left) / step), 0)
-        for column in range(first, min(math.floor(ball.x + half) + 1, width), step):
-            nearest = _distance_squared(axes, column, row)
+        right, under = field_shift(ball, row)
+        half, x = math.sqrt(max(reach * reach - (row - under - ball.y) ** 2, 0.0)), ball.x + right
+        first = left + step * max(math.ceil((x - half - left) / step), 0)
+        for column in range(first, min(math.floor(x + half) + 1, width), step):
+            nearest = _distance_squared(axes, column - right, row - under)
             if nearest < inside or nearest > outside:
                 at = np.uintp((row * width + column) * channels)
                 b, g, r = float(flat[at]), 0.0, 0.0

@@ -229,7 +229,8 @@ def fit_marker(image: Bytes, work: Any, which: int) -> None:
     window, sums, limits, result = work.window, work.sums, work.limits.fit, work.result
     window.semi_axis, window.contrast, window.level = work.patch_radius * work.ball.radius, 1.0, 0.0
     window.reach = (1.0 + limits.around) * window.semi_axis + limits.margin_px
-    window.span = 2 * int(window.reach + limits.margin_px) + 1
+    apart = 0.5 * max(abs(work.ball.field_x), abs(work.ball.field_y))  # px, by which a field is beside the middle
+    window.span = 2 * int(window.reach + limits.margin_px + apart) + 1
     patch, rows = new_patch(window.span), new_rows(window.span * (window.span + 1))
     least = 0 if work.noise_correlation > 0.0 else 1
     result.contrast = result.noise = result.explained = 0.0

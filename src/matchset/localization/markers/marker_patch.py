@@ -45,6 +45,13 @@ def new_patch(span: int) -> Patch:
 
 
 @kernel(refcount=False)
+def field_shift(ball: Any, row: int) -> tuple[float, float]:
+    """From where a thing is to where a row of an interlaced picture shows it, px."""
+    half = 0.5 - (row & 1)
+    return half * ball.field_x, half * ball.field_y
+
+
+@kernel(refcount=False)
 def _ball_around(image: Bytes, work: Any, middle: tuple[float, float], reach: float, points: Floats) -> int:
     """Write offsets and brightness of pixels of the ball around a marker, every few px; returns how many."""
     ball, window, limits, ground = work.ball, work.window, work.limits.fit, work.brightness
@@ -54,12 +61,13 @@ def _ball_around(image: Bytes, work: Any, middle: tuple[float, float], reach: fl
     height, width, channels = image.shape
     spacing, count = 1 + int(reach / limits.shading_spacing_px), 0
     for row in range(max(int(y0 - reach), 0), min(int(y0 + reach) + 1, height), spacing):
+        right, under = field_shift(ball, row)
         for column in range(max(int(x0 - reach), 0), min(int(x0 + reach) + 1, width), spacing):
-            dx, dy = column - x0, row - y0
+            dx, dy = column - right - x0, row - under - y0
             along, across = (dx * ux + dy * uy) * narrow, dy * ux - dx * uy
             if along * along + across * across < inner or dx * dx + dy * dy > reach * reach:
                 continue
-            if (column - ball.x) ** 2 + (row - ball.y) ** 2 > edge:
+            if (x0 + dx - ball.x) ** 2 + (y0 + dy - ball.y) ** 2 > edge:
                 continue
             value = 0.0
             for c in range(channels):
@@ -177,6 +185,17 @@ def _leave_out(x: float, y: float, ox: float, oy: float, patch: Patch) -> None:
         weights[j] = weights[j] * np.float32(rx * rx + ry * ry >= dx * dx + dy * dy)
 
 
+@kernel(refcount=False)
+def _place_pixels(work: Any, patch: Patch) -> None:
+    """Write where the pixels would be if both fields were taken at one time."""
+    ball, top, stride, xs, ys = work.ball, work.window.top, work.window.span + 1, patch.x, patch.y
+    for i in range(work.window.span):
+        right, under = field_shift(ball, top + i)
+        first, begin, row = np.uintp(i * stride), np.float32(-1.0 - right), np.float32(i - under)
+        for j in range(stride):
+            xs[first + np.uintp(j)], ys[first + np.uintp(j)] = np.float32(j) + begin, row
+
+
 @kernel
 def read_patch(image: Bytes, work: Any, which: int, patch: Patch) -> None:
     """Read and weigh the pixels around a marker.
@@ -193,6 +212,8 @@ def read_patch(image: Bytes, work: Any, which: int, patch: Patch) -> None:
     height, width, channels = image.shape
     left, top, span = work.window.left, work.window.top, work.window.span
     flat, weights = image.reshape(-1), patch.weight
+    if work.ball.field_x != 0.0 or work.ball.field_y != 0.0:
+        _place_pixels(work, patch)
     begin, end = max(-left, 0), min(width - left, span)
     for place in range(weights.shape[0]):
         weights[np.uintp(place)] = ZERO

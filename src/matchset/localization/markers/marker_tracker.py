@@ -60,6 +60,7 @@ class MarkerTracker(Copied):
         whole = self._block.view(MARKERS)
         self._count, self._seen, ball = whole["count"], whole["seen"], whole["ball"]  # each has one element
         self._ball = ball["x"], ball["y"], ball["radius"], ball["radius_variance"]
+        self._fields = ball["field_x"], ball["field_y"]
         self._offsets, self._order, self._middle = work.offsets, work.order, work.middle
         self._radius, self._explained, self._covariance, self._rim = (
             work.radius,
@@ -73,7 +74,7 @@ class MarkerTracker(Copied):
         """Compile the kernels, so that no frame waits for them."""
         image, block = np.zeros((3, 3, self.color.channels), np.uint8), new_block(MARKERS)
         fields(block, MARKERS).ball.radius = 1.0
-        mark_color(image, self.color.table, (1.0, 1.0, 1.0), 1, np.zeros((1, 1), np.uint8))
+        mark_color(image, self.color.table, (1.0, 1.0, 1.0), (0.0, 0.0), 1, np.zeros((1, 1), np.uint8))
         follow_markers(image, block)
 
     @one_line
@@ -108,19 +109,19 @@ class MarkerTracker(Copied):
             return ()
         image = channels_last(whole)
         if self._missed.count(0) < len(self.target.markers):
-            self._search(image, ball.shape)
+            self._search(image, ball.shape, ball.field_offset)
         if not self._missed:
             return ()
         return self._follow(image, ball)
 
-    def _search(self, image: Image, ball: Circle) -> None:
+    def _search(self, image: Image, ball: Circle, fields: tuple[float, float]) -> None:
         """Add patches of the color that are not known yet."""
         limits, x, y, radius = self.parameters, float(ball.x), float(ball.y), float(ball.radius)
         step = max(round(2.0 * radius / limits.grid_cells), 1)
         cells = int(2.0 * radius / step) + 2
         mask = np.zeros((cells, cells), np.uint8)
         circle = x, y, limits.search_radius * radius
-        corner = mark_color(image, self.color.table, circle, step, mask)
+        corner = mark_color(image, self.color.table, circle, fields, step, mask)
         count, _, stats, centers = cv2.connectedComponentsWithStats(mask, connectivity=4)
         whole = math.pi * (self._separation * radius / step) ** 2
         found = sorted(range(1, count), key=lambda k: -int(stats[k, cv2.CC_STAT_AREA]))
@@ -145,6 +146,7 @@ class MarkerTracker(Copied):
         """Place every marker; expect those that are not there for a while, then forget them."""
         circle, missed, (x, y, radius, variance) = ball.shape, self._missed, self._ball
         x[0], y[0], radius[0], variance[0] = circle.x, circle.y, circle.radius, ball.covariance[2, 2]
+        self._fields[0][0], self._fields[1][0] = ball.field_offset
         self._count[0], self._seen[0] = len(missed), missed.count(0)
         count = follow_markers(image, self._block)
         if count < len(missed):

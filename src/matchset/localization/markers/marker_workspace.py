@@ -176,6 +176,8 @@ class Ball:
     y: float
     radius: float
     radius_variance: float  # px^2
+    field_x: float  # from the odd rows' field to that of the even rows, px
+    field_y: float
 
 
 class Window:

@@ -14,11 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.fitting.fitter import Estimate, Fitter
+from matchset.fitting.prior import time_between_fields
 from matchset.fitting.soft_region import SoftRegion, find_soft_region
 from matchset.fitting.validation import Prior, Rejection
 from matchset.fitting.workspace import SearchWindow
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.network import Disc
+from matchset.numeric.jit import interpreted
 from matchset.shapes.shape import outline
 from matchset.tracking.ball.judge import (
     DISC,
@@ -112,10 +114,14 @@ class OutlineChoice:
             return None
         if speed > self._parameters.soft_region.least_way * disc.circle[2]:
             disc = self._with_region(image, disc, estimate.state)
+        if not estimate.rejection and self._is_interlaced() and self._fields_apart(disc):
+            disc = of_both_fields(disc, estimate.state, fitter.work.field_offset.fitted)
+            if squared_distances(disc, estimate.state[:DISC]) < limits.differs:
+                return None
         if size is not None:
             disc = self.network.of_size(disc, size)
         made, predicted = fitter.block.copy(), fitter.work.motion.predicted[:DISC].copy()
-        fitted = self._fit_following(image, color, estimate.state, np.array(disc.circle), speed, disc)
+        fitted = self._fit_following(image, color, estimate.state, speed, disc)
         taken = self._taken(image, color, fitted, [disc], predicted)
         if taken is not None:
             return taken
@@ -125,6 +131,11 @@ class OutlineChoice:
             return None
         self.spread = covariance_of(disc)
         return fitted
+
+    def _fields_apart(self, disc: Disc) -> bool:
+        """Whether the fields lie farther apart than the fit around a disc looks."""
+        limits, offset = self.network.limits, self._fitter.work.field_offset.fitted
+        return math.hypot(*offset.tolist()) > max(limits.range_share * disc.circle[2], limits.min_range_px)
 
     def refined(self, image: Image, disc: Disc) -> Disc:
         """Mean of a disc with the region there, if that is blurred.
@@ -163,15 +174,19 @@ class OutlineChoice:
         sigma = limits.sigma * region.half_width * (limits.worth / worth) ** 2
         return self.network.weighed(disc, (region.x, region.y, region.half_width), sigma)
 
-    def _fit_following(
-        self, image: Image, color: ColorModel, state: Floats, begin: Floats, speed: float, disc: Disc | None = None
-    ) -> Estimate:
-        """Fit around an outline of a target that is followed: what is known of its motion is of the first fit."""
+    def _fit_following(self, image: Image, color: ColorModel, state: Floats, speed: float, disc: Disc) -> Estimate:
+        """Fit around a disc of a target that is followed: with its fields where the picture is known to have two."""
+        if self._is_interlaced():
+            return self._fit(image, color, state, np.array(disc.circle), prior=disc, speed=speed)
         work = self._fitter.work
         fields = work.field_offset.fitted.copy()
-        fitted = self._fit(image, color, state, begin, prior=disc)
+        fitted = self._fit(image, color, state, np.array(disc.circle), prior=disc)
         work.window.speed, work.field_offset.fitted[:] = speed, fields
         return fitted
+
+    def _is_interlaced(self) -> bool:
+        """Whether the frames before showed two fields, half a frame apart."""
+        return interpreted(time_between_fields)(self._fitter.work)[1] > 0.0
 
     def _fit(
         self,
@@ -182,15 +197,16 @@ class OutlineChoice:
         *,
         unknown: bool = False,
         prior: Disc | None = None,
+        speed: float = 0.0,
     ) -> Estimate:
         """Fit in a narrow window around an outline; with a prior that begins there, a disc of the network.
 
-        `unknown`: whether nothing is known of the direction in which it moves.
+        `unknown`: whether nothing is known of the direction in which it moves; `speed`: px per frame, if it is.
         """
         limits, whole = self.network.limits, state.copy()
         whole[: len(begin)] = begin
         reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
-        window = SearchWindow(reach, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
+        window = SearchWindow(reach, speed, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
         if prior is None:
             return self._fitter.fit(image, color, whole, window)
         sigma, of_motion = self._fitter.work.motion.prior_sigma, self._fitter.work.motion.prior_sigma.copy()
@@ -304,3 +320,26 @@ class OutlineChoice:
             fitter.block[:] = made
             return estimate
         return fitted
+
+
+def of_both_fields(disc: Disc, state: Floats, offset: Floats) -> Disc:
+    """Disc of which the network may have seen one field only: along the offset of the fields the fit is believed.
+
+    Parameters
+    ----------
+    disc : Disc
+    state : ndarray of shape (s,), float64
+        Of the fit.
+    offset : ndarray of shape (2,), float64
+        From one field to the other, as it was fitted, px; zeros in pictures that are not interlaced.
+    """
+    square = float(offset @ offset)
+    if square == 0.0:
+        return disc
+    x, y, radius = disc.circle
+    share = float(offset @ (state[:2] - (x, y))) / square
+    share = min(max(share, -0.5), 0.5)
+    covariance = covariance_of(disc)
+    covariance[:2, :2] += 0.25 * np.outer(offset, offset)
+    circle = x + share * float(offset[0]), y + share * float(offset[1]), radius
+    return disc._replace(circle=circle, precision=np.asarray(np.linalg.inv(covariance), np.float64))

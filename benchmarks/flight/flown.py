@@ -13,9 +13,9 @@ import msgspec
 
 import matchset
 from benchmarks.flight.rows import Listed
-from benchmarks.workers import spread_until
 from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
 from matchset.app.flight.score import FlightScore, FlightScorer
+from matchset.app.simulate.flights import in_processes
 
 DECIDING = (".py", ".toml", ".npz")
 """Endings of the package's files that decide a flight: code, settings, weights."""
@@ -156,7 +156,7 @@ def flier(jobs: int) -> Flier:
 
     def fly(flights: Sequence[FlightParameters], stop: Callable[[], bool]) -> Iterator[tuple[int, Flown]]:
         if jobs > 1:
-            yield from spread_until(fly_noted, flights, jobs, stop)
+            yield from in_processes(fly_noted, flights, jobs, stop)
             return
         for number, flight in enumerate(flights):
             flown = fly_noted(flight, stop) if not stop() else None

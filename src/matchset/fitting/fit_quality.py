@@ -229,6 +229,6 @@ def add_motion(work: Record, covariance: Floats) -> None:
     share, offset = work.quality_limits.field_share, work.field_offset.fitted
     for j in range(2):
         for k in range(2):
-            covariance[j, k] += share * share * offset[j] * offset[k]
+            covariance[j, k] += share * share * (offset[j] * offset[k])
     if work.parameter_count > 2:
         covariance[2, 2] += 0.5 * share * share * (offset[0] * offset[0] + offset[1] * offset[1])

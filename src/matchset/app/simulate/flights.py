@@ -3,14 +3,17 @@
 Imports that take long stand inside the functions, so that `matchset --help` answers at once.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
 if TYPE_CHECKING:
     from matchset.app.flight.flight import ChainFlight, FlightParameters
     from matchset.app.flight.score import FlightScore, FlightScorer
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class WorkParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -94,7 +97,7 @@ def fly_all(
     """
     asked = stop or (lambda: False)
     if jobs > 1:
-        yield from _fly_in_processes(flights, jobs, asked)
+        yield from in_processes(fly_once, flights, jobs, asked)
         return
     for number, parameters in enumerate(flights):
         if asked():
@@ -105,16 +108,34 @@ def fly_all(
         yield number, score
 
 
-def _fly_in_processes(
-    flights: "Sequence[FlightParameters]", jobs: int, asked: Callable[[], bool]
-) -> "Iterator[tuple[int, FlightScore]]":
+def in_processes(
+    function: Callable[[Item], Result], items: Iterable[Item], jobs: int, asked: Callable[[], bool]
+) -> Iterator[tuple[int, Result]]:
+    """Apply a function to every item, in several processes, which end when this one does, however it ends.
+
+    Parameters
+    ----------
+    function : callable
+        Defined at the top of a file, so that another process finds it.
+    items : iterable
+        Its arguments.
+    jobs : int
+        How many processes.
+    asked : callable
+        Asked now and then; after True nothing more begins, and what is unfinished is dropped.
+
+    Yields
+    ------
+    (int, object)
+        Index of the item and result, in the order in which they end.
+    """
     import multiprocessing
     from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 
     poll_time = 0.3  # s, between two looks at `asked`
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_ignore_interrupts) as pool:
-        waiting = {pool.submit(fly_once, parameters): number for number, parameters in enumerate(flights)}
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_process) as pool:
+        waiting = {pool.submit(function, item): number for number, item in enumerate(items)}
         try:
             while waiting and not asked():
                 done, _ = wait(waiting, timeout=poll_time, return_when=FIRST_COMPLETED)
@@ -128,8 +149,24 @@ def _fly_in_processes(
                     process.terminate()
 
 
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that started this one."""
+def _begin_process() -> None:
+    """Work on one thread, leave Ctrl-C to the process that started this one, and end when that one is killed."""
+    import multiprocessing
+    import os
     import signal
+    import threading
+    from multiprocessing.connection import wait as wait_for_end
 
+    import cv2
+
+    cv2.setNumThreads(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        sentinel = parent.sentinel
+
+        def end_with_parent() -> None:
+            wait_for_end([sentinel])
+            os._exit(1)
+
+        threading.Thread(target=end_with_parent, daemon=True).start()

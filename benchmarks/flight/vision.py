@@ -18,12 +18,12 @@ from benchmarks.tracking.covariance import FREEDOM, LEVEL
 from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
 from matchset.links.simulated import STEPS_PER_FRAME, SimulationParameters
 from matchset.localization.pose import Pose
-from matchset.sim.conditions.outlines import Outline, OutlineCameras, OutlineNoise
+from matchset.sim.conditions.outline_noise import EXACT
+from matchset.sim.conditions.outlines import Outline, OutlineCameras
 from matchset.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
 
-EXACT = OutlineNoise(point_px=0.0, size=0.0, center_px=0.0, marker_deg=0.0)
 BEGIN = 5.0  # s, of the start, which counts elsewhere
 QUANTILES = (50, 90, 95, 99)
 LAGS = (1, 3, 10)  # pictures

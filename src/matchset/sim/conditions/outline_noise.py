@@ -28,9 +28,10 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """How far outlines and markers are off.
 
     Chosen by: what the tracker did in rendered nominal flights, seeds 910 to 912, 30 s each (docs/log.md, 2026-11-27).
-    The *way* is that of the ball's center in the picture since the last picture, px. Errors of center and size have a
-    part that lasts, and one that is new in every picture: that of the points. More of any of them is harsher on who
-    flies by it; 0 leaves it out, and `EXACT` has none.
+    The *way* is that of the ball's center in the picture since the last picture, px; what is said of a way of 1 px
+    grows with the root of the way. Errors of center and size have a part that lasts, and one that is new in every
+    picture: that of the points. More of any of them is harsher on who flies by it; 0 leaves it out, and `EXACT` has
+    none.
 
     Parameters
     ----------
@@ -45,15 +46,15 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Standard deviation of the marker's direction on the ball, about each axis, degree; new in every picture, and
         not moved with the outline: a wrong outline turns the ball.
     center_way_px : float
-        Standard deviation of the center along an axis after a way of 1 px along it; it grows with the root of the way.
+        Standard deviation of the center along an axis after a way of 1 px along it, px.
     size_way_px : float
-        The same of the radius, for the way in both axes.
-    raised_way : float
-        Share of the way by which a moving ball's center is found too high, always.
+        The same of the radius, for a way in any direction.
+    raised_way_px : float
+        By how much a ball's center is found too high, always, after a way of 1 px, px.
     shrunk_px : float
         By how much the radius is found too small, always, px.
-    shrunk_way : float
-        Share of the way by which it is so besides.
+    shrunk_way_px : float
+        By how much it is so besides after a way of 1 px, px.
     memory : float
         How long errors of center and size last, pictures: their correlation falls by a factor e in that time.
     burst_rate : float
@@ -90,13 +91,13 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     point_px: float = 0.25
     size: float = 0.0016
-    center_px: float = 0.05
+    center_px: float = 0.07
     marker_deg: float = 0.48
-    center_way_px: float = 0.09
-    size_way_px: float = 0.028
-    raised_way: float = 0.022
-    shrunk_px: float = 0.09
-    shrunk_way: float = 0.018
+    center_way_px: float = 0.105
+    size_way_px: float = 0.042
+    raised_way_px: float = 0.09
+    shrunk_px: float = 0.085
+    shrunk_way_px: float = 0.068
     memory: float = 8.0
     burst_rate: float = 0.015
     burst_pictures: int = 4
@@ -131,8 +132,11 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         return weights / math.sqrt(float(weights @ weights))
 
 
-IN_PIXELS = ("point_px", "center_px", "center_way_px", "size_way_px", "shrunk_px")
-SHARES = ("size", "raised_way", "shrunk_way", "burst_rate", "wrong_rate", "wrong_size", "marker_missed", "claimed")
+IN_PIXELS = (
+    *("point_px", "center_px", "center_way_px", "size_way_px"),
+    *("raised_way_px", "shrunk_px", "shrunk_way_px"),
+)
+SHARES = ("size", "burst_rate", "wrong_rate", "wrong_size", "marker_missed", "claimed")
 EXACT = OutlineNoise(
     **dict.fromkeys((*IN_PIXELS, *SHARES, "marker_deg"), 0.0)  # type: ignore[arg-type] # those of floats alone
 )
@@ -226,5 +230,6 @@ def slip(noise: OutlineNoise, history: list[Deviates], weights: Floats, way: Flo
     chance = noise.wrong_rate * max(length - noise.wrong_way, 0.0)
     larger = next((drawn.wrong_size for drawn in history[: noise.wrong_pictures] if drawn.wrong < chance), 0.0)
     larger *= noise.wrong_size * radius
-    center = np.array((x + larger, y - noise.raised_way * length))
-    return Slip(center, size + abs(larger) - noise.shrunk_px - noise.shrunk_way * length)
+    root = math.sqrt(length)
+    center = np.array((x + larger, y - noise.raised_way_px * root))
+    return Slip(center, size + abs(larger) - noise.shrunk_px - noise.shrunk_way_px * root)

@@ -159,18 +159,20 @@ class OutlineCameras(WorldViews):
         return [deviates(seed, what, who, step - PICTURE * k) for k in range(self._lasts)]
 
     def _way(self, who: int, ahead: int, step: int, ball: Floats) -> Floats:
-        """Way of a ball's center in the picture since the last one, px; 0 where it was not seen then."""
+        """Way of a ball's center in the picture since the last one, px, as if the lens were straight."""
         earlier = max(step - PICTURE, self.world.step - KEPT + 1, 0)  # what the world remembers
         if earlier >= step:
             return np.zeros(2)
         poses = self.world.poses(earlier)
         view = self.viewpoint(poses[who])
-        centers = np.stack((view.from_room @ (poses[who + ahead].ball - view.position), ball))
-        if not self.model.visible(centers).all():
+        (x, y, z), (right, down, far) = (
+            (view.from_room @ (poses[who + ahead].ball - view.position)).tolist(),
+            ball.tolist(),
+        )
+        if not z > self.world.vehicle.ball_radius:
             return np.zeros(2)
-        before, now = self.model.project(centers)
-        way: Floats = (now - before) * (PICTURE / (step - earlier))
-        return way
+        pictures = (step - earlier) / PICTURE
+        return np.array((self.model.fx * (right / far - x / z), self.model.fy * (down / far - y / z))) / pictures
 
     def _edge(self, ball: Floats, radius: float) -> Floats:
         """Where the tangent cone touches a ball, from its center in units of its radius, (n, 3)."""

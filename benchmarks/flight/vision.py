@@ -100,7 +100,8 @@ def angles(place: Floats, circle: Floats) -> Floats:
     circle : ndarray of shape (3,)
         x, y, r, px.
     """
-    return np.degrees(np.arcsin(np.clip((place - circle[:2]) / circle[2], -1.0, 1.0)))
+    found: Floats = np.degrees(np.arcsin(np.clip((place - circle[:2]) / circle[2], -1.0, 1.0)))
+    return found
 
 
 def circle_through(points: Floats) -> Floats:

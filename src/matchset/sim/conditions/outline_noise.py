@@ -110,7 +110,7 @@ class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     wrong_pictures: int = 6
     wrong_size: float = 0.14
     marker_missed: float = 0.00025
-    claimed: float = 0.1
+    claimed: float = 0.05
     points: int = 24
     marker_cosine: float = 0.3
     inside: float = 0.5

@@ -139,5 +139,5 @@ def test_what_is_claimed_is_larger_along_the_motion() -> None:
     assert ball.field_offset == (0.0, -5.0)  # half the way
     across, down, radius = np.sqrt(np.diagonal(ball.covariance))
     assert across == pytest.approx(0.14, abs=0.02)
-    assert down == pytest.approx(np.hypot(across, 0.5))
-    assert radius == pytest.approx(0.37, abs=0.02)
+    assert down == pytest.approx(np.hypot(across, 0.25))
+    assert radius == pytest.approx(0.21, abs=0.02)

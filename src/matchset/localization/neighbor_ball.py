@@ -60,7 +60,7 @@ def in_lights(color: ColorModel, shade: float) -> tuple[ColorModel, ...]:
         See `AssociationParameters`.
     """
     gains = np.ones(color.channels)
-    return tuple(relit(color, color.log_odds, share * gains) for share in (1.0, shade, 1.0 / shade))
+    return color, *(relit(color, color.log_odds, share * gains) for share in (shade, 1.0 / shade))
 
 
 def find_neighbor_ball(

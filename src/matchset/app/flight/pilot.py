@@ -171,6 +171,7 @@ class Pilot:
     def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
         self.parameters = parameters or PilotParameters()
         self.camera, self.link, self._colors = camera, link, colors
+        self._lights = in_lights(colors.ball, self.parameters.association.shade)
         self._begin()
         self._pixel(np.array((0.0, 0.0, 1.0)))  # compiles what it calls
         self._rehearse()
@@ -181,7 +182,6 @@ class Pilot:
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._link_is_armed = False
         self._tracker = Tracker(Circle, self._colors.ball, parameters=IN_FLIGHT)
-        self._lights = in_lights(self._colors.ball, self.parameters.association.shade)
         self._markers = MarkerTracker(self._colors.marker, target)
         self._localizer = Localizer(self.camera.model, target)
         self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 
 if TYPE_CHECKING:
-    from matchset.app.flight.flight import ChainFlight, FlightParameters
+    from matchset.app.flight.flight import ChainFlight, ChainStep, FlightParameters
     from matchset.app.flight.score import FlightScore, FlightScorer
 
 Item = TypeVar("Item")
@@ -57,7 +57,11 @@ def fly_once(parameters: "FlightParameters", stopped: Callable[[], bool] | None 
     return fly_scored(Flight(parameters), stopped).score()
 
 
-def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None) -> "FlightScorer":
+def fly_scored(
+    flight: "ChainFlight",
+    stopped: Callable[[], bool] | None = None,
+    watch: "Callable[[ChainStep], object] | None" = None,
+) -> "FlightScorer":
     """Fly one that is there already, as `fly_once`, and close it; returns what counted.
 
     Parameters
@@ -65,6 +69,8 @@ def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None)
     flight : ChainFlight
     stopped : callable, optional
         Asked at every step.
+    watch : callable, optional
+        Told every step.
     """
     from matchset.app.flight.score import FlightScorer
 
@@ -72,6 +78,8 @@ def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None)
     with flight:
         for chain_step in flight:
             scorer.add(chain_step)
+            if watch is not None:
+                watch(chain_step)
             if scorer.crashed or (stopped is not None and stopped()):
                 break
     return scorer
@@ -80,32 +88,41 @@ def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None)
 def fly_all(
     flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool] | None = None
 ) -> "Iterator[tuple[int, FlightScore]]":
+    """Fly many flights, each as by `fly_once`, see `fly_each`."""
+    return fly_each(fly_once, flights, jobs, stop or (lambda: False))
+
+
+def fly_each(
+    fly: Callable[..., Result], flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool]
+) -> Iterator[tuple[int, Result]]:
     """Fly many flights.
 
     Parameters
     ----------
+    fly : callable
+        Flies one; its second argument, which may be left out, is asked at every step whether to end there. Defined at
+        the top of a file, so that another process finds it.
     flights : sequence of FlightParameters
     jobs : int
         How many at once, each in a process of its own; 1: in this process, one after the other.
-    stop : callable, optional
+    stop : callable
         Asked now and then; after True no further flight begins and unfinished ones are dropped.
 
     Yields
     ------
-    (int, FlightScore)
-        Index into `flights` and score, in the order in which they end.
+    (int, object)
+        Index into `flights` and what `fly` returns, in the order in which they end.
     """
-    asked = stop or (lambda: False)
     if jobs > 1:
-        yield from in_processes(fly_once, flights, jobs, asked)
+        yield from in_processes(fly, flights, jobs, stop)
         return
     for number, parameters in enumerate(flights):
-        if asked():
+        if stop():
             return
-        score = fly_once(parameters, asked)
-        if asked():
+        flown = fly(parameters, stop)
+        if stop():
             return
-        yield number, score
+        yield number, flown
 
 
 def in_processes(

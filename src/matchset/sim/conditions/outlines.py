@@ -7,8 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
+from matchset.fitting.fit_quality import add_field_covariance
+from matchset.numeric.jit import interpreted
 from matchset.shapes.circle import Circle
 from matchset.sim.conditions.outline_noise import PICTURE, Deviates, OutlineNoise, deviates, slip
+from matchset.sim.vehicle import VehiclePose
 from matchset.sim.world import KEPT, RATE, World
 from matchset.sim.world_views import WorldViews
 from matchset.tracking.track import Lost, Track
@@ -45,10 +48,10 @@ class Outline(NamedTuple):
         """Return ball and markers as trackers do, with a time, s."""
         circle = Circle(float(self.middle[0]), float(self.middle[1]), self.radius)
         offset = -0.5 * self.way  # geometry: the fields are half a picture apart, the even rows first
-        apart = noise.claimed * offset
         point = noise.point_deviation(math.hypot(*self.way.tolist())) ** 2 / max(len(self.points), 1)
-        covariance = np.diag((0.0, 0.0, point + (noise.size * self.radius) ** 2 + 0.5 * float(apart @ apart)))
-        covariance[:2, :2] = np.diag((2.0 * point + noise.center_px**2,) * 2) + np.outer(apart, apart)
+        center = 2.0 * point + noise.center_px**2
+        covariance = np.diag((center, center, point + (noise.size * self.radius) ** 2))
+        interpreted(add_field_covariance)(offset, noise.claimed, covariance)
         ball = Track(circle, covariance, 1.0, self.points, time, field_offset=(float(offset[0]), float(offset[1])))
         if self.marker is None:
             return ball, ()
@@ -74,6 +77,7 @@ class OutlineCameras(WorldViews):
         self.noise = noise or OutlineNoise()
         angles = np.linspace(0.0, 2.0 * math.pi, self.noise.points, endpoint=False)
         self._circle = np.column_stack((np.cos(angles), np.sin(angles)))
+        self._read_at, self._read = -1, dict[int, list[VehiclePose]]()
         self._weights = self.noise.lasting_weights()
         self._lasts = max(len(self._weights), self.noise.burst_pictures, self.noise.wrong_pictures)
 
@@ -95,7 +99,7 @@ class OutlineCameras(WorldViews):
         time = step / RATE
         if self.is_hidden(who, time):
             return Lost("the ball is hidden", time)
-        poses, radius = self.world.poses(step), self.world.vehicle.ball_radius
+        poses, radius = self._poses(step), self.world.vehicle.ball_radius
         view, neighbor = self.viewpoint(poses[who]), poses[who + 1]
         ball = view.from_room @ (neighbor.ball - view.position)
         if not ball[2] > radius:
@@ -125,7 +129,7 @@ class OutlineCameras(WorldViews):
         Outline or Lost
             `Lost` with the reason if too little of it can be seen, or there is none.
         """
-        time, poses, radius = step / RATE, self.world.poses(step), self.world.vehicle.ball_radius
+        time, poses, radius = step / RATE, self._poses(step), self.world.vehicle.ball_radius
         if who + 2 >= len(poses) or self.is_hidden(who, time):
             return Lost("there is no next-but-one ball" if who + 2 >= len(poses) else "the ball is hidden", time)
         view = self.viewpoint(poses[who])
@@ -160,12 +164,20 @@ class OutlineCameras(WorldViews):
         seed = self.world.seed
         return [deviates(seed, what, who, step - PICTURE * k) for k in range(self._lasts)]
 
+    def _poses(self, step: int) -> list[VehiclePose]:
+        """Poses of all vehicles at a step, read from the world once for all followers that see it at one time."""
+        if self._read_at != self.world.step:
+            self._read_at, self._read = self.world.step, {}
+        if step not in self._read:
+            self._read[step] = self.world.poses(step)
+        return self._read[step]
+
     def _way(self, who: int, ahead: int, step: int, ball: Floats) -> Floats:
         """Way of a ball's center in the picture since the last one, px, as if the lens were straight."""
         earlier = max(step - PICTURE, self.world.step - KEPT + 1, 0)  # what the world remembers
         if earlier >= step:
             return np.zeros(2)
-        poses = self.world.poses(earlier)
+        poses = self._poses(earlier)
         view = self.viewpoint(poses[who])
         (x, y, z), (right, down, far) = (
             (view.from_room @ (poses[who + ahead].ball - view.position)).tolist(),

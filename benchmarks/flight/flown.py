@@ -13,9 +13,9 @@ import msgspec
 
 import matchset
 from benchmarks.flight.rows import Listed
-from benchmarks.workers import spread_until
 from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
-from matchset.app.flight.score import FlightScore, FlightScorer
+from matchset.app.flight.score import FlightScore
+from matchset.app.simulate.flights import fly_each, fly_scored
 
 DECIDING = (".py", ".toml", ".npz")
 """Endings of the package's files that decide a flight: code, settings, weights."""
@@ -135,15 +135,11 @@ def fly_noted(flight: FlightParameters, stopped: Callable[[], bool] | None = Non
     stopped : callable, optional
         Asked at every step; if it answers True the flight ends there.
     """
-    scorer, noticed = FlightScorer(flight), math.inf
-    with Flight(flight) as steps:
-        for step in steps:
-            scorer.add(step)
-            if noticed == math.inf and swings_noticed(step):
-                noticed = step.time
-            if scorer.crashed or (stopped is not None and stopped()):
-                break
-    return Flown(score=scorer.score(), noticed=noticed)
+    noticed: list[float] = []
+    scorer = fly_scored(
+        Flight(flight), stopped, lambda step: noticed.append(step.time) if swings_noticed(step) else None
+    )
+    return Flown(score=scorer.score(), noticed=noticed[0] if noticed else math.inf)
 
 
 def swings_noticed(step: ChainStep) -> bool:
@@ -153,18 +149,7 @@ def swings_noticed(step: ChainStep) -> bool:
 
 def flier(jobs: int) -> Flier:
     """Return what flies many, so many at once: in this process if it is one."""
-
-    def fly(flights: Sequence[FlightParameters], stop: Callable[[], bool]) -> Iterator[tuple[int, Flown]]:
-        if jobs > 1:
-            yield from spread_until(fly_noted, flights, jobs, stop)
-            return
-        for number, flight in enumerate(flights):
-            flown = fly_noted(flight, stop) if not stop() else None
-            if flown is None or stop():
-                return
-            yield number, flown
-
-    return fly
+    return lambda flights, stop: fly_each(fly_noted, flights, jobs, stop)
 
 
 def fly_missing(

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
+from matchset.localization.markers.ball_colors import pick_marker
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Floats = npt.NDArray[np.float64]
@@ -142,7 +143,7 @@ def learn(flight: BallFlightClip) -> tuple[ms.ColorModel, ms.ColorModel]:
     still = msgspec.structs.replace(flight, frames=1, turn=lambda _: turn, markers=flight.markers[:1])
     image = next(iter(still)).image
     pixels = flight.camera.project(np.array((place, place + np.array((-0.6 * RADIUS, 0.0, 0.0)))))
-    return ms.ColorModel.pick(image, *pixels[1]), ms.ColorModel.pick(image, *pixels[0])
+    return ms.ColorModel.pick(image, *pixels[1]), pick_marker(image, *pixels[0])
 
 
 def observe(flight: BallFlightClip, target: ms.BallTarget | None = None, warm_up: int = 1) -> Iterator[Sight]:

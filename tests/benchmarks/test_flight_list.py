@@ -11,12 +11,12 @@ from benchmarks.flight import fly as fly_module
 from benchmarks.flight.flown import Flown, KeptFlights, checksum, flier, fly_missing, sources
 from benchmarks.flight.fly import Run, main
 from benchmarks.flight.rows import Listed, Row, chosen, flight_list, rows
-from benchmarks.workers import spread_until
 from typer import BadParameter, Exit
 
 import matchset
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.score import FlightScore
+from matchset.app.simulate.flights import in_processes
 
 CODE = sources()
 
@@ -227,5 +227,5 @@ def test_a_flight_of_a_second_is_scored_and_a_stopped_one_is_not_kept(tmp_path: 
 
 
 def test_work_in_processes_may_be_stopped() -> None:
-    assert sorted(spread_until(abs, (-1, -2), 2, never)) == [(0, 1), (1, 2)]
-    assert not list(spread_until(abs, (-1, -2), 2, lambda: True))
+    assert sorted(in_processes(abs, (-1, -2), 2, never)) == [(0, 1), (1, 2)]
+    assert not list(in_processes(abs, (-1, -2), 2, lambda: True))

@@ -1,3 +1,4 @@
+import itertools
 import math
 
 import numpy as np
@@ -9,7 +10,7 @@ from matchset.control.control_output import ControlOutput
 from matchset.control.ego_motion import EgoMotion
 from matchset.control.follower import Follower, FollowerParameters, RelativeSetpoint
 from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand
-from matchset.localization.pose import Pose
+from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
 from matchset.tracking.track import Lost
 
 STEP, LATENCY = 1.0 / 30.0, 0.067
@@ -232,3 +233,50 @@ def test_with_the_motors_off_it_forgets_what_it_had_learned_on_every_axis() -> N
     assert again is not None
     assert max(abs(terms.integral) for terms in (again.right, again.forward)) < 0.03
     assert world.follower.hover_throttle == 0.59
+
+
+def without_marker(world: World, seconds: float) -> tuple[list[ControlOutput], list[tuple[float, float, float]]]:
+    """Fly for 5 s with the marker in view, then without it."""
+    answers, places = [], []
+    run(world, 5.0)
+    see = world.see
+
+    def seen(time: float) -> Pose:
+        pose = see(time)
+        hidden = pose.covariance + np.diag([0.0] * 3 + [UNOBSERVED_VARIANCE] * 3)
+        return Pose(
+            position=pose.position, rotation_matrix=None, covariance=hidden, observed="position", time=pose.time
+        )
+
+    world.see = seen  # type: ignore[method-assign]
+    for k in range(round(seconds)):
+        for answer in run(world, 1.0, begin=5.0 + k):
+            assert answer is not None
+            answers.append(answer)
+        places.append(world.place(6.0 + k))
+    return answers, places
+
+
+@pytest.mark.parametrize("place", [RelativeSetpoint(), RelativeSetpoint(side=0.6, height=0.1, heading=1.2)])
+def test_a_vehicle_that_has_not_seen_the_marker_for_long_is_held_by_the_ball_alone(place: RelativeSetpoint) -> None:
+    follower = Follower(place)
+    answers, places = without_marker(World(follower, (-place.side, -place.height, -place.heading), turning=0.08), 20.0)
+    assert not answers[5].doubt
+    assert answers[-1].doubt == "no marker for 20 s, held by the ball alone"
+    assert answers[-1].words.startswith(answers[-1].doubt)
+    away = [math.hypot(side, heading) for side, _, heading in places]
+    assert away == pytest.approx([math.hypot(place.side, place.heading)] * len(away), abs=0.05)
+    assert [height for _, height, _ in places] == pytest.approx([place.height] * len(places), abs=0.03)
+    steps = [math.hypot(a[0] - b[0], a[2] - b[2]) for a, b in itertools.pairwise(places)]
+    assert max(steps) < 0.05  # m within a second: it does not fly around the neighbor
+
+
+def test_the_direction_of_the_marker_is_the_less_known_the_older_it_is() -> None:
+    follower = Follower()
+    run(World(follower, (0.0, 0.0, -1.5)), 5.0)
+    known = [
+        follower.neighbor.yaw_sigma(follower.neighbor.yaw_time + gone) for gone in (-0.1, 0.0, 0.1, 0.5, 1.0, 20.0)
+    ]
+    assert known[0] == known[1] < 0.1
+    assert known == sorted(known)
+    assert known[3] < follower.parameters.max_yaw_sigma < known[4]

@@ -51,12 +51,19 @@ def swung(found: GainLimit, seconds: float, stick: int = 0, size: float = 1.0) -
         found.wanted(DesiredCommand(*sticks), 1.0, k * STEP, STEP, 10.0)
 
 
+def margins_known(found: GainLimit) -> list[tuple[float, float]]:
+    """Margins of all loops, which must be known."""
+    known = [each for each in found.state.margins if each is not None]
+    assert len(known) == len(found.state.margins)
+    return known
+
+
 def test_gains_that_keep_their_margins_are_the_same_object() -> None:
     found = checked(high_gains())
     assert found.state.factors == (1.0, 1.0, 1.0)
     assert found.state.words == ""
     assert found.level(FOLLOWER.horizontal) is FOLLOWER.horizontal
-    (level, phase), (_, rise), (yaw, _) = found.state.margins
+    (level, phase), (_, rise), (yaw, _) = margins_known(found)
     assert level > 6.0
     assert yaw > 6.0
     assert min(phase, rise) > 40.0
@@ -66,7 +73,7 @@ def test_gains_without_margin_are_lowered_until_they_have_it() -> None:
     found = checked(high_gains(4.0), age=0.133)
     factor = found.state.factors[0]
     assert 0.2 < factor < 0.9
-    gain, phase = found.state.margins[0]
+    gain, phase = margins_known(found)[0]
     assert gain >= 6.0
     assert phase >= 40.0
     assert found.state.words == f"too little margin of the level loop: gains lowered to {100.0 * factor:.0f} %"
@@ -87,7 +94,8 @@ def test_where_no_factor_keeps_the_margins_the_gains_stay() -> None:
     steady = msgspec.structs.replace(FOLLOWER.stability, gain_margin_db=200.0)
     found = checked(high_gains(), follower=msgspec.structs.replace(FOLLOWER, stability=steady))
     assert found.state.factors == (1.0, 1.0, 1.0)
-    assert 6.0 < found.state.margins[0][0] < 200.0
+    gain, _ = margins_known(found)[0]
+    assert 6.0 < gain < 200.0
 
 
 def test_more_margin_asked_for_is_less_gain() -> None:
@@ -130,7 +138,7 @@ def test_nothing_is_noticed_in_the_first_seconds_nor_where_it_is_not_used() -> N
     found = checked(high_gains(6.0), follower=off)
     swung(found, 2.0)
     assert found.state.factors == (1.0, 1.0, 1.0)
-    assert math.isnan(found.state.margins[0][0])
+    assert found.state.margins[0] is None
 
 
 def test_lowering_takes_all_terms_by_the_same_factor() -> None:

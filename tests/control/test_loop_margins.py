@@ -16,7 +16,7 @@ from matchset.control.follower import FollowerParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.pid import Pid
 from matchset.control.stability.follower_loops import LOOPS, FollowerLoops, LoopConditions, LoopParameters
-from matchset.control.stability.loop import Loop, Timing, matrix_exponential
+from matchset.control.stability.loop import FilterGains, Loop, Timing, _going_on, _transition, level_vehicle
 from matchset.control.stability.margins import margins_of, robustness_of
 from matchset.localization.pose import Pose
 from matchset.numeric.record import new_block
@@ -92,9 +92,40 @@ def test_a_factor_takes_its_decibels_of_the_gain_margin() -> None:
     assert doubled.gain_db == pytest.approx(whole.gain_db - 20.0 * math.log10(2.0), abs=1e-9)
 
 
-def test_the_matrix_exponential_is_that_of_scipy() -> None:
-    matrix = np.random.default_rng(0).normal(size=(5, 5)) * 2.0
-    np.testing.assert_allclose(matrix_exponential(matrix), expm(matrix), rtol=1e-12, atol=1e-12)
+def exponential(matrix: Floats) -> Floats:
+    """e to the power of a matrix, written out: its series, of a small part of it, squared again and again."""
+    part = matrix / 64.0
+    term = result = np.eye(len(matrix))
+    for k in range(1, 12):
+        term = term @ part / k
+        result = result + term
+    for _ in range(6):
+        result = result @ result
+    return np.asarray(result)
+
+
+def test_a_vehicle_goes_on_by_its_matrix_exponential() -> None:
+    vehicle = level_vehicle(FOLLOWER.ego_motion)
+    order = len(vehicle.input)
+    block = np.zeros((order + 1, order + 1))
+    block[:order, :order], block[:order, order] = vehicle.system, vehicle.input
+    for time in (1 / 30, 0.4):
+        moved, added = _going_on(vehicle, time)
+        whole = exponential(time * block)
+        np.testing.assert_allclose(moved, whole[:order, :order], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(added, whole[:order, order], rtol=1e-12, atol=1e-12)
+
+
+def test_the_neighbor_goes_on_by_its_matrix_exponential() -> None:
+    model = FOLLOWER.neighbor
+    w, decay, lasting = 2.0 * math.pi / model.oscillation_period, model.oscillation_damping, model.acceleration_time
+    system = np.zeros((5, 5))
+    system[0, 1] = system[1, 2] = 0.2  # s, of the drift
+    system[2, 2] = -0.2 / lasting
+    system[3, 4] = 0.5  # s, of the oscillation
+    system[4, 3:] = -0.5 * w * w, -0.5 * 2.0 * decay * w
+    found = _transition(FilterGains(np.zeros(5), model, lasting), 0.2, 0.5)
+    np.testing.assert_allclose(found, exponential(system), rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("latency", LATENCIES)

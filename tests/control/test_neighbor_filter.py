@@ -68,6 +68,17 @@ def test_an_outlier_is_refused_and_a_new_place_is_believed_after_a_while() -> No
     assert numbers(motion.at(3.4, 0.4))[0, 0] == pytest.approx(0.6, abs=0.05)
 
 
+def test_the_marker_of_a_pose_that_is_refused_is_not_believed_either() -> None:
+    motion = NeighborFilter()
+    watched(motion, 3.0, lambda _: (0.0, 0.0, 1.5))
+    assert not motion.update(seen((0.6, 0.0, 1.5), 3.0, math.pi - 0.1), STILL)
+    assert motion.yaw_time < 3.0
+    assert motion.update(seen((0.0, 0.0, 1.5), 3.0 + 1 / 30, math.pi - 0.02), STILL)
+    assert motion.yaw_time == 3.0 + 1 / 30
+    turned = math.remainder(numbers(motion.at(3.1, 0.4))[3, 0] - math.pi, 2.0 * math.pi)
+    assert -0.03 < turned < 0.0
+
+
 @pytest.mark.parametrize("gone", [0.0, 0.5, 1.0, 2.0])
 def test_the_ball_behind_the_neighbor_is_never_taken_for_it(gone: float) -> None:
     motion = NeighborFilter()

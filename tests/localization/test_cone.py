@@ -1,6 +1,7 @@
 import math
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -252,3 +253,18 @@ def test_weights_are_tukey_s_biweight_after_least_absolute_values() -> None:
     np.testing.assert_allclose(weight, np.where(np.abs(z) < 1.0, (1.0 - z * z) ** 2, 0.0), atol=1e-12)
     assert _reweighted(block.view(CONE)[0], rays, True) == sigma
     np.testing.assert_allclose(weight, np.minimum(1.0, sigma / np.maximum(np.abs(residual), 1e-9)), rtol=1e-9)
+
+
+def test_fields_that_lie_apart_make_the_place_less_sure_along_their_offset() -> None:
+    place, share, offset = np.array((0.0, 0.0, 1.5)), 0.1, np.array((0.0, 12.0))
+    seen = ball(PINHOLE, place)
+    apart = msgspec.structs.replace(seen, field_offset=tuple(offset.tolist()))
+    parameters = msgspec.structs.replace(BARE, field_share=share)
+    _, still = located(PINHOLE, seen, parameters)
+    _, moved = located(PINHOLE, apart, parameters)
+    per_px = place[2] / PINHOLE.intrinsics[0]
+    radius = 0.14 / per_px
+    added = np.diag(moved - still)
+    np.testing.assert_allclose(added[1], (share * 12.0 * per_px) ** 2, rtol=0.05)
+    np.testing.assert_allclose(added[2], 0.5 * (share * 12.0 / radius * place[2]) ** 2, rtol=0.05)
+    assert added[0] < 0.01 * added[1]

@@ -40,8 +40,8 @@ def test_limits_that_nothing_meets_find_nothing(parameters: TrackerParameters) -
 def test_limits_of_a_track_and_of_a_detection_are_set_apart() -> None:
     answers = follow(TrackerParameters(validation=ValidationParameters(min_support=1.1), coast=0.0))
     assert bool(answers[0])  # a detection is not asked for its support
-    twice = follow(TrackerParameters(quality=QualityParameters(covariance_inflation=2.3)))[0]
-    once = follow(TrackerParameters())[0]
+    twice = follow(TrackerParameters(quality=QualityParameters(covariance_inflation=2.3, field_share=0.0)))[0]
+    once = follow(TrackerParameters(quality=QualityParameters(field_share=0.0)))[0]
     assert isinstance(once, ms.Track)
     assert isinstance(twice, ms.Track)
     floor = np.diag([0.01**2, 0.01**2, 0.05**2])

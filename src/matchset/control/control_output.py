@@ -21,6 +21,9 @@ class ControlOutput(NamedTuple):
         Of the controllers.
     gains : GainsInUse
         By how much their gains are lowered, why, and their margins.
+    doubt : str
+        Why the place is held by the ball alone, at its distance and height but in no set direction from it, since where
+        its marker points is not known; empty if it is.
     """
 
     desired: DesiredCommand
@@ -33,3 +36,9 @@ class ControlOutput(NamedTuple):
     up: PidTerms
     yaw: PidTerms
     gains: GainsInUse = GainsInUse()
+    doubt: str = ""
+
+    @property
+    def words(self) -> str:
+        """What there is to say of it; empty while all is well."""
+        return "; ".join(filter(None, (self.doubt, self.gains.words)))

@@ -148,6 +148,10 @@ class NeighborFilter(Copied):
         forecast_all(self._block, times, self.time, self.yaw_time, max_extrapolation, numbers)
         return numbers
 
+    def yaw_sigma(self, time: float) -> float:
+        """Tell how little is known of where its marker points at a time, s: the standard deviation, rad."""
+        return math.sqrt(yaw_variance(self._block, max(time - self.yaw_time, 0.0)))
+
     @property
     def gains(self) -> Floats:
         """By what x, y and z were corrected last, per m of the innovation, (3, 5): the Kalman gains."""
@@ -226,6 +230,18 @@ def forecast_all(
         for axis in range(AXES):
             for value in range(VALUES):
                 forecasts[k, axis, value] = work.forecast[axis, value]
+
+
+@kernel(refcount=False)
+def yaw_variance(block: Block, since: float) -> float:
+    """Variance of the yaw so many s after it was seen last, rad^2."""
+    work = block.view(WORK)[0]
+    elapsed = min(since, work.parameters.max_prediction)
+    write_drift_transition(work.yaw_axis.acceleration_time, elapsed, work.transition)
+    write_oscillation_transition(work.parameters, elapsed, work.transition)
+    predict(work, work.yaw_axis, YAW, elapsed)
+    cross = work.cross[YAW]
+    return float(cross[0] + cross[3])
 
 
 @helper
@@ -374,4 +390,5 @@ def precompile() -> None:
     """Compile the kernels that Python calls, with the types that `NeighborFilter` hands over."""
     block = initial_block(NeighborFilterParameters())
     update(block, math.inf, math.inf, True)
+    yaw_variance(block, 0.0)
     forecast_all(block, np.zeros(1), 0.0, 0.0, 0.0, np.zeros((1, AXES, VALUES)))

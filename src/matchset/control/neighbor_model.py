@@ -158,10 +158,37 @@ class Forecast(msgspec.Struct, frozen=True, gc=False):
     z: AxisForecast
     yaw: AxisForecast
 
+    def turned_to(self, x: float, z: float, beside: float) -> "Forecast":
+        """Return it as if a place were in the direction of the set place, and the ball moved to and from that only.
+
+        Across that line a ball that moves looks like a vehicle whose dead reckoning turns.
+
+        Parameters
+        ----------
+        x, z : float
+            The place, level, m.
+        beside : float
+            Angle of the set place from the marker's direction to the ball's +x, rad.
+        """
+        yaw = math.atan2(x - self.x.value, z - self.z.value)
+        right, ahead = math.sin(yaw), math.cos(yaw)
+        along = [right * one + ahead * other for one, other in zip(_motion(self.x), _motion(self.z), strict=True)]
+        return Forecast(
+            AxisForecast(self.x.value, *(right * each for each in along)),
+            self.y,
+            AxisForecast(self.z.value, *(ahead * each for each in along)),
+            AxisForecast(yaw - beside, 0.0, 0.0, 0.0),
+        )
+
     @property
     def place(self) -> Floats:
         """Where the ball is, (3,), m."""
         return np.array((self.x.value, self.y.value, self.z.value))
+
+
+def _motion(axis: AxisForecast) -> tuple[float, float, float]:
+    """Speed and both accelerations of an axis."""
+    return axis.speed, axis.oscillation_acceleration, axis.drift_acceleration
 
 
 class AxisGroup:

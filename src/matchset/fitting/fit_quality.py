@@ -79,7 +79,7 @@ class QualityParameters(msgspec.Struct, frozen=True):
     covariance_min_score: float = 0.1
     center_sigma: float = 0.01
     size_sigma: float = 0.05
-    field_share: float = 0.1
+    field_share: float = 0.05
 
 
 @helper
@@ -219,16 +219,25 @@ def write_answer(work: Record, points: Floats, covariance: Floats) -> tuple[floa
         for k in range(p):
             covariance[j, k] = inflation * 0.5 * (found[j, k] + found[k, j])
         covariance[j, j] += (limits.center_sigma if j < 2 else limits.size_sigma) ** 2
-    add_motion(work, covariance)
+    add_field_covariance(work.field_offset.fitted, limits.field_share, covariance)
     return float(fit.inliers / max(fit.visible, 1)), count
 
 
 @helper
-def add_motion(work: Record, covariance: Floats) -> None:
-    """Add to a covariance what fields that lie apart do to the place, along their offset, and to the size."""
-    share, offset = work.quality_limits.field_share, work.field_offset.fitted
+def add_field_covariance(offset: Floats | tuple[float, float], share: float, covariance: Floats) -> None:
+    """Add what fields that lie apart do to the place, along their offset, and to the size.
+
+    Parameters
+    ----------
+    offset : (2,)
+        From one field to the other, px.
+    share : float
+        See `QualityParameters.field_share`.
+    covariance : (p, p), written
+        px^2.
+    """
     for j in range(2):
         for k in range(2):
-            covariance[j, k] += share * share * offset[j] * offset[k]
-    if work.parameter_count > 2:
+            covariance[j, k] += share * share * (offset[j] * offset[k])
+    if covariance.shape[0] > 2:
         covariance[2, 2] += 0.5 * share * share * (offset[0] * offset[0] + offset[1] * offset[1])

@@ -24,7 +24,8 @@ from matchset.sim.analog_link import PRESETS
 from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.conditions.exposures import half_exposure
-from matchset.sim.conditions.outlines import Outline, OutlineCameras, OutlineNoise
+from matchset.sim.conditions.outline_noise import OutlineNoise
+from matchset.sim.conditions.outlines import Outline, OutlineCameras
 from matchset.sim.on_board.speed_control import SpeedControlParameters
 from matchset.sim.rope import RopeParameters
 from matchset.sim.vehicle import VehicleParameters, VehiclePose, toy

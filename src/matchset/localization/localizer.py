@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
+from matchset.fitting.fit_quality import add_field_covariance
 from matchset.localization.attitude import ATTITUDE, AttitudeParameters, marker_direction
 from matchset.localization.ball_target import MOST_MARKERS, BallTarget
 from matchset.localization.cone import BallParameters, ConeFailure
@@ -17,6 +18,7 @@ from matchset.localization.pose import Observed, Pose
 from matchset.localization.pose_estimation import POSE, estimate_pose
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
+from matchset.numeric.jit import interpreted
 from matchset.numeric.record import fields, new_block, store
 from matchset.numeric.words import one_line, short
 from matchset.shapes.circle import Circle
@@ -160,20 +162,15 @@ class Localizer(Copied):
         self._inside[0], self._inside[1] = circle.x, circle.y
         robust = len(points) >= self.parameters.ball.min_points
         self._robust[0] = robust
-        self._shared_covariance[:] = self._shared_by_all(ball.field_offset) if robust else ball.covariance
-        if not robust:
+        self._shared_covariance[:] = self._shared if robust else ball.covariance
+        if robust:
+            share = self.parameters.ball.field_share
+            interpreted(add_field_covariance)(ball.field_offset, share, self._shared_covariance)
+        else:
             return UNIT_CIRCLE * circle.radius + (circle.x, circle.y)
         if points.dtype != np.float64 or not points.flags.carray:  # to the compiler read-only arrays are another type
             return np.array(points, np.float64, order="C")
         return points
-
-    def _shared_by_all(self, offset: tuple[float, float]) -> Floats:
-        """Covariance of an error of x, y and radius that all points share; `offset`: of the fields, px."""
-        apart, share = np.array(offset), self.parameters.ball.field_share
-        shared = self._shared.copy()
-        shared[:2, :2] += share**2 * np.outer(apart, apart)
-        shared[2, 2] += 0.5 * share**2 * float(apart @ apart)
-        return shared
 
     def _take_markers(self, markers: Iterable[Track[Circle] | Lost[Circle]]) -> int:
         """Write the markers' places in the image and their covariances; returns how many count."""

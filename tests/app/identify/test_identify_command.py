@@ -50,7 +50,7 @@ def test_a_simulated_vehicle_is_identified_and_flown_by_its_file(
         (("serial:///dev/ttyUSB0",), "needs a camera and a link: --camera 0 is missing"),
         (("serial:///dev/ttyUSB0", "--link", "serial:///dev/ttyUSB1"), "named twice"),
         (("tello:", "--camera", "0"), "this one is told speeds"),
-            (("crsf:///dev/x", "--camera", "0"), "say what camera 0 is like"),
+        (("crsf:///dev/x", "--camera", "0"), "say what camera 0 is like"),
         (("sim://chain", "--arm"), "is a simulated chain"),
         (("sim://chain", "--duration", "0"), "duration"),
         (("sim://chain", "--from", "flight.mcap"), "--from flies nothing"),

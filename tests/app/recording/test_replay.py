@@ -88,8 +88,9 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped", "landing"]
     assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
     assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
-    assert list(step["outcome"]["ball"]) == ["shape", "covariance", "support", "match_set", "time", "acquired"]
-    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (10, 10)
+    ball = ["shape", "covariance", "support", "match_set", "time", "acquired", "field_offset"]
+    assert list(step["outcome"]["ball"]) == ball
+    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (11, 10)
     assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]
     assert list(truth["truth"][0]) == ["place", "turn", "ball"]
 

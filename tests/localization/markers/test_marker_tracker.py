@@ -1,4 +1,5 @@
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -189,6 +190,10 @@ def test_no_marker_is_placed_beyond_the_border(beyond: float) -> None:
         assert all(marker.shape.x < 159.5 for marker in found)
 
 
+def _resting(place: Floats) -> Callable[[float], Floats]:
+    return lambda _: place
+
+
 @pytest.mark.parametrize("apart", [(0.0, 14.0), (6.0, -9.0), (-8.0, 0.0)])
 def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float, float]) -> None:
     turn, target = looking(15.0, 40.0), ms.BallTarget()
@@ -197,7 +202,7 @@ def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float
         shift = sign * 0.5 * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*apart, 0.0))
         place = PLACE + shift
         flight = BallFlightClip(
-            camera=PINHOLE, place=lambda _, place=place: place, turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
+            camera=PINHOLE, place=_resting(place), turn=lambda _: turn, frames=1, seed=100, scene_seed=5,
             preset="clean",
         )  # fmt: skip
         frame = next(iter(flight))

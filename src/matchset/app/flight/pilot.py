@@ -27,7 +27,7 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
-from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball
+from matchset.localization.neighbor_ball import AssociationParameters, distance_seen, find_neighbor_ball, in_lights
 from matchset.localization.next_ball.next_ball_tracker import NextBallParameters, NextBallTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -171,6 +171,7 @@ class Pilot:
     def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
         self.parameters = parameters or PilotParameters()
         self.camera, self.link, self._colors = camera, link, colors
+        self._lights = in_lights(colors.ball, self.parameters.association.shade)
         self._begin()
         self._pixel(np.array((0.0, 0.0, 1.0)))  # compiles what it calls
         self._rehearse()
@@ -369,7 +370,7 @@ class Pilot:
             return True
         place, near, candidates = self.parameters.place, self.parameters.near, self.parameters.association.candidates
         expected = np.array([place.side, place.height, place.heading])  # level, at the set place, its marker toward us
-        ball = find_neighbor_ball(frame, self._colors.ball, self._localizer, expected, near, candidates)
+        ball = find_neighbor_ball(frame, self._lights, self._localizer, expected, near, candidates)
         if ball is not None:
             self._tracker.start(ball)
         return ball is not None

@@ -39,10 +39,10 @@ class GainNotes:
             if fell and len(self.lowered) < MOST_NOTES:
                 self.lowered.append((time, number, gains.words))
             least = self._least[number]
-            for k, (gain, phase) in enumerate(gains.margins):
-                if not math.isnan(gain):
+            for k, margins in enumerate(gains.margins):
+                if margins is not None:
                     self._known[number] = True
-                    least[k] = min(least[k][0], gain), min(least[k][1], phase)
+                    least[k] = min(least[k][0], margins[0]), min(least[k][1], margins[1])
 
     def margins_text(self, number: int) -> str:
         """Write a follower's least margins: ``level 14.5 dB, 48°; yaw 44.8 dB, 78°``; ``-`` if none are known."""

@@ -18,7 +18,7 @@ def reason_text(step: PilotStep) -> str:
     """Why it is not ``flying``, or, if it is, why its gains are lowered; empty if they are not."""
     if step.safety.phase != "flying":
         return step.safety.reason
-    return step.control.gains.words if step.control is not None else ""
+    return step.control.words if step.control is not None else ""
 
 
 def position_text(control: ControlOutput | None) -> str:

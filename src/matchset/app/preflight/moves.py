@@ -36,6 +36,11 @@ class Move(msgspec.Struct, frozen=True):
         """Name of the check."""
         return f"signs: {self.stick}"
 
+    @property
+    def wanted(self) -> str:
+        """What must be seen."""
+        return f"{self.words.lower()}: it would {self.answer}"
+
 
 MOVES = (
     Move("Move the vehicle 30 cm to its left, without turning it", "roll", "fly to the right, roll +"),
@@ -92,8 +97,7 @@ class Watch(msgspec.Struct):
             if wrong
             else "put it back to its set place, then move it farther, the ball and its marker in the picture"
         )
-        wanted = f"{move.words.lower()}: it would {move.answer}"
-        return judged(move.name, wanted, f"{move.stick} {self.change:+.2f}", right, advice)
+        return judged(move.name, move.wanted, f"{move.stick} {self.change:+.2f}", right, advice)
 
 
 def skipped_moves(why: str) -> list[Outcome]:
@@ -103,4 +107,4 @@ def skipped_moves(why: str) -> list[Outcome]:
     ----------
     why : str
     """
-    return [skipped(move.name, f"{move.words.lower()}: it would {move.answer}", why) for move in MOVES]
+    return [skipped(move.name, move.wanted, why) for move in MOVES]

@@ -4,7 +4,8 @@ from typing import Literal
 
 import msgspec
 
-from matchset.app.exit_codes import NOT_FOUND
+from matchset.app.exit_codes import BAD_INPUT, DEVICE, NOT_FOUND
+from matchset.image.errors import LinkError
 
 Verdict = Literal["pass", "fail", "skipped"]
 
@@ -56,20 +57,19 @@ def judged(name: str, wanted: str, measured: str, good: bool, advice: str) -> Ou
     return Outcome(name, wanted, measured, "pass" if good else "fail", "" if good else advice)
 
 
-def failed(name: str, wanted: str, why: object, code: int, advice: str = "") -> Outcome:
+def failed(name: str, wanted: str, why: Exception | str, advice: str = "") -> Outcome:
     """Return a check that could not even be made: a file or a device is to blame.
 
     Parameters
     ----------
     name, wanted : str
         See `Outcome`.
-    why : object
-        The error, which is what was measured.
-    code : int
-        Exit code.
+    why : Exception or str
+        What was measured: an error, of a file or an option unless it is a `LinkError`, or the fault of a device.
     advice : str
         What to do.
     """
+    code = BAD_INPUT if isinstance(why, Exception) and not isinstance(why, LinkError) else DEVICE
     return Outcome(name, wanted, " ".join(str(why).split()), "fail", advice, code)
 
 

@@ -8,7 +8,6 @@ import cv2
 import msgspec
 import numpy as np
 
-from matchset.app.exit_codes import DEVICE
 from matchset.app.flight.pilot import Camera
 from matchset.app.preflight.outcome import Outcome, failed, judged
 from matchset.app.preflight.parameters import PreflightParameters
@@ -113,9 +112,7 @@ def picture_checks(
     wanted = f"pictures for {parameters.watch:g} s"
     if fault or len(pictures) < 2:
         why = fault or f"{len(pictures)} pictures in {parameters.watch:g} s"
-        return [
-            failed("camera: delivers", wanted, why, DEVICE, "look at its cable and its power, then 'matchset live'")
-        ]
+        return [failed("camera: delivers", wanted, why, "look at its cable and its power, then 'matchset live'")]
     return [
         judged("camera: delivers", wanted, f"{len(pictures)} pictures", True, ""),
         _rate(pictures, parameters),

@@ -9,7 +9,6 @@ from contextlib import ExitStack
 import msgspec
 import numpy as np
 
-from matchset.app.exit_codes import BAD_INPUT, DEVICE
 from matchset.app.flight.flight import FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
 from matchset.app.flight.linked.followers import LinkedFollowers
@@ -77,7 +76,7 @@ def vehicle_checks(follower: LinkedFollower, flight: FlightParameters, bench: Be
         try:
             files = read_files(follower)
         except (ValueError, OSError) as error:
-            yield failed("files", FILES, error, BAD_INPUT)
+            yield failed("files", FILES, error)
             return
         yield judged("files", FILES, "read", True, "")
         bench.person.say("the camera is watched ...")
@@ -85,8 +84,7 @@ def vehicle_checks(follower: LinkedFollower, flight: FlightParameters, bench: Be
             flight = for_links(flight, (follower.link,))
             camera = bench.open_camera(follower, files.camera, flight)
         except (ValueError, LinkError) as error:
-            code = DEVICE if isinstance(error, LinkError) else BAD_INPUT
-            yield failed("camera: opens", CAMERA, error, code, "'matchset live' shows what a camera delivers")
+            yield failed("camera: opens", CAMERA, error, "'matchset live' shows what a camera delivers")
             return
         stack.callback(camera.close)
         yield judged("camera: opens", CAMERA, f"{camera.model.width} x {camera.model.height} px", True, "")
@@ -126,8 +124,7 @@ def _link(follower: LinkedFollower, bench: Bench, stack: ExitStack) -> Generator
         yield stick_check(link, bench.person, bench.parameters, bench.clock, bench.sleep)
         zero.send(link, bench.parameters.settle)
     except (LinkError, ValueError) as error:
-        code = DEVICE if isinstance(error, LinkError) else BAD_INPUT
-        yield failed("link: answers", LINK, error, code, "its cable, its power, its port; no other program may have it")
+        yield failed("link: answers", LINK, error, "its cable, its power, its port; no other program may have it")
         return None
     return link
 
@@ -158,7 +155,7 @@ def _dry_run(flight: LinkedFlight, camera: LiveCamera, told: Told, bench: Bench)
             break
     fault = flight.fault or camera.fault
     if fault:
-        yield failed("dry run: devices", "camera and link go on", fault, DEVICE, "its cable, its power")
+        yield failed("dry run: devices", "camera and link go on", fault, "its cable, its power")
         return
     yield from sight_checks(steps, told, parameters)
     yield from time_checks(steps, told, parameters)
@@ -186,7 +183,7 @@ def _moved(
             break
     fault = flight.fault or camera.fault
     if fault:
-        return failed(watch.move.name, "camera and link go on", fault, DEVICE, "its cable, its power")
+        return failed(watch.move.name, "camera and link go on", fault, "its cable, its power")
     return watch.outcome
 
 

@@ -116,8 +116,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     """What a step makes of the picture, the clock and the steps before, and a replay must reproduce: of `PilotStep`.
 
-    `answer` is `PilotStep.control`, `memory` is `PilotStep.safety`. In format 2 the former lacks its last field,
-    `gains`.
+    `answer` is `PilotStep.control`, `memory` is `PilotStep.safety`. In format 2 the former lacks its last fields,
+    `gains` and `doubt`.
     """
 
     ball: Any

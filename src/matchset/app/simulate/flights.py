@@ -3,14 +3,17 @@
 Imports that take long stand inside the functions, so that `matchset --help` answers at once.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
 if TYPE_CHECKING:
-    from matchset.app.flight.flight import ChainFlight, FlightParameters
+    from matchset.app.flight.flight import ChainFlight, ChainStep, FlightParameters
     from matchset.app.flight.score import FlightScore, FlightScorer
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class WorkParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -54,7 +57,11 @@ def fly_once(parameters: "FlightParameters", stopped: Callable[[], bool] | None 
     return fly_scored(Flight(parameters), stopped).score()
 
 
-def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None) -> "FlightScorer":
+def fly_scored(
+    flight: "ChainFlight",
+    stopped: Callable[[], bool] | None = None,
+    watch: "Callable[[ChainStep], object] | None" = None,
+) -> "FlightScorer":
     """Fly one that is there already, as `fly_once`, and close it; returns what counted.
 
     Parameters
@@ -62,6 +69,8 @@ def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None)
     flight : ChainFlight
     stopped : callable, optional
         Asked at every step.
+    watch : callable, optional
+        Told every step.
     """
     from matchset.app.flight.score import FlightScorer
 
@@ -69,6 +78,8 @@ def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None)
     with flight:
         for chain_step in flight:
             scorer.add(chain_step)
+            if watch is not None:
+                watch(chain_step)
             if scorer.crashed or (stopped is not None and stopped()):
                 break
     return scorer
@@ -77,44 +88,71 @@ def fly_scored(flight: "ChainFlight", stopped: Callable[[], bool] | None = None)
 def fly_all(
     flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool] | None = None
 ) -> "Iterator[tuple[int, FlightScore]]":
+    """Fly many flights, each as by `fly_once`, see `fly_each`."""
+    return fly_each(fly_once, flights, jobs, stop or (lambda: False))
+
+
+def fly_each(
+    fly: Callable[..., Result], flights: "Sequence[FlightParameters]", jobs: int, stop: Callable[[], bool]
+) -> Iterator[tuple[int, Result]]:
     """Fly many flights.
 
     Parameters
     ----------
+    fly : callable
+        Flies one; its second argument, which may be left out, is asked at every step whether to end there. Defined at
+        the top of a file, so that another process finds it.
     flights : sequence of FlightParameters
     jobs : int
         How many at once, each in a process of its own; 1: in this process, one after the other.
-    stop : callable, optional
+    stop : callable
         Asked now and then; after True no further flight begins and unfinished ones are dropped.
 
     Yields
     ------
-    (int, FlightScore)
-        Index into `flights` and score, in the order in which they end.
+    (int, object)
+        Index into `flights` and what `fly` returns, in the order in which they end.
     """
-    asked = stop or (lambda: False)
     if jobs > 1:
-        yield from _fly_in_processes(flights, jobs, asked)
+        yield from in_processes(fly, flights, jobs, stop)
         return
     for number, parameters in enumerate(flights):
-        if asked():
+        if stop():
             return
-        score = fly_once(parameters, asked)
-        if asked():
+        flown = fly(parameters, stop)
+        if stop():
             return
-        yield number, score
+        yield number, flown
 
 
-def _fly_in_processes(
-    flights: "Sequence[FlightParameters]", jobs: int, asked: Callable[[], bool]
-) -> "Iterator[tuple[int, FlightScore]]":
+def in_processes(
+    function: Callable[[Item], Result], items: Iterable[Item], jobs: int, asked: Callable[[], bool]
+) -> Iterator[tuple[int, Result]]:
+    """Apply a function to every item, in several processes, which end when this one does, however it ends.
+
+    Parameters
+    ----------
+    function : callable
+        Defined at the top of a file, so that another process finds it.
+    items : iterable
+        Its arguments.
+    jobs : int
+        How many processes.
+    asked : callable
+        Asked now and then; after True nothing more begins, and what is unfinished is dropped.
+
+    Yields
+    ------
+    (int, object)
+        Index of the item and result, in the order in which they end.
+    """
     import multiprocessing
     from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 
     poll_time = 0.3  # s, between two looks at `asked`
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_ignore_interrupts) as pool:
-        waiting = {pool.submit(fly_once, parameters): number for number, parameters in enumerate(flights)}
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_process) as pool:
+        waiting = {pool.submit(function, item): number for number, item in enumerate(items)}
         try:
             while waiting and not asked():
                 done, _ = wait(waiting, timeout=poll_time, return_when=FIRST_COMPLETED)
@@ -128,8 +166,24 @@ def _fly_in_processes(
                     process.terminate()
 
 
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that started this one."""
+def _begin_process() -> None:
+    """Work on one thread, leave Ctrl-C to the process that started this one, and end when that one is killed."""
+    import multiprocessing
+    import os
     import signal
+    import threading
+    from multiprocessing.connection import wait as wait_for_end
 
+    import cv2
+
+    cv2.setNumThreads(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        sentinel = parent.sentinel
+
+        def end_with_parent() -> None:
+            wait_for_end([sentinel])
+            os._exit(1)
+
+        threading.Thread(target=end_with_parent, daemon=True).start()

@@ -7,7 +7,6 @@ vehicle is not as the model of those margins; each time its loop's factor falls 
 lower of both counts. P, I and D are lowered by the same factor (`lowered`).
 """
 
-import math
 from typing import NamedTuple
 
 import msgspec
@@ -126,15 +125,15 @@ class GainsInUse(NamedTuple):
     ----------
     factors : tuple of float
         Of the gains of level, height and yaw loop, 0 ... 1.
-    margins : tuple of (float, float)
-        Gain margin, dB, and phase margin, degrees, of each loop with these gains, rounded to 0.1 and to 1. NaN before
+    margins : tuple of (float, float) or None
+        Gain margin, dB, and phase margin, degrees, of each loop with these gains, rounded to 0.1 and to 1. None before
         they are known, inf where nothing limits them.
     words : str
         Why gains are lowered: ``swings to the side: gains lowered to 70 %``. Empty if none are.
     """
 
     factors: tuple[float, ...] = (1.0, 1.0, 1.0)
-    margins: tuple[tuple[float, float], ...] = ((math.nan, math.nan),) * 3
+    margins: tuple[tuple[float, float] | None, ...] = (None, None, None)
     words: str = ""
 
 
@@ -144,7 +143,7 @@ class _LoopState:
     def __init__(self) -> None:
         self.allowed = self.left = 1.0
         self.swung = ""
-        self.margins = math.nan, math.nan
+        self.margins: tuple[float, float] | None = None
 
     @property
     def factor(self) -> float:

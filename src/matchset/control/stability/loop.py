@@ -27,19 +27,24 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import expm
 
 from matchset.control.feedforward import FeedforwardParameters
-from matchset.control.neighbor_model import NeighborFilterParameters
+from matchset.control.neighbor_model import (
+    ORDER,
+    NeighborFilterParameters,
+    write_drift_transition,
+    write_oscillation_transition,
+)
 from matchset.control.pid import PidParameters
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
+from matchset.numeric.jit import interpreted
 
 Floats = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 # format: of a sweep: from slower than any integral to beyond the bandwidth of every vehicle that is flown, rad/s
 FREQUENCIES = np.geomspace(0.2, 80.0, 160)
-SERIES = 12  # format: terms of the series of a matrix exponential
-HALVINGS = 6  # format: and how often its argument is halved before
 
 
 class Timing(NamedTuple):
@@ -243,20 +248,8 @@ def _going_on(vehicle: Vehicle, time: float) -> tuple[Floats, Floats]:
     order = len(vehicle.input)
     block = np.zeros((order + 1, order + 1))
     block[:order, :order], block[:order, order] = vehicle.system, vehicle.input
-    whole = matrix_exponential(block * time)
+    whole = expm(block * time)
     return whole[:order, :order], whole[:order, order]
-
-
-def matrix_exponential(matrix: Floats) -> Floats:
-    """Return e to the power of a small matrix, by its series (scaling and squaring)."""
-    part = matrix / 2.0**HALVINGS
-    term = result = np.eye(len(matrix))
-    for k in range(1, SERIES):
-        term = term @ part / k
-        result = result + term
-    for _ in range(HALVINGS):
-        result = result @ result
-    return result
 
 
 def _controllers(control: AxisControl, step: float, z: Complex) -> tuple[Complex, Complex]:
@@ -291,13 +284,10 @@ def _seen(control: AxisControl, neighbor: FilterGains, timing: Timing, z: Comple
 
 def _transition(neighbor: FilterGains, drifting: float, swinging: float) -> Floats:
     """Transition of the five numbers: the drift over one time, the oscillation over another (`neighbor_model.py`)."""
-    w, decay = 2.0 * np.pi / neighbor.parameters.oscillation_period, neighbor.parameters.oscillation_damping
-    system = np.zeros((5, 5))
-    system[0, 1] = system[1, 2] = drifting
-    system[2, 2] = -drifting / neighbor.acceleration_time
-    system[3, 4] = swinging
-    system[4, 3:] = -w * w * swinging, -2.0 * decay * w * swinging
-    return matrix_exponential(system)
+    transition = np.zeros((ORDER, ORDER))
+    interpreted(write_drift_transition)(neighbor.acceleration_time, drifting, transition)
+    interpreted(write_oscillation_transition)(neighbor.parameters, swinging, transition)
+    return transition
 
 
 def _forecast(neighbor: FilterGains, elapsed: float, reach: float) -> Floats:

@@ -67,8 +67,8 @@ def mark_color(
                 continue
             score = 0
             for a in range(row - 1, row + 2):
-                half = 0.5 - (a & 1)
-                there, beside = a + 2 * round(0.5 * half * fields[1]), column + round(half * fields[0])
+                right, under = field_shift(fields[0], fields[1], a)
+                there, beside = a + 2 * round(0.5 * under), column + round(right)
                 if there < 0 or beside < 1 or there >= height or beside >= width - 1:
                     score = 0
                     break
@@ -141,7 +141,7 @@ def sum_colors(image: Bytes, work: Any, sums: Floats) -> None:
     height, width, channels = image.shape
     flat, left = image.reshape(-1), max(int(ball.x - reach), 0)
     for row in range(max(int(ball.y - reach), 0), min(int(ball.y + reach) + 1, height), step):
-        right, under = field_shift(ball, row)
+        right, under = field_shift(ball.field_x, ball.field_y, row)
         half, x = math.sqrt(max(reach * reach - (row - under - ball.y) ** 2, 0.0)), ball.x + right
         first = left + step * max(math.ceil((x - half - left) / step), 0)
         for column in range(first, min(math.floor(x + half) + 1, width), step):

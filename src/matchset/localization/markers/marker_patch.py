@@ -45,10 +45,10 @@ def new_patch(span: int) -> Patch:
 
 
 @kernel(refcount=False)
-def field_shift(ball: Any, row: int) -> tuple[float, float]:
-    """From where a thing is to where a row of an interlaced picture shows it, px."""
+def field_shift(right: float, under: float, row: int) -> tuple[float, float]:
+    """From where a thing is to where a row shows it, px: half of the way from the odd rows' field to the even rows'."""
     half = 0.5 - (row & 1)
-    return half * ball.field_x, half * ball.field_y
+    return half * right, half * under
 
 
 @kernel(refcount=False)
@@ -61,7 +61,7 @@ def _ball_around(image: Bytes, work: Any, middle: tuple[float, float], reach: fl
     height, width, channels = image.shape
     spacing, count = 1 + int(reach / limits.shading_spacing_px), 0
     for row in range(max(int(y0 - reach), 0), min(int(y0 + reach) + 1, height), spacing):
-        right, under = field_shift(ball, row)
+        right, under = field_shift(ball.field_x, ball.field_y, row)
         for column in range(max(int(x0 - reach), 0), min(int(x0 + reach) + 1, width), spacing):
             dx, dy = column - right - x0, row - under - y0
             along, across = (dx * ux + dy * uy) * narrow, dy * ux - dx * uy
@@ -190,7 +190,7 @@ def _place_pixels(work: Any, patch: Patch) -> None:
     """Write where the pixels would be if both fields were taken at one time."""
     ball, top, stride, xs, ys = work.ball, work.window.top, work.window.span + 1, patch.x, patch.y
     for i in range(work.window.span):
-        right, under = field_shift(ball, top + i)
+        right, under = field_shift(ball.field_x, ball.field_y, top + i)
         first, begin, row = np.uintp(i * stride), np.float32(-1.0 - right), np.float32(i - under)
         for j in range(stride):
             xs[first + np.uintp(j)], ys[first + np.uintp(j)] = np.float32(j) + begin, row

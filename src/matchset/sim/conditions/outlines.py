@@ -3,64 +3,22 @@
 import math
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
+from matchset.fitting.fit_quality import add_field_covariance
+from matchset.numeric.jit import interpreted
 from matchset.shapes.circle import Circle
-from matchset.sim.world import RATE, World
+from matchset.sim.conditions.outline_noise import PICTURE, Deviates, OutlineNoise, deviates, slip
+from matchset.sim.vehicle import VehiclePose
+from matchset.sim.world import KEPT, RATE, World
 from matchset.sim.world_views import WorldViews
 from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]
 
-
-class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How far outlines and markers are off: normal deviates, new in every picture.
-
-    Chosen by: errors and claimed covariances of poses in rendered flights, docs/log.md, 2026-11-23. All together a
-    center is 0.2 px off along each axis and a range 0.5 %; what consecutive pictures share in that is left out.
-
-    Parameters
-    ----------
-    point_px : float
-        Standard deviation of each point across the outline, px. A localizer estimates from it how sure it is: less
-        makes it claim too much, and a gate after it closes too early.
-    size : float
-        Standard deviation of the size besides, as a share: as much is the range off.
-    center_px : float
-        Standard deviation of the center along each axis besides, px.
-    marker_deg : float
-        Standard deviation of the marker's direction on the ball, about each axis, degree.
-    points : int
-        Points of an outline. More are slower, and need more noise each.
-    marker_cosine : float
-        Least cosine between the marker's direction and that to the camera at which it is found.
-    inside : float
-        Least share of an outline that must be in the picture.
-    inside_beyond : float
-        The same of the next-but-one ball, which the neighbor's hides in part.
-    marker_diameter : float
-        Across a marker, as a share of the ball's diameter; its size decides nothing.
-    """
-
-    point_px: float = 0.3
-    size: float = 0.0045
-    center_px: float = 0.18
-    marker_deg: float = 0.6
-    points: int = 24
-    marker_cosine: float = 0.3
-    inside: float = 0.5
-    inside_beyond: float = 0.3
-    marker_diameter: float = 0.2
-
-    def __post_init__(self) -> None:
-        for name in ("point_px", "size", "center_px", "marker_deg"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} must be 0 or more, got {getattr(self, name)}")
-        if not 5 <= self.points <= 64:
-            raise ValueError(f"points must be within 5 ... 64, got {self.points}")
+NEXT, BEYOND = 0x0071, 0x0072  # format: whose deviates: the next ball's and the next-but-one's
 
 
 class Outline(NamedTuple):
@@ -76,18 +34,25 @@ class Outline(NamedTuple):
         px
     marker : (2,) or None
         Middle of the marker, px; None if it cannot be seen.
+    way : (2,)
+        Of the ball's center since the last picture, px.
     """
 
     points: Floats
     middle: Floats
     radius: float
     marker: Floats | None
+    way: Floats
 
     def tracks(self, time: float, noise: OutlineNoise) -> tuple[Track[Circle], tuple[Track[Circle], ...]]:
         """Return ball and markers as trackers do, with a time, s."""
-        center, size = noise.center_px**2, (noise.size * self.radius) ** 2
         circle = Circle(float(self.middle[0]), float(self.middle[1]), self.radius)
-        ball = Track(circle, np.diag((center, center, size)), 1.0, self.points, time)
+        offset = -0.5 * self.way  # geometry: the fields are half a picture apart, the even rows first
+        point = noise.point_deviation(math.hypot(*self.way.tolist())) ** 2 / max(len(self.points), 1)
+        center = 2.0 * point + noise.center_px**2
+        covariance = np.diag((center, center, point + (noise.size * self.radius) ** 2))
+        interpreted(add_field_covariance)(offset, noise.claimed, covariance)
+        ball = Track(circle, covariance, 1.0, self.points, time, field_offset=(float(offset[0]), float(offset[1])))
         if self.marker is None:
             return ball, ()
         spread = (math.radians(noise.marker_deg) * self.radius) ** 2
@@ -112,6 +77,9 @@ class OutlineCameras(WorldViews):
         self.noise = noise or OutlineNoise()
         angles = np.linspace(0.0, 2.0 * math.pi, self.noise.points, endpoint=False)
         self._circle = np.column_stack((np.cos(angles), np.sin(angles)))
+        self._read_at, self._read = -1, dict[int, list[VehiclePose]]()
+        self._weights = self.noise.lasting_weights()
+        self._lasts = max(len(self._weights), self.noise.burst_pictures, self.noise.wrong_pictures)
 
     def outline(self, who: int, step: int) -> Outline | Lost[Circle]:
         """Find the neighbor's ball in a picture.
@@ -131,7 +99,7 @@ class OutlineCameras(WorldViews):
         time = step / RATE
         if self.is_hidden(who, time):
             return Lost("the ball is hidden", time)
-        poses, radius = self.world.poses(step), self.world.vehicle.ball_radius
+        poses, radius = self._poses(step), self.world.vehicle.ball_radius
         view, neighbor = self.viewpoint(poses[who]), poses[who + 1]
         ball = view.from_room @ (neighbor.ball - view.position)
         if not ball[2] > radius:
@@ -139,9 +107,14 @@ class OutlineCameras(WorldViews):
         points = self._seen(ball[np.newaxis] + radius * self._edge(ball, radius))
         if len(points) < self.noise.inside * self.noise.points:
             return Lost("the ball is not in the picture", time)
-        rng = np.random.default_rng((self.world.seed, 0x0071, who, step))
-        marker = self._marker_in_picture(ball, -(view.from_room @ self.marked(neighbor.rotation))[:, 2], rng)
-        return self._noisy(points, points, marker, 1.0, rng)
+        way, drawn = self._way(who, 1, step, ball), deviates(self.world.seed, NEXT, who, step)
+        marker = None
+        if drawn.missed >= self.noise.marker_missed * math.hypot(*way.tolist()):
+            marker = self._marker_in_picture(
+                ball, -(view.from_room @ self.marked(neighbor.rotation))[:, 2], drawn.marker
+            )
+        points, middle, radius = self._noisy(points, points, way, 1.0, self._history(NEXT, who, step))
+        return Outline(points, middle, radius, marker, way)
 
     def outline_beyond(self, who: int, step: int) -> Outline | Lost[Circle]:
         """Find the next-but-one ball in a picture, without its marker: the neighbor's ball hides a part of it.
@@ -156,7 +129,7 @@ class OutlineCameras(WorldViews):
         Outline or Lost
             `Lost` with the reason if too little of it can be seen, or there is none.
         """
-        time, poses, radius = step / RATE, self.world.poses(step), self.world.vehicle.ball_radius
+        time, poses, radius = step / RATE, self._poses(step), self.world.vehicle.ball_radius
         if who + 2 >= len(poses) or self.is_hidden(who, time):
             return Lost("there is no next-but-one ball" if who + 2 >= len(poses) else "the ball is hidden", time)
         view = self.viewpoint(poses[who])
@@ -169,21 +142,51 @@ class OutlineCameras(WorldViews):
         points = self._seen(edge[clear])
         if len(points) < self.noise.inside_beyond * self.noise.points:
             return Lost("too little of the ball can be seen", time)
-        rng = np.random.default_rng((self.world.seed, 0x0072, who, step))
         worse = math.sqrt(self.noise.points / len(points)) * math.sqrt(ball @ ball) / middle
-        return self._noisy(points, self._seen(edge), None, worse, rng)
+        way, history = self._way(who, 2, step, ball), self._history(BEYOND, who, step)
+        points, center, size = self._noisy(points, self._seen(edge), way, worse, history)
+        return Outline(points, center, size, None, way)
 
     def _noisy(
-        self, points: Floats, whole: Floats, marker: Floats | None, worse: float, rng: np.random.Generator
-    ) -> Outline:
-        """Move points of an outline, by its center and size from all of it, and its marker; `worse` enlarges noise."""
+        self, points: Floats, whole: Floats, way: Floats, worse: float, history: list[Deviates]
+    ) -> tuple[Floats, Floats, float]:
+        """Move points of an outline, its center and radius, found from all of it; `worse` enlarges errors."""
         noise, middle = self.noise, whole.mean(axis=0)
         size = math.sqrt(((whole - middle) ** 2).sum(axis=1).mean())
-        moved = worse * noise.center_px * rng.standard_normal(2)
-        grown = 1.0 + worse * noise.size * rng.standard_normal()
-        off = grown + noise.point_px / size * rng.standard_normal((len(points), 1))
-        points = middle + off * (points - middle) + moved
-        return Outline(points, middle + moved, grown * size, None if marker is None else marker + moved)
+        off = slip(noise, history, self._weights, way, size)
+        moved, grown = worse * off.center, 1.0 + worse * off.radius / size
+        scatter = noise.point_deviation(math.hypot(*way.tolist()))
+        each = grown + scatter / size * history[0].points[: len(points), np.newaxis]
+        return middle + each * (points - middle) + moved, middle + moved, grown * size
+
+    def _history(self, what: int, who: int, step: int) -> list[Deviates]:
+        """Deviates of a picture and of those before it, newest first."""
+        seed = self.world.seed
+        return [deviates(seed, what, who, step - PICTURE * k) for k in range(self._lasts)]
+
+    def _poses(self, step: int) -> list[VehiclePose]:
+        """Poses of all vehicles at a step, read from the world once for all followers that see it at one time."""
+        if self._read_at != self.world.step:
+            self._read_at, self._read = self.world.step, {}
+        if step not in self._read:
+            self._read[step] = self.world.poses(step)
+        return self._read[step]
+
+    def _way(self, who: int, ahead: int, step: int, ball: Floats) -> Floats:
+        """Way of a ball's center in the picture since the last one, px, as if the lens were straight."""
+        earlier = max(step - PICTURE, self.world.step - KEPT + 1, 0)  # what the world remembers
+        if earlier >= step:
+            return np.zeros(2)
+        poses = self._poses(earlier)
+        view = self.viewpoint(poses[who])
+        (x, y, z), (right, down, far) = (
+            (view.from_room @ (poses[who + ahead].ball - view.position)).tolist(),
+            ball.tolist(),
+        )
+        if not z > self.world.vehicle.ball_radius:
+            return np.zeros(2)
+        pictures = (step - earlier) / PICTURE
+        return np.array((self.model.fx * (right / far - x / z), self.model.fy * (down / far - y / z))) / pictures
 
     def _edge(self, ball: Floats, radius: float) -> Floats:
         """Where the tangent cone touches a ball, from its center in units of its radius, (n, 3)."""
@@ -195,9 +198,9 @@ class OutlineCameras(WorldViews):
         edge: Floats = math.sqrt(1.0 - sine**2) * self._circle @ np.stack((right, down)) - sine * ahead
         return edge
 
-    def _marker_in_picture(self, ball: Floats, direction: Floats, rng: np.random.Generator) -> Floats | None:
+    def _marker_in_picture(self, ball: Floats, direction: Floats, deviate: Floats) -> Floats | None:
         """Project the marker in a direction on a ball, with noise; None if it is not seen."""
-        along, across, up = np.radians(self.noise.marker_deg) * rng.standard_normal(3)
+        along, across, up = (math.radians(self.noise.marker_deg) * deviate).tolist()
         x, y, z = direction.tolist()
         off = np.array((x + across * z - up * y, y + up * x - along * z, z + along * y - across * x))
         direction = off / math.sqrt(off @ off)

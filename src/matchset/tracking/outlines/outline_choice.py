@@ -158,7 +158,7 @@ class OutlineChoice:
         """
         fitter = self._fitter
         state = fitter.family.from_coarse(*disc.circle).state
-        fitted = self._fit(image, color, state, np.array(disc.circle), unknown=True, prior=disc)
+        fitted = self._fit(image, color, state, np.array(disc.circle), speed=None, prior=disc)
         if fitted.rejection or squared_distances(disc, fitted.state[:DISC]) > self.network.limits.differs:
             return False
         return not fitter.validate_detection(fitter.weigh(fitted, image, color), Prior.HERE)
@@ -195,18 +195,17 @@ class OutlineChoice:
         state: Floats,
         begin: Floats,
         *,
-        unknown: bool = False,
+        speed: float | None = 0.0,
         prior: Disc | None = None,
-        speed: float = 0.0,
     ) -> Estimate:
         """Fit in a narrow window around an outline; with a prior that begins there, a disc of the network.
 
-        `unknown`: whether nothing is known of the direction in which it moves; `speed`: px per frame, if it is.
+        `speed`: px per frame, of a shape whose fields lie apart; None where nothing is known of how it moves.
         """
         limits, whole = self.network.limits, state.copy()
         whole[: len(begin)] = begin
         reach = max(limits.range_share * float(self._fitter.family.half_width(whole)), limits.min_range_px)
-        window = SearchWindow(reach, speed, initial_sigma=limits.sigma_share * reach, velocity_unknown=unknown)
+        window = SearchWindow(reach, speed or 0.0, limits.sigma_share * reach, velocity_unknown=speed is None)
         if prior is None:
             return self._fitter.fit(image, color, whole, window)
         sigma, of_motion = self._fitter.work.motion.prior_sigma, self._fitter.work.motion.prior_sigma.copy()
@@ -292,7 +291,7 @@ class OutlineChoice:
         if worth <= self._parameters.soft_region.sure * self._parameters.soft_region.worth:
             return estimate
         made = fitter.block.copy()
-        fitted = fitter.weigh(self._fit(image, color, state, state, unknown=True), image, color)
+        fitted = fitter.weigh(self._fit(image, color, state, state, speed=None), image, color)
         if fitter.validate_detection(fitted, prior):
             fitter.block[:] = made
             return estimate
@@ -312,7 +311,7 @@ class OutlineChoice:
             return estimate
         made = fitter.block.copy()
         begin = np.array(disc.circle)
-        fitted = fitter.weigh(self._fit(image, color, estimate.state, begin, unknown=True), image, color)
+        fitted = fitter.weigh(self._fit(image, color, estimate.state, begin, speed=None), image, color)
         unseen = fitter.validate_detection(fitted, prior)
         if disc.log_odds > limits.clear and (unseen or squared_distances(disc, fitted.state[:DISC]) > limits.differs):
             return self._take(disc, fitted)

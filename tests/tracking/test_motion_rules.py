@@ -217,9 +217,20 @@ def test_the_field_offset_of_a_fast_shape_that_is_seen_well_is_noted_for_its_spe
         record = work(velocity=np.array([30.0, 40.0, 0.0, 0.0, 0.0]), offset_moment=10.0, speed_moment=100.0)
         record.window.speed, record.fit.msac_score = speed, score
         record.field_offset.fitted[:] = 0.5, 0.25
-        interpreted(motion.correct_motion)(record, 1.1)
-        expected = (FIELDS.memory * 10.0 + 25.0, FIELDS.memory * 100.0 + 2500.0) if noted else (10.0, 100.0)
+        record.state[:2] = record.motion.last_state[:2] + 0.1 * np.array((60.0, 20.0))  # px, in 0.1 s
+        interpreted(motion.correct_motion)(record, record.motion.time + 0.1)
+        along = 60.0 * 30.0 + 20.0 * 40.0  # its way in this frame, along the speed that was expected
+        expected = (FIELDS.memory * 10.0 + 25.0, FIELDS.memory * 100.0 + along) if noted else (10.0, 100.0)
         assert (record.motion.offset_moment, record.motion.speed_moment) == pytest.approx(expected)
+
+
+def test_of_a_shape_that_turns_back_no_field_offset_is_noted() -> None:
+    record = work(velocity=np.array([30.0, 40.0, 0.0, 0.0, 0.0]), offset_moment=10.0, speed_moment=100.0)
+    record.window.speed, record.fit.msac_score = 2.0 * FIELDS.min_speed, FIELDS.min_score + 0.1
+    record.field_offset.fitted[:] = 0.5, 0.25
+    record.state[:2] = record.motion.last_state[:2] - 3.0
+    interpreted(motion.correct_motion)(record, record.motion.time + 0.1)
+    assert (record.motion.offset_moment, record.motion.speed_moment) == (10.0, 100.0)
 
 
 def test_the_typical_size_follows_well_confirmed_fits_only() -> None:

@@ -136,16 +136,18 @@ def open_window(work: Record, missed: float, interval: float) -> None:
 def correct_motion(work: Record, time: float) -> None:
     """Correct state, velocity and innovation scale with the state that was fitted at a time, s.
 
-    The field offset that was fitted is noted for the speed that the shape was expected to have, where most edge points
+    The field offset that was fitted is noted for the speed that the shape has in this frame, where most edge points
     agree: those of a hand, or of a blurred rim, look like a second field. The velocity of a
     parameter that the edge points told nothing of stops: its variance is that of the prior.
     """
     motion, limits, fields, fitted = work.motion, work.motion_limits, work.field_limits, work.state
     velocity, scale, offset, memory = motion.velocity, motion.innovation_scale, work.field_offset.fitted, fields.memory
     x, y, passed, kept = velocity[0], velocity[1], time - motion.time, limits.innovation_memory
-    if work.window.speed > fields.min_speed and work.fit.msac_score > fields.min_score:
-        motion.offset_moment = memory * motion.offset_moment + offset[0] * x + offset[1] * y
-        motion.speed_moment = memory * motion.speed_moment + x * x + y * y
+    if work.window.speed > fields.min_speed and work.fit.msac_score > fields.min_score and passed > 0.0:
+        moved = ((fitted[0] - motion.last_state[0]) * x + (fitted[1] - motion.last_state[1]) * y) / passed
+        if moved > 0.0:
+            motion.offset_moment = memory * motion.offset_moment + offset[0] * x + offset[1] * y
+            motion.speed_moment = memory * motion.speed_moment + moved
     for k in range(work.state_count):
         if passed > 0.0:
             missed = fitted[k] - motion.last_state[k] - velocity[k] * passed

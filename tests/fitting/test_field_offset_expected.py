@@ -64,6 +64,16 @@ def test_the_other_field_may_come_first() -> None:
     np.testing.assert_allclose(work.field_offset.expected, (-1.5, -5.0))
 
 
+@pytest.mark.parametrize("between", [0.0, 0.004, -0.01, 0.03])
+def test_where_the_fields_are_not_half_a_frame_apart_none_is_expected(between: float) -> None:
+    work = known_fields((0.0, 100.0), (3.0, 10.0), between=between)
+    interpreted(predict_field_offset)(work)
+    np.testing.assert_array_equal(work.field_offset.expected, (0.0, 0.0))
+    np.testing.assert_allclose(work.field_offset.sigma, 0.1 + 0.5 * work.window.speed)
+    interpreted(correct_field_offset)(work)
+    np.testing.assert_array_equal(work.field_offset.expected, (0.0, 0.0))
+
+
 @pytest.mark.parametrize("nothing_to_tell", ["no prior", "no way", "velocity unknown"])
 def test_what_tells_nothing_leaves_the_offset(nothing_to_tell: str) -> None:
     work = known_fields((0.0, 100.0), (3.0, 10.0))

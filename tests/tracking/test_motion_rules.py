@@ -233,6 +233,16 @@ def test_of_a_shape_that_turns_back_no_field_offset_is_noted() -> None:
     assert (record.motion.offset_moment, record.motion.speed_moment) == (10.0, 100.0)
 
 
+@pytest.mark.parametrize("same_camera", [False, True])
+def test_what_is_known_of_the_fields_remains_with_the_camera(same_camera: bool) -> None:
+    record = work(offset_moment=10.0, speed_moment=100.0)
+    record.motion.typical_half_width, record.motion.size_count = 20.0, 5.0
+    motion.forget_motion(record, same_camera)
+    kept = (10.0, 100.0) if same_camera else (0.0, 0.0)
+    assert (record.motion.offset_moment, record.motion.speed_moment) == kept
+    assert (record.motion.typical_half_width, record.motion.size_count) == (0.0, 0.0)
+
+
 def test_the_typical_size_follows_well_confirmed_fits_only() -> None:
     for typical, score, expected in (
         (0.0, 0.9, 20.0),

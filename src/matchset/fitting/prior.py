@@ -145,16 +145,16 @@ class FieldParameters(msgspec.Struct, frozen=True):
 
 @helper
 def time_between_fields(work: Record) -> tuple[float, float]:
-    """Time that lately lay between the even rows and the odd ones, s, and how well that is known, 0 ... 1."""
+    """Time between the even rows and the odd ones, s, and how well it is known, 0 ... 1; zeros if not half a frame."""
     limits, motion, way = work.field_limits, work.motion, work.window.speed
     speed = math.hypot(motion.velocity[0], motion.velocity[1])
     if not (speed > 0.0 and way > 0.0 and work.window.velocity_unknown == 0):
         return 0.0, 0.0
     frame, noted = way / speed, motion.speed_moment + limits.still_speed * limits.still_speed
-    between = min(max(motion.offset_moment / noted, -frame), frame)
+    between = motion.offset_moment / noted
     if abs(abs(between) - limits.frame_share * frame) < limits.tolerance * frame:
         return math.copysign(limits.frame_share * frame, between), motion.speed_moment / noted
-    return between, 0.0
+    return 0.0, 0.0
 
 
 @helper
@@ -162,7 +162,7 @@ def predict_field_offset(work: Record) -> None:
     """Expect the field offset that the speed, and the time that lately lay between the fields, give.
 
     An interlaced picture's fields are half a frame apart, unless frames were left out; those of any other picture are
-    one. While it is not known which, the offset has a standard deviation of half the way per frame.
+    one. While it is not known which, none is expected, with a standard deviation of half the way per frame.
     """
     limits, velocity, offset = work.field_limits, work.motion.velocity, work.field_offset
     between, known = time_between_fields(work)

@@ -268,3 +268,18 @@ def initialize(work: Record, state: Floats, time: float, sigma: float) -> None:
     motion.last_state[:s] = motion.predicted[:s] = state
     motion.velocity[:], motion.innovation_scale[:], motion.prior_sigma[:] = 0.0, sigma, 0.0
     motion.time, motion.speed, motion.innovation = time, 0.0, sigma
+
+
+def forget_motion(work: Record, same_camera: bool) -> None:
+    """Forget how large a shape was, and how far the fields of an interlaced picture lie apart in time.
+
+    Parameters
+    ----------
+    work : record
+    same_camera : bool
+        Whether what is known of the fields remains.
+    """
+    motion = work.motion
+    motion.typical_half_width = motion.size_count = 0.0
+    if not same_camera:
+        motion.offset_moment = motion.speed_moment = 0.0

@@ -21,7 +21,7 @@ from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, track_of
 from matchset.tracking.detectors import Detectors
 from matchset.tracking.initialization import initialize_near, model_for_image
-from matchset.tracking.motion import gate_of, initialize, predict_state
+from matchset.tracking.motion import forget_motion, gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.too_near import TOO_NEAR, fills_picture
 from matchset.tracking.track import Acquisition, Lost, Mode, Track
@@ -134,7 +134,7 @@ class Tracker(Copied, Generic[S]):
         self._initial, self._last, self._step.acquired = shape, shape, None
         self.mode = Mode.TRACKING
 
-    def restart(self, hint: tuple[float, float] | S | None = None) -> None:
+    def restart(self, hint: tuple[float, float] | S | None = None, *, same_camera: bool = False) -> None:
         """Begin anew, as a new tracker would, without making or compiling anything.
 
         The motion, the format of the pictures and what the color has adapted to are forgotten.
@@ -144,6 +144,8 @@ class Tracker(Copied, Generic[S]):
         hint : tuple of float or Shape, optional
             A point (x, y), px: the next search prefers the candidate that holds it. A shape: the next frame begins at
             it, without a search. By default the whole frame is searched.
+        same_camera : bool
+            Remember how far the two fields of its interlaced pictures lie apart in time.
 
         Raises
         ------
@@ -157,8 +159,7 @@ class Tracker(Copied, Generic[S]):
             )
         self._hint = None if shape is not None or hint is None else checked_point("the hint", hint)
         self._fitter.forget()
-        motion = self._fitter.work.motion
-        motion.typical_half_width = motion.offset_moment = motion.speed_moment = motion.size_count = 0.0
+        forget_motion(self._fitter.work, same_camera)
         self._forget_frames()
         if shape is not None:
             self.start(shape)
@@ -363,8 +364,7 @@ class Tracker(Copied, Generic[S]):
         """Fit a detection once more, and begin there if nothing was known; why it is rejected, None if it is not."""
         fitter, limits, family = self._fitter, self.parameters.detection, self._family
         alone = predicted is None and self._hint is None
-        start = nearest(family, state, fitter.work.motion.last_state[: len(state)])
-        reach = limits.refit_range
+        start, reach = nearest(family, state, fitter.work.motion.last_state[: len(state)]), limits.refit_range
         if fitter.weighs(self.color):
             reach = max(limits.color_range, limits.color_share * float(family.half_width(state)))
         window = SearchWindow(reach, limits.speed if alone else 0.0, velocity_unknown=True)

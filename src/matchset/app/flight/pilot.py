@@ -387,7 +387,7 @@ class Pilot:
         if self._rejected_poses % self.parameters.association.rejected_poses or expected is None:
             return
         if (pixel := self._pixel(expected)) is not None:
-            self._tracker.restart(pixel)
+            self._tracker.restart(pixel, same_camera=True)
 
     def _pixel(self, position: npt.NDArray[np.float64]) -> tuple[float, float] | None:
         """Project a position in the camera frame, (3,), m, to the picture, px; None if it is not visible there."""

@@ -39,11 +39,13 @@ def explanations() -> dict[str, tuple[str, str]]:
 
 
 def _alike(key: str, known: dict[str, tuple[str, str]]) -> tuple[str, str]:
-    """Meaning of the key of the same name in a section beside; its unit may be another."""
+    """Meaning of the key of the same name in a section beside, or one further out; its unit may be another."""
     above, _, name = key.rpartition(".")
-    beside = above.rpartition(".")[0]
-    found = [text for each, (_, text) in known.items() if re.fullmatch(rf"{re.escape(beside)}\.\w+\.{name}", each)]
-    return "", f"as of the others: {found[0]}" if beside and found else ""
+    while beside := (above := above.rpartition(".")[0]):
+        found = [text for each, (_, text) in known.items() if re.fullmatch(rf"{re.escape(beside)}\.\w+\.{name}", each)]
+        if found:
+            return "", f"as of the others: {found[0]}"
+    return "", ""
 
 
 def _explained(text: str, section: str) -> Iterator[tuple[str, tuple[str, str]]]:

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from matchset.control.chain.gain_schedule import Gains
-from matchset.control.command import Command
+from matchset.control.command import HOLD, Command
 from matchset.control.ego_motion import EgoMotion, EgoState
 from matchset.control.follower import Follower, FollowerParameters, RelativeSetpoint
 from matchset.control.neighbor_filter import NeighborFilter
@@ -20,7 +20,7 @@ from matchset.control.stability.margins import margins_of
 from matchset.control.sticks.angle_sticks import AngleSticks, Wanted
 from matchset.control.sticks.ego_parameters import GRAVITY, EgoMotionParameters, SpeedCommand
 from matchset.control.sticks.speed_parameters import SpeedParameters
-from matchset.control.sticks.speed_sticks import HOLD, SpeedSticks, TakeOff
+from matchset.control.sticks.speed_sticks import SpeedSticks, TakeOff
 from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]

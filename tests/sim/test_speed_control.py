@@ -7,12 +7,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from matchset.control.command import Command
+from matchset.control.command import HOLD, Command
 from matchset.control.ego_motion import EgoMotion
 from matchset.control.sticks.ego_parameters import EgoMotionParameters, SpeedCommand
 from matchset.numeric.record import fields
 from matchset.sim.conditions.conditions import Conditions
-from matchset.sim.on_board.speed_control import HOLD, SpeedControlParameters
+from matchset.sim.on_board.speed_control import SpeedControlParameters
 from matchset.sim.quadrotor import STATE
 from matchset.sim.vehicle import VehicleParameters, toy
 from matchset.sim.world import RATE, ChainParameters, World

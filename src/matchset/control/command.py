@@ -4,6 +4,8 @@ import math
 
 import msgspec
 
+HOLD = 0.5  # format: throttle that holds the height, where the throttle is a speed up or down
+
 
 def clip(value: float, low: float, high: float) -> float:
     """Clip a number to a range; comparing takes half the time of `min` and `max`.

@@ -32,7 +32,7 @@ from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
 from matchset.control.sticks.angle_sticks import Wanted
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.sticks.kinds import kind_of
-from matchset.control.sticks.speed_parameters import SpeedParameters
+from matchset.control.sticks.speed_parameters import KEYS, SpeedParameters
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -60,15 +60,8 @@ class FollowerParameters(
     kw_only=True,
     forbid_unknown_fields=True,
     rename={
-        "horizontal": "level",
-        "vertical": "rise",
+        **KEYS,
         "hover_throttle": "hover",
-        "horizontal_lead": "lead",
-        "vertical_lead": "rise_lead",
-        "oscillation_feedforward": "ahead",
-        "drift_feedforward": "drift",
-        "horizontal_speed": "pace",
-        "vertical_speed": "rise_pace",
         "ego_motion": "own",
         "neighbor": "motion",
         "motion_consistency": "answer",

@@ -17,7 +17,8 @@ from matchset.control.command import Command
 from matchset.control.follower import Follower
 from matchset.control.repeated_picture import PicturesSeen
 from matchset.control.safety import DesiredCommand, SafetyParameters, SafetyState
-from matchset.control.sticks.angle_sticks import Sticks
+from matchset.control.sticks.angle_sticks import AngleSticks
+from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.links.link import Link, LinkStatus, State
 from matchset.tracking.track import Lost
 from walks import walk_all
@@ -103,7 +104,7 @@ class Watch:
     desired = DesiredCommand(0.0, 0.0, 0.0, 0.9)
     holds = True
     hover_throttle = 0.8
-    sticks = Sticks()
+    sticks = AngleSticks(EgoMotionParameters(), 0.5)
 
     @property
     def consistency(self) -> "Watch":

@@ -4,7 +4,6 @@ In a dry run nothing lifts, so a follower keeps its sticks in the middle: in a h
 its controllers want is known all the same, and that is what a person has to see before the first flight.
 """
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -12,7 +11,7 @@ from matchset.app.flight.pilot import PilotStep
 from matchset.control.command import clip
 from matchset.control.control_output import ControlOutput
 from matchset.control.follower import FollowerParameters
-from matchset.control.sticks.ego_parameters import GRAVITY
+from matchset.control.sticks.kinds import sticks_for
 
 
 class WouldBe(NamedTuple):
@@ -44,17 +43,10 @@ def would_be(control: ControlOutput, parameters: FollowerParameters) -> WouldBe:
     parameters : FollowerParameters
         What full sticks do; as in use.
     """
-    model = parameters.ego_motion
-    yaw = clip(control.yaw.output / model.full_yaw_rate, -1.0, 1.0)
-    if model.told_speeds:
-        roll, pitch = (clip(terms.output / model.full_speed, -1.0, 1.0) for terms in (control.right, control.forward))
-        return WouldBe(roll, pitch, yaw, control.up.output / model.full_rise)
-    gravity = GRAVITY / model.effective_mass_ratio
-    roll, pitch = (
-        clip(math.atan(terms.output / gravity) / model.full_tilt, -1.0, 1.0)
-        for terms in (control.right, control.forward)
-    )
-    return WouldBe(roll, pitch, yaw, control.up.output / gravity)
+    sticks = sticks_for(parameters)
+    roll, pitch = (clip(sticks.level(terms.output), -1.0, 1.0) for terms in (control.right, control.forward))
+    yaw = clip(control.yaw.output / parameters.ego_motion.full_yaw_rate, -1.0, 1.0)
+    return WouldBe(roll, pitch, yaw, sticks.rise(control.up.output))
 
 
 def sticks_of(steps: Sequence[PilotStep], parameters: FollowerParameters) -> list[WouldBe]:

@@ -114,26 +114,14 @@ class FollowerLoops:
     def _axis(self, name: str, conditions: LoopConditions) -> tuple[AxisControl, Vehicle]:
         """Return controllers and vehicle of a loop."""
         known, gains, model = self.parameters, conditions.gains, self.parameters.ego_motion
-        if model.told_speeds and name != YAW:
-            return self._speed_axis(name, conditions)
+        told = model.told_speeds
         if name == LEVEL:
-            swing, drift, lead = known.oscillation_feedforward, known.drift_feedforward, known.horizontal_lead
-            control = AxisControl(gains.horizontal, lead, gains.horizontal_speed, swing, drift)
-            return control, level_vehicle(model, conditions.tilt)
-        if name == RISE:
-            drift, lead = gains.vertical_drift_feedforward, known.vertical_lead
-            control = AxisControl(known.vertical, lead, gains.vertical_speed, 0.0, drift)
-            return control, rise_vehicle(model, conditions.thrust)
-        return AxisControl(known.yaw), yaw_vehicle(model, conditions.tilt)
-
-    def _speed_axis(self, name: str, conditions: LoopConditions) -> tuple[AxisControl, Vehicle]:
-        """Return the same of a vehicle that is told speeds."""
-        known, gains, model = self.parameters, conditions.gains, self.parameters.ego_motion
-        if name == LEVEL:
-            time, lead = model.speed_time, known.horizontal_lead
+            time, lead = model.speed_time if told else 1.0, known.horizontal_lead
             swing, drift = time * known.oscillation_feedforward, time * known.drift_feedforward
-            control = AxisControl(gains.horizontal, lead, gains.horizontal_speed, swing, drift, 1.0)
-            return control, level_speed_vehicle(model, conditions.tilt)
-        drift, lead = model.rise_time * gains.vertical_drift_feedforward, known.vertical_lead
-        control = AxisControl(known.vertical, lead, gains.vertical_speed, 0.0, drift, 1.0)
-        return control, rise_speed_vehicle(model, conditions.thrust)
+            control = AxisControl(gains.horizontal, lead, gains.horizontal_speed, swing, drift, float(told))
+            return control, (level_speed_vehicle if told else level_vehicle)(model, conditions.tilt)
+        if name == RISE:
+            drift, lead = (model.rise_time if told else 1.0) * gains.vertical_drift_feedforward, known.vertical_lead
+            control = AxisControl(known.vertical, lead, gains.vertical_speed, 0.0, drift, float(told))
+            return control, (rise_speed_vehicle if told else rise_vehicle)(model, conditions.thrust)
+        return AxisControl(known.yaw), yaw_vehicle(model, conditions.tilt)

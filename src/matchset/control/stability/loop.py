@@ -277,8 +277,7 @@ def _seen(control: AxisControl, neighbor: FilterGains, timing: Timing, z: Comple
         speed = low + control.speed.high_frequency_gain * (speed - low)
     on_place, on_speed = _controllers(control, timing.step, z)
     seen: Complex = on_place * place + on_speed * speed + control.swing * swinging + control.drift * drifting
-    if control.along:
-        seen += control.along * speed
+    seen += control.along * speed
     return seen
 
 

@@ -1,7 +1,7 @@
 """Sticks that are angles and thrust, as of toys and flight controllers: `AngleSticks`."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from matchset.control.command import Command, clip
 from matchset.control.safety import DesiredCommand
@@ -22,7 +22,7 @@ class Wanted(NamedTuple):
     yaw: float
 
 
-class Sticks:
+class Sticks(Protocol):
     """The contract of what sticks mean.
 
     Attributes
@@ -31,11 +31,19 @@ class Sticks:
         Throttle that holds the height by itself; NaN where the throttle is thrust.
     """
 
-    holds = math.nan
+    holds: float
+
+    def level(self, wanted: float) -> float:
+        """Return the roll or pitch stick, without its ends, for what a level controller wants."""
+        ...
+
+    def rise(self, wanted: float) -> float:
+        """Return what is added to the throttle that hovers, as a share of it, for what is wanted upward."""
+        ...
 
     def ahead(self, speed: float, acceleration: float, upward: bool = False) -> float:
         """Return what is flown beside the controllers' outputs, for a speed and an acceleration of the set place."""
-        raise NotImplementedError
+        ...
 
     def desired(self, wanted: Wanted, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:
         """Return the sticks for what the controllers want.
@@ -50,14 +58,14 @@ class Sticks:
         tilt : tuple of float
             Roll and pitch of the vehicle when the command acts, rad.
         """
-        raise NotImplementedError
+        ...
 
     def told(self, command: Command, trim: Wanted, hover: float) -> AttitudeCommand | SpeedCommand:
         """Return what dead reckoning is told of a command, without what only holds the vehicle still."""
-        raise NotImplementedError
+        ...
 
 
-class AngleSticks(Sticks):
+class AngleSticks:
     """Sticks that are angles and thrust.
 
     Parameters
@@ -67,10 +75,20 @@ class AngleSticks(Sticks):
         Least cosine of the tilt over which the throttle is divided.
     """
 
+    holds = math.nan
+
     def __init__(self, model: EgoMotionParameters, min_tilt_cosine: float) -> None:
         self._model, self._least = model, min_tilt_cosine
         self._gravity = GRAVITY / model.effective_mass_ratio
         self._upright = 1.0  # cosine of the tilt at which the last command acts
+
+    def level(self, wanted: float) -> float:
+        """Return the stick of the tilt that accelerates as wanted, m/s^2."""
+        return math.atan(wanted / self._gravity) / self._model.full_tilt
+
+    def rise(self, wanted: float) -> float:
+        """Return the share of the lift that accelerates as wanted, m/s^2."""
+        return wanted / self._gravity
 
     def ahead(self, speed: float, acceleration: float, upward: bool = False) -> float:  # noqa: ARG002
         """Return the acceleration: that of the set place."""
@@ -78,13 +96,12 @@ class AngleSticks(Sticks):
 
     def desired(self, wanted: Wanted, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:
         """Return the tilts and the thrust that accelerate as wanted; see `Sticks.desired`."""
-        model, gravity = self._model, self._gravity
         self._upright = max(math.cos(tilt[0]) * math.cos(tilt[1]), self._least)
         return DesiredCommand(
-            clip(math.atan(wanted.right / gravity) / model.full_tilt, -most, most),
-            clip(math.atan(wanted.forward / gravity) / model.full_tilt, -most, most),
-            wanted.yaw / model.full_yaw_rate if most else 0.0,
-            hover * (1.0 + wanted.up / gravity) / self._upright,
+            clip(self.level(wanted.right), -most, most),
+            clip(self.level(wanted.forward), -most, most),
+            wanted.yaw / self._model.full_yaw_rate if most else 0.0,
+            hover * (1.0 + self.rise(wanted.up)) / self._upright,
         )
 
     def told(self, command: Command, trim: Wanted, hover: float) -> AttitudeCommand:

@@ -1,4 +1,4 @@
-"""What the sticks of a follower's vehicle mean, and how it is known that it flies: `kind_of`."""
+"""What the sticks of a follower's vehicle mean, and how it is known that it flies: `sticks_for`, `kind_of`."""
 
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,18 @@ if TYPE_CHECKING:
     from matchset.control.follower import FollowerParameters
 
 
+def sticks_for(follower: "FollowerParameters") -> Sticks:
+    """Make what turns speeds or accelerations into sticks.
+
+    Parameters
+    ----------
+    follower : FollowerParameters
+        As in use.
+    """
+    model = follower.ego_motion
+    return SpeedSticks(model) if model.told_speeds else AngleSticks(model, follower.min_tilt_cosine)
+
+
 def kind_of(follower: "FollowerParameters") -> tuple[Sticks, ThrustEstimator | TakeOff]:
     """Make what turns speeds or accelerations into sticks, and what knows of thrust and lift-off.
 
@@ -21,7 +33,7 @@ def kind_of(follower: "FollowerParameters") -> tuple[Sticks, ThrustEstimator | T
     """
     model, hover = follower.ego_motion, follower.hover_throttle
     if model.told_speeds:
-        return SpeedSticks(model), TakeOff(model.delay, follower.speeds.takeoff)
+        return sticks_for(follower), TakeOff(model.delay, follower.speeds.takeoff)
     gravity = GRAVITY / model.effective_mass_ratio
     thrust = ThrustEstimator(hover, gravity, model.delay, model.lift_lag, follower.thrust_estimator)
-    return AngleSticks(model, follower.min_tilt_cosine), thrust
+    return sticks_for(follower), thrust

@@ -4,10 +4,22 @@ from typing import Any
 
 import msgspec
 
+from matchset.control.command import HOLD
 from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.parameter_checks import require_not_negative, require_share
 from matchset.control.pid import PidParameters
-from matchset.control.sticks.speed_sticks import HOLD
+
+# format: keys in a file of what a follower has for either kind of sticks
+KEYS = {
+    "horizontal": "level",
+    "vertical": "rise",
+    "horizontal_lead": "lead",
+    "vertical_lead": "rise_lead",
+    "oscillation_feedforward": "ahead",
+    "drift_feedforward": "drift",
+    "horizontal_speed": "pace",
+    "vertical_speed": "rise_pace",
+}
 
 
 class SpeedParameters(
@@ -15,16 +27,7 @@ class SpeedParameters(
     frozen=True,
     kw_only=True,
     forbid_unknown_fields=True,
-    rename={
-        "horizontal": "level",
-        "vertical": "rise",
-        "horizontal_lead": "lead",
-        "vertical_lead": "rise_lead",
-        "oscillation_feedforward": "ahead",
-        "drift_feedforward": "drift",
-        "horizontal_speed": "pace",
-        "vertical_speed": "rise_pace",
-    },
+    rename=KEYS,
 ):
     """What takes the place of the parameters of the same names of a follower; the key in a file is in parentheses.
 

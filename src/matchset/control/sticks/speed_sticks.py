@@ -10,17 +10,16 @@ for the time at which the command acts. There is no throttle that hovers: half o
 
 import math
 
-from matchset.control.command import Command, clip
+from matchset.control.command import HOLD, Command, clip
 from matchset.control.safety import DesiredCommand
-from matchset.control.sticks.angle_sticks import Sticks, Wanted
+from matchset.control.sticks.angle_sticks import Wanted
 from matchset.control.sticks.ego_parameters import EgoMotionParameters, SpeedCommand
 
-HOLD = 0.5  # format: throttle that holds the height
 MOST_RISE = 0.98  # format: of the throttle's way from HOLD to its ends; all of it means that a toy has no thrust left
 LIFTS = 0.9  # format: share of HOLD from which on a vehicle takes off
 
 
-class SpeedSticks(Sticks):
+class SpeedSticks:
     """Sticks that are speeds.
 
     Parameters
@@ -33,6 +32,14 @@ class SpeedSticks(Sticks):
     def __init__(self, model: EgoMotionParameters) -> None:
         self._model = model
 
+    def level(self, wanted: float) -> float:
+        """Return the stick of a level speed, m/s."""
+        return wanted / self._model.full_speed
+
+    def rise(self, wanted: float) -> float:
+        """Return the share of the throttle that gives a speed upward, m/s."""
+        return wanted / self._model.full_rise
+
     def ahead(self, speed: float, acceleration: float, upward: bool = False) -> float:
         """Return the speed that leads to that of the set place in spite of the lag."""
         model = self._model
@@ -40,14 +47,13 @@ class SpeedSticks(Sticks):
 
     def desired(self, wanted: Wanted, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:  # noqa: ARG002
         """Return the sticks of speeds; before lift-off those that stand still. See `Sticks.desired`."""
-        model = self._model
         if not most:
             return DesiredCommand(0.0, 0.0, 0.0, HOLD)
         return DesiredCommand(
-            clip(wanted.right / model.full_speed, -most, most),
-            clip(wanted.forward / model.full_speed, -most, most),
-            wanted.yaw / model.full_yaw_rate,
-            HOLD + HOLD * clip(wanted.up / model.full_rise, -MOST_RISE, MOST_RISE),
+            clip(self.level(wanted.right), -most, most),
+            clip(self.level(wanted.forward), -most, most),
+            wanted.yaw / self._model.full_yaw_rate,
+            HOLD + HOLD * clip(self.rise(wanted.up), -MOST_RISE, MOST_RISE),
         )
 
     def told(self, command: Command, trim: Wanted, hover: float) -> SpeedCommand:  # noqa: ARG002

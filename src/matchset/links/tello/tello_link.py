@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from typing import Literal
 
-from matchset.control.command import Command
+from matchset.control.command import HOLD, Command
 from matchset.image.errors import LinkError
 from matchset.links.link import Link, LinkStatus, State
 from matchset.links.tello.tello_client import Sockets, TelloClient, TelloParameters, UdpSockets, parse_tello
@@ -22,7 +22,6 @@ from matchset.links.tello.tello_state import TelloState
 from matchset.numeric.copies import NotCopied
 
 FULL = 100  # format: of a speed in ``rc``
-HOLD = 0.5  # format: throttle that holds the height
 
 Phase = Literal["grounded", "rising", "flying", "landing"]
 

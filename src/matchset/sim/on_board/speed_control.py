@@ -17,14 +17,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.control.command import HOLD
 from matchset.control.parameter_checks import require_not_negative, require_positive
 from matchset.numeric.jit import kernel
+from matchset.sim.quadrotor import GRAVITY
 from matchset.sim.vehicle import VehicleParameters
 
 Floats = npt.NDArray[np.float64]
 
-GRAVITY = 9.81  # theorem: m/s^2, the standard acceleration of free fall, 9.80665 m/s^2 (ISO 80000-3), rounded
-HOLD = 0.5  # format: throttle that holds the height
 LETS_GO = 0.45  # format: throttle at which the hand that holds it lets go
 
 

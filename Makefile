@@ -1,7 +1,7 @@
 # One command each, on a fresh machine with Python 3.11 or newer: the set-up happens by itself.
 .DEFAULT_GOAL := help
 .PHONY: help demo test browser-test check docs tree picture bench bench-quick bench-search bench-fly fly-betaflight weights evidence bench-radio \
-    bench-real toolchain soak wheel-check release-check first-picture link-peers clean
+    bench-real toolchain soak wheel-check release-check first-picture as-typed link-peers clean
 
 BIN := .venv/bin
 PACKAGE := .venv/package
@@ -12,14 +12,11 @@ BETAFLIGHT := .bench/betaflight/betaflight
 SITE_TOOLS := .venv/site-tools
 TOOLCHAIN := .venv/toolchain
 BROWSER := .venv/browser
-# A kernel is compiled again when a source that it is made from has changed: nothing here has to be removed for that.
-CACHE := .numba_cache
 ARGS ?=
 
 # Tests and figures must not depend on how many cores the machine has.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1 \
     OPENCV_FOR_THREADS_NUM=1
-export NUMBA_CACHE_DIR := $(CURDIR)/$(CACHE)
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*  ## ' Makefile | sed -E 's/^([a-z-]+):[^#]*## /make \1\t/' | expand -t 20
@@ -50,7 +47,7 @@ picture: $(READY)  ## fly the chain of three and draw the README's animated pict
 
 link-peers: .mavlink/ready .tello/ready  ## programs of others that the links are tested against: pymavlink, MAVSDK, djitellopy
 
-bench: $(PEERS) $(VISP)  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
+bench: $(PEERS) $(VISP) $(BROWSER)  ## the evidence: matchset and what people use, on the same frames (30 to 45 minutes)
 	$(ONE_THREAD) .bench/bin/python -m benchmarks $(ARGS)
 
 bench-quick: $(PEERS)  ## has a change made it slower or less exact? (two minutes, three with real footage)
@@ -101,11 +98,15 @@ wheel-check: $(READY)  ## the wheel is pure Python, and all it needs has wheels 
 release-check: $(READY)  ## build sdist and wheel, install each in a new virtual environment, try it there
 	$(BIN)/python .ci/smoke.py
 
-first-picture: $(PACKAGE)  ## the README's commands from `git clone` on, in an empty folder: at most 60 s of computing
+first-picture: $(PACKAGE)  ## the README's commands from `git clone` on, in an empty folder: at most 45 s of computing
 	$(BIN)/python .ci/first_picture.py
 
+as-typed: $(PACKAGE)  ## every command of the README, typed in a fresh clone (some minutes)
+	$(BIN)/python .ci/as_typed.py
+
+# Machine code of kernels is kept for all copies of the package, in the user's folder for caches: `matchset warm` says where.
 clean:  ## remove everything that was made, the virtual environment included
-	rm -rf .venv .bench .mavlink .tello $(CACHE) build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
+	rm -rf .venv .bench .mavlink .tello build dist site .mypy_cache .ruff_cache .pytest_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(PACKAGE): pyproject.toml .ci/setup .ci/package.lock

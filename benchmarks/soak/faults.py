@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.soak.plan import Fault
-from matchset.app.flight.pilot import Camera
 from matchset.image.frame import Frame
+from matchset.links.camera import Camera
 from matchset.links.simulated import FPS
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import STATE

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from matchset.numeric import kept_code
-from matchset.numeric.kept_code import CHECKSUM, MAGIC, KeptCode
+from matchset.numeric.kept_code import CHECKSUM, MAGIC, PACKAGE, KeptCode, kept_folder, make_kept_folder
 
 PROGRAM = """
 import numpy as np
@@ -137,21 +137,16 @@ def test_where_the_disk_is_full_kernels_run_and_it_is_said_once(tmp_path: Path) 
     assert not list(tmp_path.rglob("*.tmp.*"))
 
 
-OUTSIDE = """
-import numba.core.caching as c
-c.CacheImpl._locator_classes = [c.UserProvidedCacheLocator, c.UserWideCacheLocator]
-"""  # what earlier runs kept in the package's own folders is not seen
-
-
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/dev/full is of Linux")
 def test_where_no_folder_may_be_written_kernels_run_and_it_is_said_once(tmp_path: Path) -> None:
     """Read-only package, cache and home: folders cannot be made below a file, not even by the superuser."""
     file = tmp_path / "file"
     file.write_text("")
-    answer, words = run(file / "cache", OUTSIDE + PROGRAM, HOME=str(file), XDG_CACHE_HOME=str(file))
-    assert answer.startswith(SAME)
+    answer, words = run(file / "cache")
+    assert answer == f"{SAME} 0"
     assert words.count("\n") == 0
-    assert words.startswith("machine code cannot be kept, each start compiles it anew: "), words
+    assert words.startswith(f"machine code cannot be kept in {file / 'cache'}, each start compiles it anew: "), words
+    assert "NUMBA_CACHE_DIR" in words
 
 
 def test_a_folder_that_becomes_read_only_is_read_all_the_same(kept: Path, tmp_path: Path) -> None:
@@ -180,10 +175,15 @@ def test_every_command_goes_on_with_torn_code(kept: Path, tmp_path: Path) -> Non
 
 
 READ_ONLY = """
-import tempfile
-def refuse(*_, **__):
-    raise PermissionError(30, "Read-only file system")
-tempfile.TemporaryFile = refuse
+import pathlib
+real = pathlib.Path.open
+def refuse(path, mode="r", *more, **named):
+    if mode != "rb" and "r" not in mode:
+        raise PermissionError(30, "Read-only file system", str(path))
+    return real(path, mode, *more, **named)
+def refuse_folder(path, *more, **named):
+    raise PermissionError(30, "Read-only file system", str(path))
+pathlib.Path.open, pathlib.Path.mkdir = refuse, refuse_folder
 """
 
 
@@ -193,7 +193,48 @@ def test_what_was_kept_is_used_on_a_read_only_disk(kept: Path) -> None:
 
 
 def test_a_read_only_disk_without_kept_code_is_said_once(tmp_path: Path) -> None:
-    answer, words = run(tmp_path, READ_ONLY + OUTSIDE + PROGRAM, HOME=str(tmp_path), XDG_CACHE_HOME=str(tmp_path))
-    assert answer.startswith(SAME)
+    answer, words = run(tmp_path, READ_ONLY + PROGRAM)
+    assert answer == f"{SAME} 0"
     assert words.count("\n") == 0
-    assert words.startswith("machine code cannot be kept, each start compiles it anew: "), words
+    assert words.startswith("machine code cannot be kept in "), words
+
+
+def test_what_nobody_named_a_folder_for_is_in_the_cache_of_the_user(tmp_path: Path) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment |= {"XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path), "LOCALAPPDATA": str(tmp_path)}
+    program = "from matchset.numeric.kept_code import kept_root; print(kept_root())"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=True)
+    assert tmp_path in Path(done.stdout.strip()).parents
+
+
+def test_copies_of_the_package_share_what_is_kept(tmp_path: Path) -> None:
+    """Otherwise a second clone, or an installed package beside one, compiles everything again."""
+    there = tmp_path / "elsewhere" / "matchset"
+    shutil.copytree(PACKAGE, there, ignore=shutil.ignore_patterns("__pycache__", "app", "sim"))
+    assert run(tmp_path / "kept") == (f"{SAME} 0", "")
+    for file in there.rglob("*.py"):
+        os.utime(file)
+    where = "import matchset\nassert 'elsewhere' in matchset.__file__\n"
+    assert run(tmp_path / "kept", where + PROGRAM, PYTHONPATH=str(there.parent)) == (f"{SAME} 1", "")
+
+
+def test_of_a_source_that_changes_the_newest_versions_are_kept(tmp_path: Path) -> None:
+    for stamp in range(9):
+        folder = tmp_path / f"a.first-{stamp:08x}"
+        make_kept_folder(folder, versions=4)
+        os.utime(folder, (stamp, stamp))
+        make_kept_folder(tmp_path / "a.first.second-00000001", versions=4)
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == [
+        "a.first-00000005",
+        "a.first-00000006",
+        "a.first-00000007",
+        "a.first-00000008",
+        "a.first.second-00000001",
+    ]
+
+
+def test_the_folder_of_a_file_follows_its_place_in_the_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert kept_folder(PACKAGE / "fitting" / "prior.py", 0xAB) == tmp_path / "fitting.prior-000000ab"
+    assert kept_folder(Path("/mine/family.py"), 1) == tmp_path / "family-00000001"

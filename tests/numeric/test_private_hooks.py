@@ -99,8 +99,8 @@ def family(folder: Path, gain: float) -> ModuleType:
 
 def test_the_stamp_of_kept_code_is_ours() -> None:
     """Otherwise a kernel goes on with old code after a file that it imports has changed."""
-    stamp = counted._cache._cache_file.stamp  # type: ignore[attr-defined]
-    assert stamp[2] == kept_code.source_stamp(Path(__file__))
+    stamp = counted._cache.kept.stamp  # type: ignore[attr-defined]
+    assert stamp == (numba.__version__, kept_code.source_stamp(Path(__file__)))
 
 
 def test_code_of_an_older_source_is_never_found_under_the_key_of_a_new_one(
@@ -137,21 +137,24 @@ def test_two_processes_that_write_at_once_never_find_the_code_of_the_other(tmp_p
 
 def test_kept_code_is_read_and_written_by_us() -> None:
     """Otherwise a file that a loss of power tore ends every command, and so does a full disk."""
-    cache = counted._cache  # type: ignore[attr-defined]
-    assert isinstance(cache._cache_file, KeptCode)
-    assert cache.load_overload.func is jit._load
-    assert cache.save_overload.func is jit._save
-    for name in ("load_overload", "save_overload", "cache_path"):
-        assert hasattr(type(cache), name)
+    assert isinstance(counted._cache, jit._KernelCache)  # type: ignore[attr-defined]
+    assert jit._CACHE.__abstractmethods__ == {
+        *("cache_path", "load_overload", "save_overload", "enable", "disable", "flush")
+    }
+    for name in ("_reduce", "_rebuild"):
+        assert hasattr(jit._RESULT, name)
     dump: Any = serialize.dumps
     assert pickle.loads(dump({1: 2})) == {1: 2}
 
 
 def test_kept_code_is_filed_under_our_key() -> None:
     """Otherwise code of closures is compiled anew under a profiler, and finding it takes 50 ms of pickling."""
-    cache = counted._cache  # type: ignore[attr-defined]
-    assert cache._index_key.func is jit._index_key
-    assert hasattr(type(cache), "_index_key")
+    njit: Any = numba.njit
+    fresh = njit(counted.py_func)  # type: ignore[attr-defined]
+    fresh(np.ones((2, 2)))
+    (compiled,) = fresh.overloads.values()
+    key = counted._cache.key(compiled.signature, compiled.codegen)  # type: ignore[attr-defined]
+    assert key == (compiled.signature, compiled.codegen.magic_tuple(), identity(counted))
 
 
 def test_the_key_of_a_closure_follows_what_it_holds(tmp_path: Path) -> None:

@@ -1,13 +1,12 @@
 """The command `warm`: compile every kernel ahead, for images of a system and for small computers."""
 
 import functools
-import os
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matchset.app.exit_codes import FOUND
+from matchset.numeric.kept_code import kept_root
 
 if TYPE_CHECKING:
     from matchset.image.color import ColorModel
@@ -18,8 +17,7 @@ FAMILIES = "circle", "ellipse", "rectangle", "quadrilateral", "polygon", "polygo
 def warm() -> int:
     """Compile everything that any command may need and keep it on disk, so that no later start waits for the compiler.
 
-    Sets of kernels that are kept already are loaded, not compiled. The folder of the kept code is the one that
-    NUMBA_CACHE_DIR names, or else the folders __pycache__ of the package.
+    Sets of kernels that are kept already are loaded, not compiled.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -35,14 +33,8 @@ def warm() -> int:
             lines.append(f"{name:16} {time.monotonic() - start:6.1f} s")
             progress.advance(task)
     print("\n".join(lines))
-    print(f"everything is compiled, {time.monotonic() - begin:.1f} s; kept in {kept_in()}")
+    print(f"everything is compiled, {time.monotonic() - begin:.1f} s; kept in {kept_root()}")
     return FOUND
-
-
-def kept_in() -> str:
-    """Where Numba keeps the machine code."""
-    package = Path(__file__).parent.parent
-    return os.environ.get("NUMBA_CACHE_DIR") or f"the folders __pycache__ of {package}"
 
 
 def groups() -> dict[str, Callable[[], object]]:

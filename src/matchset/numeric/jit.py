@@ -8,13 +8,13 @@ bit, from run to run.
 The machine code is kept on disk, so only the first run on a machine compiles. This file alone touches what Numba does
 not promise to keep (tests/numeric/test_private_hooks.py says of each what breaks without it):
 
-- ``Cache._cache_file``, ``_impl.filename_base``: the files of kept code. Numba looks at a kernel's own file alone to
-  see whether kept code is still good; here the files that it imports must be the same too (`source_stamp`), so that
-  kernels may call kernels of other files. And Numba trusts what it reads; `KeptCode` looks whether it is whole.
-- ``Cache.load_overload``, ``save_overload``: a file of no use, or a full disk, would end the program.
+- ``Dispatcher._cache``, ``caching._Cache``, ``CompileResult._reduce``, ``_rebuild``: where a kernel's code is kept.
+  Numba keeps it beside the source, or for one path of it, looks at a kernel's own file alone to see whether it is
+  still good, trusts what it reads, and is ended by a full disk; it files the code of a closure under all that it
+  holds, pickled, which changes under a profiler and takes 50 ms. Here it is kept for what the files say
+  (`source_stamp`: the kernel's own and those that it imports), wherever they are, and filed under the identity of what
+  it holds (`identity`); `KeptCode` looks whether it is whole.
 - ``serialize.dumps``: what Numba keeps, as bytes.
-- ``Cache._index_key``: Numba files the code of a closure under all that it holds, pickled, which changes under a
-  profiler and takes 50 ms; here under the identity of what it holds (`identity`).
 - ``linalg.ensure_blas``: Numba imports SciPy's linear algebra, 0.17 s, in case a kernel needs it; here when one does.
 - option ``_nrt=False``: no references are counted.
 - ``codegen.JITCodeLibrary``: Numba optimizes every function and makes machine code of it, and both again with each
@@ -27,6 +27,7 @@ import contextlib
 import functools
 import gc
 import importlib
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -47,12 +48,14 @@ from numba.core.types.functions import BaseFunction
 
 from matchset.numeric.code_identity import identity
 from matchset.numeric.compiling import compiling
-from matchset.numeric.kept_code import KeptCode, say_once, source_stamp
+from matchset.numeric.kept_code import KeptCode, kept_folder, make_kept_folder, say_once, source_stamp
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LIBRARY: Any = codegen.JITCodeLibrary  # Numba's types are not complete
 _COMPILER: Any = compiler.Compiler
 _FUNCTION: Any = BaseFunction
+_CACHE: Any = cast(Any, caching)._Cache
+_RESULT: Any = compiler.CompileResult
 
 
 def _put_off_scipy() -> None:
@@ -276,67 +279,64 @@ def _piece(function: F, **options: Any) -> F:
     return cast(F, made(function))
 
 
-NO_FOLDER = (
-    "machine code cannot be kept, each start compiles it anew: no folder for it can be written; name one in "
-    "NUMBA_CACHE_DIR, and run 'matchset warm' once"
-)
-
-
 def _kept(function: F, **options: Any) -> F:
-    """Compile a kernel whose machine code is kept on disk, where there is a folder for that."""
+    """Compile a kernel whose machine code is kept on disk, if it stands in a file."""
     made: Any = numba.njit(nogil=True, error_model="numpy", **options)(function)
-    try:
-        _find_folder(made)
-    except RuntimeError:  # no folder that may be written, none to be read
-        say_once("no folder", NO_FOLDER)
-        return cast(F, made)
-    cache: Any = made._cache
-    stamp = numba.__version__, cache._cache_file._source_stamp, source_stamp(Path(function.__code__.co_filename))
-    cache._cache_file = KeptCode(Path(cache.cache_path), cache._impl.filename_base, stamp, serialize.dumps)
-    cache._index_key = functools.partial(_index_key, function)
-    cache.load_overload = functools.partial(_load, cache)
-    cache.save_overload = functools.partial(_save, cache)
+    if Path(function.__code__.co_filename).is_file():
+        made._cache = _KernelCache(function)
     return cast(F, made)
 
 
-def _find_folder(made: Any) -> None:
-    """Keep code where that may be written; on a read-only disk, which Numba passes over, read what was kept."""
-    try:
-        made.enable_caching()
-    except RuntimeError:
-        locator: Any = caching._CacheLocator
-        ensure, locator.ensure_cache_path = locator.ensure_cache_path, _require_folder
+class _KernelCache(_CACHE):  # type: ignore[misc]
+    """Where Numba finds the machine code of one kernel, and leaves it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function, file = function, Path(function.__code__.co_filename)
+        stamp = source_stamp(file)
+        name = f"{function.__qualname__}-{function.__code__.co_firstlineno}.{sys.implementation.cache_tag}"
+        folder = kept_folder(file, stamp)
+        self.kept = KeptCode(folder, re.sub("[<>]", "", name), (numba.__version__, stamp), serialize.dumps)
+
+    @property
+    def cache_path(self) -> str:
+        """The folder."""
+        return str(self.kept.folder)
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Take code that was kept, None where there is none of use."""
+        context.refresh()
+        key = self.key(signature, context.codegen())
         try:
-            made.enable_caching()
-        finally:
-            locator.ensure_cache_path = ensure
+            code = self.kept.load(key)
+            return None if code is None else _RESULT._rebuild(context, *code)
+        except Exception as error:  # whatever a library of another version may raise
+            self.kept.discard(key, error)
+            return None
 
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep code; where the disk is full or read-only the kernel runs all the same."""
+        if compiled.library.has_dynamic_globals:  # addresses of this process are in it
+            return
+        try:
+            make_kept_folder(self.kept.folder)
+            self.kept.save(self.key(signature, compiled.codegen), compiled._reduce())
+        except OSError as error:
+            where = f"in {self.kept.folder.parent}, each start compiles it anew: {error}"
+            say_once("write", f"machine code cannot be kept {where}; name another folder in NUMBA_CACHE_DIR")
 
-def _require_folder(locator: Any) -> None:
-    if not any(Path(locator.get_cache_path()).glob("*.nbi")):
-        raise OSError(f"no kept code in {locator.get_cache_path()}")
+    def key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
+        """Tell what kept code is filed under: types of the arguments, processor, what the function is and holds."""
+        return signature, codegen.magic_tuple(), identity(self._function)
 
+    def enable(self) -> None:
+        """Do nothing: it is always on."""
 
-def _load(cache: Any, signature: Any, context: Any) -> Any:
-    """Take code that was kept, None where there is none of use."""
-    try:
-        return type(cache).load_overload(cache, signature, context)
-    except Exception as error:  # whatever a library of another version may raise
-        cache._cache_file.discard(cache._index_key(signature, context.codegen()), error)
-        return None
+    def disable(self) -> None:
+        """Do nothing: Numba turns off only what it made itself."""
 
-
-def _save(cache: Any, signature: Any, code: Any) -> None:
-    """Keep code; where the disk is full or read-only the kernel runs all the same."""
-    try:
-        type(cache).save_overload(cache, signature, code)
-    except OSError as error:
-        say_once("write", f"machine code cannot be kept in {cache.cache_path}, each start compiles it anew: {error}")
-
-
-def _index_key(function: Callable[..., Any], signature: Any, codegen: Any) -> tuple[Any, ...]:
-    """Tell what kept code is filed under: types of the arguments, processor, and what the function is and holds."""
-    return signature, codegen.magic_tuple(), identity(function)
+    def flush(self) -> None:
+        """Forget all that was kept of this kernel."""
+        self.kept.flush()
 
 
 def compile_user_function(function: F) -> F:

@@ -1,4 +1,4 @@
-"""Machine code of kernels that is kept on disk: `KeptCode`, and of which source it is: `source_stamp`.
+"""Machine code of kernels that is kept on disk: `KeptCode`, of which source it is, `source_stamp`, and where.
 
 A loss of power leaves files cut short or filled with zeros, which nobody may run. So each file says how long it is and
 what the checksum of its content is. What does not fit is removed, compiled anew and said once, in the log of the name
@@ -9,13 +9,17 @@ import contextlib
 import functools
 import hashlib
 import logging
+import os
 import pickle
 import re
+import shutil
 import uuid
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+
+import platformdirs
 
 MAGIC = b"matchset kept code 1\n"  # format: how a file begins
 CHECKSUM = 16  # format: bytes of it, behind the beginning
@@ -59,6 +63,64 @@ def _read_source(path: Path) -> tuple[int, tuple[Path, ...]]:
         candidates = [folder, *(folder / name for name in re.findall(r"\w+", names))]
         imported += [found for each in candidates if (found := each.with_suffix(".py")).is_file()]
     return zlib.crc32(text), tuple(imported)
+
+
+def kept_root() -> Path:
+    """Return the folder of all kept code, one for every copy of the package that this user runs.
+
+    Returns
+    -------
+    Path
+        What the environment variable NUMBA_CACHE_DIR names, or else the user's folder for caches: on Linux
+        ``~/.cache/matchset/kernels``.
+    """
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    return Path(named) if named else platformdirs.user_cache_path("matchset", appauthor=False) / "kernels"
+
+
+def kept_folder(file: Path, stamp: int) -> Path:
+    """Return the folder of the code of one source file as it is now.
+
+    Parameters
+    ----------
+    file : Path
+        The source, of the package or a user's own.
+    stamp : int
+        Of its content and of what it imports. Copies of one source in different places share their folder, and a
+        source that has changed has another one.
+    """
+    parts = file.relative_to(PACKAGE).with_suffix("").parts if PACKAGE in file.parents else (file.stem,)
+    return kept_root() / f"{'.'.join(parts)}-{stamp:08x}"
+
+
+def make_kept_folder(folder: Path, versions: int = 6) -> None:
+    """Make the folder of a source file, and remove those of its older versions that nothing was added to for longest.
+
+    Parameters
+    ----------
+    folder : Path
+        As `kept_folder` returns it.
+    versions : int, default 6
+        How many of one source file are left: fewer take less disk, more let several copies of the package, of
+        different versions, run by turns without compiling.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made.
+    """
+    if folder.is_dir():
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    name = folder.name.rpartition("-")[0]
+    with contextlib.suppress(OSError):  # another process may remove them too
+        others = [other for other in folder.parent.glob(f"{name}-????????") if other != folder]
+        for other in sorted(others, key=_changed, reverse=True)[versions - 1 :]:
+            shutil.rmtree(other, ignore_errors=True)
+
+
+def _changed(folder: Path) -> float:
+    return folder.stat().st_mtime
 
 
 def say_once(kind: str, words: str) -> None:
@@ -147,7 +209,7 @@ class KeptCode:
         """Content of a file, None if it is not there; one that is damaged is removed."""
         try:
             whole = path.read_bytes()
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except OSError as error:
             say_once("read", f"kept machine code is not read: {error}; kernels are compiled anew")

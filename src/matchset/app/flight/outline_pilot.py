@@ -35,6 +35,12 @@ class OutlinePilot(Pilot):
         super().__init__(camera, link, Colors(no_color, no_color), parameters)
         self._outline_beyond = Localizer(camera.model, self.parameters.target)
 
+    def _begin_tracking(self) -> None:
+        """Do nothing: there are no pictures."""
+
+    def _restart_tracking(self, pixel: tuple[float, float]) -> None:
+        """Do nothing: the outlines are those of the neighbor."""
+
     def _rehearse(self) -> None:
         """Do nothing: simulated time waits for what has to be compiled."""
 

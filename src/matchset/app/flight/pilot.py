@@ -7,7 +7,6 @@ It does not know where pictures come from and where commands go, so it flies a s
 import itertools
 import math
 import time
-from typing import Protocol
 
 import msgspec
 import numpy as np
@@ -15,13 +14,13 @@ import numpy.typing as npt
 
 from matchset.app.flight.excitation import Excitation, ExcitationParameters
 from matchset.app.flight.real_time.rehearsal import RehearsalCamera, RehearsalLink
-from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.control_output import ControlOutput
 from matchset.control.follower import Follower, FollowerParameters, RelativeSetpoint
 from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
 from matchset.control.safety import SafetyInputs, SafetyParameters, SafetyState, safety_filter
 from matchset.image.frame import Frame
+from matchset.links.camera import Camera
 from matchset.links.link import Link
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
@@ -39,23 +38,6 @@ STAGES = ("capture", "track", "markers", "localize", "control", "send")
 """Of a step, in their order; `PilotStep.stage_times` has their computing times."""
 Outlines = tuple[Track[Circle] | Lost[Circle], tuple[Track[Circle], ...]]
 """What was seen in a picture: the ball, and its markers."""
-
-
-class Camera(Protocol):
-    """Where pictures come from.
-
-    Attributes
-    ----------
-    model : CameraModel
-    """
-
-    model: CameraModel
-
-    def read(self) -> Frame | None:
-        """Return the newest picture; None if none came in the time of one."""
-
-    def now(self) -> float:
-        """Return the time on the clock of the pictures, s."""
 
 
 class PilotStep(msgspec.Struct, frozen=True, kw_only=True):
@@ -171,7 +153,6 @@ class Pilot:
     def __init__(self, camera: Camera, link: Link, colors: Colors, parameters: PilotParameters | None = None) -> None:
         self.parameters = parameters or PilotParameters()
         self.camera, self.link, self._colors = camera, link, colors
-        self._lights = in_lights(colors.ball, self.parameters.association.shade)
         self._begin()
         self._pixel(np.array((0.0, 0.0, 1.0)))  # compiles what it calls
         self._rehearse()
@@ -181,16 +162,22 @@ class Pilot:
         target = self.parameters.target
         self.armed, self.killed, self.landing, self._rejected_poses = False, "", "", 0
         self._link_is_armed = False
-        self._tracker = Tracker(Circle, self._colors.ball, parameters=IN_FLIGHT)
-        self._markers = MarkerTracker(self._colors.marker, target)
+        self._begin_tracking()
         self._localizer = Localizer(self.camera.model, target)
-        self._next_ball = NextBallTracker(self.camera.model, target, self._colors.ball, self.parameters.next_ball)
         self._follower = Follower(self.parameters.place, self.parameters.follower)
         self._safety, shaken = SafetyState(), self.parameters.excitation
         self._excitation = None if shaken is None else Excitation(self.parameters.place, shaken)
         self._pictures, self._fault = PicturesSeen(), ""
         self._frame_time = self._seen_time = -math.inf
         self._distances = (math.inf, math.inf)
+
+    def _begin_tracking(self) -> None:
+        """Make what finds balls and markers in pictures."""
+        ball, target = self._colors.ball, self.parameters.target
+        self._lights = in_lights(ball, self.parameters.association.shade)
+        self._tracker = Tracker(Circle, ball, parameters=IN_FLIGHT)
+        self._markers = MarkerTracker(self._colors.marker, target)
+        self._next_ball = NextBallTracker(self.camera.model, target, ball, self.parameters.next_ball)
 
     def _rehearse(self) -> None:
         """Take some steps with painted pictures and nobody at the other end, then forget them."""
@@ -387,7 +374,11 @@ class Pilot:
         if self._rejected_poses % self.parameters.association.rejected_poses or expected is None:
             return
         if (pixel := self._pixel(expected)) is not None:
-            self._tracker.restart(pixel, same_camera=True)
+            self._restart_tracking(pixel)
+
+    def _restart_tracking(self, pixel: tuple[float, float]) -> None:
+        """Look for the ball where it is expected, px, and forget which outline was followed."""
+        self._tracker.restart(pixel, same_camera=True)
 
     def _pixel(self, position: npt.NDArray[np.float64]) -> tuple[float, float] | None:
         """Project a position in the camera frame, (3,), m, to the picture, px; None if it is not visible there."""

@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 
 from matchset.app.cli_options import source_words
+from matchset.app.guidance.as_typed import program
 from matchset.app.guidance.choice import choose
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
@@ -76,7 +77,7 @@ def kept_options(options: Any, names: Mapping[str, str]) -> tuple[str, ...]:
 
 def shell_command(*words: str) -> str:
     """Return a command of matchset, quoted for a shell."""
-    return shlex.join(("matchset", *words))
+    return f"{program()} {shlex.join(words)}"
 
 
 def next_command(run: Run, lost: Frame | None) -> tuple[str, str]:

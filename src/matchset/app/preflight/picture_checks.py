@@ -8,11 +8,11 @@ import cv2
 import msgspec
 import numpy as np
 
-from matchset.app.flight.pilot import Camera
 from matchset.app.preflight.outcome import Outcome, failed, judged
 from matchset.app.preflight.parameters import PreflightParameters
 from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters, note_picture
 from matchset.image.frame import Frame
+from matchset.links.camera import Camera
 
 MILLI = 1e-3  # format: s of a ms
 

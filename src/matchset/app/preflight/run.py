@@ -1,6 +1,5 @@
 """Makes the checks until one fails, shows them, writes them and says what to type next: `run`."""
 
-import shlex
 import sys
 from collections.abc import Generator, Sequence
 from contextlib import closing
@@ -17,6 +16,7 @@ from matchset.app.flight.config import flight_parameters
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.linked.opening import check_followers
 from matchset.app.flight.linked.parameters import LinkedFollower
+from matchset.app.guidance.next_command import shell_command
 from matchset.app.preflight.command import PreflightOptions
 from matchset.app.preflight.outcome import Outcome, judged
 from matchset.app.preflight.parameters import PreflightParameters
@@ -110,7 +110,7 @@ def next_command(options: PreflightOptions) -> str:
     ----------
     options : PreflightOptions
     """
-    linked, words = options.linked, ["matchset", "fly"]
+    linked, words = options.linked, ["fly"]
     named = {
         "--camera": linked.camera,
         "--link": linked.link,
@@ -127,7 +127,7 @@ def next_command(options: PreflightOptions) -> str:
         words += [word for file in files or () for word in (name, str(file))]
     record = options.record or RECORDING
     words += ["--duration", "10", "--record", str(record), "--report", str(record.with_suffix(".html")), "--arm"]
-    return shlex.join(words)
+    return shell_command(*words)
 
 
 def _write(outcomes: Sequence[Outcome], options: PreflightOptions) -> None:

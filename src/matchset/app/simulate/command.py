@@ -170,7 +170,7 @@ def _fly(
     """Fly all cases and write a line of ``flights.csv`` as each ends."""
     from matchset.app.disk import WholeFile
     from matchset.app.flight.config import with_world
-    from matchset.app.simulate.flights import fly_all, work_text
+    from matchset.app.simulate.flights import compile_ahead, fly_all, work_text
     from matchset.app.simulate.table import Flown, csv_header, csv_line
     from matchset.app.simulate.variation import changed
 
@@ -179,6 +179,8 @@ def _fly(
     jobs = options.jobs or os.cpu_count() or 1
     if not options.quiet:
         print(work_text(flights, jobs), file=sys.stderr)
+    if jobs > 1:
+        compile_ahead(flights[0])
     flown: list[Flown] = []
     with WholeFile(folder / "flights.csv") as file, _progress_bar(len(cases), options.quiet) as advance:
         file.append(f"{csv_header(axes)}\n".encode())

@@ -43,6 +43,13 @@ def work_text(flights: "Sequence[FlightParameters]", jobs: int) -> str:
     return f"{len(flights)} flights of {flights[0].duration:g} s, {at_once} at once: about {total} of computing"
 
 
+def compile_ahead(parameters: "FlightParameters") -> None:
+    """Compile what a flight calls, once, before several processes would each compile it, and nobody see it."""
+    from matchset.app.flight.flight import Flight
+
+    Flight(parameters).close()
+
+
 def fly_once(parameters: "FlightParameters", stopped: Callable[[], bool] | None = None) -> "FlightScore":
     """Fly to the end, or to the first crash, and score the flight.
 

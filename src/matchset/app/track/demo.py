@@ -18,6 +18,7 @@ from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
+from matchset.app.guidance.next_command import shell_command
 from matchset.app.pictures.run_pictures import RunPictures, Wanted
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
@@ -82,6 +83,7 @@ def demonstrate_circle(options: DemoOptions) -> int:
     for name in ("demo.webm", "sheet.png", "tracks.csv", "truth.csv"):
         if (folder / name).exists():
             console.print(f"  {folder / name}", soft_wrap=True)
+    console.print(f"\nNext, in the browser, with a ball to click: {shell_command('live')}", soft_wrap=True)
     return stop.code or (FOUND if statistics.found else NOT_FOUND)
 
 

@@ -109,8 +109,8 @@ class Tracker(Copied, Generic[S]):
 
     @one_line
     def __repr__(self) -> str:
-        name, points, mode = self._family.__name__, self._fitter.points, self.mode.name.lower()
-        return f"Tracker({name}, {points} points, {mode}, {self._frames} frames)"
+        words = f"{self._family.__name__}, {self._fitter.points} points, {self.mode.name.lower()}"
+        return f"Tracker({words}, {self._frames} frames)"
 
     def start(self, shape: S) -> None:
         """Begin at this shape in the next frame, without a search.
@@ -266,10 +266,10 @@ class Tracker(Copied, Generic[S]):
 
     def _detect(self, image: Image, reason: str) -> Lost[S] | None:
         """Search the whole frame (Alg. 2); while coasting only what can be the lost shape counts. None if found."""
-        predicted = self._coast()
-        turn = predicted is None and self._frames % 2 == 1  # of a lost ball, by turns with the network's search
-        if turn or not (self._ball.knows() and self._step.outlines.judges(self.color)):
+        predicted, judged = self._coast(), self._ball.knows() and self._step.outlines.judges(self.color)
+        if not judged or (predicted is None and self._frames % 2 == 1):  # of a lost ball, by turns with its own search
             best = self._choose(image, predicted) if self.parameters.search.whole_frame else None
+            best = best if not judged or self._ball.confirms(image, self.color, best) else None
             rejection = "" if best is None else self._confirm(image, best, predicted)
             if rejection is None:
                 return None

@@ -74,6 +74,9 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     growth, grown : float
         ... if its size differs from the last one by no more than this factor in the next frame, and by its square as
         many frames later, ...
+    returned : float
+        ... but never by more than this one, however long it was not seen: more finds a ball that comes back nearer or
+        farther away, and takes small things of its color for a ball that is gone, ...
     lightness, chroma : float
         ... and the median color of its middle by no more than this, units of CIE Lab.
     renewed : float
@@ -111,6 +114,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     anywhere: float = 2.5
     growth: float = 1.6
     grown: float = 10.0
+    returned: float = 3.0
     lightness: float = 30.0
     chroma: float = 12.0
     renewed: float = 4.5

@@ -26,7 +26,7 @@ from matchset.tracking.ball.disc_search import DiscSearch, DiscSearchParameters
 from matchset.tracking.ball.judge import NetworkParameters, covariance_of, likeliest
 from matchset.tracking.ball.others import Others
 from matchset.tracking.detectors import Detectors
-from matchset.tracking.motion import Gate
+from matchset.tracking.motion import Gate, gate_of
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.track import Acquisition
 from matchset.tracking.track_step import TrackStep
@@ -72,7 +72,8 @@ class _Expected(NamedTuple):
         The place is one of as many as there are about as far off, and the longer it was not seen the less is known.
         """
         growth = abs(math.log(found.half_width / self.half_width))
-        if growth > math.log(limits.growth) * (1.0 + (self.missed - 1.0) / limits.grown):
+        window = math.log(limits.growth) * (1.0 + (self.missed - 1.0) / limits.grown)
+        if growth > min(window, math.log(limits.returned)):
             return None
         away = (self.place.distance(found) / self.half_width) ** 2 + ((self.missed - 1.0) / limits.forgotten) ** 2
         return -min(0.5 * math.log1p(away), limits.anywhere)
@@ -191,6 +192,23 @@ class LostBall:
         """Whether this is a ball whose color was seen before: otherwise nothing can be found here."""
         return self._color is not None and self._step.outlines.is_disc
 
+    def confirms(self, image: Image, color: ColorModel, state: Floats | None) -> bool:
+        """Whether the network sees a ball of the target's color where edges show one.
+
+        Parameters
+        ----------
+        image : ndarray of shape (h, w, channels), uint8
+        color : ColorModel
+        state : ndarray or None
+            What edges show; None for nothing.
+        """
+        if state is None:
+            return False
+        place = gate_of(self._step.fitter.family, state)
+        least, same = self._step.outlines.network.limits.lost, self._search.are_same
+        alike = self._alike(image, color, [place])
+        return any(odds > least and same(place, Gate(*disc.circle)) for odds, disc in alike)
+
     def find(
         self, image: Image, color: ColorModel, last: Gate, expected: Gate | None, time: float, interval: float
     ) -> bool:
@@ -241,6 +259,8 @@ class LostBall:
 
     def _anywhere(self, image: Image, color: ColorModel, around: Gate) -> list[Gate]:
         """Places anywhere where a disc stands out, by turns by its mean color or by votes for its outline."""
+        if not self._parameters.search.whole_frame:
+            return []
         own = self._color
         assert own is not None
         self._pictures += 1

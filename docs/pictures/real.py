@@ -1,4 +1,4 @@
-"""Draw a real clip with what was found in it, animated: `python docs/pictures/real.py FOLDER`, with the folder of the clips.
+"""Draw a real ball that moves, and what was found: `python docs/pictures/real.py FOLDER`, the folder of the clips.
 
 The clip is somebody else's, under the MIT license; `CLIP` says whose. It is not part of the repository.
 """
@@ -53,7 +53,7 @@ def main() -> None:
 
 
 def follow(folder: Path, clip: Clip) -> tuple[list[Picture], float]:
-    """Follow the ball from the click; return every second picture with the outline, the trail and the numbers, and the rate."""
+    """Follow the ball from the click; return what is shown, with outline, trail and numbers, and the rate."""
     tracker, trail, pictures = None, Trail(), []
     with ms.Video(str(folder / clip.file)) as video:
         rate = video.fps or 30.0
@@ -85,7 +85,7 @@ def labeled(image: Picture, answer: ms.Track[ms.Circle] | ms.Lost[ms.Circle]) ->
     else:
         words = f"lost: {answer.reason}"
     strip = np.full((STRIP, width, 3), 32, np.uint8)
-    draw_text(strip, words, (max((width - text_width(words, LETTERS)) // 2, 4), (STRIP + LETTERS) // 2 - 3), LETTERS)
+    draw_text(strip, words, (max((width - text_width(words, LETTERS)) // 2, 4), STRIP / 2), LETTERS)
     return np.vstack([small, strip])
 
 

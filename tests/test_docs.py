@@ -95,7 +95,9 @@ def is_measured(names: dict[str, Any]) -> None:
     truth = [Clip(frames=3).truth(index).position for index in range(3)]
     assert names["pose"].position == pytest.approx(truth[2], abs=0.02)
     ways = [math.dist(one, other) * 30.0 for one, other in itertools.pairwise(truth)]
-    assert names["speeds"] == pytest.approx(ways, abs=0.5)
+    assert names["speeds"] == pytest.approx(ways, abs=0.1)
+    sigmas = names["pose"].covariance.diagonal()[:3] ** 0.5
+    assert all(0.0 < sigma < 0.02 for sigma in sigmas)
 
 
 def is_located(names: dict[str, Any]) -> None:

@@ -123,7 +123,7 @@ def test_the_real_ball_moves_is_attributed_and_small() -> None:
     for words in (*owners, "MIT license", "github.com/"):
         assert words in shown
     path = ROOT / "docs" / "pictures" / "real.webp"
-    assert path.stat().st_size < 1_000_000
+    assert path.stat().st_size < 400_000
     with Image.open(path) as picture:
         assert picture.n_frames >= 30
         assert picture.info["loop"] == 0

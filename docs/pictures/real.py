@@ -22,7 +22,7 @@ Picture = npt.NDArray[np.uint8]
 EVERY = 2  # pictures of the clip
 HEIGHT, LETTERS, STRIP = 360, 18, 30  # px
 QUALITY, METHOD = 55, 6  # WebP
-LARGEST = 1_000_000  # bytes
+LARGEST = 400_000  # bytes
 
 
 class Clip(msgspec.Struct, frozen=True):

@@ -22,15 +22,16 @@ ALSO = (
     ("docs/webcam.html", "web camera"),
     ("docs/two_balls.html", "several balls"),
     ("docs/meters.html", "distance"),
-    ("docs/pandas.html", "csv"),
+    ("docs/pandas.html", "plot"),
     ("docs/ros2.html", "rclpy node"),
-    ("docs/camera.html", "calibrate"),
+    ("docs/camera.html", "calibration board"),
     ("docs/getting_started.html", "lost"),
-    ("docs/first_flight.html", "propellers"),
+    ("docs/live.html", "phone"),
+    ("index.html", "install"),
 )
 # Why and when something was done: long, and full of every word.
 NEVER = ("docs/decisions/", "docs/log.md", "docs/mutants.md", "docs/soak.md")
-TASK, GUIDE, REFERENCE, INSIDE = 100.0, 10.0, 1.0, 0.1  # how much a word in a page counts
+TASK, GUIDE, REFERENCE, INSIDE = 20.0, 10.0, 0.1, 0.01  # how much a word in a page counts
 
 
 def weight(page: str, guides: tuple[str, ...]) -> float:

@@ -58,7 +58,7 @@ def test_two_balls_are_told_apart_and_one_that_is_taken_twice_is_noticed(
     assert f"{sum(same)} pictures in which both are one ball" in capsys.readouterr().out
     taken = names["rows"][-1]["blue"]
     assert names["same_ball"](taken, taken)
-    assert not names["same_ball"](taken, ms.Lost("hidden"))
+    assert not names["same_ball"](taken, ms.Lost("hidden", 0.0))
     if second == BLUE:
         return
     assert not any(same)

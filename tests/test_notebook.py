@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PATH = ROOT / "examples" / "first_look.ipynb"
 NOTEBOOK = json.loads(PATH.read_text(encoding="utf-8"))
 CELLS = [cell for cell in NOTEBOOK["cells"] if cell["cell_type"] == "code"]
-LARGEST = 2_500_000  # bytes
+LARGEST = 1_000_000  # bytes
 RICH = {"_repr_png_": "image/png", "_repr_html_": "text/html", "_repr_svg_": "image/svg+xml"}
 
 

@@ -92,7 +92,7 @@ def is_tracked(names: dict[str, Any]) -> None:
 
 
 def is_measured(names: dict[str, Any]) -> None:
-    truth = [Clip(frames=3).truth(index).position for index in range(3)]
+    truth = [np.array(Clip(frames=3).truth(index).position) for index in range(3)]
     assert names["pose"].position == pytest.approx(truth[2], abs=0.02)
     ways = [math.dist(one, other) * 30.0 for one, other in itertools.pairwise(truth)]
     assert names["speeds"] == pytest.approx(ways, abs=0.1)

@@ -60,6 +60,7 @@ def test_two_balls_are_told_apart_and_one_that_is_taken_twice_is_noticed(
     assert names["same_ball"](taken, taken)
     assert not names["same_ball"](taken, ms.Lost("hidden", 0.0))
     if second == BLUE:
+        assert any(same), "names that may have been exchanged are noticed"
         return
     assert not any(same)
     for name, x in (("blue", 80 + 6 * (STEPS - 1)), ("red", 240 - 6 * (STEPS - 1))):

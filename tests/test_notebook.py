@@ -46,7 +46,7 @@ def picture(packed: bytes) -> tuple[int, ...]:
     image = cv2.imdecode(np.frombuffer(packed, np.uint8), cv2.IMREAD_COLOR)
     assert image is not None
     assert np.ptp(image) > 100, "not empty"
-    return image.shape
+    return tuple(image.shape)
 
 
 def test_every_cell_runs_and_shows_what_it_holds(

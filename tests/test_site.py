@@ -50,7 +50,11 @@ def test_the_words_of_a_task_are_searched_as_the_page_does() -> None:
     pages = [(f"docs/{page}.html", words) for page, words in finding["TASKS"]] + list(finding["ALSO"])
     titles = {page: " ".join(words for other, words in pages if other == page) for page, _ in pages}
     docs = [{"location": page, "title": title, "text": "", "boost": 10.0} for page, title in titles.items()]
-    wordy = {"location": "docs/log.html", "title": "Two balls before a webcam", "text": "<p>two balls, meters</p>"}
+    wordy: dict[str, Any] = {
+        "location": "docs/log.html",
+        "title": "Two balls before a webcam",
+        "text": "<p>two balls, meters</p>",
+    }
     index = {"config": {"fields": {"title": {"boost": 1e3}, "text": {"boost": 1.0}}}, "docs": [*docs, wordy]}
     assert finding["searcher"](index)("before webcam")[0] == "docs/webcam.html"
     assert "'two balls'" not in str(finding["misses"](index))

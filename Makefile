@@ -42,7 +42,7 @@ docs: $(SITE_TOOLS)  ## build the documentation site in site/: guides, API, deci
 tree: $(READY)  ## print every file with its purpose (ARGS="src/matchset/tracking" for one folder)
 	@$(BIN)/python .ci/tree.py $(ARGS)
 
-picture: $(READY)  ## fly the chain of three and draw the README's animated picture (some minutes)
+picture: $(READY)  ## fly the chain of three and draw the animated picture of docs/flight.md (some minutes)
 	$(BIN)/python docs/pictures/chain.py
 
 link-peers: .mavlink/ready .tello/ready  ## programs of others that the links are tested against: pymavlink, MAVSDK, djitellopy

@@ -1,5 +1,7 @@
 """The Python of the pages in docs/ runs as it stands, one block after the other, beside the rendered files it names."""
 
+import itertools
+import math
 import re
 import runpy
 import shlex
@@ -28,6 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # tests/shapes/families.py, tests/app/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py
 # tests/links/mavlink/test_mavlink_docs.py, tests/links/tello/test_tello_docs.py
 CHECKED_ELSEWHERE = {"add_a_shape.md", "crsf.md", "live.md", "mavlink.md", "radio.md", "tello.md"}
+CHECKED_ELSEWHERE |= {"pandas.md", "ros2.md", "two_balls.md", "webcam.md"}  # tests/test_docs_tasks.py
 BLOCKS = re.compile(r"```python\n(.*?)```", re.DOTALL)
 FOLDERS = (".", "docs", "docs/decisions")
 BALL = (200, 60, 30)
@@ -76,6 +79,25 @@ def is_found(names: dict[str, Any]) -> None:
     assert names["answer"].shape.x == pytest.approx(circle.x, abs=1.0)
     drawn = cv2.imread("answer.png")
     assert np.array_equal(np.asarray(drawn), ms.draw(names["image"], names["answer"]))
+    assert "angle" in ms.Rectangle.parameters
+    assert len(names["Sign"](x=320, y=240, scale=40, angle=0).corners) == 8
+
+
+def is_tracked(names: dict[str, Any]) -> None:
+    assert len(names["tracks"]) == 3
+    for index, track in enumerate(names["tracks"]):
+        circle = Clip(frames=3).truth(index).circle
+        assert circle is not None
+        assert track.shape.state == pytest.approx(circle.state, abs=1.0)
+
+
+def is_measured(names: dict[str, Any]) -> None:
+    truth = [np.array(Clip(frames=3).truth(index).position) for index in range(3)]
+    assert names["pose"].position == pytest.approx(truth[2], abs=0.02)
+    ways = [math.dist(one, other) * 30.0 for one, other in itertools.pairwise(truth)]
+    assert names["speeds"] == pytest.approx(ways, abs=0.1)
+    sigmas = names["pose"].covariance.diagonal()[:3] ** 0.5
+    assert all(0.0 < sigma < 0.02 for sigma in sigmas)
 
 
 def is_located(names: dict[str, Any]) -> None:
@@ -123,6 +145,8 @@ PAGES: dict[str, tuple[Callable[[], None], Callable[[dict[str, Any]], None]]] = 
     "finding_your_way.md": (nothing, is_blue),
     "clips.md": (nothing, is_followed),
     "simulation.md": (nothing, is_simulated),
+    "own_video.md": (clip, is_tracked),
+    "meters.md": (clip, is_measured),
 }
 
 

@@ -11,6 +11,7 @@ import runpy
 import shlex
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -61,6 +62,10 @@ def rendered(folder: Path, frames: int = 2) -> None:
     write_clip(Clip(frames=frames), folder / "ball.mp4")
 
 
+def examples(folder: Path) -> None:
+    (folder / "examples").symlink_to(ROOT / "examples")
+
+
 def clicked_late(folder: Path) -> None:
     rendered(folder, 61)
 
@@ -103,6 +108,21 @@ def both_bags(folder: Path) -> None:
     ms.ColorModel.pick(clip.render(0, clip.background()).image, 346, 151).save(folder / "ball.npz")
 
 
+def two_balls(folder: Path) -> None:
+    writer = cv2.VideoWriter("balls.mp4", cv2.VideoWriter.fourcc(*"mp4v"), 30.0, (320, 240))
+    for k in range(3):
+        image = np.full((240, 320, 3), 90, np.uint8)
+        for x, color in ((80 + 5 * k, (200, 60, 30)), (240 - 5 * k, (40, 40, 210))):
+            cv2.circle(image, (x, 120), 25, color, -1, cv2.LINE_AA)
+        writer.write(image)
+    writer.release()
+
+
+def recorded(folder: Path) -> None:
+    both_bags(folder)
+    (folder / "flight").rename("recording")
+
+
 def held_ball(folder: Path) -> None:
     """A ball held at three distances, moved between; its color."""
     camera = ms.CameraModel(width=320, height=240, fx=260.0, fy=260.0, cx=159.5, cy=119.5)
@@ -130,14 +150,19 @@ def nothing(folder: Path) -> None:
 
 
 PREPARED: dict[str, Callable[[Path], None]] = {
-    "README.md": rendered,
+    "README.md": examples,
     "camera.md": held_ball,
     "cli.md": sign_and_bag,
     "flight.md": nothing,
     "getting_started.md": clicked_late,
     "localization.md": flight,
+    "meters.md": rendered,
+    "own_video.md": clicked_late,
+    "pandas.md": rendered,
     "recording.md": nothing,
     "ros.md": both_bags,
+    "ros2.md": recorded,
+    "two_balls.md": two_balls,
 }
 
 
@@ -167,7 +192,8 @@ class Shell:
     def run(self, line: str) -> tuple[int, str]:
         """Return the exit code and what was printed."""
         if not line.startswith("matchset "):
-            done = subprocess.run(["sh", "-c", line], capture_output=True, text=True, check=False)
+            here = re.sub("^python ", f"{shlex.quote(sys.executable)} ", line)
+            done = subprocess.run(["sh", "-c", here], capture_output=True, text=True, check=False)
             return done.returncode, done.stdout + done.stderr
         words = shlex.split(line, comments=True)
         target = Path(words.pop()) if ">" in words else None

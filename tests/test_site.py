@@ -5,6 +5,7 @@ import re
 import runpy
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,61 @@ import matchset
 
 ROOT = Path(__file__).resolve().parents[1]
 TREE = runpy.run_path(str(ROOT / ".ci" / "tree.py"))
+
+
+def site_code(name: str) -> dict[str, Any]:
+    return runpy.run_path(str(ROOT / "docs" / "site" / f"{name}.py"))
+
+
+def guides() -> tuple[str, ...]:
+    text = (ROOT / "docs" / "site" / "hooks.py").read_text(encoding="utf-8")
+    (found,) = (node.value for node in ast.parse(text).body if isinstance(node, ast.Assign) and assigns(node, "GUIDES"))
+    return tuple(ast.literal_eval(found))
+
+
+def assigns(node: ast.Assign, name: str) -> bool:
+    return [ast.unparse(each) for each in node.targets] == [name]
+
+
+def test_the_search_weighs_tasks_before_guides_before_the_rest_and_leaves_decisions_and_log_out() -> None:
+    """`make docs` fails where words of a task find another page first, by the index of the built site."""
+    weight = site_code("finding")["weight"]
+    tasks = [f"docs/{page}.md" for page, _ in site_code("finding")["TASKS"]]
+    assert {Path(page).stem for page in tasks} == {"own_video", "webcam", "two_balls", "meters", "pandas", "ros2"}
+    assert all((ROOT / page).exists() for page in tasks)
+    others = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("docs/**/*.md")} - set(tasks)
+    weights = {page: weight(page, guides()) for page in others}
+    heaviest = max(weights.values())
+    assert all(weight(page, guides()) > heaviest for page in tasks)
+    assert {page for page in others if weights[page] == heaviest} == {f"docs/{name}.md" for name in guides()}
+    assert all(weights[page] == 0.0 for page in others if page.startswith("docs/decisions/") or page == "docs/log.md")
+    assert heaviest > weight("api/tracking.md", guides()) > weight("CHANGELOG.md", guides()) > 0.0
+
+
+def test_the_words_of_a_task_are_searched_as_the_page_does() -> None:
+    pytest.importorskip("lunr", reason="lunr is in the dependency group `docs`")
+    finding = site_code("finding")
+    pages = [(f"docs/{page}.html", words) for page, words in finding["TASKS"]] + list(finding["ALSO"])
+    titles = {page: " ".join(words for other, words in pages if other == page) for page, _ in pages}
+    docs = [{"location": page, "title": title, "text": "", "boost": 10.0} for page, title in titles.items()]
+    wordy: dict[str, Any] = {
+        "location": "docs/log.html",
+        "title": "Two balls before a webcam",
+        "text": "<p>two balls, meters</p>",
+    }
+    index = {"config": {"fields": {"title": {"boost": 1e3}, "text": {"boost": 1.0}}}, "docs": [*docs, wordy]}
+    assert finding["searcher"](index)("before webcam")[0] == "docs/webcam.html"
+    assert "'two balls'" not in str(finding["misses"](index))
+    wordy["boost"] = 1e3
+    assert "'two balls' finds ['docs/log.html'" in str(finding["misses"](index))
+
+
+def test_the_tasks_are_in_the_navigation_and_the_index_is_searched_when_it_is_built() -> None:
+    hooks = (ROOT / "docs" / "site" / "hooks.py").read_text(encoding="utf-8")
+    assert '{"Tasks": [f"docs/{name}.md" for name, _ in TASKS]}' in hooks
+    assert "misses(json.loads(" in hooks
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert all(f"(docs/{page}.md)" in readme for page, _ in site_code("finding")["TASKS"])
 
 
 def test_every_public_name_has_its_section() -> None:
@@ -51,7 +107,7 @@ def test_every_parameters_struct_is_listed_once() -> None:
 
 def test_the_tools_of_the_site_have_a_group_and_ci_builds_it() -> None:
     groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
-    assert {"mkdocs-material", "mkdocstrings"} <= {re.split(r"[\[><=]", name)[0] for name in groups["docs"]}
+    assert {"mkdocs-material", "mkdocstrings", "lunr"} <= {re.split(r"[\[><=]", name)[0] for name in groups["docs"]}
     assert "make docs" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 

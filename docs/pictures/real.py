@@ -1,6 +1,6 @@
-"""Draw real clips with what was found in them: `python docs/pictures/real.py FOLDER`, with the folder of the clips.
+"""Draw a real ball that moves, and what was found: `python docs/pictures/real.py FOLDER`, the folder of the clips.
 
-The clips are other people's, under the MIT license; `CLIPS` says whose. They are not part of the repository.
+The clip is somebody else's, under the MIT license; `CLIP` says whose. It is not part of the repository.
 """
 
 import sys
@@ -10,72 +10,83 @@ import cv2
 import msgspec
 import numpy as np
 import numpy.typing as npt
+from PIL import Image
 
 import matchset as ms
-from matchset.app.drawing.annotate import draw_points, draw_shape
+from matchset.app.drawing.annotate import center_of, draw_answer
+from matchset.app.drawing.text import draw_text, text_width
+from matchset.app.drawing.trail import Trail
 
 Picture = npt.NDArray[np.uint8]
 
-HEIGHT, GAP, QUALITY = 330, 8, 80  # px; WebP
+EVERY = 2  # pictures of the clip
+HEIGHT, LETTERS, STRIP = 360, 18, 30  # px
+QUALITY, METHOD = 55, 6  # WebP
+LARGEST = 400_000  # bytes
 
 
 class Clip(msgspec.Struct, frozen=True):
-    """A clip: its file, the click with its frame, the frame to show, and how wide a part of it around the ball."""
+    """A clip: its file, the click with its frame, and the last frame to show."""
 
     file: str
     first: int
     click: tuple[int, int]
-    shown: int
-    aspect: float
+    last: int
 
 
-CLIPS = (
-    # github.com/trflorian/ball-tracking-live-plot, MIT
-    Clip("green_ball_hand/video.mp4", 60, (427, 146), 130, 1.25),
-    # github.com/akdenizz/ball_segmentation, MIT (c) 2022 Ayşe Nur Akdeniz
-    Clip("yellow_occlusion/video.avi", 0, (909, 277), 43, 1.25),
-)
+# github.com/trflorian/ball-tracking-live-plot, MIT
+CLIP = Clip("green_ball_hand/video.mp4", 60, (427, 146), 200)
 
 
 def main() -> None:
     """Write docs/pictures/real.webp."""
-    tiles = [tile(Path(sys.argv[1]), clip) for clip in CLIPS]
-    gap = np.full((HEIGHT, GAP, 3), 255, np.uint8)
-    row = np.hstack([each for pair in ((one, gap) for one in tiles) for each in pair][:-1])
+    pictures, rate = follow(Path(sys.argv[1]), CLIP)
     path = Path(__file__).with_name("real.webp")
-    cv2.imwrite(str(path), row, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
-    print(f"{path}: {path.stat().st_size // 1000} kB")
+    first, *others = [Image.fromarray(np.ascontiguousarray(each[..., ::-1])) for each in pictures]
+    times = np.round(1000.0 * EVERY / rate * np.arange(len(pictures) + 1))
+    shown_ms = np.diff(times).astype(int).tolist()
+    first.save(path, save_all=True, append_images=others, duration=shown_ms, loop=0, quality=QUALITY, method=METHOD)
+    size = path.stat().st_size
+    print(f"{path}: {len(pictures)} pictures, {size // 1000} kB")
+    if size > LARGEST:
+        raise SystemExit(f"more than {LARGEST // 1000} kB: lower QUALITY")
 
 
-def tile(folder: Path, clip: Clip) -> Picture:
-    """Follow the ball from the click to the frame to show; return that with the outline and its match-set."""
-    tracker = None
+def follow(folder: Path, clip: Clip) -> tuple[list[Picture], float]:
+    """Follow the ball from the click; return what is shown, with outline, trail and numbers, and the rate."""
+    tracker, trail, pictures = None, Trail(), []
     with ms.Video(str(folder / clip.file)) as video:
+        rate = video.fps or 30.0
         for frame in video:
             if frame.index < clip.first:
                 continue
             if tracker is None:
                 color = ms.ColorModel.pick(frame.image, *clip.click)
                 tracker = ms.Tracker(ms.Circle, color, start=clip.click)
-            track = tracker.update(frame)
-            if frame.index == clip.shown:
+            answer = tracker.update(frame)
+            trail.append(center_of(answer))
+            if (frame.index - clip.first) % EVERY == 0:
+                image = frame.image.copy()
+                trail.draw(image)
+                draw_answer(image, answer)
+                pictures.append(labeled(image, answer))
+            if frame.index == clip.last:
                 break
-    if not track:
-        raise SystemExit(f"{clip.file}, frame {clip.shown}: {track.reason}")
-    image = frame.image.copy()
-    draw_points(image, track.match_set)
-    draw_shape(image, track.shape)
-    return cut(image, track.shape, clip.aspect)
+    return pictures, rate
 
 
-def cut(image: Picture, ball: ms.Circle, aspect: float) -> Picture:
-    """Cut a part of a picture with the ball in it, as high as the picture allows, and scale it."""
-    high = min(image.shape[0], round(image.shape[1] / aspect), round(9.0 * ball.radius))
-    wide = round(high * aspect)
-    left = round(min(max(ball.x - wide / 2.0, 0.0), image.shape[1] - wide))
-    top = round(min(max(ball.y - high / 2.0, 0.0), image.shape[0] - high))
-    part = image[top : top + high, left : left + wide]
-    return np.asarray(cv2.resize(part, (round(HEIGHT * aspect), HEIGHT), interpolation=cv2.INTER_AREA), np.uint8)
+def labeled(image: Picture, answer: ms.Track[ms.Circle] | ms.Lost[ms.Circle]) -> Picture:
+    """Scale a picture, and write what was found below it."""
+    width = round(HEIGHT * image.shape[1] / image.shape[0])
+    small = cv2.resize(image, (width, HEIGHT), interpolation=cv2.INTER_AREA)
+    if isinstance(answer, ms.Track):
+        ball, sigma = answer.shape, answer.covariance.diagonal() ** 0.5
+        words = f"x {ball.x:.1f}   y {ball.y:.1f}   radius {ball.radius:.1f} ± {sigma[2]:.1f} px"
+    else:
+        words = f"lost: {answer.reason}"
+    strip = np.full((STRIP, width, 3), 32, np.uint8)
+    draw_text(strip, words, (max((width - text_width(words, LETTERS)) // 2, 4), STRIP / 2), LETTERS)
+    return np.vstack([small, strip])
 
 
 if __name__ == "__main__":

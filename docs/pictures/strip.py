@@ -1,4 +1,4 @@
-"""Draw the picture of the README: `python docs/pictures/strip.py`, from the root of the repository."""
+"""Draw the picture of ARCHITECTURE.md: `python docs/pictures/strip.py`, from the root of the repository."""
 
 from pathlib import Path
 

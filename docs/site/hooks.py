@@ -1,9 +1,12 @@
 """What the site consists of, for MkDocs: the repository's pages at their own places, and the generated ones."""
 
+import json
 from pathlib import Path
 
+from finding import TASKS, misses, weight
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
+from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from pages import API, FOLDERS, ROOT, anchor, decisions, generated
@@ -39,6 +42,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Lay out the navigation; a page that is missing here makes the build fail."""
     config.nav = [
         {"Start": "README.md"},
+        {"Tasks": [f"docs/{name}.md" for name, _ in TASKS]},
         {"Guides": [f"docs/{name}.md" for name in GUIDES]},
         {
             "API": [
@@ -67,15 +71,21 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:  # noqa: ARG001
-    """Give the front page the whole width."""
+    """Give the front page the whole width, and each page its weight in the search."""
     if page.is_homepage:
         page.meta["hide"] = ["navigation"]
+    counts = weight(page.file.src_uri, GUIDES)
+    page.meta["search"] = {"boost": counts} if counts else {"exclude": True}
     return markdown
 
 
+@event_priority(-100)  # after the search has written its index
 def on_post_build(config: MkDocsConfig) -> None:
-    """Check that every public name has its section."""
+    """Check that every public name has its section, and that the search finds the page of a task first."""
     pages = "".join(path.read_text(encoding="utf-8") for path in (Path(config.site_dir) / "api").glob("*.html"))
     missing = [name for name in matchset.__all__ if f'id="{anchor(name)}"' not in pages]
     if missing:
         raise PluginError(f"public names without a section in the API: {', '.join(missing)}; see docs/site/pages.py")
+    wrong = misses(json.loads((Path(config.site_dir) / "search" / "search_index.json").read_text(encoding="utf-8")))
+    if wrong:
+        raise PluginError(f"the search finds other pages first, see docs/site/finding.py: {'; '.join(wrong)}")

@@ -35,6 +35,7 @@ MAY_TOUCH_OUTSIDE = {
     "image/files/whole_file.py",
     "image/video_files/image_folder.py",
     "image/video_files/container.py",
+    "image/video_files/stream_choice.py",
     "image/video_files/pyav_capture.py",
     "image/video_files/video_file.py",
     "image/video.py",

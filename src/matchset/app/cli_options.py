@@ -81,6 +81,21 @@ Fps = Annotated[
     float | None,
     typer.Option(metavar="RATE", help="Frames per second: of a file whose own times are wrong, or asked of a camera."),
 ]
+Turn = Annotated[
+    int,
+    typer.Option("--turn", metavar="0|90|180|270", help="Turn pictures clockwise: a camera that hangs upside down."),
+]
+Mirror = Annotated[bool, typer.Option("--mirror", help="Swap left and right, after --turn: a camera behind a mirror.")]
+StoredPixels = Annotated[
+    bool, typer.Option("--stored-pixels", help="Pixels that are not square stay so; by default they are made square.")
+]
+StreamNumber = Annotated[
+    int | None,
+    typer.Option("--stream", metavar="N", help="Of a file: which video stream, from 0; else the longest."),
+]
+Damaged = Annotated[
+    bool, typer.Option("--damaged", help="Use pictures whose decoder reports errors, of a live source too.")
+]
 Params = Annotated[
     Path | None,
     typer.Option("--params", metavar="FILE.toml", help="Parameters of the tracker, as 'matchset params' prints them."),
@@ -88,9 +103,60 @@ Params = Annotated[
 Points = Annotated[int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")]
 
 
-def source_words(source: str, topic: str | None) -> tuple[str, ...]:
+class TurnOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say how a camera is mounted; a camera file is turned with its pictures."""
+
+    turn: Turn = 0
+    mirror: Mirror = False
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `matchset.image.video.Video`."""
+        return {"turn": self.turn, "mirror": self.mirror}
+
+    @property
+    def undone(self) -> "TurnOptions":
+        """What puts a turned picture, and its camera, back into how they were."""
+        return self if self.mirror else TurnOptions(turn=-self.turn % 360)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Those that were typed, for the next command."""
+        turn = ("--turn", str(self.turn)) if self.turn else ()
+        return (*turn, "--mirror") if self.mirror else turn
+
+
+UPRIGHT = TurnOptions()
+
+
+class ViewOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say how the pictures of a source are used."""
+
+    mounted: TurnOptions = TurnOptions()
+    stored_pixels: StoredPixels = False
+    stream: StreamNumber = None
+    damaged: Damaged = False
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `matchset.image.video.Video`."""
+        own = {"square": not self.stored_pixels, "stream": self.stream, "damaged": True if self.damaged else None}
+        return self.mounted.arguments | own
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Those that were typed, for the next command."""
+        stream = () if self.stream is None else ("--stream", str(self.stream))
+        flags = (("--stored-pixels", self.stored_pixels), ("--damaged", self.damaged))
+        return (*self.mounted.words, *stream, *(name for name, given in flags if given))
+
+
+AS_IT_IS = ViewOptions()
+
+
+def source_words(source: str, topic: str | None, view: ViewOptions = AS_IT_IS) -> tuple[str, ...]:
     """Return how a source was named on the command line, for the next command."""
-    return (source,) if topic is None else (source, "--topic", topic)
+    return (source, *(() if topic is None else ("--topic", topic)), *view.words)
 
 
 def shape_file(shape: str) -> Path:

@@ -15,6 +15,7 @@ import msgspec
 from matchset.image.capture import Capture, hushed, open_capture, unpack
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
+from matchset.image.upright.stated import pixel_ratio
 
 # format: buffers that a V4L2 driver is asked for. With one it has nowhere to write while a picture is unpacked, and
 # every other frame is lost. A second one adds no age: the thread empties the queue faster than it fills.
@@ -104,6 +105,8 @@ class Live:
         Each setting that was asked for, with what the driver says it is.
     controls : dict of str to Control
         The settings that the camera has, as they were when it was opened, or one was changed last.
+    pixel_ratio : tuple of float
+        Width and height of a pixel, in any unit; 0, 0 where the stream does not say.
     stamped : bool
         Whether the last frame has the driver's time of its capture; otherwise it has that of its arrival.
 
@@ -117,7 +120,7 @@ class Live:
     length: int | None = None
 
     def __init__(self, device: int | str, name: str, timeout: float, wishes: Mapping[str, float]) -> None:
-        self.name, self.timeout, self.dropped, self.broken = name, timeout, 0, 0
+        self.name, self.timeout, self.dropped, self.broken, self.damaged = name, timeout, 0, 0, 0
         self.warnings: list[str] = []
         self._is_file = isinstance(device, str) and re.search(r"^https?://[^?]*\.\w{3,4}($|\?)", device) is not None
         is_stream = isinstance(device, str) and "://" in device
@@ -128,7 +131,7 @@ class Live:
             self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
             self.settings = apply(self._capture, wishes)
             self.controls = {} if is_stream else read_controls(self._capture)
-            rate = self._capture.get(cv2.CAP_PROP_FPS)
+            rate, self.pixel_ratio = self._capture.get(cv2.CAP_PROP_FPS), pixel_ratio(self._capture)
         self.fps = rate if 0 < rate <= 1000 else None
         self.stamped, self._has_stamps = False, self._capture.getBackendName() == "V4L2"
         self._captured, self._last = 0, 0.0

@@ -97,7 +97,7 @@ def calibrate_ball(options: CalibrateOptions) -> int:
     except ValueError as error:
         print_error(f"not calibrated: {error}")
         return NOT_FOUND
-    focal.camera.save(path)
+    focal.camera.turned(**options.mounted.undone.arguments).save(path)
     _print_report(focal, distances)
     print(f"  {path}")
     return FOUND
@@ -110,10 +110,10 @@ def _track_sources(
     tracks: list[_BallTracks] = []
     target = target_without_picture(options.target)
     for source in sources:
-        with Video(source, topic=options.topic) as video:
+        with Video(source, topic=options.topic, **options.mounted.arguments) as video:
             taken: tuple[Frame, ...] = ()
             if target is None:
-                target, taken = target_for(source, video, options.target)
+                target, taken = target_for(video, options.target)
                 target.say_notes()
             elif tracks:  # the click was in the first source
                 target = msgspec.structs.replace(target, start=None)

@@ -22,6 +22,7 @@ from matchset.app.cli_options import (
     TargetOptions,
     Topic,
     ToStdout,
+    ViewOptions,
     unit_note,
 )
 from matchset.app.exit_codes import EXIT_CODES
@@ -69,6 +70,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     source: Source
     topic: Topic = None
+    view: ViewOptions = ViewOptions()
     camera: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV.")
     ] = None

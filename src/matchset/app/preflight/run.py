@@ -125,6 +125,7 @@ def next_command(options: PreflightOptions) -> str:
         words += [] if value is None else [name, f"{value:g}" if isinstance(value, float) else str(value)]
     for name, files in (("--color", linked.color), ("--marker-color", linked.marker_color)):
         words += [word for file in files or () for word in (name, str(file))]
+    words += linked.mounted.words
     record = options.record or RECORDING
     words += ["--duration", "10", "--record", str(record), "--report", str(record.with_suffix(".html")), "--arm"]
     return shlex.join(words)

@@ -23,6 +23,7 @@ from matchset.app.cli_options import (
     Source,
     Topic,
     ToStdout,
+    ViewOptions,
     shape_file,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND
@@ -56,6 +57,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     source: Source
     topic: Topic = None
+    view: ViewOptions = ViewOptions()
     target: GrayTargetOptions = GrayTargetOptions()
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
@@ -104,6 +106,7 @@ class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     source: Source
     topic: Topic = None
+    view: ViewOptions = ViewOptions()
     frame: Annotated[
         int | None,
         typer.Option(min=0, help="The frame to look at; without it one that shows a ball is chosen."),

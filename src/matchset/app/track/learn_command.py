@@ -42,13 +42,14 @@ def learn_color(options: LearnOptions) -> int:
     x, y, at = parse_pick(options.pick or "")
     if at is not None and options.frame not in (None, at):
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
-    with Video(options.source, topic=options.topic) as video:
+    with Video(options.source, topic=options.topic, **options.view.arguments) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
         live = video.live
     try:
         color = color_at(frame, x, y, options.reading, family is Circle, options.marker)
     except RefusedClickError as refused:
-        run = Run("learn", options.source, options.topic, family, f"{x:g},{y:g}@{frame.index}", live=live)
+        clicked = f"{x:g},{y:g}@{frame.index}"
+        run = Run("learn", options.source, options.topic, family, clicked, live=live, view=options.view)
         explain_refused_click(refused, run, output_folder(None, "learn"))
         raise
     path = (
@@ -69,7 +70,8 @@ def learn_color(options: LearnOptions) -> int:
     if words:
         found = detect(frame, family, color)
         print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
-    print(f"  {shell_command('track', *source_words(options.source, options.topic), '--color', str(path), *words)}")
+    source = source_words(options.source, options.topic, options.view)
+    print(f"  {shell_command('track', *source, '--color', str(path), *words)}")
     return FOUND
 
 
@@ -112,19 +114,19 @@ def show_candidates(options: LearnOptions) -> int:
     if live:
         _print_commands_for_camera(options, choice, colors, path)
     else:
-        _print_commands(source_words(options.source, options.topic), frame, found)
+        _print_commands(source_words(options.source, options.topic, options.view), frame, found)
     return FOUND if found else NOT_FOUND
 
 
 def _choose(options: LearnOptions) -> tuple[Choice, bool]:
     """Choose the frame and order its candidates; also whether the source is live."""
     given: Frame | None = None
-    with Video(options.source, topic=options.topic) as video:
+    with Video(options.source, topic=options.topic, **options.view.arguments) as video:
         if options.frame is not None:
             given = lit_frame_at(video, options.frame)
         if given is None or video.live:
             return choose(video, given), video.live
-    with Video(options.source, topic=options.topic) as video:
+    with Video(options.source, topic=options.topic, **options.view.arguments) as video:
         return choose(video, given), False
 
 

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 import typer
 
+from matchset.app.cli_options import TurnOptions
+
 if TYPE_CHECKING:
     from matchset.app.flight.flight import FlightParameters
     from matchset.app.flight.linked.parameters import LinkedFollower
@@ -62,13 +64,14 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
     diameter: Diameter = None
     marker_diameter: MarkerDiameter = None
     delay_ms: Delay = None
+    mounted: TurnOptions = TurnOptions()
     dry_run: DryRun = False
     arm: Arm = False
 
     @property
     def given(self) -> bool:
         """Whether any of them was typed."""
-        return any(getattr(self, name) not in (None, False) for name in self.__struct_fields__)
+        return any(getattr(self, name) not in (None, False, TurnOptions()) for name in self.__struct_fields__)
 
     @property
     def inputs(self) -> list[Path | None]:
@@ -93,9 +96,8 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
             return ()
         known = () if config is None else read_followers(config)
         if self.camera is None and self.link is None:
-            typed = [
-                name for name in ("camera_file", "fov", "color", "marker_color", "delay_ms") if getattr(self, name)
-            ]
+            names = "camera_file", "fov", "color", "marker_color", "delay_ms"
+            typed = [name for name in names if getattr(self, name)] + (["turn"] if self.mounted.words else [])
             if typed and known:
                 raise ValueError(f"--{typed[0].replace('_', '-')}: of several followers, write it into {config}")
             if self.given and not known:
@@ -115,6 +117,8 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
                 color=tuple(map(str, self.color or ())),
                 marker_color=tuple(map(str, self.marker_color or ())),
                 delay_ms=self.delay_ms or 0.0,
+                turn=self.mounted.turn,
+                mirror=self.mounted.mirror,
             ),
         )
 

@@ -4,6 +4,8 @@ import math
 
 import msgspec
 
+from matchset.image.upright.orientation import check_turn
+
 MOST_COUNTDOWN, MOST_WAIT, MOST_SILENCE = 60.0, 0.09, 10.0  # format: s; the transmitter holds the sticks after 0.1 s
 
 
@@ -59,6 +61,11 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     exposure, white_balance, fps : float or None
         What to ask of the camera, as of `matchset.image.video.Video`. An exposure held short keeps the ball's outline
         sharp in flight; None: what the camera does.
+    turn : int
+        Degrees by which its pictures, and the camera file, are turned, clockwise: 0, 90, 180 or 270, for a camera that
+        hangs upside down.
+    mirror : bool
+        Whether left and right are swapped after that, for a camera behind a mirror.
     """
 
     camera: int | str
@@ -71,8 +78,11 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     exposure: float | None = None
     white_balance: float | None = None
     fps: float | None = None
+    turn: int = 0
+    mirror: bool = False
 
     def __post_init__(self) -> None:
+        check_turn(self.turn)
         if self.fov_deg is not None and not 0.0 < self.fov_deg < 180.0:
             raise ValueError(f"fov_deg must lie between 0 and 180, got {self.fov_deg:g}")
         if not (math.isfinite(self.delay_ms) and 0.0 <= self.delay_ms <= 1000.0):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from matchset.app.live.sources.cameras import FoundCamera, find_cameras
 from matchset.image.camera_stream import Control, Live, Settings
 from matchset.image.errors import LinkError
+from matchset.image.upright.view import ANY, Wish
 from matchset.image.video import Video
 
 AT_ONCE = ("exposure", "gain", "white_balance")  # the others need the camera to be opened again
@@ -22,6 +23,8 @@ class SetCamera(Video):
         Names of `matchset.image.camera_stream.PROPERTIES`, and the values asked for.
     timeout : float
         Longest silence, s.
+    wish : Wish, optional
+        How its pictures are turned.
 
     Raises
     ------
@@ -29,8 +32,8 @@ class SetCamera(Video):
         If it cannot be opened.
     """
 
-    def __init__(self, device: str, wishes: Mapping[str, float], timeout: float = 2.0) -> None:
-        self._start(device, dict(wishes), timeout, None)
+    def __init__(self, device: str, wishes: Mapping[str, float], timeout: float = 2.0, wish: Wish = ANY) -> None:
+        self._start(device, dict(wishes), timeout, None, wish)
 
     @property
     def current(self) -> Settings:

@@ -1,5 +1,6 @@
 """Video files as they are to be looked at: square pixels, the right way up, the right stream, what is damaged."""
 
+import itertools
 import math
 import struct
 from fractions import Fraction
@@ -17,6 +18,7 @@ from matchset.image.video import Video
 from matchset.image.video_files import stream_choice
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
+from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
@@ -25,7 +27,7 @@ from shown_clips import Picture, ball_picture, middle_of, need_av, with_matrix, 
 RADIUS = 40.0
 PAL, HDV, NTSC = Fraction(64, 45), Fraction(4, 3), Fraction(10, 11)
 FORMATS = {PAL: ((720, 576), (1024, 576)), HDV: ((480, 360), (640, 360)), NTSC: ((720, 480), (655, 480))}
-EIGHT = sorted(ALL)
+EIGHT = [(each.a, each.b, each.c, each.d) for each in sorted(ALL)]
 
 
 def anamorphic(ratio: Fraction, count: int = 6) -> list[Picture]:
@@ -86,7 +88,7 @@ def test_the_distance_is_right_with_the_field_of_view_of_the_lens(tmp_path: Path
             poses.append(localizer.update(track))
     distance = 0.1 * math.sqrt(1.0 + (focal / RADIUS) ** 2)
     for pose in poses:
-        assert pose
+        assert isinstance(pose, Pose)
         assert math.hypot(*pose.position) == pytest.approx(distance, rel=0.01)
 
 
@@ -116,13 +118,14 @@ def test_a_header_that_lies_is_ignored_and_told(tmp_path: Path, ratio: tuple[int
 def lossless(path: Path) -> tuple[Path, list[Picture]]:
     """Write a clip without a symmetry, and return its pictures as they are decoded."""
     random = np.random.default_rng(3)
-    pictures = [cv2.resize(random.integers(0, 256, (6, 9, 3), np.uint8), (144, 96)) for _ in range(3)]
+    small = [random.integers(0, 256, (6, 9, 3)).astype(np.uint8) for _ in range(3)]
+    pictures = [np.asarray(cv2.resize(each, (144, 96)), np.uint8) for each in small]
     write_clip(path, [pictures], "libx264rgb", pixels="rgb24", options={"qp": "0"})
     return path, pictures
 
 
 def as_ffmpeg_shows(picture: Picture, matrix: tuple[int, int, int, int]) -> Picture:
-    """Put a picture through the filters that the program ffmpeg inserts for a display matrix (fftools/ffmpeg_filter.c)."""
+    """Put a picture through the filters that the program ffmpeg inserts for a matrix (fftools/ffmpeg_filter.c)."""
     av = need_av()
     a, b, c, d = matrix
     angle = round(math.degrees(math.atan2(b, a))) % 360
@@ -156,13 +159,13 @@ def test_eight_display_matrices_pixel_for_pixel(
     path, _ = lossless(tmp_path / "clip.mp4")
     with Video(path, damaged=True if by_pyav else None) as video:
         stored = [frame.image for frame in video]
-    with Video(with_matrix(path, tuple(matrix)), damaged=True if by_pyav else None) as video:
+    with Video(with_matrix(path, matrix), damaged=True if by_pyav else None) as video:
         frames = list(video)
         assert video.warnings == []
         assert (video.height, video.width) == frames[0].image.shape[:2]
     assert len(frames) == len(stored) == 3
     for frame, before in zip(frames, stored, strict=True):
-        np.testing.assert_array_equal(frame.image, as_ffmpeg_shows(before, tuple(matrix)))
+        np.testing.assert_array_equal(frame.image, as_ffmpeg_shows(before, matrix))
 
 
 def test_a_matrix_of_the_movie_comes_after_that_of_the_track(tmp_path: Path) -> None:
@@ -267,7 +270,7 @@ def with_losses(path: Path, lost: list[int]) -> Path:
     """Copy a raw H.264 video without the second half of some of its pictures."""
     data = path.read_bytes()
     starts = [place for place in range(len(data) - 3) if data[place : place + 3] == b"\0\0\1"] + [len(data)]
-    pieces = [data[begin:end] for begin, end in zip(starts, starts[1:], strict=False)]
+    pieces = [data[begin:end] for begin, end in itertools.pairwise(starts)]
     coded = [number for number, piece in enumerate(pieces) if piece[3] & 31 in (1, 5)]
     for picture in lost:
         number = coded[picture]

@@ -36,7 +36,7 @@ def ball_picture(size: tuple[int, int], circle: tuple[float, float, float], sque
     rows, columns = np.mgrid[:height, :width].astype(float)
     share = np.clip(radius - np.hypot((columns - x) * squeeze, rows - y) + 0.5, 0.0, 1.0)[..., None]
     noise = np.random.default_rng(round(x)).normal(0.0, 2.0, (height, width, 3))
-    return np.clip(np.array(BALL) * share + np.array(WALL) * (1.0 - share) + noise, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(np.array(BALL) * share + np.array(WALL) * (1.0 - share) + noise, 0, 255), np.uint8)
 
 
 def write_clip(

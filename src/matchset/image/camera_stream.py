@@ -16,6 +16,7 @@ from matchset.image.capture import Capture, hushed, open_capture, unpack
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.image.upright.stated import pixel_ratio
+from matchset.image.video_files.pyav_capture import open_pyav_stream, reports_damage
 
 # format: buffers that a V4L2 driver is asked for. With one it has nowhere to write while a picture is unpacked, and
 # every other frame is lost. A second one adds no age: the thread empties the queue faster than it fills.
@@ -98,6 +99,8 @@ class Live:
         Longest silence, s.
     wishes : mapping of str to float
         Settings to ask for.
+    damaged : bool
+        Whether pictures are handed out in which the decoder reports errors, as far as it says so.
 
     Attributes
     ----------
@@ -119,12 +122,15 @@ class Live:
     live = True
     length: int | None = None
 
-    def __init__(self, device: int | str, name: str, timeout: float, wishes: Mapping[str, float]) -> None:
+    def __init__(
+        self, device: int | str, name: str, timeout: float, wishes: Mapping[str, float], damaged: bool = False
+    ) -> None:
         self.name, self.timeout, self.dropped, self.broken, self.damaged = name, timeout, 0, 0, 0
         self.warnings: list[str] = []
         self._is_file = isinstance(device, str) and re.search(r"^https?://[^?]*\.\w{3,4}($|\?)", device) is not None
         is_stream = isinstance(device, str) and "://" in device
-        self._capture = open_capture(device, max(timeout, DEFAULT.first_picture_s) if is_stream else None)
+        self._keeps_damaged = damaged
+        self._capture = _open(device, max(timeout, DEFAULT.first_picture_s) if is_stream else None)
         if not self._capture.isOpened():
             raise LinkError(f"cannot open {name}{_hint(device)}")
         with hushed:
@@ -237,14 +243,17 @@ class Live:
         return self._last
 
     def _keep(self, moment: float) -> None:
-        image = unpack(self._capture)
+        damaged = reports_damage(self._capture)
+        left_out = damaged and not self._keeps_damaged
+        image = None if left_out else unpack(self._capture)
         with self._news:
             index, self._captured = self._captured, self._captured + 1
+            self.damaged += damaged
             if image is None:
-                self.broken += 1
+                self.broken += not left_out
                 return
             self.dropped += self._newest is not None
-            self._newest = Frame(image, moment, index)
+            self._newest = Frame(image, moment, index, damaged)
             self._news.notify_all()
 
     def close(self) -> None:
@@ -253,6 +262,12 @@ class Live:
         with self._news:
             self._news.notify_all()
         self._thread.join(self.timeout)
+
+
+def _open(device: int | str, timeout: float | None) -> Capture:
+    """Open a device or a stream; a coded stream with PyAV, where it is installed: OpenCV tells no errors of a decoder."""
+    capture = None if timeout is None else open_pyav_stream(str(device), timeout, timeout)
+    return open_capture(device, timeout) if capture is None else capture
 
 
 def apply(capture: Capture, wishes: Mapping[str, float]) -> Settings:

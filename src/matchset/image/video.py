@@ -322,7 +322,7 @@ def _open(
         raise ValueError(f"a camera number must not be negative, got {source}")
     if path is None or path.is_char_device():
         _check_no_stream(wish, name)
-        return Live(int(text) if _is_number(text) else text, name, timeout, asked)
+        return Live(int(text) if _is_number(text) else text, name, timeout, asked, wish.damaged is True)
     if path.is_dir() or (path.is_file() and is_picture(path)):
         _check_no_stream(wish, name)
         return Pictures(path, asked.get("fps"))

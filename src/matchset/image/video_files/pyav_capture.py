@@ -10,6 +10,8 @@ import numpy as np
 from matchset.image.capture import Capture
 from matchset.image.video_files.damage import Damage
 
+CODED = ("rtsp", "rtsps", "rtp", "udp", "tcp", "srt", "rtmp")  # format: addresses of streams that are mostly H.264
+RTSP = {"rtsp_flags": "prefer_tcp"}  # as OpenCV asks for
 KINDS = ("attached_pic", "timed_thumbnails")  # format: FFmpeg's names of streams that are no video
 
 
@@ -62,6 +64,42 @@ def open_pyav(path: str, stream: int = 0) -> Capture | None:
         return PyavCapture(None)
 
 
+def open_pyav_stream(url: str, opening: float, reading: float) -> Capture | None:
+    """Open a coded stream from the network with PyAV, which tells the errors of the decoder.
+
+    Parameters
+    ----------
+    url : str
+    opening, reading : float
+        Longest times that opening, and waiting for more, may take, s.
+
+    Returns
+    -------
+    Capture or None
+        None if PyAV is not installed, or the address is not that of a coded stream: pictures of http:// are mostly JPEG,
+        each on its own.
+    """
+    if not has_pyav() or url.partition("://")[0].lower() not in CODED:
+        return None
+    import av
+
+    try:
+        return PyavCapture(av.open(url, timeout=(opening, reading), options=RTSP), threads="SLICE")
+    except (OSError, ValueError, IndexError):  # as above
+        return PyavCapture(None)
+
+
+def reports_damage(capture: Capture) -> bool:
+    """Whether the decoder reported errors in the frame that was grabbed last, or in one that it was made from.
+
+    Parameters
+    ----------
+    capture : Capture
+        Of OpenCV: it does not say, so no.
+    """
+    return isinstance(capture, PyavCapture) and capture.damaged
+
+
 def list_streams(path: str) -> list[StreamFacts]:
     """List the video streams of a file; empty if PyAV is not installed, or cannot open it."""
     try:
@@ -102,6 +140,8 @@ class PyavCapture:
         An open file; None for one that could not be opened.
     stream : int
         Which of its video streams, from 0.
+    threads : str
+        How FFmpeg shares the work: "SLICE" adds no age to the pictures of a live source.
 
     Attributes
     ----------
@@ -109,12 +149,12 @@ class PyavCapture:
         Whether the decoder reported errors in the frame that was grabbed last, or in one that it was made from.
     """
 
-    def __init__(self, container: Any, stream: int = 0) -> None:
+    def __init__(self, container: Any, stream: int = 0, threads: str = "AUTO") -> None:
         self._container, self._frame, self._ahead = container, None, None
         self.damaged, self._damage = False, Damage()
         if container is not None:
             self._stream = _videos(container)[stream]
-            self._stream.thread_type = "AUTO"
+            self._stream.thread_type = threads
             self._frames: Iterator[Any] = self._decoded()
 
     def isOpened(self) -> bool:  # noqa: N802 - OpenCV's name

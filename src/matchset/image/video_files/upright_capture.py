@@ -5,7 +5,7 @@ from typing import Any
 from matchset.image.capture import Capture
 from matchset.image.upright.stated import take_as_stored
 from matchset.image.upright.view import View
-from matchset.image.video_files.pyav_capture import PyavCapture
+from matchset.image.video_files.pyav_capture import reports_damage
 
 
 class UprightCapture:
@@ -25,7 +25,7 @@ class UprightCapture:
     @property
     def damaged(self) -> bool:
         """Whether the decoder reported errors in the frame that was grabbed last, as far as it says so."""
-        return isinstance(self._capture, PyavCapture) and self._capture.damaged
+        return reports_damage(self._capture)
 
     def isOpened(self) -> bool:  # noqa: N802 - OpenCV's name
         """Whether the file was opened."""

@@ -265,7 +265,7 @@ class Live:
 
 
 def _open(device: int | str, timeout: float | None) -> Capture:
-    """Open a device or a stream; a coded stream with PyAV, where it is installed: OpenCV tells no errors of a decoder."""
+    """Open a device or a stream; a coded stream with PyAV, where it is installed: OpenCV tells no decoder's errors."""
     capture = None if timeout is None else open_pyav_stream(str(device), timeout, timeout)
     return open_capture(device, timeout) if capture is None else capture
 

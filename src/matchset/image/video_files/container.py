@@ -1,8 +1,9 @@
-"""What the header of an AVI, MP4 or MOV file says, which OpenCV does not pass on."""
+"""What the header of an AVI, MP4, MOV or Matroska file says, which OpenCV does not pass on."""
 
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
+from matchset.image.video_files.matroska_tracks import EBML, matroska_tracks
 from matchset.image.video_files.mp4_boxes import FULL, Box, chunks, find, inside, scale_and_duration
 from matchset.image.video_files.mp4_tracks import VideoTrack, video_tracks
 
@@ -27,7 +28,7 @@ class Container(NamedTuple):
     encrypted : bool
         Whether it is an MP4 with an encrypted track.
     tracks : tuple of VideoTrack
-        Of an MP4 or MOV.
+        Of an MP4, MOV, Matroska or WebM.
     """
 
     counts_frames: bool = False
@@ -39,7 +40,7 @@ class Container(NamedTuple):
 
 
 def look_into(path: Path) -> Container:
-    """Read the outermost structure of a file (ISO/IEC 14496-12 for MP4; RIFF for AVI).
+    """Read the outermost structure of a file (ISO/IEC 14496-12 for MP4; RIFF for AVI; RFC 9559 for Matroska).
 
     Parameters
     ----------
@@ -55,6 +56,8 @@ def look_into(path: Path) -> Container:
         head = file.read(12)
         if head[:4] == b"RIFF" and head[8:] == b"AVI ":
             return Container(counts_ticks=True, cut=any(chunk.end > size for chunk in chunks(file, size)))
+        if head[:4] == EBML.to_bytes(4):
+            return Container(tracks=tuple(matroska_tracks(file, size)))
         if head[4:8] not in MP4_KINDS:
             return Container()
         boxes = list(inside(file, 0, size))

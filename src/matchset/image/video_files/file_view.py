@@ -17,7 +17,7 @@ def file_view(capture: Capture, tracks: Sequence[VideoTrack], number: int, wish:
     capture : Capture
         The file, open; from here on it hands out pictures as they are stored.
     tracks : sequence of VideoTrack
-        Of an MP4 or MOV; empty for other files, of which OpenCV knows the angle.
+        Of an MP4, MOV or Matroska; empty for other files, of which OpenCV knows the angle.
     number : int
         Which of them is read.
     wish : Wish
@@ -28,7 +28,9 @@ def file_view(capture: Capture, tracks: Sequence[VideoTrack], number: int, wish:
     """
     take_as_stored(capture)
     track = tracks[number] if number < len(tracks) else None
-    stored, notes = (stated_orientation(capture), []) if track is None else _by_matrix(track)
+    stored, notes = (AS_STORED, []) if track is None else _by_matrix(track)
+    if stored == AS_STORED and not notes:
+        stored = stated_orientation(capture)
     view = view_of(pixel_ratio(capture), stored, stored_size(capture), wish)
     return view._replace(notes=(*notes, *view.notes))
 

@@ -76,8 +76,8 @@ def open_pyav_stream(url: str, opening: float, reading: float) -> Capture | None
     Returns
     -------
     Capture or None
-        None if PyAV is not installed, or the address is not that of a coded stream: pictures of http:// are mostly JPEG,
-        each on its own.
+        None if PyAV is not installed, or the address is not that of a coded stream: those of http:// are mostly JPEG,
+        each picture on its own.
     """
     if not has_pyav() or url.partition("://")[0].lower() not in CODED:
         return None

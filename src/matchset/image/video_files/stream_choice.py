@@ -53,7 +53,8 @@ def choose_stream(path: Path, tracks: Sequence[VideoTrack], asked: int | None) -
     path : Path
         The file.
     tracks : sequence of VideoTrack
-        Its video tracks, if it is an MP4 or MOV. The streams of other files are listed by PyAV, where it is installed.
+        Its video tracks, as far as they are known. Where they are not, or nothing says how long they play, PyAV lists
+        the streams, if it is installed.
     asked : int or None
         From 0.
 
@@ -62,7 +63,9 @@ def choose_stream(path: Path, tracks: Sequence[VideoTrack], asked: int | None) -
     ValueError
         If there is no stream of this number.
     """
-    streams = [StreamFacts(track.seconds, track.size) for track in tracks] or _listed(path)
+    streams = [StreamFacts(track.seconds, track.size) for track in tracks]
+    if not any(stream.seconds for stream in streams) and len(streams) != 1:
+        streams = _listed(path) or streams
     if asked is not None and streams and asked >= len(streams):
         have = "one video stream, 0" if len(streams) == 1 else f"the video streams {_words(streams)}"
         raise ValueError(f"{path} has {have}, there is no stream {asked}")

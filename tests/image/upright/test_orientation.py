@@ -35,7 +35,7 @@ def test_every_pixel_is_where_the_matrix_puts_it(orientation: Orientation) -> No
     assert orientation.apply(PICTURE).flags.c_contiguous
 
 
-@pytest.mark.parametrize(("first", "second"), itertools.product(EIGHT, EIGHT))
+@pytest.mark.parametrize(("first", "second"), list(itertools.product(EIGHT, EIGHT)))
 def test_one_after_the_other(first: Orientation, second: Orientation) -> None:
     np.testing.assert_array_equal(first.then(second).apply(PICTURE), second.apply(first.apply(PICTURE)))
 

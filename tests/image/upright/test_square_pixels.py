@@ -65,7 +65,7 @@ def test_ratios_of_no_camera_are_ignored_and_told(ratio: tuple[float, float]) ->
     assert not view.changes
     assert view.pixel_aspect == 1.0
     (note,) = view.notes
-    assert note.endswith("are not credible: taken for square")
+    assert note.endswith("are not credible: ignored")
 
 
 @pytest.mark.parametrize("ratio", [(0.0, 1.0), (1.0, 0.0), (0.0, 0.0), (1.0, 1.0), (50.0, 50.0)])

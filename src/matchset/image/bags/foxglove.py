@@ -19,12 +19,12 @@ VARINT, FIXED64, LENGTH, FIXED32 = 0, 1, 2, 5  # format: kinds of fields
 LONGEST_VARINT = 10  # format: bytes
 
 
-class _Time(msgspec.Struct):
+class _Time(msgspec.Struct, frozen=True):
     sec: int = 0
     nsec: int = 0
 
 
-class _Message(msgspec.Struct):
+class _Message(msgspec.Struct, frozen=True):
     """Either message in JSON; the data are in base64 there."""
 
     data: bytes

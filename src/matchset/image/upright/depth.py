@@ -65,8 +65,6 @@ class Depth:
         """What is to be said of it, so far."""
         if self.bits in (0, FULL):
             return []
-        words = (
-            f"pictures of 16 bits use {self.bits} of them, by the first one: they are scaled by {1 << FULL - self.bits}"
-        )
+        words = f"pictures use {self.bits} of 16 bits, by the first one: they are scaled by {1 << FULL - self.bits}"
         more = f"; {self._deeper} brighter picture{'s are' if self._deeper > 1 else ' is'} cut off there"
         return [words + (more if self._deeper else "")]

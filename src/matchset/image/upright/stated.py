@@ -41,4 +41,6 @@ def stored_size(capture: Capture) -> tuple[int, int]:
     capture : Capture
         One that turns no pictures, see `take_as_stored`.
     """
-    return int(capture.get(cv2.CAP_PROP_FRAME_WIDTH)), int(capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
+    size = capture.get(cv2.CAP_PROP_FRAME_WIDTH), capture.get(cv2.CAP_PROP_FRAME_HEIGHT)
+    width, height = (int(value) if math.isfinite(value) else 0 for value in size)
+    return width, height

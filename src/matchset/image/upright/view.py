@@ -114,7 +114,7 @@ def view_of(ratio: tuple[float, float], stored: Orientation, size: tuple[int, in
     aspect = ratio[0] / ratio[1] if ratio[0] > 0.0 and ratio[1] > 0.0 else 1.0
     words = f"{ratio[0]:.6g}:{ratio[1]:.6g}"
     if not is_credible(aspect):
-        return View(1.0, orientation, 1.0, (f"the header's pixels of {words} are not credible: taken for square",))
+        return View(1.0, orientation, 1.0, (f"the header's pixels of {words} are not credible: ignored",))
     if is_square(aspect):
         return View(1.0, orientation)
     if not wish.square:

@@ -42,5 +42,5 @@ def _by_matrix(track: VideoTrack) -> tuple[Orientation, list[str]]:
         kind = "has" if any(track.matrix) else "is zero, or has"
         notes.append(f"the file's display matrix {kind} no turn by quarters: pictures are shown as they are stored")
     if track.ratio is not None and 0 in track.ratio:
-        notes.append(f"the header's pixels of {track.ratio[0]}:{track.ratio[1]} are not credible: taken for square")
+        notes.append(f"the header's pixels of {track.ratio[0]}:{track.ratio[1]} are not credible: ignored")
     return orientation or AS_STORED, notes

@@ -96,7 +96,9 @@ class Recording:
         if self._container.encrypted:
             raise ValueError(f"{path} is encrypted: it can only be decoded with its key")
         self._choice = choose_stream(path, self._container.tracks, wish.stream)
-        by_pyav = self._choice.number > 0 or wish.damaged is not None
+        self._first: Frame | None = None
+        number = self._choice.number
+        by_pyav = number > 0 or wish.damaged is not None
         if by_pyav and not has_pyav():
             raise ValueError(f"OpenCV reads the first video stream alone, and does not tell errors: {PYAV}")
         codec = None if by_pyav else self._begin(open_capture, fps)
@@ -104,7 +106,7 @@ class Recording:
         if self._first is None and (by_pyav or codec is not None):
             if codec is not None:
                 self.close()
-            tried = self._begin(functools.partial(open_pyav, stream=self._choice.number), fps)
+            tried = self._begin(functools.partial(open_pyav, stream=number) if number else open_pyav, fps)
         if self._first is None:
             if tried is not None:
                 self.close()
@@ -115,7 +117,7 @@ class Recording:
         """Open the file and decode its first frame; the name of the codec, None if it does not open."""
         self.broken, self.damaged, self._next, self._latest = 0, 0, 0, 0.0
         self._notes: list[str] = []
-        self._first: Frame | None = None
+        self._first = None
         capture = opener(str(self.path))
         if capture is None or not capture.isOpened():
             return None

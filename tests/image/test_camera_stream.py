@@ -19,6 +19,7 @@ def camera(monkeypatch: pytest.MonkeyPatch) -> Camera:
     fake = Camera()
     fake._pictures.append(np.full((6, 8, 3), 1, np.uint8))
     monkeypatch.setattr("matchset.image.camera_stream.open_capture", lambda *_: fake)
+    monkeypatch.setattr("matchset.image.camera_stream.open_pyav_stream", lambda *_: None)
     return fake
 
 

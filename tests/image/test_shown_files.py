@@ -79,8 +79,10 @@ def test_pictures_come_square(tmp_path: Path, ratio: Fraction, name: str, codec:
 
 @pytest.mark.parametrize("ratio", [PAL, HDV, NTSC])
 def test_the_distance_is_right_with_the_field_of_view_of_the_lens(tmp_path: Path, ratio: Fraction) -> None:
-    _, (width, height) = FORMATS[ratio]
-    path = write_clip(tmp_path / "clip.mp4", [anamorphic(ratio)], ratio=ratio, options={"crf": "12"})
+    stored, (width, height) = FORMATS[ratio]
+    near_the_axis = [(0.5 * stored[0] - 8.0 + 3 * k, 0.5 * stored[1] + 2.0 * k, RADIUS) for k in range(6)]
+    pictures = [ball_picture(stored, circle, float(ratio)) for circle in near_the_axis]
+    path = write_clip(tmp_path / "clip.mp4", [pictures], ratio=ratio, options={"crf": "12"})
     focal = 1.2 * width
     camera = CameraModel.from_fov(width, height, 2.0 * math.atan(0.5 * width / focal))
     localizer, tracker, poses = Localizer(camera, BallTarget(0.2)), None, []

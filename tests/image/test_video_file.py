@@ -118,7 +118,7 @@ class Stamps:
             return 0.0
         return values.get(name, self.stamps[min(self.at, len(self.stamps) - 1)])
 
-    def set(self, name: int, value: float) -> bool:
+    def set(self, *_: float) -> bool:
         return False
 
     def release(self) -> None:

@@ -130,7 +130,7 @@ class Live:
         self._is_file = isinstance(device, str) and re.search(r"^https?://[^?]*\.\w{3,4}($|\?)", device) is not None
         is_stream = isinstance(device, str) and "://" in device
         self._keeps_damaged = damaged
-        self._capture = _open(device, max(timeout, DEFAULT.first_picture_s) if is_stream else None)
+        self._capture = open_live(device, *((max(timeout, DEFAULT.first_picture_s),) if is_stream else ()))
         if not self._capture.isOpened():
             raise LinkError(f"cannot open {name}{_hint(device)}")
         with hushed:
@@ -264,10 +264,18 @@ class Live:
         self._thread.join(self.timeout)
 
 
-def _open(device: int | str, timeout: float | None) -> Capture:
-    """Open a device or a stream; a coded stream with PyAV, where it is installed: OpenCV tells no decoder's errors."""
-    capture = None if timeout is None else open_pyav_stream(str(device), timeout, timeout)
-    return open_capture(device, timeout) if capture is None else capture
+def open_live(device: int | str, *limits: float) -> Capture:
+    """Open a device or a stream; a coded stream with PyAV, where it is installed: OpenCV tells no decoder's errors.
+
+    Parameters
+    ----------
+    device : int or str
+        Camera number, device path or URL.
+    *limits : float
+        Of a stream: the longest that opening, and reading, may block, s; one of them counts for both.
+    """
+    capture = open_pyav_stream(str(device), limits[0], limits[-1]) if limits else None
+    return open_capture(device, *limits) if capture is None else capture
 
 
 def apply(capture: Capture, wishes: Mapping[str, float]) -> Settings:

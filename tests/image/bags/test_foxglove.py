@@ -150,6 +150,14 @@ def test_pictures_that_follow_a_loss_are_damaged(tmp_path: Path) -> None:
     assert damaged[-1] == 19
 
 
+def test_pictures_that_are_missing_are_noticed(tmp_path: Path) -> None:
+    units = access_units([*PICTURES, *PICTURES])
+    path = write_mcap(tmp_path / "a.mcap", "foxglove.CompressedVideo", JSON, "h264", [*units[:13], *units[14:]])
+    with Video(path) as video:
+        damaged = [frame.index for frame in video if frame.damaged]
+    assert damaged == list(range(13, 19))
+
+
 def test_without_pyav_it_is_one_clear_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write_mcap(tmp_path / "a.mcap", "foxglove.CompressedVideo", JSON, "h264", access_units(PICTURES))
     real = builtins.__import__

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.video_files.damage import Damage
+from matchset.image.damaged.damage import Damage
+from matchset.image.damaged.frame_numbers import FrameNumbers
 from matchset.numeric.extras import advice
 
 # format: FFmpeg's names of the codecs that messages name
@@ -58,11 +59,14 @@ class VideoMessages:
         except ImportError:
             raise ValueError(f"its pictures are a video ({codec}), which PyAV decodes: {advice('av')}") from None
         self._packet, self._damage = av.Packet, Damage()
+        self._numbers = FrameNumbers() if codec == "h264" else None
         self._decoder: Any = av.CodecContext.create(codec, "r")
         self._decoder.thread_count = 1  # more of them hand out each picture some messages later
 
     def decode(self, number: int, data: bytes) -> Iterator[DecodedPicture]:
         """Yield the pictures that are complete with the data of a message; often this one's alone."""
+        if self._numbers is not None and self._numbers.is_gap(data):
+            self._damage.note_loss()
         packet = self._packet(data)
         packet.pts = packet.dts = number
         return self._pictures(packet, number)

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 
 from matchset.image.capture import Capture
-from matchset.image.video_files.damage import Damage
+from matchset.image.damaged.damage import Damage
+from matchset.image.damaged.frame_numbers import FrameNumbers
 
 CODED = ("rtsp", "rtsps", "rtp", "udp", "tcp", "srt", "rtmp")  # format: addresses of streams that are mostly H.264
 RTSP = {"rtsp_flags": "prefer_tcp"}  # as OpenCV asks for
@@ -39,7 +40,7 @@ def has_pyav() -> bool:
     return True
 
 
-def open_pyav(path: str, stream: int = 0) -> Capture | None:
+def open_pyav(path: str, stream: int = 0, looks: bool = False) -> Capture | None:
     """Open a video file with PyAV.
 
     Parameters
@@ -48,6 +49,8 @@ def open_pyav(path: str, stream: int = 0) -> Capture | None:
         The file.
     stream : int
         Which of its video streams, from 0.
+    looks : bool
+        Whether pictures that are missing are noticed, too.
 
     Returns
     -------
@@ -59,7 +62,7 @@ def open_pyav(path: str, stream: int = 0) -> Capture | None:
     except ImportError:
         return None
     try:
-        return PyavCapture(av.open(path), stream)
+        return PyavCapture(av.open(path), stream, looks)
     except (OSError, ValueError, IndexError):  # FFmpeg's errors are OSError or ValueError too; IndexError: only sound
         return PyavCapture(None)
 
@@ -84,7 +87,7 @@ def open_pyav_stream(url: str, opening: float, reading: float) -> Capture | None
     import av
 
     try:
-        return PyavCapture(av.open(url, timeout=(opening, reading), options=RTSP), threads="SLICE")
+        return PyavCapture(av.open(url, timeout=(opening, reading), options=RTSP), looks=True)
     except (OSError, ValueError, IndexError):  # as above
         return PyavCapture(None)
 
@@ -140,8 +143,9 @@ class PyavCapture:
         An open file; None for one that could not be opened.
     stream : int
         Which of its video streams, from 0.
-    threads : str
-        How FFmpeg shares the work: "SLICE" adds no age to the pictures of a live source.
+    looks : bool
+        Whether pictures that are missing are noticed, too. Then, as while live, each picture comes out with its packet:
+        pictures are not decoded at the same time, which takes longer.
 
     Attributes
     ----------
@@ -149,12 +153,12 @@ class PyavCapture:
         Whether the decoder reported errors in the frame that was grabbed last, or in one that it was made from.
     """
 
-    def __init__(self, container: Any, stream: int = 0, threads: str = "AUTO") -> None:
+    def __init__(self, container: Any, stream: int = 0, looks: bool = False) -> None:
         self._container, self._frame, self._ahead = container, None, None
-        self.damaged, self._damage = False, Damage()
+        self.damaged, self._damage, self._looks = False, Damage(), looks
         if container is not None:
             self._stream = _videos(container)[stream]
-            self._stream.thread_type = threads
+            self._stream.thread_type = "SLICE" if looks else "AUTO"
             self._frames: Iterator[Any] = self._decoded()
 
     def isOpened(self) -> bool:  # noqa: N802 - OpenCV's name
@@ -167,7 +171,11 @@ class PyavCapture:
 
     def _decoded(self) -> Iterator[Any]:
         """Yield every frame; None for a packet that does not decode."""
+        codec = self._stream.codec_context
+        numbers = FrameNumbers(bytes(codec.extradata or b"")) if codec.name == "h264" and self._looks else None
         for packet in self._container.demux(self._stream):
+            if numbers is not None and packet.size and numbers.is_gap(bytes(packet)):
+                self._damage.note_loss()
             try:
                 yield from packet.decode()
             except (OSError, ValueError):
@@ -188,7 +196,8 @@ class PyavCapture:
     def _next(self) -> Any:
         try:
             return next(self._frames, None)
-        except (OSError, ValueError):  # the container itself is broken from here on
+        except (OSError, ValueError):  # a stream was silent for too long, a file is broken from here on
+            self._frames = self._decoded() if self._looks else iter(())
             return None
 
     def retrieve(self) -> tuple[bool, Any]:

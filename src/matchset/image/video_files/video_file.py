@@ -106,12 +106,13 @@ class Recording:
         if self._first is None and (by_pyav or codec is not None):
             if codec is not None:
                 self.close()
-            tried = self._begin(functools.partial(open_pyav, stream=number) if number else open_pyav, fps)
+            looking = functools.partial(open_pyav, stream=number, looks=wish.damaged is not None)
+            tried = self._begin(looking if by_pyav else open_pyav, fps)
         if self._first is None:
             if tried is not None:
                 self.close()
             raise ValueError(_words_without_frame(path, self._container, codec or tried, tried is not None))
-        self.shape = self._first.image.shape
+        self.shape: tuple[int, ...] = self._first.image.shape
 
     def _begin(self, opener: Opener, fps: float | None) -> str | None:
         """Open the file and decode its first frame; the name of the codec, None if it does not open."""

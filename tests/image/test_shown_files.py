@@ -22,6 +22,7 @@ from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
+from matroska_clips import write_posed
 from shown_clips import Picture, ball_picture, middle_of, need_av, with_matrix, with_ratio, write_clip
 
 RADIUS = 40.0
@@ -175,6 +176,28 @@ def test_eight_display_matrices_pixel_for_pixel(
     assert len(frames) == len(stored) == 3
     for frame, before in zip(frames, stored, strict=True):
         np.testing.assert_array_equal(frame.image, as_ffmpeg_shows(before, matrix))
+
+
+@pytest.mark.parametrize("roll", [0.0, 90.0, 180.0, -90.0])
+@pytest.mark.parametrize("yaw", [0.0, 180.0])
+def test_eight_poses_of_matroska_as_ffmpeg_reads_them(tmp_path: Path, yaw: float, roll: float) -> None:
+    av = need_av()
+    random = np.random.default_rng(4)
+    small = random.integers(0, 256, (6, 9, 3)).astype(np.uint8)
+    picture = np.asarray(cv2.resize(small, (144, 96)), np.uint8)
+    with Video(write_posed(tmp_path / "plain.mkv", [picture] * 3, 0.0, 0.0)) as video:
+        stored = next(video).image
+    path = write_posed(tmp_path / "posed.mkv", [picture] * 3, yaw, roll)
+    with av.open(str(path)) as container:
+        beside = next(container.decode(video=0)).side_data.get("DISPLAYMATRIX")
+    matrix = (1, 0, 0, 1)
+    if beside is not None:
+        a, b, _, c, d, *_ = struct.unpack("9i", bytes(beside))
+        matrix = tuple(round(value / 65536) for value in (a, b, c, d))  # type: ignore[assignment]
+    assert (yaw or roll) == 0.0 or beside is not None
+    with Video(path) as video:
+        np.testing.assert_array_equal(next(video).image, as_ffmpeg_shows(stored, matrix))
+        assert not [each for each in video.warnings if "matrix" in each]
 
 
 def test_a_matrix_of_the_movie_comes_after_that_of_the_track(tmp_path: Path) -> None:

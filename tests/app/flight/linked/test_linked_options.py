@@ -33,6 +33,8 @@ LINK = "serial:///dev/ttyUSB0"
             "made by 'matchset learn 0 --pick X,Y --marker -o marker.npz'",
         ),
         ("--camera 0 --link LINK --fov 60 --delay-ms nan", "delay_ms must be within 0 ... 1000, got nan"),
+        ("--camera 0 --link LINK --fov 60 --turn 45", "turn must be 0, 90, 180 or 270 degrees, clockwise, got 45"),
+        ("--turn 180", "say whom to fly: --camera 0 --link"),
         ("--camera 0 --link LINK --fov 60 --diameter -1", "diameter"),
         ("--camera 0 --link LINK --fov 60 --color no.npz --marker-color no.npz", "no.npz"),
     ],

@@ -47,6 +47,15 @@ def test_pictures_have_times_of_its_own_clock(device: Camera) -> None:
     close(camera, device)
 
 
+def test_a_camera_that_hangs_upside_down_is_turned(device: Camera) -> None:
+    device._pictures[0][0, 0] = 7
+    video = Video(0, turn=180, mirror=True)
+    assert next(video).image[5, 0].tolist() == [7, 7, 7]
+    assert (video.width, video.height) == (8, 6)
+    device.unplug()
+    video.close()
+
+
 def test_a_known_delay_makes_pictures_older(device: Camera) -> None:
     camera = opened(delay_ms=80.0)
     frame = camera.read()

@@ -262,7 +262,7 @@ def two_streams(path: Path) -> Path:
     return write_clip(path, [small, large])
 
 
-@pytest.mark.parametrize("name", ["clip.mp4", "clip.mkv", "clip.mov"])
+@pytest.mark.parametrize("name", ["clip.mp4", "clip.mkv", "clip.mov", "clip.ts"])
 def test_of_several_streams_the_one_that_plays_longest_is_read(tmp_path: Path, name: str) -> None:
     path = two_streams(tmp_path / name)
     with Video(path) as video:

@@ -10,7 +10,9 @@ from matchset.image.video_files.mp4_tracks import VideoTrack
 from matchset.image.video_files.pyav_capture import StreamFacts, has_pyav, list_streams
 from matchset.numeric.extras import advice
 
-SIGNATURES = (b"\x1aE\xdf\xa3", b"\x47", b"\x00\x00\x01\xba", b"RIFF")  # format: Matroska, MPEG-TS, MPEG-PS, AVI
+RIFF = b"RIFF"
+SIGNATURES = (b"\x1aE\xdf\xa3", b"\x47", b"\x00\x00\x01\xba", RIFF)  # format: Matroska, MPEG-TS, MPEG-PS, AVI
+AVI_STREAMS = 56  # format: where the number of streams stands in an AVI file, bytes
 PYAV = advice("av")
 
 
@@ -81,9 +83,9 @@ def choose_stream(path: Path, tracks: Sequence[VideoTrack], asked: int | None) -
 def _listed(path: Path) -> list[StreamFacts]:
     """List the streams of a file that may have several; empty where nothing is known."""
     with path.open("rb") as file:
-        if not file.read(4).startswith(SIGNATURES):
-            return []
-    return list_streams(str(path))
+        head = file.read(AVI_STREAMS + 4)
+    one = head.startswith(RIFF) and int.from_bytes(head[AVI_STREAMS:], "little") < 2
+    return list_streams(str(path)) if head.startswith(SIGNATURES) and not one else []
 
 
 def _words(streams: Sequence[StreamFacts]) -> str:

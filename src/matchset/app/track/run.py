@@ -43,7 +43,7 @@ def run_track(options: TrackOptions) -> int:
     family = parse_shape(options.shape)
     parameters = tracker_parameters(options.params)
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
-    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
+    with StopRequest() as stop, options.silence.open(options.source, options.fps, options.topic) as video:
         command = _command(options, family, video.live)
         try:
             wanted = msgspec.structs.replace(options.target, ball=family is Circle)
@@ -62,7 +62,7 @@ def run_track(options: TrackOptions) -> int:
             outputs = _outputs(options, folder, video, family)
             files = [*tables, *outputs.pictures.files]
             part = Part.parse(options.shown.start, options.shown.end)
-            used = part.of(itertools.chain(taken, video))
+            used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
             files = [*tables, *outputs.pictures.files]

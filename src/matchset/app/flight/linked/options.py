@@ -42,6 +42,18 @@ Delay = Annotated[
     float | None,
     typer.Option("--delay-ms", metavar="MS", help="How old a picture is when it arrives, where nothing stamps it."),
 ]
+Timeout = Annotated[
+    float | None,
+    typer.Option("--timeout", metavar="S", help="Of a real camera: after which silence it is opened again; 2 s."),
+]
+Reconnect = Annotated[
+    float | None,
+    typer.Option(
+        "--reconnect",
+        metavar="S",
+        help="How long that is tried, s; without pictures it lands meanwhile. 10 of a stream, 0 of a camera.",
+    ),
+]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Send no throttle, say what would be sent. So it is without --arm.")
 ]
@@ -62,6 +74,8 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
     diameter: Diameter = None
     marker_diameter: MarkerDiameter = None
     delay_ms: Delay = None
+    timeout: Timeout = None
+    reconnect: Reconnect = None
     dry_run: DryRun = False
     arm: Arm = False
 
@@ -93,9 +107,8 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
             return ()
         known = () if config is None else read_followers(config)
         if self.camera is None and self.link is None:
-            typed = [
-                name for name in ("camera_file", "fov", "color", "marker_color", "delay_ms") if getattr(self, name)
-            ]
+            names = "camera_file", "fov", "color", "marker_color", "delay_ms", "timeout", "reconnect"
+            typed = [name for name in names if getattr(self, name) not in (None, [])]
             if typed and known:
                 raise ValueError(f"--{typed[0].replace('_', '-')}: of several followers, write it into {config}")
             if self.given and not known:
@@ -115,6 +128,8 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
                 color=tuple(map(str, self.color or ())),
                 marker_color=tuple(map(str, self.marker_color or ())),
                 delay_ms=self.delay_ms or 0.0,
+                timeout=self.timeout,
+                reconnect=self.reconnect,
             ),
         )
 

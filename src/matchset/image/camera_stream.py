@@ -13,7 +13,7 @@ import msgspec
 from matchset.image.capture import hushed, open_capture, unpack
 from matchset.image.errors import LinkError, NoStreamError
 from matchset.image.frame import Frame
-from matchset.image.streams.answer import answer_of
+from matchset.image.streams.backlog import Backlog
 from matchset.image.streams.camera_settings import Settings, apply, read_controls, set_automatic
 from matchset.image.streams.silence import Pauses, ReopeningParameters, Silence
 
@@ -110,17 +110,17 @@ class Live:
         own = REOPENING.stream_s if self._is_stream else REOPENING.device_s
         self.reconnect = own if silence.reconnect is None else silence.reconnect
         self.settings: Settings = {setting: (value, None) for setting, value in wishes.items()}
-        first = max(self.timeout, DEFAULT.first_picture_s)
+        first, self._backlog = max(self.timeout, DEFAULT.first_picture_s), Backlog()
         if not self._open(first):
             raise self._without_pictures(f"cannot open {name}{_hint(device)}")
         with hushed:
             rate, length = self._capture.get(cv2.CAP_PROP_FPS), self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
         self.fps = rate if 0 < rate <= 1000 else None
-        self.reconnect = 0.0 if self._is_stream and length > 0 else self.reconnect
+        self._is_live = self._is_stream and length <= 0
+        self.reconnect = 0.0 if self._is_stream and not self._is_live else self.reconnect
         self.stamped, self._has_stamps = False, self._capture.getBackendName() == "V4L2"
-        self._captured, self._last = 0, 0.0
+        self._captured, self._last, self._losses = 0, 0.0, list[float]()
         self._arrived = self._back = monotonic()
-        self._losses: list[float] = []
         self._newest: Frame | None = None
         self._failure = ""
         self._orders: queue.SimpleQueue[tuple[str, float | None]] = queue.SimpleQueue()
@@ -146,8 +146,9 @@ class Live:
     def _open(self, limit: float) -> bool:
         """Open the device within a time, s, and ask for the settings; whether that worked."""
         reading = self.timeout if self.reconnect else limit
-        limits = (limit, reading) if self._is_stream else ()
+        limits, begin = (limit, reading) if self._is_stream else (), monotonic()
         self._capture = open_capture(self._device, *limits)
+        self._backlog.begin(monotonic(), monotonic() - begin)
         if not self._capture.isOpened():
             return False
         with hushed:
@@ -158,6 +159,8 @@ class Live:
 
     def _without_pictures(self, words: str) -> LinkError:
         """Return why there are no pictures: what the address answers, if it does; else as it was found."""
+        from matchset.image.streams.answer import answer_of  # loads what speaks HTTP
+
         answer = answer_of(self._device, DEFAULT.answer_s) if self._is_stream and isinstance(self._device, str) else ""
         return NoStreamError(f"{self.name} {answer}{_hint(self._device)}") if answer else LinkError(words)
 
@@ -231,9 +234,9 @@ class Live:
         try:
             while not self._stop.is_set():
                 self._obey()
-                if self._capture.grab():
-                    self._keep(self._moment())
-                elif self._is_lost():
+                if self._take():
+                    continue
+                if self._is_lost():
                     self._open_again()
                 else:
                     self._stop.wait(DEFAULT.retry_s)
@@ -275,13 +278,24 @@ class Live:
     def _delivers(self, end: float) -> bool:
         """Whether what was opened gives a picture before a time, s; a stream that breaks off at once is left."""
         while not self._stop.is_set() and (begin := monotonic()) < end:
-            if self._capture.grab():
-                self._keep(self._moment())
+            if self._take():
                 return True
             if self._is_stream and monotonic() - begin < 0.5 * self.timeout:
                 return False
             self._stop.wait(DEFAULT.retry_s)
         return False
+
+    def _take(self) -> bool:
+        """Take the next picture; whether there was one."""
+        begin = monotonic()
+        if not self._capture.grab():
+            return False
+        moment = self._moment()
+        if self._is_live and self._backlog.holds(self._arrived, self._arrived - begin, self.fps):
+            self._captured, self.dropped = self._captured + 1, self.dropped + 1
+        else:
+            self._keep(moment)
+        return True
 
     def _moment(self) -> float:
         """When the picture just grabbed was captured, s."""

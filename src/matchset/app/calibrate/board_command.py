@@ -11,7 +11,7 @@ from matchset.app.calibrate.board_views import BoardViews, look_for_board
 from matchset.app.calibrate.command import BoardOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
 from matchset.app.drawing.picture_file import write_picture
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.run_folder import output_file, output_folder
 from matchset.camera.board import Board
 from matchset.camera.calibrate import Calibration, calibrate
@@ -69,7 +69,7 @@ def calibrate_board(source: str, board: Board, out: Path | None, force: bool, to
     int
         The exit code.
     """
-    with StopRequest() as stop, Video(source, topic=topic) as video:
+    with StopRequest() as stop, Video(source, topic=topic, note=print_note) as video:
         path = camera_file(out, force, source)
         picture = output_file(path.with_name(path.stem + "-coverage.png"), force, source)
         seen = look_for_board(video, board, stop)

@@ -35,8 +35,8 @@ class Follower:
 
     def lose(self) -> None:
         """Read on until the stream is lost."""
-        before, end = len(self.notes), time.monotonic() + 3 * PATIENCE
-        while len(self.notes) == before:
+        end = time.monotonic() + 2 * PATIENCE
+        while not self.notes:
             assert time.monotonic() < end
             if (frame := self.video.newest(0.02)) is not None:
                 self._checked(frame)

@@ -4,6 +4,7 @@ import queue
 import re
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from time import monotonic
 
@@ -147,6 +148,7 @@ class Live:
         """Open the device within a time, s, and ask for the settings; whether that worked."""
         reading = self.timeout if self.reconnect else limit
         limits, begin = (limit, reading) if self._is_stream else (), monotonic()
+        self._reading, self._is_spent = reading, False
         self._capture = open_capture(self._device, *limits)
         self._backlog.begin(monotonic(), monotonic() - begin)
         if not self._capture.isOpened():
@@ -232,14 +234,15 @@ class Live:
     def _run(self) -> None:
         # From here on the thread alone touches the capture: OpenCV crashes when another one releases it.
         try:
-            while not self._stop.is_set():
-                self._obey()
-                if self._take():
-                    continue
-                if self._is_lost():
-                    self._open_again()
-                else:
-                    self._stop.wait(DEFAULT.retry_s)
+            with hushed if self._is_stream else nullcontext():
+                while not self._stop.is_set():
+                    self._obey()
+                    if self._take():
+                        continue
+                    if self._is_lost():
+                        self._open_again()
+                    else:
+                        self._stop.wait(DEFAULT.retry_s)
         except LinkError as error:
             self._failure = str(error)
         except Exception as error:  # whatever a driver or OpenCV raises belongs to the reader
@@ -288,7 +291,12 @@ class Live:
     def _take(self) -> bool:
         """Take the next picture; whether there was one."""
         begin = monotonic()
-        if not self._capture.grab():
+        if self._is_spent or not self._capture.grab():
+            return False
+        if self._is_live and monotonic() - begin >= self._reading:
+            self._is_spent = (
+                True  # it was waited for in vain: this is what the decoder still held, as old as the silence
+            )
             return False
         moment = self._moment()
         if self._is_live and self._backlog.holds(self._arrived, self._arrived - begin, self.fps):

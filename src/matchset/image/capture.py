@@ -7,6 +7,9 @@ from typing import Any, Protocol
 
 import cv2
 
+# geometry: threads that unpack a stream. FFmpeg holds back a picture for each but the first, by default one for each
+# processor: half a second of age that nobody sees, where there are sixteen. One alone is too slow for large pictures.
+DECODERS = 2
 FFMPEG_LEVEL = "OPENCV_FFMPEG_LOGLEVEL"
 USER_LEVELS = "OPENCV_LOG_LEVEL", "OPENCV_VIDEOIO_DEBUG"
 
@@ -123,7 +126,8 @@ def open_capture(source: int | str, timeout: float | None = None, silence: float
             return cv2.VideoCapture(source)
         opening, reading = (max(1, round(1000 * limit)) for limit in (timeout, timeout if silence is None else silence))
         limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, opening, cv2.CAP_PROP_READ_TIMEOUT_MSEC, reading]
-        return cv2.VideoCapture(str(source), cv2.CAP_ANY, limits)
+        threads = getattr(cv2, "CAP_PROP_N_THREADS", None)  # since OpenCV 4.10
+        return cv2.VideoCapture(str(source), cv2.CAP_ANY, [*limits, *(() if threads is None else (threads, DECODERS))])
 
 
 def unpack(capture: Capture) -> Any:

@@ -230,7 +230,7 @@ def test_the_pauses_grow_and_begin_anew_after_it_has_delivered_for_a_while() -> 
     parameters = ReopeningParameters(first_pause_s=0.1, growth=2.0, longest_pause_s=0.5)
     pauses = Pauses(parameters)
     assert [pauses.next() for _ in range(6)] == pytest.approx([0.0, 0.1, 0.2, 0.4, 0.5, 0.5])
-    pauses.begin(0.4)
+    pauses.begin(0.4)  # one that comes for a moment and goes again
     assert pauses.next() == 0.5
     pauses.begin(0.5)
     assert pauses.next() == 0.0

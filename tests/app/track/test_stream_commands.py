@@ -37,8 +37,15 @@ def table(path: Path) -> list[dict[str, str]]:
     ids=["track", "locate"],
 )
 def test_the_ball_is_followed_on_where_a_stream_breaks_off_again_and_again(
-    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], name: str
+    matchset: Matchset,
+    ball_video: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...],
+    name: str,
 ) -> None:
+    assert matchset(words[0], ball_video, *words[1:], "-o", "file") == 0  # compiles what would take a while
+    capsys.readouterr()
     with MjpegServer(picture, each=40) as server:
         assert matchset(words[0], server.url, *words[1:], "--end", 90, "--reconnect", 60, "-o", "out") == 0
         connections = server.connections

@@ -29,8 +29,7 @@ class ReopeningParameters(msgspec.Struct, frozen=True):
     growth : float
         What each pause is longer than the one before by.
     longest_pause_s : float
-        The longest pause, s. A source that delivered for less than this before it was lost again does not begin anew
-        with the shortest one. More finds a source later, that long at most.
+        The longest pause, s. More finds a source later, that long at most; less asks one that stays away more often.
     """
 
     stream_s: float = 10.0
@@ -81,8 +80,8 @@ class Pauses:
         self._parameters, self._next = parameters, 0.0
 
     def begin(self, delivered_s: float) -> None:
-        """Begin again with the shortest pause, unless the source has delivered for a moment only, s."""
-        if delivered_s >= self._parameters.longest_pause_s:
+        """Begin anew, unless the source has delivered for less than the pause that is next, s."""
+        if delivered_s >= self._next:
             self._next = 0.0
 
     def next(self) -> float:

@@ -40,6 +40,10 @@ class StreamParameters(msgspec.Struct, frozen=True):
         Time that an address without pictures has to say what it is, s.
     look_s : float
         Time between two looks whether the reader wants to stop, while it waits for a picture, s.
+    threads : int
+        How many threads unpack a stream. FFmpeg holds a picture back for each but the first, by itself as many as the
+        computer has processors: with sixteen half a second of age that nobody sees (docs/log.md, 2026-11-28). One has
+        the least delay, and is too slow for large pictures.
     """
 
     first_picture_s: float = 10.0
@@ -47,6 +51,7 @@ class StreamParameters(msgspec.Struct, frozen=True):
     latest_stamp_s: float = 1.0
     answer_s: float = 2.0
     look_s: float = 0.1
+    threads: int = 2
 
 
 DEFAULT = StreamParameters()
@@ -147,9 +152,9 @@ class Live:
     def _open(self, limit: float) -> bool:
         """Open the device within a time, s, and ask for the settings; whether that worked."""
         reading = self.timeout if self.reconnect else limit
-        limits, begin = (limit, reading) if self._is_stream else (), monotonic()
+        how, begin = (limit, reading, DEFAULT.threads) if self._is_stream else (), monotonic()
         self._reading, self._is_spent = reading, False
-        self._capture = open_capture(self._device, *limits)
+        self._capture = open_capture(self._device, *how)
         self._backlog.begin(monotonic(), monotonic() - begin)
         if not self._capture.isOpened():
             return False

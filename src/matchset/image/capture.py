@@ -7,9 +7,6 @@ from typing import Any, Protocol
 
 import cv2
 
-# geometry: threads that unpack a stream. FFmpeg holds back a picture for each but the first, by default one for each
-# processor: half a second of age that nobody sees, where there are sixteen. One alone is too slow for large pictures.
-DECODERS = 2
 FFMPEG_LEVEL = "OPENCV_FFMPEG_LOGLEVEL"
 USER_LEVELS = "OPENCV_LOG_LEVEL", "OPENCV_VIDEOIO_DEBUG"
 
@@ -97,7 +94,9 @@ def opencv_name(name: str) -> str:
     return name
 
 
-def open_capture(source: int | str, timeout: float | None = None, silence: float | None = None) -> Capture:
+def open_capture(
+    source: int | str, timeout: float | None = None, silence: float | None = None, threads: int | None = None
+) -> Capture:
     """Open a video with OpenCV; ask the result's `isOpened` whether it worked.
 
     Parameters
@@ -108,6 +107,8 @@ def open_capture(source: int | str, timeout: float | None = None, silence: float
         For a stream: the longest that opening may block, s.
     silence : float, optional
         The same of reading, s; that of opening if it is not given.
+    threads : int, optional
+        How many may unpack a stream; as many as FFmpeg thinks right if it is not given.
 
     Returns
     -------
@@ -126,8 +127,10 @@ def open_capture(source: int | str, timeout: float | None = None, silence: float
             return cv2.VideoCapture(source)
         opening, reading = (max(1, round(1000 * limit)) for limit in (timeout, timeout if silence is None else silence))
         limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, opening, cv2.CAP_PROP_READ_TIMEOUT_MSEC, reading]
-        threads = getattr(cv2, "CAP_PROP_N_THREADS", None)  # since OpenCV 4.10
-        return cv2.VideoCapture(str(source), cv2.CAP_ANY, [*limits, *(() if threads is None else (threads, DECODERS))])
+        number = getattr(cv2, "CAP_PROP_N_THREADS", None)  # OpenCV 4.10 has it, not everywhere
+        if number is not None and threads is not None:
+            limits += [number, threads]
+        return cv2.VideoCapture(str(source), cv2.CAP_ANY, limits)
 
 
 def unpack(capture: Capture) -> Any:

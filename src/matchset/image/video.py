@@ -217,7 +217,7 @@ class Video(NotCopied):
         ValueError
             If the source is not live or was closed, or the pictures have changed in size or in channels.
         LinkError
-            If its driver has failed.
+            If its driver has failed, or a stream stayed away for longer than `reconnect`.
         """
         if self._closed:
             raise ValueError(f"{self._name} is closed")

@@ -6,12 +6,15 @@ import math
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import msgspec
 import typer
 
-from matchset.app.exit_codes import compiling_announced, errors_in_one_line
+from matchset.app.exit_codes import compiling_announced, errors_in_one_line, print_note
+
+if TYPE_CHECKING:
+    from matchset.image.video import Video
 
 Source = Annotated[
     str,
@@ -95,6 +98,19 @@ StreamNumber = Annotated[
 ]
 Damaged = Annotated[
     bool, typer.Option("--damaged", help="Use pictures whose decoder reports errors, of a live source too.")
+]
+Timeout = Annotated[
+    float | None,
+    typer.Option("--timeout", metavar="S", help="Of a camera or stream: the longest silence, s; 2 without it."),
+]
+Reconnect = Annotated[
+    float | None,
+    typer.Option(
+        "--reconnect",
+        metavar="S",
+        help="How long one that is lost is opened again and again, s; 0: it ends. Without it 10 of a stream, 0 of a "
+        "camera.",
+    ),
 ]
 Params = Annotated[
     Path | None,
@@ -206,6 +222,22 @@ class ShownOptions(msgspec.Struct, frozen=True, kw_only=True):
         """Return the files that nobody asked for in the run's folder; of a live source they are not written."""
         film = () if video is not None else (f"{name}.mp4", f"{name}.webm")
         return () if self.no_video or to_stdout else ("summary.png", *film)
+
+
+class SilenceOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say how much silence of a camera or a stream is borne."""
+
+    timeout: Timeout = None
+    reconnect: Reconnect = None
+
+    def open(
+        self, source: str, fps: float | None = None, topic: str | None = None, view: ViewOptions = AS_IT_IS
+    ) -> "Video":
+        """Open a source; it says on stderr when it is lost and when it is back."""
+        from matchset.image.video import Video
+
+        more = view.arguments | ({} if self.timeout is None else {"timeout": self.timeout})
+        return Video(source, fps=fps, topic=topic, reconnect=self.reconnect, note=print_note, **more)
 
 
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):

@@ -4,6 +4,7 @@ import math
 import os
 import re
 import weakref
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -11,8 +12,10 @@ from typing import Self
 import msgspec
 
 from matchset.image.bags.bag import Bag, is_bag
-from matchset.image.camera_stream import Live, Settings, differences
+from matchset.image.camera_stream import Live
 from matchset.image.frame import Frame
+from matchset.image.streams.camera_settings import Settings, differences
+from matchset.image.streams.silence import Silence
 from matchset.image.upright.orientation import AS_STORED
 from matchset.image.upright.view import ANY, View, Wish, view_of
 from matchset.image.video_files.image_folder import Pictures, is_picture
@@ -44,7 +47,13 @@ class Video(NotCopied):
         default a file's own time stamps count, with times between their neighbors for frames whose stamps are
         equal or missing, and a folder has 30.
     timeout : float, default 2.0
-        Longest silence of a live source, s.
+        Longest silence of a live source, s: then it counts as lost.
+    reconnect : float, optional
+        How long a live source that is lost is opened again and again, s; 0: not at all. By default 10 for a stream
+        from the network and 0 for a camera of this computer, which may come back under another number. Times and
+        indices go on; only when this time is over is it a LinkError. A recording behind an address is not opened again.
+    note : callable, optional
+        Called with one line when a live source is lost and when it is back, by the thread that reads it.
     topic : str, optional
         Which topic of a bag to read, if several have pictures.
     square : bool, default True
@@ -84,6 +93,8 @@ class Video(NotCopied):
         forward.
     topic : str or None
         The topic that is read; None if the source is no bag.
+    reconnect : float
+        How long it is opened again when it is lost, s.
     dropped : int
         Frames of a live source that were replaced by a newer one before they were asked for.
     broken : int
@@ -99,9 +110,11 @@ class Video(NotCopied):
     ------
     ValueError
         If the source is missing (then also a FileNotFoundError), cannot be read or holds no frame that decodes; later,
-        if the pictures change in size or in channels, or the video is read after it was closed.
+        if the pictures change in size or in channels, as those of a stream that is back, or the video is read after it
+        was closed.
     LinkError
-        If a camera or stream cannot be opened or stops delivering.
+        If a camera or stream cannot be opened or stops delivering. It is a ValueError too if the address answers, but
+        with something else: a page, an error, a redirection in a circle.
 
     Examples
     --------
@@ -120,6 +133,8 @@ class Video(NotCopied):
         white_balance: float | None = None,
         fps: float | None = None,
         timeout: float = 2.0,
+        reconnect: float | None = None,
+        note: Callable[[str], None] | None = None,
         topic: str | None = None,
         square: bool = True,
         turn: int = 0,
@@ -127,26 +142,25 @@ class Video(NotCopied):
         stream: int | None = None,
         damaged: bool | None = None,
     ) -> None:
-        """Open it; the ten parameters are those of all kinds of sources."""
+        """Open it; the twelve parameters are those of all kinds of sources."""
         wish = Wish(square=square, turn=turn, mirror=mirror, stream=stream, damaged=damaged)
+        silence = Silence(timeout, reconnect, note).checked()
         wishes = {"exposure": exposure, "white_balance": white_balance, "fps": fps}
         asked = {name: _finite(name, value) for name, value in wishes.items() if value is not None}
-        for name, value in (("fps", fps), ("timeout", timeout)):
-            if value is not None:
-                check_number(name, value)
-            if value is not None and not 0.0 < value < math.inf:
-                raise ValueError(f"{name} must be positive, got {value}")
-        self._start(source, asked, timeout, topic, wish)
+        if fps is not None and not fps > 0.0:
+            raise ValueError(f"fps must be positive, got {fps}")
+        self._start(source, asked, silence, topic, wish)
 
     def _start(
-        self, source: int | str | Path, asked: dict[str, float], timeout: float, topic: str | None, wish: Wish = ANY
+        self, source: int | str | Path, asked: dict[str, float], silence: Silence, topic: str | None, wish: Wish = ANY
     ) -> None:
-        """Open the source with settings of `camera_stream.PROPERTIES`."""
+        """Open the source with settings of `streams.camera_settings.PROPERTIES`."""
         self._name, self._closed, self._ended = _name(source), False, False
         self._given, self._asked, self._wish = source, asked, wish
-        self._source = _open(source, self._name, timeout, asked, topic, wish)
+        self._source = _open(source, self._name, silence, asked, topic, wish)
         self.topic = self._source.topic if isinstance(self._source, Bag) else None
         self.settings: Settings
+        self.reconnect = self._source.reconnect if isinstance(self._source, Live) else 0.0
         if isinstance(self._source, Live):
             self.settings = self._source.settings
         else:  # reported, not refused: what ran live can be replayed from a file as it stands
@@ -205,6 +219,28 @@ class Video(NotCopied):
             raise StopIteration
         return self._checked(frame)
 
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        """Yield the frames, as iterating does, until they end or somebody wants to stop.
+
+        Parameters
+        ----------
+        stopped : callable
+            Whether to stop; asked after every frame, and all the time while a live source is silent.
+
+        Raises
+        ------
+        ValueError, LinkError
+            As iterating does.
+        """
+        while not stopped():
+            if self._closed or not isinstance(self._source, Live):
+                frame = next(self, None)
+            elif (frame := self._source.read(stopped)) is not None:
+                frame = self._checked(frame)
+            if frame is None:
+                return
+            yield frame
+
     def newest(self, wait: float) -> Frame | None:
         """Return the newest frame of a live source that was not yet read; for loops that must not stand still.
 
@@ -223,7 +259,7 @@ class Video(NotCopied):
         ValueError
             If the source is not live or was closed, or the pictures have changed in size or in channels.
         LinkError
-            If its driver has failed.
+            If its driver has failed, or a stream stayed away for longer than `reconnect`.
         """
         if self._closed:
             raise ValueError(f"{self._name} is closed")
@@ -308,7 +344,7 @@ def _is_number(text: str) -> bool:
 
 
 def _open(
-    source: int | str | Path, name: str, timeout: float, asked: dict[str, float], topic: str | None, wish: Wish
+    source: int | str | Path, name: str, silence: Silence, asked: dict[str, float], topic: str | None, wish: Wish
 ) -> Live | Pictures | Recording | Bag:
     """Choose the kind of source."""
     text = str(source)
@@ -322,7 +358,7 @@ def _open(
         raise ValueError(f"a camera number must not be negative, got {source}")
     if path is None or path.is_char_device():
         _check_no_stream(wish, name)
-        return Live(int(text) if _is_number(text) else text, name, timeout, asked, wish.damaged is True)
+        return Live(int(text) if _is_number(text) else text, name, silence, asked, wish.damaged is True)
     if path.is_dir() or (path.is_file() and is_picture(path)):
         _check_no_stream(wish, name)
         return Pictures(path, asked.get("fps"))

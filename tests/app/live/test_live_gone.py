@@ -168,7 +168,7 @@ def test_closing_does_not_wait_for_a_source_that_is_stuck() -> None:
 
 def test_a_stream_that_is_killed_and_started_again(tmp_path: Path) -> None:
     with MjpegServer(picture) as server:
-        vision = Vision(lambda: Video(server.url, timeout=0.5), parameters=VisionParameters(retry=0.1))
+        vision = Vision(lambda: Video(server.url, timeout=0.5, reconnect=0.0), parameters=VisionParameters(retry=0.1))
         with vision:
             follow(vision)
             server.stop()

@@ -13,7 +13,7 @@ from matchset.app.calibrate.board_command import camera_file
 from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.progress import InstructionLine, progress_bar
 from matchset.app.track.target_options import (
     LearnedTarget,
@@ -110,7 +110,7 @@ def _track_sources(
     tracks: list[_BallTracks] = []
     target = target_without_picture(options.target)
     for source in sources:
-        with Video(source, topic=options.topic, **options.mounted.arguments) as video:
+        with Video(source, topic=options.topic, note=print_note, **options.mounted.arguments) as video:
             taken: tuple[Frame, ...] = ()
             if target is None:
                 target, taken = target_for(video, options.target)

@@ -15,7 +15,7 @@ from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import still_intervals
 from matchset.app.cli_options import TurnOptions
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.progress import InstructionLine
 from matchset.app.run_folder import output_file, output_folder
 from matchset.app.track.target_options import load_color
@@ -168,7 +168,7 @@ def _held_balls(sources: Sequence[str], count: int, equipment: Equipment, stop: 
     """Find the ball at every place; None if Ctrl-C came first."""
     held: list[HeldAt] = []
     for source in sources:
-        with Video(source, **equipment.mounted.arguments) as video:
+        with Video(source, note=print_note, **equipment.mounted.arguments) as video:
             for turn in range(count if len(sources) == 1 else 1):
                 found = _held_ball(video, equipment, held[-1] if turn else None, len(held) + 1, stop)
                 if found is None:

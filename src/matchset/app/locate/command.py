@@ -18,6 +18,7 @@ from matchset.app.cli_options import (
     Params,
     Points,
     ShownOptions,
+    SilenceOptions,
     Source,
     TargetOptions,
     Topic,
@@ -98,6 +99,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     points: Points = 64
     params: Params = None
     fps: Fps = None
+    silence: SilenceOptions = SilenceOptions()
 
 
 def locate(options: LocateOptions) -> int:

@@ -49,7 +49,7 @@ def run_locate(options: LocateOptions) -> int:
     loaded = load_camera(options)
     with (
         StopRequest() as stop,
-        Video(options.source, fps=options.fps, topic=options.topic, **options.view.arguments) as video,
+        options.silence.open(options.source, options.fps, options.topic, options.view) as video,
         published(options.mavlink, 2.0 * ball.radius) as publish,
     ):
         camera = camera_for(video, options, loaded)
@@ -67,7 +67,7 @@ def run_locate(options: LocateOptions) -> int:
         part = Part.parse(options.shown.start, options.shown.end)
         out = sys.stderr if options.to_stdout else sys.stdout
         try:
-            used = part.of(itertools.chain(taken, video))
+            used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             located = locate_frames(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
             watched = explainer.watch(path.record(publish(located, video.live)))
             write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")

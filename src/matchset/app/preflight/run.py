@@ -119,6 +119,8 @@ def next_command(options: PreflightOptions) -> str:
         "--diameter": linked.diameter,
         "--marker-diameter": linked.marker_diameter,
         "--delay-ms": linked.delay_ms,
+        "--timeout": linked.timeout,
+        "--reconnect": linked.reconnect,
         "--config": options.config,
     }
     for name, value in named.items():

@@ -25,7 +25,6 @@ from matchset.image.candidates import Candidate
 from matchset.image.circle_score import SCORE
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.image.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
 
@@ -42,7 +41,7 @@ def learn_color(options: LearnOptions) -> int:
     x, y, at = parse_pick(options.pick or "")
     if at is not None and options.frame not in (None, at):
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
-    with Video(options.source, topic=options.topic, **options.view.arguments) as video:
+    with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
         live = video.live
     try:
@@ -121,12 +120,12 @@ def show_candidates(options: LearnOptions) -> int:
 def _choose(options: LearnOptions) -> tuple[Choice, bool]:
     """Choose the frame and order its candidates; also whether the source is live."""
     given: Frame | None = None
-    with Video(options.source, topic=options.topic, **options.view.arguments) as video:
+    with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         if options.frame is not None:
             given = lit_frame_at(video, options.frame)
         if given is None or video.live:
             return choose(video, given), video.live
-    with Video(options.source, topic=options.topic, **options.view.arguments) as video:
+    with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         return choose(video, given), False
 
 

@@ -43,8 +43,8 @@ def run_track(options: TrackOptions) -> int:
     family = parse_shape(options.shape)
     parameters = tracker_parameters(options.params)
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
-    view = options.view.arguments
-    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic, **view) as video:
+    silence, view = options.silence, options.view
+    with StopRequest() as stop, silence.open(options.source, options.fps, options.topic, view) as video:
         command = _command(options, family, video.live)
         try:
             wanted = msgspec.structs.replace(options.target, ball=family is Circle)
@@ -63,7 +63,7 @@ def run_track(options: TrackOptions) -> int:
             outputs = _outputs(options, folder, video, family)
             files = [*tables, *outputs.pictures.files]
             part = Part.parse(options.shown.start, options.shown.end)
-            used = part.of(itertools.chain(taken, video))
+            used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
             files = [*tables, *outputs.pictures.files]

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from matchset.app.exit_codes import print_note
 from matchset.app.flight.config import with_world
 from matchset.app.flight.flight import FlightKind, FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
@@ -77,6 +78,7 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
     if Path(source).exists() and not Path(source).is_char_device():
         raise ValueError(f"--camera must be a camera or a stream, and {source} is a file: nobody can fly by the past")
     start_video(follower)
+    silence = follower.silence
     video = Video(
         source,
         exposure=follower.exposure,
@@ -84,6 +86,9 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
         fps=follower.fps,
         turn=follower.turn,
         mirror=follower.mirror,
+        timeout=silence.timeout,
+        reconnect=silence.reconnect,
+        note=print_note,
     )
     try:
         size = video.width, video.height

@@ -193,7 +193,7 @@ def test_eight_poses_of_matroska_as_ffmpeg_reads_them(tmp_path: Path, yaw: float
     matrix = (1, 0, 0, 1)
     if beside is not None:
         a, b, _, c, d, *_ = struct.unpack("9i", bytes(beside))
-        matrix = tuple(round(value / 65536) for value in (a, b, c, d))  # type: ignore[assignment]
+        matrix = tuple(round(value / 65536) for value in (a, b, c, d))
     assert (yaw or roll) == 0.0 or beside is not None
     with Video(path) as video:
         np.testing.assert_array_equal(next(video).image, as_ffmpeg_shows(stored, matrix))

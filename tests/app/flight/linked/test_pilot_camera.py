@@ -48,7 +48,8 @@ def test_pictures_have_times_of_its_own_clock(device: Camera) -> None:
 
 
 def test_a_camera_that_hangs_upside_down_is_turned(device: Camera) -> None:
-    device._pictures[0][0, 0] = 7
+    device._pictures[0] = picture = np.full((6, 8, 3), 1, np.uint8)
+    picture[0, 0] = 7
     video = Video(0, turn=180, mirror=True)
     assert next(video).image[5, 0].tolist() == [7, 7, 7]
     assert (video.width, video.height) == (8, 6)

@@ -58,6 +58,7 @@ class VideoMessages:
             import av
         except ImportError:
             raise ValueError(f"its pictures are a video ({codec}), which PyAV decodes: {advice('av')}") from None
+        self._errors = OSError, ValueError, av.FFmpegError
         self._packet, self._damage = av.Packet, Damage()
         self._numbers = FrameNumbers() if codec == "h264" else None
         self._decoder: Any = av.CodecContext.create(codec, "r")
@@ -78,7 +79,7 @@ class VideoMessages:
     def _pictures(self, packet: Any, number: int) -> Iterator[DecodedPicture]:
         try:
             frames = self._decoder.decode(packet)
-        except (OSError, ValueError):  # FFmpeg's errors are both
+        except self._errors:
             self._damage.note_loss()
             return
         for frame in frames:

@@ -63,7 +63,7 @@ def open_pyav(path: str, stream: int = 0, looks: bool = False) -> Capture | None
         return None
     try:
         return PyavCapture(av.open(path), stream, looks)
-    except (OSError, ValueError, IndexError):  # FFmpeg's errors are OSError or ValueError too; IndexError: only sound
+    except (OSError, ValueError, IndexError, av.FFmpegError):  # IndexError: only sound
         return PyavCapture(None)
 
 
@@ -88,7 +88,7 @@ def open_pyav_stream(url: str, opening: float, reading: float) -> Capture | None
 
     try:
         return PyavCapture(av.open(url, timeout=(opening, reading), options=RTSP), looks=True)
-    except (OSError, ValueError, IndexError):  # as above
+    except (OSError, ValueError, IndexError, av.FFmpegError):  # as above
         return PyavCapture(None)
 
 
@@ -112,7 +112,7 @@ def list_streams(path: str) -> list[StreamFacts]:
     try:
         with av.open(path) as container:
             return [StreamFacts(_seconds(each), (each.width, each.height)) for each in _videos(container)]
-    except (OSError, ValueError):
+    except (OSError, ValueError, av.FFmpegError):
         return []
 
 
@@ -154,6 +154,9 @@ class PyavCapture:
     """
 
     def __init__(self, container: Any, stream: int = 0, looks: bool = False) -> None:
+        from av import FFmpegError
+
+        self._errors = OSError, ValueError, FFmpegError  # what is silent for too long is an FFmpegError alone
         self._container, self._frame, self._ahead = container, None, None
         self.damaged, self._damage, self._looks = False, Damage(), looks
         if container is not None:
@@ -178,7 +181,7 @@ class PyavCapture:
                 self._damage.note_loss()
             try:
                 yield from packet.decode()
-            except (OSError, ValueError):
+            except self._errors:
                 self._damage.note_loss()
                 yield None
 
@@ -196,7 +199,7 @@ class PyavCapture:
     def _next(self) -> Any:
         try:
             return next(self._frames, None)
-        except (OSError, ValueError):  # a stream was silent for too long, a file is broken from here on
+        except self._errors:  # a stream was silent for too long, a file is broken from here on
             self._frames = self._decoded() if self._looks else iter(())
             return None
 
@@ -241,7 +244,7 @@ class PyavCapture:
         ticks = int(value / 1000.0 / self._stream.time_base) + (self._stream.start_time or 0)
         try:
             self._container.seek(ticks, stream=self._stream)
-        except (OSError, ValueError):
+        except self._errors:
             return False
         self._frame, self._ahead, self._frames, self._damage = None, None, self._decoded(), Damage()
         return True

@@ -63,6 +63,7 @@ def opens(monkeypatch: pytest.MonkeyPatch, clock: Clock, seconds: float, *camera
         return waiting.pop(0)
 
     monkeypatch.setattr("matchset.image.camera_stream.open_capture", open_capture)
+    monkeypatch.setattr("matchset.image.camera_stream.open_pyav_stream", lambda *_: None)
 
 
 def test_the_first_picture_is_one_that_did_not_wait(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -121,7 +121,7 @@ def test_a_stream_that_is_lost_is_one_without_pictures_until_it_is_back(monkeypa
     assert frame is not None
     assert frame.image[0, 0, 0] == 2
     assert frame.time > before.time
-    assert frame.index == before.index + 1
+    assert frame.index > before.index
     assert not camera.fault
     close(camera, second)
 

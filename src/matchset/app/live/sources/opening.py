@@ -62,8 +62,7 @@ def open_feed(source: Source, opening: Opening) -> Feed:
 def _video(title: str, origin: str, opening: Opening) -> Feed:
     path = Path(origin)
     if re.fullmatch(r"\d+|(?!file:)[A-Za-z][\w+.-]*://.*", origin) or path.is_char_device():
-        # `Vision` opens it again itself: for as long as the page is shown, and also with pictures of another size.
-        return CameraFeed(title, lambda: Video(origin, reconnect=0.0), opening.news, opening.note)
+        return CameraFeed(title, lambda: Video(origin), opening.news, opening.note)
     feed = FileFeed(title, lambda: StampedVideo(origin), opening.news, opening.note)
     beside = path.with_suffix(".toml")
     if beside.is_file():

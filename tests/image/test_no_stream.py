@@ -9,7 +9,7 @@ from matchset.image.errors import LinkError, NoStreamError
 from matchset.image.streams.answer import _request, answer_of
 from matchset.image.video import Video
 
-HASTY = StreamParameters(first_picture_s=0.5, answer_s=0.5)
+HASTY = StreamParameters(first_picture_s=0.5, answer_s=2.0)
 
 
 @pytest.mark.parametrize(

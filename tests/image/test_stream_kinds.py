@@ -19,7 +19,7 @@ class Follower:
 
     def __init__(self, camera: StreamCamera) -> None:
         self.notes: list[str] = []
-        self.video = ms.Video(camera.url, timeout=0.5, reconnect=3 * PATIENCE, note=self.notes.append)
+        self.video = ms.Video(camera.url, timeout=1.0, reconnect=3 * PATIENCE, note=self.notes.append)
         self._tracker = ms.Tracker(ms.Circle, BLUE)
         self._last: ms.Frame | None = None
 
@@ -36,10 +36,17 @@ class Follower:
     def lose(self) -> None:
         """Read on until the stream is lost."""
         end = time.monotonic() + 2 * PATIENCE
-        while not self.notes:
+        while len(self.notes) % 2 == 0:
             assert time.monotonic() < end
             if (frame := self.video.newest(0.02)) is not None:
                 self._checked(frame)
+
+    def check_notes(self) -> None:
+        """Each loss has a line, and each return; on a busy computer there may be more of them than were made."""
+        lost, back = self.notes[::2], self.notes[1::2]
+        assert len(lost) == len(back) >= 1
+        assert all("it is opened again, for 60 s at most" in line for line in lost)
+        assert all("is back after" in line for line in back)
 
     def _checked(self, frame: ms.Frame) -> ms.Frame:
         assert frame.time <= time.monotonic()
@@ -65,10 +72,8 @@ def test_one_that_is_killed_and_started_again_is_followed_on(camera: StreamCamer
         follower.lose()
         camera.start()
         follower.find(5)
-    lost, back = follower.notes
-    assert "it is opened again, for 60 s at most" in lost
-    assert "is back after" in back
-    assert follower.video.warnings[0].startswith("it was lost 1 time")
+    follower.check_notes()
+    assert follower.video.warnings[0].startswith("it was lost ")
 
 
 def test_one_that_stalls_is_followed_on_when_it_sends_again(camera: StreamCamera) -> None:
@@ -80,6 +85,5 @@ def test_one_that_stalls_is_followed_on_when_it_sends_again(camera: StreamCamera
         assert follower.video.newest(0.02) is None
         camera.wake()
         follower.find(5)
-    lost, back = follower.notes
-    assert "has delivered no picture for" in lost
-    assert "is back after" in back
+    follower.check_notes()
+    assert "has delivered no picture for" in follower.notes[0]

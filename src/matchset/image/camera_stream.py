@@ -96,6 +96,8 @@ class Live:
     ----------
     reconnect : float
         How long it is opened again and again, s; 0: not at all.
+    lost : str
+        Why there are no pictures while it is being opened again; empty otherwise.
     settings : dict of str to (float, float or None)
         Each setting that was asked for, with what the driver says it is.
     controls : dict of str to Control
@@ -132,7 +134,7 @@ class Live:
             rate, length = self._capture.get(cv2.CAP_PROP_FPS), self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
             self.pixel_ratio = pixel_ratio(self._capture)
         self.fps = rate if 0 < rate <= 1000 else None
-        self._is_live = self._is_stream and length <= 0
+        self._is_live, self.lost = self._is_stream and length <= 0, ""
         self.reconnect = 0.0 if self._is_stream and not self._is_live else self.reconnect
         self.stamped, self._has_stamps = False, self._capture.getBackendName() == "V4L2"
         self._captured, self._last, self._losses = 0, 0.0, list[float]()
@@ -279,7 +281,8 @@ class Live:
         lost, end = self._arrived, monotonic() + self.reconnect
         silent = monotonic() - lost
         how = "broke off" if silent < self.timeout else f"has delivered no picture for {silent:.1f} s"
-        self._note(f"{self.name} {how}; it is opened again, for {self.reconnect:g} s at most")
+        self.lost = f"{self.name} {how}; it is opened again, for {self.reconnect:g} s at most"
+        self._note(self.lost)
         self._pauses.begin(lost - self._back)
         self._capture.release()
         while not self._stop.wait(min(self._pauses.next(), max(end - monotonic(), 0.0))):
@@ -289,6 +292,7 @@ class Live:
             if self._open(min(left, max(self.timeout, DEFAULT.first_picture_s))) and self._delivers(end):
                 self._back = self._arrived
                 self._losses.append(self._back - lost)
+                self.lost = ""
                 self._note(f"{self.name} is back after {self._back - lost:.1f} s")
                 return
             self._capture.release()

@@ -189,6 +189,11 @@ class Video(NotCopied):
         return self._source.damaged
 
     @property
+    def lost(self) -> str:
+        """Why there are no pictures while a live source is being opened again, in words; empty otherwise."""
+        return self._source.lost if isinstance(self._source, Live) else ""
+
+    @property
     def stamped(self) -> bool:
         """Whether the last frame of a live source has its driver's time of capture; otherwise that of its arrival."""
         return not isinstance(self._source, Live) or self._source.stamped

@@ -96,7 +96,7 @@ def test_one_that_stays_away_ends_it_and_the_table_is_whole(
         return picture(number)
 
     server._picture = last
-    assert matchset("track", server.url, *BLUE, "--timeout", 0.3, "--reconnect", 0.5, "-o", "out") == 3
+    assert matchset("track", server.url, *BLUE, "--reconnect", 0.5, "-o", "out") == 3
     note, error = lines(capsys.readouterr().err)
     assert "it is opened again, for 0.5 s at most" in note
     assert error.startswith(f"error: {server.url} has delivered no picture for")
@@ -140,7 +140,7 @@ def test_an_address_that_is_no_stream_is_one_line(
     answer: bad_servers.Answer,
     command: str,
 ) -> None:
-    hasty = StreamParameters(first_picture_s=0.3, answer_s=0.3)
+    hasty = StreamParameters(first_picture_s=0.3, answer_s=1.0)
     monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", hasty)
     options = {
         "track": BLUE,

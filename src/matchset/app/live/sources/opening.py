@@ -72,8 +72,7 @@ def open_feed(source: Source, opening: Opening) -> Feed:
 def _video(title: str, origin: str, opening: Opening) -> Feed:
     path, mounted, view = Path(origin), opening.view.mounted, opening.view.arguments
     if re.fullmatch(r"\d+|(?!file:)[A-Za-z][\w+.-]*://.*", origin) or path.is_char_device():
-        # `Vision` opens it again itself: for as long as the page is shown, and also with pictures of another size.
-        return CameraFeed(title, lambda: Video(origin, reconnect=0.0, **view), opening.news, opening.note, mounted)
+        return CameraFeed(title, lambda: Video(origin, **view), opening.news, opening.note, mounted)
     feed = FileFeed(title, lambda: StampedVideo(origin, **view), opening.news, opening.note, mounted)
     beside = path.with_suffix(".toml")
     if beside.is_file():

@@ -12,6 +12,7 @@ BETAFLIGHT := .bench/betaflight/betaflight
 SITE_TOOLS := .venv/site-tools
 TOOLCHAIN := .venv/toolchain
 BROWSER := .venv/browser
+RTSP := .venv/rtsp
 ARGS ?=
 
 # Tests and figures must not depend on how many cores the machine has.
@@ -24,7 +25,7 @@ help:  ## say what can be made
 demo: $(PACKAGE)  ## render a clip, track the ball in it, compare with the truth; no camera needed
 	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
-test: $(READY) $(TOOLCHAIN)  ## run the tests (ARGS="-k video" for some of them)
+test: $(READY) $(TOOLCHAIN) $(RTSP)  ## run the tests (ARGS="-k video" for some of them)
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --ignore tests/browser $(ARGS)
 
 browser-test: $(READY) $(BROWSER)  ## click through the live page in Chromium, one test after the other (five minutes)
@@ -138,3 +139,6 @@ $(TOOLCHAIN): $(READY) .ci/toolchain tests/emu/avr8js/package-lock.json
 
 $(BROWSER): $(READY) .ci/browser
 	.ci/browser
+
+$(RTSP): $(READY) .ci/rtsp
+	.ci/rtsp

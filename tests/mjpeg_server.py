@@ -14,11 +14,15 @@ Image = npt.NDArray[np.uint8]
 
 
 class MjpegServer:
-    """Serves `picture(number)` at a rate; `stop` cuts all connections, `start` listens on the same port again."""
+    """Serves `picture(number)` at a rate; `stop` cuts all connections, `start` listens on the same port again.
 
-    def __init__(self, picture: Callable[[int], Image], rate: float = 30.0) -> None:
-        self._picture, self._rate, self.port = picture, rate, 0
-        self.shown = 0
+    While `stalled` is set it takes connections and sends nothing. With `each` it cuts one after as many pictures.
+    """
+
+    def __init__(self, picture: Callable[[int], Image], rate: float = 30.0, each: int | None = None) -> None:
+        self._picture, self._rate, self._each, self.port = picture, rate, each, 0
+        self.shown = self.connections = 0
+        self.stalled = threading.Event()
         self._stop = threading.Event()
         self._server: Any = None
         self.start()
@@ -39,8 +43,12 @@ class MjpegServer:
                 self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
                 self.end_headers()
                 begin, number = time.monotonic(), 0
+                outer.connections += 1
                 try:
-                    while not stop.is_set():
+                    while not stop.is_set() and (outer._each is None or number < outer._each):
+                        if outer.stalled.is_set():
+                            stop.wait(0.01)
+                            continue
                         outer.shown = max(outer.shown, number)
                         _, data = cv2.imencode(".jpg", outer._picture(number), [cv2.IMWRITE_JPEG_QUALITY, 92])
                         head = f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(data)}\r\n\r\n"

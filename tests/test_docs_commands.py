@@ -35,7 +35,7 @@ TYPED = re.compile(r"^    (?:\$ )?((?:matchset|python|pip|make|git|cd|head|cut) 
 HARDWARE, NETWORK, LONG = "needs a device", "needs the network, or changes what is installed", "takes minutes to hours"
 ENDLESS = "runs until Ctrl-C; tests/app/live/test_live_command.py"
 NOT_RUN = {
-    r"matchset (learn|track|calibrate|locate) 0\b": HARDWARE,
+    r"matchset (learn|track|calibrate|locate) (0\b|http:|rtsp:)": HARDWARE,
     r"matchset radio ": HARDWARE,
     r"matchset fly --camera ": HARDWARE,
     r"matchset preflight ": HARDWARE,

@@ -25,7 +25,7 @@ def test_a_camera_goes_and_comes_back(film: Any, serve: Any, page: Any) -> None:
     page.mouse.click(*on_screen(page, 165, 120))
     page.locator("#reading [data-name=x]").wait_for(timeout=WAIT)
     camera.stop()
-    page.locator("#veil").get_by_text(re.compile("tried again every 1 s")).wait_for(timeout=WAIT)
+    page.locator("#veil").get_by_text(re.compile("it is opened again")).wait_for(timeout=WAIT)
     page.locator("#reading").get_by_text(re.compile("^Lost")).wait_for(timeout=WAIT)
     assert page.locator("#targets li").count() == 1
     camera.start()

@@ -6,7 +6,9 @@ import pytest
 
 from cameras import Camera
 from fake_camera_live import SettableCamera
-from matchset.image.camera_stream import Control, Live, apply, read_controls
+from matchset.image.camera_stream import Live
+from matchset.image.streams.camera_settings import Control, apply, read_controls
+from matchset.image.streams.silence import Silence
 
 
 def test_the_settings_that_a_camera_has_are_read_and_others_left_out() -> None:
@@ -42,7 +44,7 @@ def camera(monkeypatch: pytest.MonkeyPatch) -> Camera:
 
 
 def test_settings_are_changed_by_the_thread_that_reads(camera: Camera) -> None:
-    live = Live(0, "camera 0", 2.0, {})
+    live = Live(0, "camera 0", Silence(2.0), {})
     assert live.settings == {}
     assert live.controls["exposure"] == Control(100.0, True)
     live.adjust("exposure", 50.0)

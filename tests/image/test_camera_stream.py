@@ -19,6 +19,7 @@ def camera(monkeypatch: pytest.MonkeyPatch) -> Camera:
     fake = Camera()
     fake._pictures.append(np.full((6, 8, 3), 1, np.uint8))
     monkeypatch.setattr("matchset.image.camera_stream.open_capture", lambda *_: fake)
+    monkeypatch.setattr("matchset.image.camera_stream.open_pyav_stream", lambda *_: None)
     return fake
 
 
@@ -127,7 +128,7 @@ def test_a_negative_camera_number_is_refused() -> None:
 @pytest.mark.parametrize("url", ["rtsp://me:secret@drone.local/live", "http://h/a@b.mjpg", "udp://0.0.0.0:11111"])
 def test_a_url_is_live_and_messages_hide_its_password(camera: Camera, url: str) -> None:
     camera.backend = "FFMPEG"
-    video = Video(url, timeout=0.02)
+    video = Video(url, timeout=0.02, reconnect=0.0)
     assert video.live
     next(video)
     with pytest.raises(LinkError, match="has delivered no picture") as caught:

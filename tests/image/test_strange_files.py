@@ -115,13 +115,13 @@ def trimmed(path: Path, share: float) -> Path:
 
 def test_a_trimmed_mp4_and_one_in_fragments_are_whole(tmp_path: Path) -> None:
     plain = write(tmp_path / "clip.mp4", "libx264", CONSTANT)
-    assert look_into(plain) == Container(counts_frames=True)
+    assert look_into(plain)._replace(tracks=()) == Container(counts_frames=True)
     with Video(trimmed(plain, 0.5)) as video:
         assert len(list(video)) == FRAMES // 2
         assert video.warnings == []
     fragments = {"movflags": "frag_keyframe+empty_moov"}
     pieces = write(tmp_path / "pieces.mp4", "libx264", VARYING, options={"g": "8"}, muxer=fragments)
-    assert look_into(pieces) == Container()
+    assert look_into(pieces)._replace(tracks=()) == Container()
     with Video(pieces) as video:
         assert times_of(video) == pytest.approx(VARYING)
         assert video.warnings == []

@@ -114,7 +114,12 @@ class Stamps:
 
     def get(self, name: int) -> float:
         values = {cv2.CAP_PROP_FRAME_COUNT: -9.2e18, cv2.CAP_PROP_FPS: self.fps}
+        if name in (cv2.CAP_PROP_ORIENTATION_META, cv2.CAP_PROP_SAR_NUM, cv2.CAP_PROP_SAR_DEN):
+            return 0.0
         return values.get(name, self.stamps[min(self.at, len(self.stamps) - 1)])
+
+    def set(self, *_: float) -> bool:
+        return False
 
     def release(self) -> None:
         self.stamps = [0.0]

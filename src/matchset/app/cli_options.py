@@ -6,12 +6,15 @@ import math
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import msgspec
 import typer
 
-from matchset.app.exit_codes import compiling_announced, errors_in_one_line
+from matchset.app.exit_codes import compiling_announced, errors_in_one_line, print_note
+
+if TYPE_CHECKING:
+    from matchset.image.video import Video
 
 Source = Annotated[
     str,
@@ -81,6 +84,34 @@ Fps = Annotated[
     float | None,
     typer.Option(metavar="RATE", help="Frames per second: of a file whose own times are wrong, or asked of a camera."),
 ]
+Turn = Annotated[
+    int,
+    typer.Option("--turn", metavar="0|90|180|270", help="Turn pictures clockwise: a camera that hangs upside down."),
+]
+Mirror = Annotated[bool, typer.Option("--mirror", help="Swap left and right, after --turn: a camera behind a mirror.")]
+StoredPixels = Annotated[
+    bool, typer.Option("--stored-pixels", help="Pixels that are not square stay so; by default they are made square.")
+]
+StreamNumber = Annotated[
+    int | None,
+    typer.Option("--stream", metavar="N", help="Of a file: which video stream, from 0; else the longest."),
+]
+Damaged = Annotated[
+    bool, typer.Option("--damaged", help="Use pictures whose decoder reports errors, of a live source too.")
+]
+Timeout = Annotated[
+    float | None,
+    typer.Option("--timeout", metavar="S", help="Of a camera or stream: the longest silence, s; 2 without it."),
+]
+Reconnect = Annotated[
+    float | None,
+    typer.Option(
+        "--reconnect",
+        metavar="S",
+        help="How long one that is lost is opened again and again, s; 0: it ends. Without it 10 of a stream, 0 of a "
+        "camera.",
+    ),
+]
 Params = Annotated[
     Path | None,
     typer.Option("--params", metavar="FILE.toml", help="Parameters of the tracker, as 'matchset params' prints them."),
@@ -88,9 +119,60 @@ Params = Annotated[
 Points = Annotated[int, typer.Option(min=16, max=4096, help="Size of the match-set: more is steadier and slower.")]
 
 
-def source_words(source: str, topic: str | None) -> tuple[str, ...]:
+class TurnOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say how a camera is mounted; a camera file is turned with its pictures."""
+
+    turn: Turn = 0
+    mirror: Mirror = False
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `matchset.image.video.Video`."""
+        return {"turn": self.turn, "mirror": self.mirror}
+
+    @property
+    def undone(self) -> "TurnOptions":
+        """What puts a turned picture, and its camera, back into how they were."""
+        return self if self.mirror else TurnOptions(turn=-self.turn % 360)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Those that were typed, for the next command."""
+        turn = ("--turn", str(self.turn)) if self.turn else ()
+        return (*turn, "--mirror") if self.mirror else turn
+
+
+UPRIGHT = TurnOptions()
+
+
+class ViewOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say how the pictures of a source are used."""
+
+    mounted: TurnOptions = TurnOptions()
+    stored_pixels: StoredPixels = False
+    stream: StreamNumber = None
+    damaged: Damaged = False
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `matchset.image.video.Video`."""
+        own = {"square": not self.stored_pixels, "stream": self.stream, "damaged": True if self.damaged else None}
+        return self.mounted.arguments | own
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Those that were typed, for the next command."""
+        stream = () if self.stream is None else ("--stream", str(self.stream))
+        flags = (("--stored-pixels", self.stored_pixels), ("--damaged", self.damaged))
+        return (*self.mounted.words, *stream, *(name for name, given in flags if given))
+
+
+AS_IT_IS = ViewOptions()
+
+
+def source_words(source: str, topic: str | None, view: ViewOptions = AS_IT_IS) -> tuple[str, ...]:
     """Return how a source was named on the command line, for the next command."""
-    return (source,) if topic is None else (source, "--topic", topic)
+    return (source, *(() if topic is None else ("--topic", topic)), *view.words)
 
 
 def shape_file(shape: str) -> Path:
@@ -140,6 +222,22 @@ class ShownOptions(msgspec.Struct, frozen=True, kw_only=True):
         """Return the files that nobody asked for in the run's folder; of a live source they are not written."""
         film = () if video is not None else (f"{name}.mp4", f"{name}.webm")
         return () if self.no_video or to_stdout else ("summary.png", *film)
+
+
+class SilenceOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """The options that say how much silence of a camera or a stream is borne."""
+
+    timeout: Timeout = None
+    reconnect: Reconnect = None
+
+    def open(
+        self, source: str, fps: float | None = None, topic: str | None = None, view: ViewOptions = AS_IT_IS
+    ) -> "Video":
+        """Open a source; it says on stderr when it is lost and when it is back."""
+        from matchset.image.video import Video
+
+        more = view.arguments | ({} if self.timeout is None else {"timeout": self.timeout})
+        return Video(source, fps=fps, topic=topic, reconnect=self.reconnect, note=print_note, **more)
 
 
 class TargetOptions(msgspec.Struct, frozen=True, kw_only=True):

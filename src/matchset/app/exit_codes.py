@@ -11,12 +11,12 @@ from types import FrameType, TracebackType
 from typing import Self
 
 from matchset.app.disk import UnfinishedFileError
-from matchset.image.errors import LinkError
+from matchset.image.errors import LinkError, NoStreamError
 from matchset.numeric.compiling import WATCHERS
 
 FOUND = 0  # format: the command did its work
 NOT_FOUND = 1  # format: it ran to the end, but the ball was never found
-BAD_INPUT = 2  # format: a wrong option, or a file that cannot be read or written
+BAD_INPUT = 2  # format: a wrong option, a file that cannot be read or written, an address without a stream
 DEVICE = 3  # format: a camera or stream cannot be opened, or was disconnected
 INTERRUPTED = 130  # format: stopped by Ctrl-C (128 + SIGINT); the files are complete
 COMPILING_PERIOD = 5.0  # format: s between two lines about the compiler
@@ -32,6 +32,11 @@ EXIT_CODES = (
 def print_error(problem: object) -> None:
     """Write ``error: ...`` in one line to stderr."""
     print("error: " + " ".join(str(problem).split()), file=sys.stderr)
+
+
+def print_note(words: str) -> None:
+    """Write ``note: ...`` in one line to stderr, at once."""
+    print("note: " + " ".join(words.split()), file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager
@@ -50,7 +55,7 @@ def errors_in_one_line() -> Iterator[None]:
         raise SystemExit(FOUND) from None
     except LinkError as error:
         print_error(error)
-        raise SystemExit(DEVICE) from None
+        raise SystemExit(BAD_INPUT if isinstance(error, NoStreamError) else DEVICE) from None
     except (ValueError, OSError) as error:
         print_error("; ".join(map(_words, [*_unfinished_before(error), error])))
         raise SystemExit(BAD_INPUT) from None

@@ -10,7 +10,9 @@ import numpy.typing as npt
 
 from matchset.camera import camera_toml as camera_file
 from matchset.camera import lens
+from matchset.camera.changed_picture import ChangedPicture, in_orientation, resampled
 from matchset.image.frame import Frame, check_image
+from matchset.image.upright.orientation import Orientation, check_turn
 from matchset.numeric.words import one_line, short
 
 Floats = npt.NDArray[np.float64]
@@ -138,6 +140,61 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         """
         camera_file.write_camera(Path(path), (self.width, self.height), self.intrinsics, self.covariance)
 
+    def turned(self, turn: int = 0, mirror: bool = False) -> "CameraModel":
+        """Return the camera of pictures that are turned and mirrored, as `matchset.Video` does it.
+
+        Its frame is that of the turned picture: x right, y down in it. Mirrored pictures show a mirrored world.
+
+        Parameters
+        ----------
+        turn : int
+            Degrees, clockwise: 0, 90, 180 or 270.
+        mirror : bool
+            Whether left and right are swapped after that.
+
+        Raises
+        ------
+        ValueError
+            If the turn is something else.
+        """
+        check_turn(turn)
+        return self._changed(in_orientation((self.width, self.height), Orientation.of_turn(turn, mirror)))
+
+    def resized(self, width: int, height: int) -> "CameraModel":
+        """Return the camera of the same pictures, whole, at another size.
+
+        f' = s f and c' = s (c + 1/2) - 1/2 with the ratio s of the sizes, of each axis; the distortion stays. Many
+        cameras cut pictures of other proportions out of larger ones, and small ones too: that is no change of size.
+
+        Parameters
+        ----------
+        width, height : int
+            Size of the pictures, px.
+
+        Raises
+        ------
+        ValueError
+            If it is not positive and whole.
+        """
+        for name, size in (("width", width), ("height", height)):
+            if isinstance(size, bool) or not isinstance(size, int | np.integer) or not 1 <= size <= _LARGEST:
+                raise ValueError(f"{name} must be a whole number of px from 1 to {_LARGEST}, got {size!r}")
+        return self._changed(resampled((self.width, self.height), (int(width), int(height))))
+
+    def _changed(self, change: ChangedPicture) -> "CameraModel":
+        fx, fy, cx, cy, k1, k2, p1, p2, k3 = change.intrinsics(self.intrinsics)
+        width, height = change.size
+        return CameraModel(
+            width=width,
+            height=height,
+            fx=fx,
+            fy=fy,
+            cx=cx,
+            cy=cy,
+            distortion=(k1, k2, p1, p2, k3),
+            intrinsics_covariance=None if self.covariance is None else change.covariance(self.covariance),
+        )
+
     @cached_property
     def intrinsics(self) -> Floats:
         """What the kernels of `lens.py` take: fx, fy, cx, cy, k1, k2, p1, p2, k3, (9,) float64, read-only."""
@@ -256,7 +313,10 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             height, width = image.shape[:2]
         if (width, height) != (self.width, self.height):
             sizes = f"{width} x {height} px, the camera's are {self.width} x {self.height} px"
-            raise ValueError(f"the picture is {sizes}: calibrate at the size that is used")
+            raise ValueError(
+                f"the picture is {sizes}: calibrate at the size that is used, or, if only the size of the same picture "
+                f"has changed, use camera.resized({width}, {height})"
+            )
 
 
 _LARGEST = 1_000_000  # format: px; a larger width or height is a typing error

@@ -1,35 +1,28 @@
-"""A camera or a stream: a thread keeps its newest picture; what a camera is asked for, and what it says it does."""
+"""A camera or a stream: a thread keeps its newest picture, and opens it again when it is lost."""
 
-import math
 import queue
 import re
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from time import monotonic
-from typing import NamedTuple
 
 import cv2
 import msgspec
 
 from matchset.image.capture import Capture, hushed, open_capture, unpack
-from matchset.image.errors import LinkError
+from matchset.image.errors import LinkError, NoStreamError
 from matchset.image.frame import Frame
+from matchset.image.streams.backlog import Backlog
+from matchset.image.streams.camera_settings import Settings, apply, read_controls, set_automatic
+from matchset.image.streams.silence import Pauses, ReopeningParameters, Silence
+from matchset.image.upright.stated import pixel_ratio
+from matchset.image.video_files.pyav_capture import open_pyav_stream, reports_damage
 
 # format: buffers that a V4L2 driver is asked for. With one it has nowhere to write while a picture is unpacked, and
 # every other frame is lost. A second one adds no age: the thread empties the queue faster than it fills.
 BUFFERS = 2
-Settings = dict[str, tuple[float, float | None]]
-PROPERTIES = {  # in the order in which they are set: a driver needs the size first, and both of it
-    "width": cv2.CAP_PROP_FRAME_WIDTH,
-    "height": cv2.CAP_PROP_FRAME_HEIGHT,
-    "fps": cv2.CAP_PROP_FPS,
-    "exposure": cv2.CAP_PROP_EXPOSURE,
-    "gain": cv2.CAP_PROP_GAIN,
-    "white_balance": cv2.CAP_PROP_WB_TEMPERATURE,
-}
-AUTOMATIC = {"exposure": cv2.CAP_PROP_AUTO_EXPOSURE, "white_balance": cv2.CAP_PROP_AUTO_WB}
-V4L2_EXPOSURE = 1.0, 3.0  # format: V4L2_EXPOSURE_MANUAL and _APERTURE_PRIORITY; the other systems say 0 and 1
 
 
 class StreamParameters(msgspec.Struct, frozen=True):
@@ -45,29 +38,26 @@ class StreamParameters(msgspec.Struct, frozen=True):
         Time between attempts while a device delivers nothing, s.
     latest_stamp_s : float
         Age up to which a driver's time stamp is believed, s; other clocks are further off.
+    answer_s : float
+        Time that an address without pictures has to say what it is, s.
+    look_s : float
+        Time between two looks whether the reader wants to stop, while it waits for a picture, s.
+    threads : int
+        How many threads unpack a stream. FFmpeg holds a picture back for each but the first, by itself as many as the
+        computer has processors: with sixteen half a second of age that nobody sees (docs/log.md, 2026-11-28). One has
+        the least delay, and is too slow for large pictures.
     """
 
     first_picture_s: float = 10.0
     retry_s: float = 0.01
     latest_stamp_s: float = 1.0
+    answer_s: float = 2.0
+    look_s: float = 0.1
+    threads: int = 2
 
 
 DEFAULT = StreamParameters()
-
-
-class Control(NamedTuple):
-    """A setting of a camera.
-
-    Attributes
-    ----------
-    value : float
-        In the driver's unit.
-    automatic : bool or None
-        Whether the camera chooses it itself; None if it cannot, or does not say.
-    """
-
-    value: float
-    automatic: bool | None
+REOPENING = ReopeningParameters()
 
 
 def _hint(device: int | str) -> str:
@@ -85,7 +75,9 @@ class Live:
 
     The time of a frame is the moment of its capture on the clock of `time.monotonic`: V4L2's own stamp (when
     the camera began to send it) where there is one that makes sense, otherwise the moment it arrived. Its
-    index counts all captured frames, so gaps in it are dropped or broken ones.
+    index counts all captured frames, so gaps in it are dropped or broken ones. A stream that breaks off or is silent
+    for too long is opened again, by the same thread; times and indices go on. A recording behind an address is not: it
+    would begin anew.
 
     Parameters
     ----------
@@ -93,45 +85,60 @@ class Live:
         Camera number, device path or URL.
     name : str
         What to call it in messages.
-    timeout : float
-        Longest silence, s.
+    silence : Silence
+        How much of it is borne.
     wishes : mapping of str to float
         Settings to ask for.
+    damaged : bool
+        Whether pictures are handed out in which the decoder reports errors, as far as it says so.
 
     Attributes
     ----------
+    reconnect : float
+        How long it is opened again and again, s; 0: not at all.
+    lost : str
+        Why there are no pictures while it is being opened again; empty otherwise.
     settings : dict of str to (float, float or None)
         Each setting that was asked for, with what the driver says it is.
     controls : dict of str to Control
         The settings that the camera has, as they were when it was opened, or one was changed last.
+    pixel_ratio : tuple of float
+        Width and height of a pixel, in any unit; 0, 0 where the stream does not say.
     stamped : bool
         Whether the last frame has the driver's time of its capture; otherwise it has that of its arrival.
 
     Raises
     ------
     LinkError
-        If it cannot be opened or delivers no first picture.
+        If it cannot be opened or delivers no first picture. NoStreamError if the address answers all the same.
     """
 
     live = True
     length: int | None = None
 
-    def __init__(self, device: int | str, name: str, timeout: float, wishes: Mapping[str, float]) -> None:
-        self.name, self.timeout, self.dropped, self.broken = name, timeout, 0, 0
-        self.warnings: list[str] = []
+    def __init__(
+        self, device: int | str, name: str, silence: Silence, wishes: Mapping[str, float], damaged: bool = False
+    ) -> None:
+        self.name, self.timeout, self.dropped, self.broken, self.damaged = name, silence.timeout, 0, 0, 0
+        self._device, self._note, self._pauses = device, silence.note or (lambda _: None), Pauses(REOPENING)
         self._is_file = isinstance(device, str) and re.search(r"^https?://[^?]*\.\w{3,4}($|\?)", device) is not None
-        is_stream = isinstance(device, str) and "://" in device
-        self._capture = open_capture(device, max(timeout, DEFAULT.first_picture_s) if is_stream else None)
-        if not self._capture.isOpened():
-            raise LinkError(f"cannot open {name}{_hint(device)}")
+        self._is_stream = isinstance(device, str) and "://" in device
+        self._keeps_damaged = damaged
+        own = REOPENING.stream_s if self._is_stream else REOPENING.device_s
+        self.reconnect = own if silence.reconnect is None else silence.reconnect
+        self.settings: Settings = {setting: (value, None) for setting, value in wishes.items()}
+        first, self._backlog = max(self.timeout, DEFAULT.first_picture_s), Backlog()
+        if not self._open(first):
+            raise self._without_pictures(f"cannot open {name}{_hint(device)}")
         with hushed:
-            self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
-            self.settings = apply(self._capture, wishes)
-            self.controls = {} if is_stream else read_controls(self._capture)
-            rate = self._capture.get(cv2.CAP_PROP_FPS)
+            rate, length = self._capture.get(cv2.CAP_PROP_FPS), self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
+            self.pixel_ratio = pixel_ratio(self._capture)
         self.fps = rate if 0 < rate <= 1000 else None
+        self._is_live, self.lost = self._is_stream and length <= 0, ""
+        self.reconnect = 0.0 if self._is_stream and not self._is_live else self.reconnect
         self.stamped, self._has_stamps = False, self._capture.getBackendName() == "V4L2"
-        self._captured, self._last = 0, 0.0
+        self._captured, self._last, self._losses = 0, 0.0, list[float]()
+        self._arrived = self._back = monotonic()
         self._newest: Frame | None = None
         self._failure = ""
         self._orders: queue.SimpleQueue[tuple[str, float | None]] = queue.SimpleQueue()
@@ -139,15 +146,49 @@ class Live:
         self._thread = threading.Thread(target=self._run, name=f"matchset {name}", daemon=True)
         self._thread.start()
         try:
-            self.shape = self._await(max(timeout, DEFAULT.first_picture_s)).image.shape
-        except BaseException:
+            if (frame := self._wait(first)) is None:
+                raise self._silent(first)
+        except BaseException as error:
             self.close()
+            if isinstance(error, LinkError):
+                raise self._without_pictures(str(error)) from None
             raise
+        self.shape = frame.image.shape
 
-    def read(self) -> Frame:
-        """Newest frame not yet read; waits for one."""
+    @property
+    def warnings(self) -> list[str]:
+        """How often it was lost, if it was."""
+        times = len(self._losses)
+        return [f"it was lost {times} time{'s' * (times > 1)}, for {sum(self._losses):.1f} s in all"] if times else []
+
+    def _open(self, limit: float) -> bool:
+        """Open the device within a time, s, and ask for the settings; whether that worked."""
+        reading = self.timeout if self.reconnect else limit
+        how, begin = (limit, reading, DEFAULT.threads) if self._is_stream else (), monotonic()
+        self._reading, self._is_spent = reading, False
+        self._capture = open_live(self._device, *how)
+        self._backlog.begin(monotonic(), monotonic() - begin)
+        if not self._capture.isOpened():
+            return False
+        with hushed:
+            self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
+            self.settings = apply(self._capture, {name: asked for name, (asked, _) in self.settings.items()})
+            self.controls = {} if self._is_stream else read_controls(self._capture)
+        return True
+
+    def _without_pictures(self, words: str) -> LinkError:
+        """Return why there are no pictures: what the address answers, if it does; else as it was found."""
+        from matchset.image.streams.answer import answer_of  # loads what speaks HTTP
+
+        answer = answer_of(self._device, DEFAULT.answer_s) if self._is_stream and isinstance(self._device, str) else ""
+        return NoStreamError(f"{self.name} {answer}{_hint(self._device)}") if answer else LinkError(words)
+
+    def read(self, stopped: Callable[[], bool] = lambda: False) -> Frame | None:
+        """Newest frame not yet read; waits for one, or until somebody says that it is to stop: then None."""
         with self._news:
-            frame = self._await(self.timeout)
+            frame = self._wait(self.timeout + self.reconnect, stopped)
+            if frame is None and not stopped():
+                raise self._silent(self.timeout + self.reconnect)
             self._newest = None
             return frame
 
@@ -183,25 +224,26 @@ class Live:
             others = {key: pair for key, pair in self.settings.items() if key != name}
             with hushed:
                 if value is None:
-                    _set_automatic(self._capture, name, True)
+                    set_automatic(self._capture, name, True)
                 else:
                     others |= apply(self._capture, {name: value})
                 self.settings, self.controls = others, read_controls(self._capture)
 
-    def _await(self, limit: float) -> Frame:
-        frame = self._wait(limit)
-        if frame is None:
-            hint = ": if it is a file, not a stream, download it" if self._is_file else ""
-            raise LinkError(f"{self.name} has delivered no picture for {limit:g} s{hint}")
-        return frame
+    def _silent(self, limit: float) -> LinkError:
+        hint = ": if it is a file, not a stream, download it" if self._is_file and not self.reconnect else ""
+        return LinkError(f"{self.name} has delivered no picture for {limit:g} s{hint}")
 
-    def _wait(self, limit: float) -> Frame | None:
+    def _wait(self, limit: float, stopped: Callable[[], bool] = lambda: False) -> Frame | None:
+        end = monotonic() + limit
         with self._news:
-            self._news.wait_for(lambda: self._newest is not None or self._stop.is_set(), limit)
+            while self._newest is None and not self._stop.is_set() and not stopped():
+                if (left := end - monotonic()) <= 0.0:
+                    break
+                self._news.wait(min(left, DEFAULT.look_s))
             if self._newest is not None:
                 return self._newest
         if self._failure:
-            raise LinkError(f"{self.name} failed: {self._failure}")
+            raise LinkError(self._failure)
         if self._stop.is_set():
             raise ValueError(f"{self.name} is closed")
         return None
@@ -209,19 +251,78 @@ class Live:
     def _run(self) -> None:
         # From here on the thread alone touches the capture: OpenCV crashes when another one releases it.
         try:
-            while not self._stop.is_set():
-                self._obey()
-                if self._capture.grab():
-                    self._keep(self._moment())
-                else:
-                    self._stop.wait(DEFAULT.retry_s)
+            with hushed if self._is_stream else nullcontext():
+                while not self._stop.is_set():
+                    self._obey()
+                    if self._take():
+                        continue
+                    if self._is_lost():
+                        self._open_again()
+                    else:
+                        self._stop.wait(DEFAULT.retry_s)
+        except LinkError as error:
+            self._failure = str(error)
         except Exception as error:  # whatever a driver or OpenCV raises belongs to the reader
-            self._failure = " ".join(str(error).split()) or type(error).__name__
+            self._failure = f"{self.name} failed: {' '.join(str(error).split()) or type(error).__name__}"
         finally:
             self._stop.set()
             self._capture.release()
             with self._news:
                 self._news.notify_all()
+
+    def _is_lost(self) -> bool:
+        """Whether a source that has just given no picture is to be opened again; a camera may be slow."""
+        if not self.reconnect or not self._captured:
+            return False
+        return self._is_stream or monotonic() - self._arrived >= self.timeout
+
+    def _open_again(self) -> None:
+        """Open it again and again until it delivers; LinkError when `reconnect` is over."""
+        lost, end = self._arrived, monotonic() + self.reconnect
+        silent = monotonic() - lost
+        how = "broke off" if silent < self.timeout else f"has delivered no picture for {silent:.1f} s"
+        self.lost = f"{self.name} {how}; it is opened again, for {self.reconnect:g} s at most"
+        self._note(self.lost)
+        self._pauses.begin(lost - self._back)
+        self._capture.release()
+        while not self._stop.wait(min(self._pauses.next(), max(end - monotonic(), 0.0))):
+            left = end - monotonic()
+            if left <= 0.0:
+                raise LinkError(f"{self.name} has delivered no picture for {monotonic() - lost:.1f} s")
+            if self._open(min(left, max(self.timeout, DEFAULT.first_picture_s))) and self._delivers(end):
+                self._back = self._arrived
+                self._losses.append(self._back - lost)
+                self.lost = ""
+                self._note(f"{self.name} is back after {self._back - lost:.1f} s")
+                return
+            self._capture.release()
+
+    def _delivers(self, end: float) -> bool:
+        """Whether what was opened gives a picture before a time, s; a stream that breaks off at once is left."""
+        while not self._stop.is_set() and (begin := monotonic()) < end:
+            if self._take():
+                return True
+            if self._is_stream and monotonic() - begin < 0.5 * self.timeout:
+                return False
+            self._stop.wait(DEFAULT.retry_s)
+        return False
+
+    def _take(self) -> bool:
+        """Take the next picture; whether there was one."""
+        begin = monotonic()
+        if self._is_spent or not self._capture.grab():
+            return False
+        if self._is_live and monotonic() - begin >= self._reading:
+            self._is_spent = (
+                True  # it was waited for in vain: this is what the decoder still held, as old as the silence
+            )
+            return False
+        moment = self._moment()
+        if self._is_live and self._backlog.holds(self._arrived, self._arrived - begin, self.fps):
+            self._captured, self.dropped = self._captured + 1, self.dropped + 1
+        else:
+            self._keep(moment)
+        return True
 
     def _moment(self) -> float:
         """When the picture just grabbed was captured, s."""
@@ -230,18 +331,21 @@ class Live:
             stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             self.stamped = 0.0 <= now - stamp < DEFAULT.latest_stamp_s
             moment = stamp if self.stamped else now
-        self._last = max(moment, self._last + 1e-6)
+        self._arrived, self._last = now, max(moment, self._last + 1e-6)
         return self._last
 
     def _keep(self, moment: float) -> None:
-        image = unpack(self._capture)
+        damaged = reports_damage(self._capture)
+        left_out = damaged and not self._keeps_damaged
+        image = None if left_out else unpack(self._capture)
         with self._news:
             index, self._captured = self._captured, self._captured + 1
+            self.damaged += damaged
             if image is None:
-                self.broken += 1
+                self.broken += not left_out
                 return
             self.dropped += self._newest is not None
-            self._newest = Frame(image, moment, index)
+            self._newest = Frame(image, moment, index, damaged)
             self._news.notify_all()
 
     def close(self) -> None:
@@ -252,91 +356,17 @@ class Live:
         self._thread.join(self.timeout)
 
 
-def apply(capture: Capture, wishes: Mapping[str, float]) -> Settings:
-    """Set each wish, its automatic counterpart off, and read back what became of it.
+def open_live(
+    device: int | str, timeout: float | None = None, silence: float | None = None, threads: int | None = None
+) -> Capture:
+    """Open a device or a stream; a coded stream with PyAV, where it is installed: OpenCV tells no decoder's errors.
 
     Parameters
     ----------
-    capture : Capture
-        An open camera.
-    wishes : mapping of str to float
-        Names of `PROPERTIES`, and the values asked for.
-
-    Returns
-    -------
-    dict
-        Name -> (asked, got); got is None where the camera has no such setting.
+    device : int or str
+        Camera number, device path or URL.
+    timeout, silence, threads : optional
+        As of `open_capture`; PyAV needs no limit of threads, it holds no picture back.
     """
-    accepted = {}
-    ordered = [(name, wishes[name]) for name in PROPERTIES if name in wishes]
-    for name, asked in ordered:
-        _set_automatic(capture, name, False)
-        accepted[name] = capture.set(PROPERTIES[name], asked)
-    settings: Settings = {}
-    for name, asked in ordered:  # when all are set: one may move another
-        got = capture.get(PROPERTIES[name])
-        absent = math.isnan(got) or (not accepted[name] and got in (-1.0, 0.0))
-        settings[name] = asked, None if absent else got
-    return settings
-
-
-def read_controls(capture: Capture) -> dict[str, Control]:
-    """Read the settings that a camera has.
-
-    Parameters
-    ----------
-    capture : Capture
-        An open camera.
-
-    Returns
-    -------
-    dict of str to Control
-        By the names of `PROPERTIES`; one that the camera does not have is left out.
-    """
-    controls = {}
-    for name, number in PROPERTIES.items():
-        value = capture.get(number)
-        if math.isnan(value) or value == -1.0:  # -1: how OpenCV says that there is none
-            continue
-        controls[name] = Control(value, _is_automatic(capture, name))
-    return controls
-
-
-def _set_automatic(capture: Capture, name: str, on: bool) -> None:
-    """Let the camera choose a setting itself, or not; nothing where it cannot."""
-    if name in AUTOMATIC:
-        v4l2_exposure = name == "exposure" and capture.getBackendName() == "V4L2"
-        capture.set(AUTOMATIC[name], V4L2_EXPOSURE[on] if v4l2_exposure else float(on))
-
-
-def _is_automatic(capture: Capture, name: str) -> bool | None:
-    """Whether the camera chooses a setting itself; None if it does not say."""
-    if name not in AUTOMATIC:
-        return None
-    mode = capture.get(AUTOMATIC[name])
-    if math.isnan(mode) or mode == -1.0:
-        return None
-    v4l2_exposure = name == "exposure" and capture.getBackendName() == "V4L2"
-    return mode != V4L2_EXPOSURE[0] if v4l2_exposure else mode != 0.0
-
-
-def differences(settings: Settings) -> list[str]:
-    """Say in words which wishes were not granted.
-
-    Parameters
-    ----------
-    settings : dict
-        Name -> (asked, got).
-
-    Returns
-    -------
-    list of str
-        One sentence for each difference of more than 1 %.
-    """
-    words = []
-    for name, (asked, got) in settings.items():
-        if got is None:
-            words.append(f"{name}: asked for {asked:g}, but this source has no such setting")
-        elif not math.isclose(asked, got, rel_tol=0.01):
-            words.append(f"{name}: asked for {asked:g}, the driver says {got:g}")
-    return words
+    capture = None if timeout is None else open_pyav_stream(str(device), timeout, silence or timeout)
+    return open_capture(device, timeout, silence, threads) if capture is None else capture

@@ -94,7 +94,9 @@ def opencv_name(name: str) -> str:
     return name
 
 
-def open_capture(source: int | str, timeout: float | None = None) -> Capture:
+def open_capture(
+    source: int | str, timeout: float | None = None, silence: float | None = None, threads: int | None = None
+) -> Capture:
     """Open a video with OpenCV; ask the result's `isOpened` whether it worked.
 
     Parameters
@@ -102,7 +104,11 @@ def open_capture(source: int | str, timeout: float | None = None) -> Capture:
     source : int or str
         Camera number, path or URL.
     timeout : float, optional
-        For a stream: the longest that opening and reading may block, s.
+        For a stream: the longest that opening may block, s.
+    silence : float, optional
+        The same of reading, s; that of opening if it is not given.
+    threads : int, optional
+        How many may unpack a stream; as many as FFmpeg thinks right if it is not given.
 
     Returns
     -------
@@ -119,8 +125,11 @@ def open_capture(source: int | str, timeout: float | None = None) -> Capture:
     with hushed:
         if timeout is None:
             return cv2.VideoCapture(source)
-        limit = max(1, round(1000 * timeout))
-        limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, limit, cv2.CAP_PROP_READ_TIMEOUT_MSEC, limit]
+        opening, reading = (max(1, round(1000 * limit)) for limit in (timeout, timeout if silence is None else silence))
+        limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, opening, cv2.CAP_PROP_READ_TIMEOUT_MSEC, reading]
+        number = getattr(cv2, "CAP_PROP_N_THREADS", None)  # OpenCV 4.10 has it, not everywhere
+        if number is not None and threads is not None:
+            limits += [number, threads]
         return cv2.VideoCapture(str(source), cv2.CAP_ANY, limits)
 
 

@@ -27,6 +27,8 @@ class Frame(msgspec.Struct, frozen=True):
         When it was taken, s, in any clock that runs forward.
     index : int
         Its place in the video, from 0, in decode order.
+    damaged : bool
+        Whether the decoder reported errors in it, or in a picture that it was made from: parts may be smeared or old.
 
     Raises
     ------
@@ -39,6 +41,7 @@ class Frame(msgspec.Struct, frozen=True):
     image: npt.NDArray[np.uint8]
     time: float = 0.0
     index: int = 0
+    damaged: bool = False
 
     def __post_init__(self) -> None:
         check_image(self.image)
@@ -51,7 +54,8 @@ class Frame(msgspec.Struct, frozen=True):
     def __repr__(self) -> str:
         height, width = self.image.shape[:2]
         kind = "BGR" if self.image.ndim == 3 else "gray"
-        return f"Frame({width} x {height} {kind}, {short(self.time)} s, index {self.index})"
+        damaged = ", damaged" if self.damaged else ""
+        return f"Frame({width} x {height} {kind}, {short(self.time)} s, index {self.index}{damaged})"
 
     def _repr_png_(self) -> bytes:
         """Show the picture in a notebook."""

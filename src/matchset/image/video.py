@@ -4,13 +4,20 @@ import math
 import os
 import re
 import weakref
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import msgspec
+
 from matchset.image.bags.bag import Bag, is_bag
-from matchset.image.camera_stream import Live, Settings, differences
+from matchset.image.camera_stream import Live
 from matchset.image.frame import Frame
+from matchset.image.streams.camera_settings import Settings, differences
+from matchset.image.streams.silence import Silence
+from matchset.image.upright.orientation import AS_STORED
+from matchset.image.upright.view import ANY, View, Wish, view_of
 from matchset.image.video_files.image_folder import Pictures, is_picture
 from matchset.image.video_files.video_file import Recording
 from matchset.numeric.arguments import check_number
@@ -40,14 +47,37 @@ class Video(NotCopied):
         default a file's own time stamps count, with times between their neighbors for frames whose stamps are
         equal or missing, and a folder has 30.
     timeout : float, default 2.0
-        Longest silence of a live source, s.
+        Longest silence of a live source, s: then it counts as lost.
+    reconnect : float, optional
+        How long a live source that is lost is opened again and again, s; 0: not at all. By default 10 for a stream
+        from the network and 0 for a camera of this computer, which may come back under another number. Times and
+        indices go on; only when this time is over is it a LinkError. A recording behind an address is not opened again.
+    note : callable, optional
+        Called with one line when a live source is lost and when it is back, by the thread that reads it.
     topic : str, optional
         Which topic of a bag to read, if several have pictures.
+    square : bool, default True
+        Whether pictures whose pixels are not square, by the header of their file, are resampled so that they are.
+        Otherwise they come as they are stored: nothing can be located in them.
+    turn : int, default 0
+        Degrees by which all pictures are turned, clockwise: 0, 90, 180 or 270, for a camera that hangs upside down.
+        A camera model goes with it: `CameraModel.turned`.
+    mirror : bool, default False
+        Whether left and right are swapped after that, for a camera behind a mirror.
+    stream : int, optional
+        Which video stream of a file to read, from 0; by default the one that plays longest.
+    damaged : bool, optional
+        Whether pictures are handed out whose decoder reports errors: those of a video that was joined in the middle, or
+        whose packets were lost; such a frame has `Frame.damaged`. By default those of files are, those of live
+        sources are left out. It is known where PyAV decodes (the extra ``av``); a file is decoded by it if this is
+        given.
 
     Attributes
     ----------
     width, height : int
-        Size of the pictures, px, as they come: those of a phone held upright are upright.
+        Size of the pictures, px, as they are handed out: with square pixels, those of a phone held upright upright.
+    pixel_aspect : float
+        Width of a pixel in its heights: 1, unless pictures are handed out as they are stored.
     channels : int
         3 for color, 1 for gray.
     fps : float or None
@@ -63,10 +93,14 @@ class Video(NotCopied):
         forward.
     topic : str or None
         The topic that is read; None if the source is no bag.
+    reconnect : float
+        How long it is opened again when it is lost, s.
     dropped : int
         Frames of a live source that were replaced by a newer one before they were asked for.
     broken : int
         Frames that did not decode and were skipped; they keep their place in the numbering.
+    damaged : int
+        Frames whose decoder reported errors, handed out or not.
     settings : dict of str to (float, float or None)
         Each setting that was asked for, with what the driver says it is: None where there is no such setting.
     warnings : list of str
@@ -76,9 +110,11 @@ class Video(NotCopied):
     ------
     ValueError
         If the source is missing (then also a FileNotFoundError), cannot be read or holds no frame that decodes; later,
-        if the pictures change in size or in channels, or the video is read after it was closed.
+        if the pictures change in size or in channels, as those of a stream that is back, or the video is read after it
+        was closed.
     LinkError
-        If a camera or stream cannot be opened or stops delivering.
+        If a camera or stream cannot be opened or stops delivering. It is a ValueError too if the address answers, but
+        with something else: a page, an error, a redirection in a circle.
 
     Examples
     --------
@@ -97,28 +133,41 @@ class Video(NotCopied):
         white_balance: float | None = None,
         fps: float | None = None,
         timeout: float = 2.0,
+        reconnect: float | None = None,
+        note: Callable[[str], None] | None = None,
         topic: str | None = None,
+        square: bool = True,
+        turn: int = 0,
+        mirror: bool = False,
+        stream: int | None = None,
+        damaged: bool | None = None,
     ) -> None:
+        """Open it; the twelve parameters are those of all kinds of sources."""
+        wish = Wish(square=square, turn=turn, mirror=mirror, stream=stream, damaged=damaged)
+        silence = Silence(timeout, reconnect, note).checked()
         wishes = {"exposure": exposure, "white_balance": white_balance, "fps": fps}
         asked = {name: _finite(name, value) for name, value in wishes.items() if value is not None}
-        for name, value in (("fps", fps), ("timeout", timeout)):
-            if value is not None:
-                check_number(name, value)
-            if value is not None and not 0.0 < value < math.inf:
-                raise ValueError(f"{name} must be positive, got {value}")
-        self._start(source, asked, timeout, topic)
+        if fps is not None and not fps > 0.0:
+            raise ValueError(f"fps must be positive, got {fps}")
+        self._start(source, asked, silence, topic, wish)
 
-    def _start(self, source: int | str | Path, asked: dict[str, float], timeout: float, topic: str | None) -> None:
-        """Open the source with settings of `camera_stream.PROPERTIES`."""
+    def _start(
+        self, source: int | str | Path, asked: dict[str, float], silence: Silence, topic: str | None, wish: Wish = ANY
+    ) -> None:
+        """Open the source with settings of `streams.camera_settings.PROPERTIES`."""
         self._name, self._closed, self._ended = _name(source), False, False
-        self._source = _open(source, self._name, timeout, asked, topic)
+        self._given, self._asked, self._wish = source, asked, wish
+        self._source = _open(source, self._name, silence, asked, topic, wish)
         self.topic = self._source.topic if isinstance(self._source, Bag) else None
         self.settings: Settings
+        self.reconnect = self._source.reconnect if isinstance(self._source, Live) else 0.0
         if isinstance(self._source, Live):
             self.settings = self._source.settings
         else:  # reported, not refused: what ran live can be replayed from a file as it stands
             self.settings = {name: (value, None) for name, value in asked.items() if name != "fps"}
-        self._shape = self._source.shape
+        self._keeps_damaged = not self._source.live if wish.damaged is None else wish.damaged
+        self._view, self.pixel_aspect = _view_of(self._source, wish)
+        self._shape = self._view.shape(self._source.shape)
         self.height, self.width = self._shape[:2]
         self.channels = 3 if len(self._shape) == 3 else 1
         self.fps, self.length, self.live = self._source.fps, self._source.length, self._source.live
@@ -135,6 +184,16 @@ class Video(NotCopied):
         return self._source.broken
 
     @property
+    def damaged(self) -> int:
+        """Frames whose decoder reported errors."""
+        return self._source.damaged
+
+    @property
+    def lost(self) -> str:
+        """Why there are no pictures while a live source is being opened again, in words; empty otherwise."""
+        return self._source.lost if isinstance(self._source, Live) else ""
+
+    @property
     def stamped(self) -> bool:
         """Whether the last frame of a live source has its driver's time of capture; otherwise that of its arrival."""
         return not isinstance(self._source, Live) or self._source.stamped
@@ -142,9 +201,12 @@ class Video(NotCopied):
     @property
     def warnings(self) -> list[str]:
         """What is not as it should be, so far."""
-        words = differences(self.settings) + self._source.warnings
+        words = [*differences(self.settings), *self._view.notes, *self._source.warnings]
         if self.broken:
             words.append(f"{self.broken} broken frame{'s' * (self.broken > 1)} skipped")
+        if self.damaged:
+            how = "handed out" if self._keeps_damaged else "left out"
+            words.append(f"{self.damaged} damaged frame{'s' * (self.damaged > 1)} {how}")
         return words
 
     def __iter__(self) -> Self:
@@ -161,6 +223,28 @@ class Video(NotCopied):
             self._source.close()
             raise StopIteration
         return self._checked(frame)
+
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        """Yield the frames, as iterating does, until they end or somebody wants to stop.
+
+        Parameters
+        ----------
+        stopped : callable
+            Whether to stop; asked after every frame, and all the time while a live source is silent.
+
+        Raises
+        ------
+        ValueError, LinkError
+            As iterating does.
+        """
+        while not stopped():
+            if self._closed or not isinstance(self._source, Live):
+                frame = next(self, None)
+            elif (frame := self._source.read(stopped)) is not None:
+                frame = self._checked(frame)
+            if frame is None:
+                return
+            yield frame
 
     def newest(self, wait: float) -> Frame | None:
         """Return the newest frame of a live source that was not yet read; for loops that must not stand still.
@@ -180,7 +264,7 @@ class Video(NotCopied):
         ValueError
             If the source is not live or was closed, or the pictures have changed in size or in channels.
         LinkError
-            If its driver has failed.
+            If its driver has failed, or a stream stayed away for longer than `reconnect`.
         """
         if self._closed:
             raise ValueError(f"{self._name} is closed")
@@ -190,11 +274,27 @@ class Video(NotCopied):
         return None if frame is None else self._checked(frame)
 
     def _checked(self, frame: Frame) -> Frame:
-        """Refuse a frame of another shape than those before (ValueError)."""
+        """Return a frame in the view of this video; one of another shape than those before is refused (ValueError)."""
+        if self._view.changes:
+            frame = msgspec.structs.replace(frame, image=self._view.apply(frame.image))
         if frame.image.shape != self._shape:
             found, before = _described(frame.image.shape), _described(self._shape)
             raise ValueError(f"{self._name}: frame {frame.index} is {found}, those before it are {before}")
         return frame
+
+    def again(self) -> "Video":
+        """Open the same file, folder or bag once more, from its beginning, its pictures in the same view.
+
+        Raises
+        ------
+        ValueError
+            If the source is live.
+        """
+        if self.live:
+            raise ValueError(f"{self._name} is live: it cannot be read from its beginning")
+        wish, rate = self._wish, self._asked.get("fps")
+        view = {name: getattr(wish, name) for name in wish.__struct_fields__}
+        return Video(self._given, fps=rate, topic=self.topic, **view)
 
     def __len__(self) -> int:
         """Return `length`; TypeError where it is not known."""
@@ -249,22 +349,41 @@ def _is_number(text: str) -> bool:
 
 
 def _open(
-    source: int | str | Path, name: str, timeout: float, asked: dict[str, float], topic: str | None
+    source: int | str | Path, name: str, silence: Silence, asked: dict[str, float], topic: str | None, wish: Wish
 ) -> Live | Pictures | Recording | Bag:
     """Choose the kind of source."""
     text = str(source)
     path = None if isinstance(source, int) or _is_stream(source) else Path(source)
     if path is not None and is_bag(path):
-        return Bag(path, topic, asked.get("fps"))
+        _check_no_stream(wish, name)
+        return Bag(path, topic, asked.get("fps"), wish.damaged is not False)
     if topic is not None:
         raise ValueError(f"a topic belongs to a bag (.bag, .db3, .mcap, or a folder of a ROS 2 bag), not to {name}")
     if isinstance(source, int) and source < 0:
         raise ValueError(f"a camera number must not be negative, got {source}")
     if path is None or path.is_char_device():
-        return Live(int(text) if _is_number(text) else text, name, timeout, asked)
+        _check_no_stream(wish, name)
+        return Live(int(text) if _is_number(text) else text, name, silence, asked, wish.damaged is True)
     if path.is_dir() or (path.is_file() and is_picture(path)):
+        _check_no_stream(wish, name)
         return Pictures(path, asked.get("fps"))
-    return Recording(path, asked.get("fps"))
+    return Recording(path, asked.get("fps"), wish)
+
+
+def _check_no_stream(wish: Wish, name: str) -> None:
+    """Refuse a number of a stream for what has none (ValueError)."""
+    if wish.stream is not None:
+        raise ValueError(f"a stream is one of those of a video file, not of {name}: got {wish.stream}")
+
+
+def _view_of(source: Live | Pictures | Recording | Bag, wish: Wish) -> tuple[View, float]:
+    """Return what is still to be done to the pictures of a source, and the width of their pixels, in heights."""
+    if isinstance(source, Recording):  # puts them into its view itself
+        return View(), source.view.pixel_aspect
+    height, width = source.shape[:2]
+    ratio = source.pixel_ratio if isinstance(source, Live) else (0.0, 0.0)
+    view = view_of(ratio, AS_STORED, (width, height), wish)
+    return view, view.pixel_aspect
 
 
 def _is_stream(source: str | Path) -> bool:

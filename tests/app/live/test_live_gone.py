@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -42,7 +41,7 @@ class FakeCamera:
 
     def __init__(self) -> None:
         self.there, self.size, self.opened, self.closed = True, (160, 120), 0, 0
-        self.live, self.fps, self.dropped, self.channels = True, 30.0, 0, 3
+        self.live, self.fps, self.dropped, self.channels, self.lost = True, 30.0, 0, 3, ""
 
     def __call__(self) -> Any:
         if not self.there:
@@ -64,6 +63,12 @@ class FakeCamera:
             number += 1
             time.sleep(0.005)
         raise LinkError("camera 0 has delivered no picture for 2 s")
+
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        for frame in self:
+            if stopped():
+                return
+            yield frame
 
 
 @pytest.fixture
@@ -166,15 +171,34 @@ def test_closing_does_not_wait_for_a_source_that_is_stuck() -> None:
     assert time.monotonic() - begin < 1.0
 
 
-def test_a_stream_that_is_killed_and_started_again(tmp_path: Path) -> None:
+@pytest.mark.parametrize("reconnect", [0.0, 60.0], ids=["by the page", "by the stream"])
+def test_a_stream_that_is_killed_and_started_again(reconnect: float) -> None:
+    notes: list[str] = []
     with MjpegServer(picture) as server:
-        vision = Vision(lambda: Video(server.url, timeout=0.5), parameters=VisionParameters(retry=0.1))
+        vision = Vision(
+            lambda: Video(server.url, timeout=2.0, reconnect=reconnect),
+            note=notes.append,
+            parameters=VisionParameters(retry=0.1),
+        )
         with vision:
             follow(vision)
             server.stop()
             wait_for(lambda: vision.seen.state.fault)
+            assert ("opened again" in vision.seen.state.fault) == (reconnect > 0.0)
             assert not vision.seen.state.targets[0].found
+            vision.ask(Pick(10**6, 1.0, 1.0))  # answered, although no picture comes
+            wait_for(lambda: notes)
             server.start()
             wait_for(lambda: not vision.seen.state.fault and vision.seen.state.targets[0].position)
             sequence = vision.seen.state.sequence
             wait_for(lambda: vision.seen.state.sequence > sequence + 5)
+
+
+def test_closing_does_not_wait_for_a_stream_that_is_away() -> None:
+    with MjpegServer(picture) as server:
+        vision = Vision(lambda: Video(server.url, timeout=2.0, reconnect=600.0))
+        wait_for(lambda: vision.seen.state.sequence > 2)
+        server.stop()
+        wait_for(lambda: vision.seen.state.fault)
+        vision.close()
+        assert not vision._thread.is_alive()

@@ -189,7 +189,7 @@ def test_print_writes_json_alone_to_stdout(matchset: Matchset, flown: Path, caps
 class FakeCamera:
     """A camera that shows a flight and is pulled out at its end."""
 
-    live, fps, length, broken, warnings, dropped = True, 30.0, None, 0, (), 0
+    live, fps, length, broken, warnings, dropped, pixel_aspect = True, 30.0, None, 0, (), 0, 1.0
     width, height = SIZE
 
     def __init__(self, _source: str, **_: object) -> None:

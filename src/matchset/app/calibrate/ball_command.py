@@ -13,7 +13,7 @@ from matchset.app.calibrate.board_command import camera_file
 from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.progress import InstructionLine, progress_bar
 from matchset.app.track.target_options import (
     LearnedTarget,
@@ -97,7 +97,7 @@ def calibrate_ball(options: CalibrateOptions) -> int:
     except ValueError as error:
         print_error(f"not calibrated: {error}")
         return NOT_FOUND
-    focal.camera.save(path)
+    focal.camera.turned(**options.mounted.undone.arguments).save(path)
     _print_report(focal, distances)
     print(f"  {path}")
     return FOUND
@@ -110,10 +110,10 @@ def _track_sources(
     tracks: list[_BallTracks] = []
     target = target_without_picture(options.target)
     for source in sources:
-        with Video(source, topic=options.topic) as video:
+        with Video(source, topic=options.topic, note=print_note, **options.mounted.arguments) as video:
             taken: tuple[Frame, ...] = ()
             if target is None:
-                target, taken = target_for(source, video, options.target)
+                target, taken = target_for(video, options.target)
                 target.say_notes()
             elif tracks:  # the click was in the first source
                 target = msgspec.structs.replace(target, start=None)

@@ -8,10 +8,11 @@ from PIL import Image
 
 from matchset.app.calibrate.board_sheet import PAPERS, as_pdf, as_svg, board_sheet
 from matchset.app.calibrate.board_views import BoardViews, look_for_board
-from matchset.app.calibrate.command import BoardOptions
+from matchset.app.calibrate.command import BoardOptions, CalibrateOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
+from matchset.app.cli_options import TurnOptions
 from matchset.app.drawing.picture_file import write_picture
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.run_folder import output_file, output_folder
 from matchset.camera.board import Board
 from matchset.camera.calibrate import Calibration, calibrate
@@ -49,7 +50,7 @@ def camera_file(out: Path | None, force: bool, source: str | None = None) -> Pat
     return output_file(out, force, source)
 
 
-def calibrate_board(source: str, board: Board, out: Path | None, force: bool, topic: str | None = None) -> int:
+def calibrate_board(source: str, board: Board, options: CalibrateOptions) -> int:
     """Calibrate with a board.
 
     Parameters
@@ -57,21 +58,21 @@ def calibrate_board(source: str, board: Board, out: Path | None, force: bool, to
     source : str
         A video, a folder of pictures, a bag, or a camera.
     board : Board
-    out : Path or None
-        The camera file asked for.
-    force : bool
-        Whether it may be overwritten.
-    topic : str, optional
-        Which topic of a bag.
+    options : CalibrateOptions
+        The file to write, and how the camera is mounted.
 
     Returns
     -------
     int
         The exit code.
     """
-    with StopRequest() as stop, Video(source, topic=topic) as video:
-        path = camera_file(out, force, source)
-        picture = output_file(path.with_name(path.stem + "-coverage.png"), force, source)
+    mounted = options.mounted
+    with (
+        StopRequest() as stop,
+        Video(source, topic=options.topic, note=print_note, **mounted.arguments) as video,
+    ):
+        path = camera_file(options.out, options.force, source)
+        picture = output_file(path.with_name(path.stem + "-coverage.png"), options.force, source)
         seen = look_for_board(video, board, stop)
         for warning in video.warnings:
             print("note: " + warning, file=sys.stderr)
@@ -84,10 +85,14 @@ def calibrate_board(source: str, board: Board, out: Path | None, force: bool, to
             "squares is --board 9x6; all of a chessboard must be in the picture, with a white margin"
         )
         return NOT_FOUND
-    return _finish(seen, board, (video.width, video.height), path, picture)
+    return _finish(seen, board, (video.width, video.height), (path, picture), mounted.undone)
 
 
-def _finish(seen: BoardViews, board: Board, size: tuple[int, int], path: Path, picture: Path) -> int:
+def _finish(
+    seen: BoardViews, board: Board, size: tuple[int, int], files: tuple[Path, Path], delivered: TurnOptions
+) -> int:
+    """Calibrate, and write the camera of the pictures as they are delivered, and a picture of where the board was."""
+    path, picture = files
     views = select_views(seen.views, size[0])
     print(f"{board} in {len(seen.views)} of {seen.frames} frames, {len(views)} of them sharp and different")
     assert seen.picture is not None
@@ -99,7 +104,7 @@ def _finish(seen: BoardViews, board: Board, size: tuple[int, int], path: Path, p
         print(f"  {picture}")
         return NOT_FOUND
     report = grade_calibration(calibration)
-    calibration.camera.save(path)
+    calibration.camera.turned(**delivered.arguments).save(path)
     write_picture(picture, coverage_picture(seen.picture, calibration.views, report))
     _print_report(calibration, report)
     print(f"  {path}\n  {picture}")

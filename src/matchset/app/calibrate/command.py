@@ -9,7 +9,7 @@ from typing import Annotated
 import msgspec
 import typer
 
-from matchset.app.cli_options import LARGE_BALL, LARGE_SQUARE, Force, TargetOptions, Topic, unit_note
+from matchset.app.cli_options import LARGE_BALL, LARGE_SQUARE, Force, TargetOptions, Topic, TurnOptions, unit_note
 
 CALIBRATE_EPILOG = """
 [bold]Examples[/bold]
@@ -80,6 +80,7 @@ class CalibrateOptions(msgspec.Struct, frozen=True, kw_only=True):
         typer.Argument(metavar="SOURCE...", help="A video, a folder of pictures, a camera's number, or a URL."),
     ] = None
     topic: Topic = None
+    mounted: TurnOptions = TurnOptions()
     printed_board: BoardOptions = BoardOptions()
     ball_diameter: Annotated[
         float | None, typer.Option(metavar="M", help="Use the ball in place of a board: its diameter, m.")
@@ -146,7 +147,7 @@ def _with_board(options: CalibrateOptions) -> int:
         raise ValueError("--paper belongs to --board-picture")
     if len(sources) != 1:
         raise ValueError(f"give one video, folder of pictures or camera that sees the board, got {len(sources)}")
-    return calibrate_board(sources[0], board, options.out, options.force, options.topic)
+    return calibrate_board(sources[0], board, options)
 
 
 def _with_mount(options: CalibrateOptions) -> int:

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import still_intervals
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error
+from matchset.app.cli_options import TurnOptions
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.progress import InstructionLine
 from matchset.app.run_folder import output_file, output_folder
 from matchset.app.track.target_options import load_color
@@ -76,11 +77,14 @@ class Equipment(NamedTuple):
     color : ColorModel
         Of the ball, with its marker.
     marker : ColorModel or None
+    mounted : TurnOptions
+        How the pictures are turned.
     """
 
     localizer: Localizer
     color: ColorModel
     marker: ColorModel | None
+    mounted: TurnOptions
 
 
 class HeldAt(NamedTuple):
@@ -153,18 +157,18 @@ def calibrate_mount(options: CalibrateOptions) -> int:
 
 def _equipment(options: CalibrateOptions) -> Equipment:
     """Read camera and colors, and make what finds the ball."""
-    camera = CameraModel.load(options.mount.camera_file or "")
+    camera = CameraModel.load(options.mount.camera_file or "").turned(**options.mounted.arguments)
     color, markers = load_color(options.target.color or ()), options.mount.marker_color
     target = BallTarget(options.ball_diameter) if options.ball_diameter is not None else BallTarget()
     marker = load_color(markers) if markers else None
-    return Equipment(Localizer(camera, target), color if marker is None else color | marker, marker)
+    return Equipment(Localizer(camera, target), color if marker is None else color | marker, marker, options.mounted)
 
 
 def _held_balls(sources: Sequence[str], count: int, equipment: Equipment, stop: StopRequest) -> list[HeldAt] | None:
     """Find the ball at every place; None if Ctrl-C came first."""
     held: list[HeldAt] = []
     for source in sources:
-        with Video(source) as video:
+        with Video(source, note=print_note, **equipment.mounted.arguments) as video:
             for turn in range(count if len(sources) == 1 else 1):
                 found = _held_ball(video, equipment, held[-1] if turn else None, len(held) + 1, stop)
                 if found is None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.cli_options import source_words
+from matchset.app.cli_options import AS_IT_IS, ViewOptions, source_words
 from matchset.app.guidance.as_typed import program
 from matchset.app.guidance.choice import choose
 from matchset.image.color import ColorModel
@@ -34,6 +34,8 @@ class Run(msgspec.Struct, frozen=True):
         Its other options that the next command is to have, too: ``--fov 61``.
     live : bool
         Whether the source is a camera or a stream.
+    view : ViewOptions
+        How its pictures are used.
     """
 
     command: str
@@ -43,11 +45,12 @@ class Run(msgspec.Struct, frozen=True):
     clicked: str = ""
     kept: tuple[str, ...] = ()
     live: bool = False
+    view: ViewOptions = AS_IT_IS
 
     @property
     def words(self) -> tuple[str, ...]:
         """How the source was named."""
-        return source_words(self.source, self.topic)
+        return source_words(self.source, self.topic, self.view)
 
 
 def kept_options(options: Any, names: Mapping[str, str]) -> tuple[str, ...]:
@@ -104,7 +107,7 @@ def next_command(run: Run, lost: Frame | None) -> tuple[str, str]:
     where = () if lost is None else ("--frame", str(lost.index))
     if run.family is not Circle:
         return "Read a pixel on it from a grid", shell_command("learn", *run.words, *where)
-    with Video(run.source, topic=run.topic) as video:
+    with Video(run.source, topic=run.topic, **run.view.arguments) as video:
         choice = choose(video)
     index = choice.frame.index
     if choice.candidates and _is_followed(choice.frame, choice.candidates[0].pick):

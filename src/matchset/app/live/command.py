@@ -8,6 +8,7 @@ from typing import Annotated
 import msgspec
 import typer
 
+from matchset.app.cli_options import StreamNumber, TurnOptions
 from matchset.numeric.extras import advice
 
 LIVE_EPILOG = """
@@ -40,6 +41,8 @@ class LiveOptions(msgspec.Struct, frozen=True, kw_only=True):
     browser: Browser = True
     lan: Lan = False
     pick: Pick = None
+    mounted: TurnOptions = TurnOptions()
+    stream: StreamNumber = None
 
 
 def live(options: LiveOptions) -> int:

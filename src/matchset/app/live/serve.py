@@ -6,6 +6,7 @@ import sys
 import webbrowser
 from pathlib import Path
 
+from matchset.app.cli_options import ViewOptions
 from matchset.app.exit_codes import FOUND, StopRequest
 from matchset.app.live.command import LiveOptions
 from matchset.app.live.compiling import CompilingPanel
@@ -27,6 +28,7 @@ from matchset.app.live.web.stopping import StoppableServer
 from matchset.app.live.web.viewer import Desk, Viewers
 from matchset.app.live.wire.pictures import Pictures
 from matchset.app.track.target_options import parse_pick
+from matchset.image.upright.orientation import check_turn
 
 
 def serve(options: LiveOptions) -> int:
@@ -38,6 +40,9 @@ def serve(options: LiveOptions) -> int:
         If no port is free, or `--pick` is no point.
     """
     point = None if options.pick is None else point_of(options.pick)
+    check_turn(options.mounted.turn, "--turn")
+    if options.source is None and (options.mounted.words or options.stream is not None):
+        raise ValueError("--turn, --mirror and --stream belong to a source: name one")
     listener, port = listen("0.0.0.0" if options.lan else "127.0.0.1", options.port)
     if options.port and port != options.port:
         print(f"note: port {options.port} is in use; this is {port}", file=sys.stderr)
@@ -79,7 +84,7 @@ def point_of(text: str) -> tuple[float, float]:
 
 def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
     """Offer what can be shown, and show what the command line names."""
-    session = desk.session
+    session, view = desk.session, ViewOptions(mounted=options.mounted, stream=options.stream)
 
     def news(number: int) -> None:
         seen = session.hear(number)
@@ -91,7 +96,7 @@ def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
         viewers.restart(session, desk.pictures)
 
     def make(source: Source) -> Feed:
-        return open_feed(source, Opening(news, session.note, stage.stopped.is_set))
+        return open_feed(source, Opening(news, session.note, stage.stopped.is_set, view))
 
     stage = Stage(Path(), make, show, lambda: session.busy)
     given = None if options.source is None else given_source(options.source)

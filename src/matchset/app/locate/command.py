@@ -18,10 +18,12 @@ from matchset.app.cli_options import (
     Params,
     Points,
     ShownOptions,
+    SilenceOptions,
     Source,
     TargetOptions,
     Topic,
     ToStdout,
+    ViewOptions,
     unit_note,
 )
 from matchset.app.exit_codes import EXIT_CODES
@@ -69,6 +71,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     source: Source
     topic: Topic = None
+    view: ViewOptions = ViewOptions()
     camera: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The camera: .toml of 'calibrate', or .yaml of ROS or OpenCV.")
     ] = None
@@ -96,6 +99,7 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     points: Points = 64
     params: Params = None
     fps: Fps = None
+    silence: SilenceOptions = SilenceOptions()
 
 
 def locate(options: LocateOptions) -> int:

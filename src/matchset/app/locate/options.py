@@ -19,6 +19,7 @@ from matchset.image.color import ColorModel
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_text
 from matchset.image.frame import Frame
+from matchset.image.upright.square_pixels import is_square
 from matchset.image.video import Video
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
@@ -128,7 +129,7 @@ def check_options(options: LocateOptions) -> None:
         If none or several of them say what to track or what the camera is like, both say what color the markers have,
         or one cannot be read.
     """
-    check_target_options(options.target, shlex.join(source_words(options.source, options.topic)))
+    check_target_options(options.target, shlex.join(source_words(options.source, options.topic, options.view)))
     marker = options.marker
     if marker.marker_pick is not None and marker.marker_color:
         raise ValueError("give one of --marker-pick and --marker-color, not both")
@@ -144,16 +145,14 @@ def check_options(options: LocateOptions) -> None:
 
 
 def targets_for(
-    source: str, video: Video, options: TargetOptions, marker: MarkerOptions
+    video: Video, options: TargetOptions, marker: MarkerOptions
 ) -> tuple[LearnedTarget, ColorModel | None, tuple[Frame, ...]]:
     """Learn what to track, and the color of its markers, in a video that is about to be read.
 
     Parameters
     ----------
-    source : str
-        What was opened: a file is opened a second time to learn from it.
     video : Video
-        Not yet read.
+        Not yet read; a file is opened a second time to learn from it.
     options, marker : TargetOptions, MarkerOptions
         As typed.
 
@@ -166,22 +165,22 @@ def targets_for(
     frames : tuple of Frame
         Frames that were taken from a live source to learn from; they are to be tracked too.
     """
-    target, taken = target_for(source, video, options)
+    target, taken = target_for(video, options)
     if not marker.given:
         return target, None, taken
     if marker.marker_pick is None:
         color = load_color(marker.marker_color or ())
     else:
         x, y, index = parse_pick(marker.marker_pick, "--marker-pick")
-        frame, taken = _frame_of(source, video, target.frame if index is None else index, taken)
+        frame, taken = _frame_of(video, target.frame if index is None else index, taken)
         color = pick_marker(frame.image, x, y)
     return msgspec.structs.replace(target, color=target.color | color), color, taken
 
 
-def _frame_of(source: str, video: Video, index: int, taken: tuple[Frame, ...]) -> tuple[Frame, tuple[Frame, ...]]:
+def _frame_of(video: Video, index: int, taken: tuple[Frame, ...]) -> tuple[Frame, tuple[Frame, ...]]:
     """Return the frame in which a marker was clicked; of a live source, the ball's frame if it is late enough."""
     if not video.live:
-        with Video(source, topic=video.topic) as second:
+        with video.again() as second:
             return lit_frame_at(second, index), taken
     if taken and taken[-1].index >= index:
         return taken[-1], taken
@@ -195,8 +194,22 @@ def load_camera(options: LocateOptions) -> CameraModel | None:
 
 
 def camera_for(video: Video, options: LocateOptions, loaded: CameraModel | None) -> CameraModel:
-    """Return the loaded camera, if it fits the size of the pictures (ValueError), or that of `--fov`."""
-    camera = loaded or CameraModel.from_fov(video.width, video.height, math.radians(options.fov or 0.0))
+    """Return the loaded camera, turned as the pictures are, or that of `--fov`.
+
+    Raises
+    ------
+    ValueError
+        If it is for pictures of another size, or their pixels are not square.
+    """
+    if not is_square(video.pixel_aspect):
+        raise ValueError(
+            f"pixels are {video.pixel_aspect:.4g} times as wide as high: a ball is no circle in such pictures, and "
+            "nothing can be located; leave out --stored-pixels, they are made square then"
+        )
+    if loaded is None:
+        camera = CameraModel.from_fov(video.width, video.height, math.radians(options.fov or 0.0))
+    else:
+        camera = loaded.turned(**options.view.mounted.arguments)
     camera.check((video.width, video.height))
     return camera
 

@@ -49,13 +49,13 @@ def run_locate(options: LocateOptions) -> int:
     loaded = load_camera(options)
     with (
         StopRequest() as stop,
-        Video(options.source, fps=options.fps, topic=options.topic) as video,
+        options.silence.open(options.source, options.fps, options.topic, options.view) as video,
         published(options.mavlink, 2.0 * ball.radius) as publish,
     ):
         camera = camera_for(video, options, loaded)
         command = _command(options, video.live)
         try:
-            target, marker_color, taken = targets_for(options.source, video, options.target, options.marker)
+            target, marker_color, taken = targets_for(video, options.target, options.marker)
         except RefusedClickError as refused:
             explain_refused_click(refused, command, output_folder(options.out, "locate", options.force))
             raise
@@ -67,7 +67,7 @@ def run_locate(options: LocateOptions) -> int:
         part = Part.parse(options.shown.start, options.shown.end)
         out = sys.stderr if options.to_stdout else sys.stdout
         try:
-            used = part.of(itertools.chain(taken, video))
+            used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             located = locate_frames(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
             watched = explainer.watch(path.record(publish(located, video.live)))
             write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")
@@ -85,7 +85,8 @@ def run_locate(options: LocateOptions) -> int:
 def _command(options: LocateOptions, live: bool) -> Run:
     """Describe the command for what is said where nothing was found."""
     kept = kept_options(options, _KEPT) + kept_options(options.marker, _KEPT_MARKER)
-    return Run("locate", options.source, options.topic, clicked=options.target.pick or "", kept=kept, live=live)
+    clicked = options.target.pick or ""
+    return Run("locate", options.source, options.topic, clicked=clicked, kept=kept, live=live, view=options.view)
 
 
 def _outputs(options: LocateOptions, video: Video, painter: PosePainter, folder: Path) -> Outputs[LocatedFrame]:

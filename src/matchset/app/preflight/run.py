@@ -119,12 +119,15 @@ def next_command(options: PreflightOptions) -> str:
         "--diameter": linked.diameter,
         "--marker-diameter": linked.marker_diameter,
         "--delay-ms": linked.delay_ms,
+        "--timeout": linked.timeout,
+        "--reconnect": linked.reconnect,
         "--config": options.config,
     }
     for name, value in named.items():
         words += [] if value is None else [name, f"{value:g}" if isinstance(value, float) else str(value)]
     for name, files in (("--color", linked.color), ("--marker-color", linked.marker_color)):
         words += [word for file in files or () for word in (name, str(file))]
+    words += linked.mounted.words
     record = options.record or RECORDING
     words += ["--duration", "10", "--record", str(record), "--report", str(record.with_suffix(".html")), "--arm"]
     return shell_command(*words)

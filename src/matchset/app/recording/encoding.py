@@ -23,7 +23,8 @@ from matchset.app.recording.messages import (
     Triple,
     TruthMessage,
 )
-from matchset.image.bags.ros_image import COMPRESSED_IMAGE, NANO, read_picture
+from matchset.image.bags.packed_fields import NANO
+from matchset.image.bags.ros_image import COMPRESSED_IMAGE, read_picture
 from matchset.image.color import ColorModel
 from matchset.image.files.picture import decode_picture
 from matchset.image.frame import Frame
@@ -182,7 +183,7 @@ def frame_of_image(data: bytes, index: int, taken: float) -> Frame:
     ValueError
         If the message is of another time, or its picture does not decode.
     """
-    stamp, _, image, _ = read_picture(data, COMPRESSED_IMAGE, ros1=False)
+    stamp, _, image, *_ = read_picture(data, COMPRESSED_IMAGE, ros1=False)
     if stamp != max(round(NANO * taken), 0):
         raise ValueError(f"the picture of frame {index} is missing: there is one of {stamp / NANO} s, not {taken} s")
     if image is None:

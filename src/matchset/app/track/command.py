@@ -20,9 +20,11 @@ from matchset.app.cli_options import (
     ReadingNumber,
     ShapeName,
     ShownOptions,
+    SilenceOptions,
     Source,
     Topic,
     ToStdout,
+    ViewOptions,
     shape_file,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND
@@ -44,6 +46,8 @@ TRACK_EPILOG = f"""
 
   matchset track flight.bag --topic /cam/image_raw --color ball.npz
 
+  matchset track rtsp://10.0.0.7/live --color ball.npz --timeout 1 --reconnect 60
+
 Without -o everything goes to a new folder, runs/0001-track and so on. tracks.csv holds one row a frame:
 frame, time, found, the shape's parameters (x, y, radius), their standard deviations, support, and why it was lost.
 
@@ -56,6 +60,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     source: Source
     topic: Topic = None
+    view: ViewOptions = ViewOptions()
     target: GrayTargetOptions = GrayTargetOptions()
     shape: ShapeName = "circle"
     video: AnnotatedVideo = None
@@ -67,6 +72,7 @@ class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
     points: Points = 64
     params: Params = None
     fps: Fps = None
+    silence: SilenceOptions = SilenceOptions()
 
 
 def track(options: TrackOptions) -> int:
@@ -104,6 +110,7 @@ class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     source: Source
     topic: Topic = None
+    view: ViewOptions = ViewOptions()
     frame: Annotated[
         int | None,
         typer.Option(min=0, help="The frame to look at; without it one that shows a ball is chosen."),
@@ -122,6 +129,7 @@ class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
     ] = None
     shape: ShapeName = "circle"
     force: Force = False
+    silence: SilenceOptions = SilenceOptions()
 
 
 def learn(options: LearnOptions) -> int:

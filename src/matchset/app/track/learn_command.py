@@ -25,7 +25,6 @@ from matchset.image.candidates import Candidate
 from matchset.image.circle_score import SCORE
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.image.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
 
@@ -42,13 +41,14 @@ def learn_color(options: LearnOptions) -> int:
     x, y, at = parse_pick(options.pick or "")
     if at is not None and options.frame not in (None, at):
         raise ValueError(f"--pick says frame {at}, --frame says {options.frame}")
-    with Video(options.source, topic=options.topic) as video:
+    with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
         live = video.live
     try:
         color = color_at(frame, x, y, options.reading, family is Circle, options.marker)
     except RefusedClickError as refused:
-        run = Run("learn", options.source, options.topic, family, f"{x:g},{y:g}@{frame.index}", live=live)
+        clicked = f"{x:g},{y:g}@{frame.index}"
+        run = Run("learn", options.source, options.topic, family, clicked, live=live, view=options.view)
         explain_refused_click(refused, run, output_folder(None, "learn"))
         raise
     path = (
@@ -69,7 +69,8 @@ def learn_color(options: LearnOptions) -> int:
     if words:
         found = detect(frame, family, color)
         print(f"  # of this color and shape in frame {frame.index}: {len(found)}")
-    print(f"  {shell_command('track', *source_words(options.source, options.topic), '--color', str(path), *words)}")
+    source = source_words(options.source, options.topic, options.view)
+    print(f"  {shell_command('track', *source, '--color', str(path), *words)}")
     return FOUND
 
 
@@ -112,19 +113,19 @@ def show_candidates(options: LearnOptions) -> int:
     if live:
         _print_commands_for_camera(options, choice, colors, path)
     else:
-        _print_commands(source_words(options.source, options.topic), frame, found)
+        _print_commands(source_words(options.source, options.topic, options.view), frame, found)
     return FOUND if found else NOT_FOUND
 
 
 def _choose(options: LearnOptions) -> tuple[Choice, bool]:
     """Choose the frame and order its candidates; also whether the source is live."""
     given: Frame | None = None
-    with Video(options.source, topic=options.topic) as video:
+    with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         if options.frame is not None:
             given = lit_frame_at(video, options.frame)
         if given is None or video.live:
             return choose(video, given), video.live
-    with Video(options.source, topic=options.topic) as video:
+    with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         return choose(video, given), False
 
 

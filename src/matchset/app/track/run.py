@@ -39,15 +39,16 @@ def run_track(options: TrackOptions) -> int:
     int
         The exit code.
     """
-    check_target_options(options.target, shlex.join(source_words(options.source, options.topic)))
+    check_target_options(options.target, shlex.join(source_words(options.source, options.topic, options.view)))
     family = parse_shape(options.shape)
     parameters = tracker_parameters(options.params)
     make = functools.partial(Tracker, family, points=options.points, parameters=parameters)
-    with StopRequest() as stop, Video(options.source, fps=options.fps, topic=options.topic) as video:
+    silence, view = options.silence, options.view
+    with StopRequest() as stop, silence.open(options.source, options.fps, options.topic, view) as video:
         command = _command(options, family, video.live)
         try:
             wanted = msgspec.structs.replace(options.target, ball=family is Circle)
-            target, taken = target_for(options.source, video, wanted)
+            target, taken = target_for(video, wanted)
         except RefusedClickError as refused:
             explain_refused_click(refused, command, output_folder(options.out, "track", options.force))
             raise
@@ -62,7 +63,7 @@ def run_track(options: TrackOptions) -> int:
             outputs = _outputs(options, folder, video, family)
             files = [*tables, *outputs.pictures.files]
             part = Part.parse(options.shown.start, options.shown.end)
-            used = part.of(itertools.chain(taken, video))
+            used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
             files = [*tables, *outputs.pictures.files]
@@ -92,4 +93,5 @@ def _outputs(options: TrackOptions, folder: Path, video: Video, family: type[Any
 def _command(options: TrackOptions, family: type[Any], live: bool) -> Run:
     """Describe the command for what is said where nothing was found."""
     clicked = options.target.pick or ""
-    return Run("track", options.source, options.topic, family, clicked, kept_options(options, _KEPT), live)
+    kept = kept_options(options, _KEPT)
+    return Run("track", options.source, options.topic, family, clicked, kept, live, options.view)

@@ -116,15 +116,13 @@ def load_color(paths: Sequence[str | Path]) -> ColorModel:
     return functools.reduce(operator.or_, map(ColorModel.load, paths))
 
 
-def target_in(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, Frame]:
+def target_in(video: Video, options: TargetOptions) -> tuple[LearnedTarget, Frame]:
     """Learn the target from a picture of the video.
 
     Parameters
     ----------
-    source : str
-        What was opened: a file may be opened once more.
     video : Video
-        Not yet read; it is read up to the picture.
+        Not yet read; it is read up to the picture, and a file may be opened once more.
     options : TargetOptions
         With `pick` or `candidate`.
 
@@ -137,20 +135,20 @@ def target_in(source: str, video: Video, options: TargetOptions) -> tuple[Learne
         x, y, index = parse_pick(options.pick)
         frame = lit_frame_at(video, index or 0)
     else:
-        frame, (x, y) = _candidate_in(source, video, options.candidate or "")
+        frame, (x, y) = _candidate_in(video, options.candidate or "")
     color = color_at(frame, x, y, options.reading, options.ball)
     notes = (taken_words(color, options.reading), *([color.note] if color.note else []))
     return LearnedTarget(color, (x, y), frame.index, notes), frame
 
 
-def _candidate_in(source: str, video: Video, text: str) -> tuple[Frame, tuple[int, int]]:
+def _candidate_in(video: Video, text: str) -> tuple[Frame, tuple[int, int]]:
     """Find the frame and the pixel of a candidate, numbered as `learn` numbers them."""
     number, index = parse_candidate(text)
     given = None if index is None else frame_at(video, index)
     if given is None or video.live:
         choice = choose(video, given)
     else:
-        with Video(source, topic=video.topic) as again:
+        with video.again() as again:
             choice = choose(again, given)
     count = len(choice.candidates)
     if not 1 <= number <= count:
@@ -181,15 +179,13 @@ def color_at(frame: Frame, x: float, y: float, reading: int = 1, ball: bool = Tr
         raise RefusedClickError(str(error), frame, (x, y)) from error
 
 
-def target_for(source: str, video: Video, options: TargetOptions) -> tuple[LearnedTarget, tuple[Frame, ...]]:
+def target_for(video: Video, options: TargetOptions) -> tuple[LearnedTarget, tuple[Frame, ...]]:
     """Learn what to track in a video that is about to be read.
 
     Parameters
     ----------
-    source : str
-        What was opened: a file is opened a second time to learn from it.
     video : Video
-        Not yet read.
+        Not yet read; a file is opened a second time to learn from it.
     options : TargetOptions
         What to track, as typed.
 
@@ -202,14 +198,14 @@ def target_for(source: str, video: Video, options: TargetOptions) -> tuple[Learn
     known = target_without_picture(options)
     if known is not None:
         if known.start is not None and not video.live:
-            with Video(source, topic=video.topic) as second:
+            with video.again() as second:
                 lit_frame_at(second, known.frame)
         return known, ()
     if video.live:
-        target, frame = target_in(source, video, options)
+        target, frame = target_in(video, options)
         return msgspec.structs.replace(target, frame=frame.index), (frame,)
-    with Video(source, topic=video.topic) as second:
-        target, _ = target_in(source, second, options)
+    with video.again() as second:
+        target, _ = target_in(second, options)
     return target, ()
 
 

@@ -3,28 +3,24 @@
 import itertools
 import math
 import statistics
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 
 from matchset.image.bags.bag_file import BagFile, BagMessage, BagTopic
 from matchset.image.bags.mcap_images import McapImages
-from matchset.image.bags.ros_image import (
-    COMPRESSED_IMAGE,
-    ENCODINGS,
-    IMAGE,
-    NANO,
-    RosPicture,
-    read_picture,
-    read_stamp,
-)
+from matchset.image.bags.packed_fields import NANO
+from matchset.image.bags.picture_message import KINDS, read_message, stamp_of
+from matchset.image.bags.ros_image import ENCODINGS, IMAGE, Picture, RosPicture
 from matchset.image.bags.rosbag_file import RosbagFile
+from matchset.image.bags.video_messages import DecodedPicture, VideoMessages, codec_of
 from matchset.image.frame import Frame
+from matchset.image.upright.depth import Depth
 from matchset.image.video_files.image_folder import in_order
 from matchset.image.video_files.video_file import check_readable
 
-KINDS = (IMAGE, COMPRESSED_IMAGE)
 SUFFIXES = (".bag", ".db3", ".mcap", ".active")
 DESCRIPTION, KEY = "metadata.yaml", b"rosbag2_bagfile_information"
 LONGEST_BEGINNING = 4096  # format: bytes of the description within which its key stands
@@ -48,6 +44,16 @@ class BagParameters(msgspec.Struct, frozen=True):
 DEFAULT = BagParameters()
 
 
+class _Picture(NamedTuple):
+    """A picture that was decoded, the number of its message, and the times of that, ns."""
+
+    number: int
+    image: Picture
+    recorded: int
+    stamp: int
+    damaged: bool = False
+
+
 class Bag:
     """The pictures of one topic of a bag, one frame each, in the order in which they were recorded.
 
@@ -60,6 +66,8 @@ class Bag:
     fps : float or None
         Given, times are index / fps; otherwise they are those of the messages' headers, s since 1970 on most robots,
         or those of the recording where the headers have none.
+    damaged : bool
+        Whether pictures are handed out in which the decoder of a video reports errors.
 
     Raises
     ------
@@ -71,8 +79,8 @@ class Bag:
     live = False
     dropped = 0
 
-    def __init__(self, path: Path, topic: str | None, fps: float | None) -> None:
-        self.path, self.broken = path, 0
+    def __init__(self, path: Path, topic: str | None, fps: float | None, damaged: bool = True) -> None:
+        self.path, self.broken, self.damaged, self._depth, self._keeps_damaged = path, 0, 0, Depth(), damaged
         self._file = open_bag(path)
         try:
             if self._file.cut_off and not self._file.topics:
@@ -82,11 +90,14 @@ class Bag:
             messages = self._file.messages(chosen.name)
             first = list(itertools.islice(messages, DEFAULT.probe_messages))
             self._messages: Iterator[BagMessage] = itertools.chain(first, messages)
-            self._next, self._unordered, self._last, self._recorded = 0, 0, -math.inf, 0
+            self._next, self._read, self._unordered, self._last, self._recorded = 0, 0, 0, -math.inf, 0
             self._rate = fps
-            self._stamped = any(_stamp(message) for message in first)
-            self.fps = fps or _frame_rate(first, self._stamped)
+            stamps = [stamp_of(message, self._kind) for message in first]
+            self._stamped = any(stamps)
+            self.fps = fps or _frame_rate(stamps if self._stamped else [message.time for message in first])
             self._unknown = ""
+            self._video: VideoMessages | None = None
+            self._pictures = self._read_pictures()
             self._first = self._decode()
             if self._first is None:
                 raise ValueError(f"no picture of {self.topic} in {path} could be decoded{self._unknown}")
@@ -98,7 +109,7 @@ class Bag:
     @property
     def warnings(self) -> list[str]:
         """What is not as it should be, so far."""
-        words = []
+        words = self._depth.notes
         if self._rate is None and not self._stamped:
             words.append(f"the pictures of {self.topic} have no time stamps: times are those of the recording")
         if self._unordered:
@@ -115,28 +126,64 @@ class Bag:
         return self._decode()
 
     def _decode(self) -> Frame | None:
-        for message in self._messages:
-            index, self._next = self._next, self._next + 1
-            try:
-                picture = read_picture(message.data, self._kind, message.ros1)
-            except ValueError as error:
-                picture = RosPicture(0, str(error), None, True)
-            if picture.image is not None:
-                return Frame(picture.image, self._time(index, message, picture.stamp), index)
-            if not picture.known and not self._unknown:
-                self._unknown = f": its encoding is {picture.encoding!r}, {_known(self._kind)} are read"
-            self.broken += 1
+        for picture in self._pictures:
+            self.broken += max(0, picture.number - self._next)
+            self._next = picture.number + 1
+            self.damaged += picture.damaged
+            if not picture.damaged or self._keeps_damaged:
+                time = self._time(picture.number, picture.recorded, picture.stamp)
+                return Frame(picture.image, time, picture.number, picture.damaged)
+        self.broken += max(0, self._read - self._next)
+        self._next = self._read
         return None
 
-    def _time(self, index: int, message: BagMessage, stamp: int) -> float:
+    def _read_pictures(self) -> Iterator[_Picture]:
+        """Yield the pictures of all messages that decode."""
+        waiting: dict[int, tuple[int, int]] = {}  # times of messages whose pictures a decoder still holds
+        self._read = 0
+        for message in self._messages:
+            index, self._read = self._read, self._read + 1
+            try:
+                picture = read_message(message, self._kind, self._depth)
+            except ValueError as error:
+                picture = RosPicture(0, str(error), None, True)
+            if picture.coded:
+                waiting[index] = message.time, picture.stamp
+                yield from self._out_of(waiting, self._decoder(picture.encoding).decode(index, picture.coded))
+            elif picture.image is not None:
+                yield _Picture(index, picture.image, message.time, picture.stamp)
+            elif not picture.known and not self._unknown:
+                self._unknown = f": its encoding is {picture.encoding!r}, {_known(self._kind)} are read"
+        if self._video is not None:
+            yield from self._out_of(waiting, self._video.finish())
+
+    def _out_of(self, waiting: dict[int, tuple[int, int]], decoded: Iterator[DecodedPicture]) -> Iterator[_Picture]:
+        """Yield the pictures that a decoder hands out, each with the times of its message."""
+        for number, image, damaged in decoded:
+            for earlier in [each for each in waiting if each < number]:
+                del waiting[earlier]
+            if number in waiting:
+                recorded, stamp = waiting.pop(number)
+                yield _Picture(number, image, recorded, stamp, damaged)
+
+    def _decoder(self, form: str) -> VideoMessages:
+        """Return what decodes the video of this topic; ValueError where PyAV is missing."""
+        if self._video is None:
+            try:
+                self._video = VideoMessages(codec_of(form) or "")
+            except ValueError as error:
+                raise ValueError(f"{self.path}, {self.topic}: {error}") from None
+        return self._video
+
+    def _time(self, index: int, recorded: int, stamp: int) -> float:
         """Time of a frame, s; always later than the one before."""
         if self._rate is not None:
             return index / self._rate
-        wanted = (stamp if self._stamped else message.time) / NANO
+        wanted = (stamp if self._stamped else recorded) / NANO
         if wanted <= self._last:
             self._unordered += 1
-            wanted = max(self._last + (message.time - self._recorded) / NANO, math.nextafter(self._last, math.inf))
-        self._last, self._recorded = wanted, message.time
+            wanted = max(self._last + (recorded - self._recorded) / NANO, math.nextafter(self._last, math.inf))
+        self._last, self._recorded = wanted, recorded
         return wanted
 
     def close(self) -> None:
@@ -193,7 +240,7 @@ def choose_topic(path: Path, topics: list[BagTopic], asked: str | None) -> BagTo
     pictures = [each for each in topics if each.kind in KINDS]
     if not pictures:
         there = f"its topics: {_listed(topics)}" if topics else "it has no topics"
-        raise ValueError(f"{path} has no topic with pictures ({' or '.join(KINDS)}); {there}")
+        raise ValueError(f"{path} has no topic with pictures ({', '.join(KINDS)}); {there}")
     if asked is not None:
         for each in pictures:
             if each.name.strip("/") == asked.strip("/"):
@@ -232,16 +279,7 @@ def _known(kind: str) -> str:
     return ", ".join(ENCODINGS) if kind == IMAGE else "JPEG, PNG and what else OpenCV decodes"
 
 
-def _stamp(message: BagMessage) -> int:
-    """Time stamp of a message, ns; 0 if it has none, or is broken."""
-    try:
-        return read_stamp(message.data, message.ros1)
-    except ValueError:
-        return 0
-
-
-def _frame_rate(messages: list[BagMessage], stamped: bool) -> float | None:
-    """Frames per second by the middle one of the time differences; None if there is none."""
-    times = [_stamp(message) if stamped else message.time for message in messages]
+def _frame_rate(times: Sequence[int]) -> float | None:
+    """Frames per second by the middle one of the differences of times, ns; None if there is none."""
     gaps = [later - earlier for earlier, later in itertools.pairwise(times) if later > earlier]
     return NANO / statistics.median(gaps) if gaps else None

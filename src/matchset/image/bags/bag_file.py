@@ -38,13 +38,13 @@ class BagMessage(NamedTuple):
     time : int
         When it was recorded, ns.
     data : bytes
-    ros1 : bool
-        Whether it is packed as in ROS 1; otherwise it is CDR.
+    packing : str
+        `ROS1`, `CDR`, `JSON` or `PROTOBUF` of `packed_fields`.
     """
 
     time: int
     data: bytes
-    ros1: bool
+    packing: str
 
 
 class BagFile(Protocol):

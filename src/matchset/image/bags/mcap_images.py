@@ -1,4 +1,4 @@
-"""MCAP files with messages of ROS 1 or ROS 2, also cut off ones; imports the package mcap when one is opened.
+"""MCAP files with messages of ROS 1, ROS 2 or Foxglove, also cut off ones; imports the package mcap when one is opened.
 
 A file that was closed has an index at its end: the topics stand there, and only the parts with the topic are read. A
 file that was not closed is read from its beginning as far as it goes.
@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 from matchset.image.bags.bag_file import NEEDED, BagMessage, BagTopic, kind_of
 from matchset.image.bags.mcap_records import LARGEST_RECORD, DamagedChunk, read_records
+from matchset.image.bags.packed_fields import CDR, JSON, PROTOBUF, ROS1
 from matchset.image.files.limits import LIMITS
 
-ROS1, ROS2 = "ros1", "cdr"
+FOXGLOVE = "foxglove."  # format: how the names of its messages begin
 
 
 class _Channel(NamedTuple):
@@ -22,6 +23,16 @@ class _Channel(NamedTuple):
     topic: str
     kind: str
     encoding: str
+
+    @property
+    def is_read(self) -> bool:
+        """Whether messages that are packed so are read, if they hold a picture."""
+        return self.encoding in (ROS1, CDR) or (self.encoding in (JSON, PROTOBUF) and self.kind.startswith(FOXGLOVE))
+
+    @property
+    def shown(self) -> str:
+        """Type of its messages as in ROS 1; with how they are packed, if they are not read."""
+        return kind_of(self.kind) if self.is_read else f"{self.kind} as {self.encoding}"
 
 
 class McapImages:
@@ -64,8 +75,8 @@ class McapImages:
         """Messages of a topic: of a file with an index in the order of their times, else as they stand in the file."""
         for message in self._in_order(topic) if self._indexed else self._in_file():
             channel = self._channels[message.channel_id]
-            if channel.topic == topic and channel.encoding in (ROS1, ROS2):
-                yield BagMessage(message.log_time, message.data, channel.encoding == ROS1)
+            if channel.topic == topic and channel.is_read:
+                yield BagMessage(message.log_time, message.data, channel.encoding)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -73,10 +84,9 @@ class McapImages:
 
     def _topics(self) -> dict[str, BagTopic]:
         found: dict[str, BagTopic] = {}
-        for number, (topic, kind, encoding) in self._channels.items():
-            shown = kind_of(kind) if encoding in (ROS1, ROS2) else f"{kind} as {encoding}"
-            before = found[topic].messages if topic in found else 0
-            found[topic] = BagTopic(topic, shown, before + self._counts[number])
+        for number, channel in self._channels.items():
+            before = found[channel.topic].messages if channel.topic in found else 0
+            found[channel.topic] = BagTopic(channel.topic, channel.shown, before + self._counts[number])
         return found
 
     def _read_index(self) -> bool:

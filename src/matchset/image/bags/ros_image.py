@@ -1,23 +1,22 @@
 """A message with a picture, sensor_msgs Image or CompressedImage of ROS 1 and ROS 2, from its bytes: `read_picture`.
 
-Both messages have kept their fields since the first ROS, so no definitions are parsed. ROS 1 packs the fields one
-behind the other; ROS 2 puts four bytes before them (CDR), aligns every integer to its size, and ends strings with 0.
-Layouts: sensor_msgs/Image and sensor_msgs/CompressedImage of ros2/common_interfaces (Apache-2.0), OMG DDSI-RTPS 10.
+Both messages have kept their fields since the first ROS, so no definitions are parsed. `CompressedImage` and Foxglove's
+messages hold JPEG, PNG, or a piece of a video, which is for `video_messages`.
+Layouts: sensor_msgs/Image and sensor_msgs/CompressedImage of ros2/common_interfaces (Apache-2.0).
 """
 
-import struct
 from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.files.picture import decode_picture
+from matchset.image.bags.packed_fields import NANO, Fields, PackedPicture
+from matchset.image.bags.video_messages import codec_of
+from matchset.image.files.picture import decode_deep
+from matchset.image.upright.depth import Depth
 
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
-NANO = 10**9  # format: nanoseconds in a second
-LITTLE_ENDIAN = 1  # format: lowest bit of the second byte of a CDR message
-PLAIN_CDR = (0, 1, 6, 7)  # format: second byte of a CDR message whose members follow each other, XCDR1 and XCDR2
 # format: byte size, channels and conversion of each encoding; those of OpenCV are the names that ROS gives the pattern
 ENCODINGS: dict[str, tuple[int, int, int | None]] = {
     "mono8": (1, 1, None),
@@ -47,7 +46,6 @@ ENCODINGS: dict[str, tuple[int, int, int | None]] = {
     "yuv422_yuy2": (1, 2, cv2.COLOR_YUV2BGR_YUYV),
     "yuyv": (1, 2, cv2.COLOR_YUV2BGR_YUYV),
 }
-FULL_SCALE = 257.0  # format: 65535 / 255; the brightest of 16 bits becomes the brightest of 8
 
 Picture = npt.NDArray[np.uint8]
 
@@ -65,63 +63,15 @@ class RosPicture(NamedTuple):
         BGR or gray; None if it does not decode.
     known : bool
         Whether pictures of this encoding can be read.
+    coded : bytes
+        A piece of a video, which is decoded with those before it; empty if the picture is none of a video.
     """
 
     stamp: int
     encoding: str
     image: Picture | None
     known: bool
-
-
-class Fields:
-    """Reads the members of a message one after the other.
-
-    Parameters
-    ----------
-    data : bytes
-        A serialized message.
-    ros1 : bool
-        Whether it is packed as in ROS 1; otherwise it is CDR, as in ROS 2.
-
-    Raises
-    ------
-    ValueError
-        If the CDR is of a kind that no ROS writes; also while reading, if the message ends too early.
-    """
-
-    def __init__(self, data: bytes, ros1: bool) -> None:
-        self._data, self._ros1 = memoryview(data), ros1
-        self._start = self._at = 0 if ros1 else 4
-        if not ros1 and (len(data) < 4 or data[0] != 0 or data[1] not in PLAIN_CDR):
-            raise ValueError(f"a message begins with {bytes(data[:4]).hex()}, not with the header of plain CDR")
-        little = ros1 or data[1] & LITTLE_ENDIAN
-        self._uint32 = struct.Struct("<I" if little else ">I")
-
-    def uint8(self) -> int:
-        """Next byte."""
-        return self._take(1)[0]
-
-    def uint32(self) -> int:
-        """Next unsigned integer of 32 bits."""
-        if not self._ros1:
-            self._at += (self._start - self._at) % self._uint32.size
-        value: int = self._uint32.unpack(self._take(self._uint32.size))[0]
-        return value
-
-    def octets(self) -> memoryview:
-        """Next sequence of bytes."""
-        return self._take(self.uint32())
-
-    def string(self) -> str:
-        """Next string."""
-        return bytes(self.octets()).rstrip(b"\0").decode("utf-8", "replace")
-
-    def _take(self, count: int) -> memoryview:
-        taken = self._data[self._at : self._at + count]
-        if len(taken) != count:
-            raise ValueError(f"a message of {len(self._data)} bytes ends too early")
-        self._at += count
-        return taken
+    coded: bytes = b""
 
 
 def read_stamp(data: bytes, ros1: bool) -> int:
@@ -142,7 +92,7 @@ def read_stamp(data: bytes, ros1: bool) -> int:
     return _header(Fields(data, ros1), ros1)
 
 
-def read_picture(data: bytes, kind: str, ros1: bool) -> RosPicture:
+def read_picture(data: bytes, kind: str, ros1: bool, depth: Depth | None = None) -> RosPicture:
     """Read a message with a picture.
 
     Parameters
@@ -153,6 +103,8 @@ def read_picture(data: bytes, kind: str, ros1: bool) -> RosPicture:
         `IMAGE` or `COMPRESSED_IMAGE`.
     ros1 : bool
         Whether it is packed as in ROS 1; otherwise it is CDR.
+    depth : Depth, optional
+        That of the pictures before it; by default that of this picture counts.
 
     Returns
     -------
@@ -164,11 +116,9 @@ def read_picture(data: bytes, kind: str, ros1: bool) -> RosPicture:
         If the message ends too early or is no plain CDR.
     """
     fields = Fields(data, ros1)
-    stamp = _header(fields, ros1)
+    stamp, depth = _header(fields, ros1), depth or Depth()
     if kind == COMPRESSED_IMAGE:
-        encoding = fields.string()
-        image = decode_compressed(fields.octets())
-        return RosPicture(stamp, encoding, image, image is not None)
+        return unpacked(PackedPicture(stamp, fields.string(), bytes(fields.octets())), depth)
     height, width = fields.uint32(), fields.uint32()
     encoding, big = fields.string(), fields.uint8() != 0
     step, pixels = fields.uint32(), fields.octets()
@@ -176,7 +126,7 @@ def read_picture(data: bytes, kind: str, ros1: bool) -> RosPicture:
     if layout is None:
         return RosPicture(stamp, encoding, None, False)
     rows = _rows(pixels, (height, width), step, layout[0] * layout[1])
-    return RosPicture(stamp, encoding, None if rows is None else _converted(rows, layout, big), True)
+    return RosPicture(stamp, encoding, None if rows is None else _converted(rows, layout, big, depth), True)
 
 
 def _header(fields: Fields, ros1: bool) -> int:
@@ -188,13 +138,28 @@ def _header(fields: Fields, ros1: bool) -> int:
     return stamp
 
 
-def decode_compressed(data: memoryview) -> Picture | None:
-    """Decode a JPEG, PNG or other picture that OpenCV reads; None if it is broken, too large or something else."""
+def unpacked(picture: PackedPicture, depth: Depth) -> RosPicture:
+    """Decode a JPEG, PNG or other picture that OpenCV reads; a piece of a video is handed on as it is.
+
+    Parameters
+    ----------
+    picture : PackedPicture
+    depth : Depth
+        Of the pictures before it.
+
+    Returns
+    -------
+    RosPicture
+        Without a picture if it is broken, too large or something else.
+    """
+    if codec_of(picture.form) is not None:
+        return RosPicture(picture.stamp, picture.form, None, True, picture.data)
     try:
-        image = decode_picture(data, cv2.IMREAD_ANYCOLOR)
+        image = decode_deep(picture.data)
     except ValueError:
-        return None
-    return None if image is None else np.asarray(image, np.uint8)
+        image = None
+    shown = None if image is None else depth.to_bytes(image)
+    return RosPicture(picture.stamp, picture.form, shown, shown is not None)
 
 
 def _rows(pixels: memoryview, size: tuple[int, int], step: int, pixel: int) -> npt.NDArray[np.uint8] | None:
@@ -206,7 +171,9 @@ def _rows(pixels: memoryview, size: tuple[int, int], step: int, pixel: int) -> n
     return np.array(rows[:, : width * pixel])  # a copy: nobody else may hold or write the picture's memory
 
 
-def _converted(rows: npt.NDArray[np.uint8], layout: tuple[int, int, int | None], big: bool) -> Picture | None:
+def _converted(
+    rows: npt.NDArray[np.uint8], layout: tuple[int, int, int | None], big: bool, depth: Depth
+) -> Picture | None:
     """Picture in BGR or gray of the bytes of its rows."""
     size, channels, conversion = layout
     image: Any = rows if size == 1 else rows.view(">u2" if big else "<u2").astype(np.uint16)
@@ -217,4 +184,4 @@ def _converted(rows: npt.NDArray[np.uint8], layout: tuple[int, int, int | None],
             image = cv2.cvtColor(image, conversion)
     except cv2.error:
         return None
-    return np.asarray(image if size == 1 else cv2.convertScaleAbs(image, alpha=1.0 / FULL_SCALE), np.uint8)
+    return depth.to_bytes(image)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from matchset.image.bags.bag_file import NEEDED, BagMessage, BagTopic, kind_of
+from matchset.image.bags.packed_fields import CDR, ROS1
 
 
 class RosbagFile:
@@ -45,7 +46,7 @@ class RosbagFile:
                 return
             except Exception as error:  # as above
                 raise self._refusal(error) from error
-            yield BagMessage(time, bytes(data), self._ros1)
+            yield BagMessage(time, bytes(data), ROS1 if self._ros1 else CDR)
 
     def close(self) -> None:
         """Let go of the file."""

@@ -1,4 +1,4 @@
-"""Pictures whose size is read, and held against a limit, before they are decoded: `decode_picture`.
+"""Pictures whose size is read, and held against a limit, before they are decoded: `decode_picture`, `decode_deep`.
 
 Layouts: PNG (ISO/IEC 15948), JPEG (ITU-T T.81), GIF89a, BMP, TIFF 6.0, WebP (RFC 9649), Netpbm. Other kinds of OpenCV
 are refused: their size would be known only after they are unpacked.
@@ -57,6 +57,31 @@ def decode_picture(data: bytes | memoryview, flags: int, limits: InputLimits = L
             return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
     except cv2.error:
         return None
+
+
+def decode_deep(data: bytes | memoryview, limits: InputLimits = LIMITS) -> Any:
+    """Decode a picture with all its bits.
+
+    Parameters
+    ----------
+    data : bytes
+        A file.
+    limits : InputLimits
+
+    Returns
+    -------
+    ndarray of shape (h, w) or (h, w, 3), uint8 or uint16, or None
+        BGR or gray; None if it does not decode. Numbers of other kinds are brought to uint8 by OpenCV.
+
+    Raises
+    ------
+    ValueError
+        If it has more pixels than are allowed.
+    """
+    image = decode_picture(data, cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH, limits)
+    if image is None or image.dtype in (np.uint8, np.uint16):
+        return image
+    return decode_picture(data, cv2.IMREAD_ANYCOLOR, limits)
 
 
 def picture_size(data: bytes | memoryview) -> Size | None:

@@ -1,32 +1,18 @@
-"""What the header of an AVI, MP4 or MOV file says, which OpenCV does not pass on."""
+"""What the header of an AVI, MP4, MOV or Matroska file says, which OpenCV does not pass on."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
+from matchset.image.video_files.matroska_tracks import EBML, matroska_tracks
+from matchset.image.video_files.mp4_boxes import FULL, Box, chunks, find, inside, scale_and_duration
+from matchset.image.video_files.mp4_tracks import VideoTrack, video_tracks
+
 MP4_KINDS = {b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot", b"styp"}
 MP4_PARTS = {b"moov", b"moof", b"mdat"}
-FULL, LONG = 8, 16  # format: bytes of a box's header, and of one with a length of 64 bits
-
-
-class Box(NamedTuple):
-    """A box of an MP4 file, or a chunk of an AVI file.
-
-    Parameters
-    ----------
-    kind : bytes
-        Its name, four letters.
-    begin, end : int
-        Where its content begins and ends in the file, bytes; a file that was cut off is shorter than `end`.
-    """
-
-    kind: bytes
-    begin: int
-    end: int
 
 
 class Container(NamedTuple):
-    """What is known of a file from its outermost structure; all False for other formats.
+    """What is known of a file from its outermost structure; all False or empty for other formats.
 
     Parameters
     ----------
@@ -41,6 +27,8 @@ class Container(NamedTuple):
         Whether it is an MP4 or MOV that has its index (`moov`), or no such file.
     encrypted : bool
         Whether it is an MP4 with an encrypted track.
+    tracks : tuple of VideoTrack
+        Of an MP4, MOV, Matroska or WebM.
     """
 
     counts_frames: bool = False
@@ -48,10 +36,11 @@ class Container(NamedTuple):
     cut: bool = False
     indexed: bool = True
     encrypted: bool = False
+    tracks: tuple[VideoTrack, ...] = ()
 
 
 def look_into(path: Path) -> Container:
-    """Read the outermost structure of a file (ISO/IEC 14496-12 for MP4; RIFF for AVI).
+    """Read the outermost structure of a file (ISO/IEC 14496-12 for MP4; RIFF for AVI; RFC 9559 for Matroska).
 
     Parameters
     ----------
@@ -67,6 +56,8 @@ def look_into(path: Path) -> Container:
         head = file.read(12)
         if head[:4] == b"RIFF" and head[8:] == b"AVI ":
             return Container(counts_ticks=True, cut=any(chunk.end > size for chunk in chunks(file, size)))
+        if head[:4] == EBML.to_bytes(4):
+            return Container(tracks=tuple(matroska_tracks(file, size)))
         if head[4:8] not in MP4_KINDS:
             return Container()
         boxes = list(inside(file, 0, size))
@@ -76,56 +67,18 @@ def look_into(path: Path) -> Container:
             return Container(cut=cut, indexed=False)
         fragments = any(box.kind == b"moof" for box in boxes) or any(find(file, movie, b"mvex"))
         whole = not fragments and not _is_trimmed(file, movie)
-        return Container(whole, cut=cut, encrypted=_is_encrypted(file, movie))
-
-
-def inside(file: BinaryIO, begin: int, end: int) -> Iterator[Box]:
-    """Yield the boxes of an MP4 file between two places, without those inside them."""
-    while begin + FULL <= end:
-        file.seek(begin)
-        head = file.read(LONG)
-        if len(head) < FULL:
-            return
-        length, content = int.from_bytes(head[:4]), begin + FULL
-        if length == 1:  # the length follows, with 64 bits
-            length, content = int.from_bytes(head[FULL:]), begin + LONG
-        elif length == 0:  # up to the end of the file
-            length = end - begin
-        if length < content - begin:
-            return
-        yield Box(head[4:8], content, begin + length)
-        begin += length
-
-
-def chunks(file: BinaryIO, end: int) -> Iterator[Box]:
-    """Yield the outermost chunks of an AVI file; a long one has several. What follows them is not looked at."""
-    begin = 0
-    while begin + FULL <= end:
-        file.seek(begin)
-        head = file.read(FULL)
-        if head[:4] != b"RIFF":
-            return
-        length = int.from_bytes(head[4:], "little")
-        yield Box(head[:4], begin + FULL, begin + FULL + length)
-        begin += FULL + length + length % 2
-
-
-def find(file: BinaryIO, outer: Box, *path: bytes) -> Iterator[Box]:
-    """Yield the boxes at a path of names inside another one."""
-    for box in inside(file, outer.begin, outer.end):
-        if box.kind == path[0]:
-            yield from find(file, box, *path[1:]) if path[1:] else [box]
+        return Container(whole, cut=cut, encrypted=_is_encrypted(file, movie), tracks=tuple(video_tracks(file, movie)))
 
 
 def _is_trimmed(file: BinaryIO, movie: Box) -> bool:
     """Whether the edit list of a track plays less than its samples last; times are rounded to the movie's scale."""
-    scales = [_scale_and_duration(file, box)[0] for box in find(file, movie, b"mvhd")]
+    scales = [scale_and_duration(file, box)[0] for box in find(file, movie, b"mvhd")]
     if not scales or scales[0] == 0:
         return False
     for track in find(file, movie, b"trak"):
         played = [_played(file, box) / scales[0] for box in find(file, track, b"edts", b"elst")]
         for box in find(file, track, b"mdia", b"mdhd"):
-            scale, duration = _scale_and_duration(file, box)
+            scale, duration = scale_and_duration(file, box)
             if played and scale and sum(played) < duration / scale - 2.0 / scales[0]:
                 return True
     return False
@@ -138,15 +91,6 @@ def _is_encrypted(file: BinaryIO, movie: Box) -> bool:
         if any(entry.kind == b"encv" for entry in entries):
             return True
     return False
-
-
-def _scale_and_duration(file: BinaryIO, box: Box) -> tuple[int, int]:
-    """Read the ticks per second and the duration, ticks, of an `mvhd` or `mdhd` box, version 0 or 1."""
-    file.seek(box.begin)
-    data = file.read(32)
-    if data[:1] == b"\x01":
-        return int.from_bytes(data[20:24]), int.from_bytes(data[24:32])
-    return int.from_bytes(data[12:16]), int.from_bytes(data[16:20])
 
 
 def _played(file: BinaryIO, edits: Box) -> int:

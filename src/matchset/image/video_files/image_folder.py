@@ -4,12 +4,11 @@ import re
 from pathlib import Path
 from typing import Any
 
-import cv2
-
 from matchset.image.files.limits import LIMITS
-from matchset.image.files.picture import decode_picture
+from matchset.image.files.picture import decode_deep
 from matchset.image.files.reading import read_limited
 from matchset.image.frame import Frame
+from matchset.image.upright.depth import Depth
 
 SUFFIXES = {".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff", ".webp"}
 DEFAULT_FPS = 30.0  # format: a folder states no frame rate
@@ -32,7 +31,7 @@ class Pictures:
     """
 
     live = False
-    dropped = 0
+    dropped = damaged = 0
 
     def __init__(self, path: Path, fps: float | None) -> None:
         self._paths = in_order(path)
@@ -40,11 +39,16 @@ class Pictures:
             raise ValueError(f"no pictures ({', '.join(sorted(SUFFIXES))}) in the folder {path}")
         self.fps, self.length = fps or DEFAULT_FPS, len(self._paths)
         self.broken, self._next = 0, 0
-        self.warnings: list[str] = []
+        self._depth = Depth()
         self._first = self._decode()
         if self._first is None:
             raise ValueError(f"no picture of {path} could be decoded")
         self.shape = self._first.image.shape
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is not as it should be, so far."""
+        return self._depth.notes
 
     def read(self) -> Frame | None:
         """Next picture that decodes, or None at the end."""
@@ -62,7 +66,7 @@ class Pictures:
             index, self._next = self._next, self._next + 1
             image = decode(self._paths[index])
             if image is not None:
-                return Frame(image, index / self.fps, index)
+                return Frame(self._depth.to_bytes(image), index / self.fps, index)
             self.broken += 1
         return None
 
@@ -93,7 +97,7 @@ def natural(name: str) -> tuple[list[tuple[int, int, str]], str]:
 
 
 def decode(path: Path) -> Any:
-    """Picture of a file as (h, w, 3) or (h, w) uint8, or None if it is broken or cannot be read.
+    """Picture of a file as (h, w, 3) or (h, w), uint8 or uint16, or None if it is broken or cannot be read.
 
     Raises
     ------
@@ -102,7 +106,7 @@ def decode(path: Path) -> Any:
     """
     try:
         # cv2.imread fails on Windows where a name is not ASCII
-        return decode_picture(read_limited(path, LIMITS.picture_file), cv2.IMREAD_ANYCOLOR)
+        return decode_deep(read_limited(path, LIMITS.picture_file))
     except OSError:
         return None
     except ValueError as error:

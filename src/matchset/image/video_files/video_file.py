@@ -1,5 +1,6 @@
 """A video file: every frame, in decode order, with a time that runs forward."""
 
+import functools
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -10,9 +11,13 @@ import msgspec
 from matchset.image.capture import Capture, open_capture, unpack
 from matchset.image.errors import MissingFileError
 from matchset.image.frame import Frame
+from matchset.image.upright.view import ANY, View, Wish
 from matchset.image.video_files.container import Container, look_into
 from matchset.image.video_files.file_clock import FileClock
-from matchset.image.video_files.pyav_capture import open_pyav
+from matchset.image.video_files.file_view import file_view
+from matchset.image.video_files.pyav_capture import has_pyav, open_pyav
+from matchset.image.video_files.stream_choice import choose_stream
+from matchset.image.video_files.upright_capture import UprightCapture
 from matchset.numeric.extras import advice
 
 Opener = Callable[[str], Capture | None]
@@ -62,11 +67,16 @@ class Recording:
         The file.
     fps : float or None
         Given, times are index / fps; otherwise they are the file's time stamps, see `FileClock`.
+    wish : Wish, optional
 
     Attributes
     ----------
+    view : View
+        What is done to every picture.
     opener : callable
-        What decodes it.
+        What decodes it, and hands out its pictures in this view.
+    damaged : int
+        Frames whose decoder reported errors; known where PyAV decodes.
     stamp : float
         Time stamp of the frame that was decoded last, s, as the decoder says it.
 
@@ -79,32 +89,42 @@ class Recording:
     live = False
     dropped = 0
 
-    def __init__(self, path: Path, fps: float | None) -> None:
-        self.path = path
+    def __init__(self, path: Path, fps: float | None, wish: Wish = ANY) -> None:
+        self.path, self._wish = path, wish
         check_readable(path)
         self._container = look_into(path)
         if self._container.encrypted:
             raise ValueError(f"{path} is encrypted: it can only be decoded with its key")
-        codec = self._begin(open_capture, fps)
-        tried_pyav = False
-        if self._first is None and codec is not None:
-            self.close()
-            tried_pyav = self._begin(open_pyav, fps) is not None
-        if self._first is None:
-            if tried_pyav:
+        self._choice = choose_stream(path, self._container.tracks, wish.stream)
+        self._first: Frame | None = None
+        number = self._choice.number
+        by_pyav = number > 0 or wish.damaged is not None
+        if by_pyav and not has_pyav():
+            raise ValueError(f"OpenCV reads the first video stream alone, and does not tell errors: {PYAV}")
+        codec = None if by_pyav else self._begin(open_capture, fps)
+        tried: str | None = None
+        if self._first is None and (by_pyav or codec is not None):
+            if codec is not None:
                 self.close()
-            raise ValueError(_words_without_frame(path, self._container, codec, tried_pyav))
-        self.shape = self._first.image.shape
+            looking = functools.partial(open_pyav, stream=number, looks=wish.damaged is not None)
+            tried = self._begin(looking if by_pyav else open_pyav, fps)
+        if self._first is None:
+            if tried is not None:
+                self.close()
+            raise ValueError(_words_without_frame(path, self._container, codec or tried, tried is not None))
+        self.shape: tuple[int, ...] = self._first.image.shape
 
     def _begin(self, opener: Opener, fps: float | None) -> str | None:
         """Open the file and decode its first frame; the name of the codec, None if it does not open."""
-        self.broken, self._next, self._latest = 0, 0, 0.0
+        self.broken, self.damaged, self._next, self._latest = 0, 0, 0, 0.0
         self._notes: list[str] = []
-        self._first: Frame | None = None
+        self._first = None
         capture = opener(str(self.path))
         if capture is None or not capture.isOpened():
             return None
-        self._capture, self.opener, self.stamp = capture, opener, math.nan
+        self.view = file_view(capture, self._container.tracks, self._choice.number, self._wish)
+        self._capture, self.stamp = UprightCapture(capture, self.view), math.nan
+        self.opener = functools.partial(_open_upright, opener, self.view)
         count, stated = capture.get(cv2.CAP_PROP_FRAME_COUNT), capture.get(cv2.CAP_PROP_FPS)
         self._clock = FileClock(_first_stamps(opener(str(self.path))), stated, fps)
         self.fps = self._clock.rate
@@ -124,7 +144,7 @@ class Recording:
     @property
     def warnings(self) -> list[str]:
         """What is not as it should be, so far, one sentence each."""
-        return self._clock.warnings + self._notes
+        return [*self._choice.notes, *self.view.notes, *self._clock.warnings, *self._notes]
 
     def read(self) -> Frame | None:
         """Next frame that decodes, or None at the end."""
@@ -135,15 +155,22 @@ class Recording:
 
     def _decode(self) -> Frame | None:
         unread = 0 if self._announced is None else self._announced - self._next
-        for misses in range(min(max(unread + 1, DEFAULT.failures_past_end), DEFAULT.failures_before_end)):
+        misses = 0
+        while misses < min(max(unread + 1, DEFAULT.failures_past_end), DEFAULT.failures_before_end):
             image = unpack(self._capture) if self._capture.grab() else None
-            if image is not None:
-                index = self._next + misses
-                self._next = index + 1
-                self.broken += misses
-                self.stamp = stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
-                self._latest = max(self._latest, stamp)
-                return Frame(image, self._clock.time(index, stamp), index)
+            if image is None:
+                misses += 1
+                continue
+            index = self._next + misses
+            self._next = index + 1
+            self.broken += misses
+            self.stamp = stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+            self._latest = max(self._latest, stamp)
+            time, damaged = self._clock.time(index, stamp), self._capture.damaged
+            self.damaged += damaged
+            if not damaged or self._wish.damaged is not False:
+                return Frame(image, time, index, damaged)
+            unread, misses = unread - misses - 1, 0
         self._note_early_end(unread)
         return None
 
@@ -162,6 +189,12 @@ class Recording:
     def close(self) -> None:
         """Let go of the file."""
         self._capture.release()
+
+
+def _open_upright(opener: Opener, view: View, path: str) -> Capture | None:
+    """Open a file once more, to be seen in this view."""
+    capture = opener(path)
+    return None if capture is None else UprightCapture(capture, view)
 
 
 def _first_stamps(probe: Capture | None) -> list[float]:

@@ -44,6 +44,20 @@ def test_a_dry_run_sends_no_throttle_and_says_what_it_would_send(
     assert "DRY RUN: no throttle is sent" in err
 
 
+def test_a_dry_run_goes_on_where_a_stream_breaks_off(
+    tmp_path: Path, neighbor: ServedNeighbor, transmitter: PtyTransmitter, files: list[str]
+) -> None:
+    with MjpegServer(neighbor, each=100) as server:
+        words = devices(tmp_path, server.url, f"serial://{transmitter.path}")
+        code, out, err = FlightProcess(tmp_path, "fly", *words, *files, "--duration", "8").ended()
+        assert server.connections > 1
+    assert code == 0, out + err
+    assert "everybody would have taken off" in out
+    assert f"note: {server.url} broke off; it is opened again, for 10 s at most" in err
+    assert f"note: {server.url} is back after" in err
+    assert errors(err) == []
+
+
 def test_a_camera_that_is_gone_brings_it_down_by_the_pilots_safety(
     tmp_path: Path, camera: MjpegServer, transmitter: PtyTransmitter, line: list[str]
 ) -> None:

@@ -12,6 +12,7 @@ from matchset.app.flight.flight import FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
 from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.linked.linked_flight import LinkedFlight
+from matchset.app.flight.linked.live_camera import LiveCamera
 from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.app.flight.score import FlightScorer
 from matchset.app.recording.reader import RecordingReader
@@ -138,7 +139,7 @@ class ScriptedPilot:
     def __init__(self, down_at: int = 10**9) -> None:
         self.armed, self.killed, self.landing = False, "", ""
         self.calls: list[str] = []
-        self.camera = SimpleNamespace(model=None)
+        self.camera: Any = SimpleNamespace(model=None)
         self.link = SimpleNamespace(close=lambda: self.calls.append("close"))
         self._count, self._down_at = 0, down_at
 
@@ -219,3 +220,43 @@ def test_one_that_waits_and_is_told_to_land_is_never_armed_and_the_flight_ends()
     assert second.calls == ["arm link", "arm at 6", "close"]
     assert len(steps) == 21
     assert steps[-1].down
+
+
+class AwayCamera(LiveCamera):
+    """A camera without pictures, which is still being opened again at so many looks."""
+
+    def __init__(self, looks: int) -> None:
+        self._looks = looks
+
+    @property
+    def fault(self) -> str:
+        return "the camera has delivered no picture for 3.0 s"
+
+    @property
+    def may_return(self) -> bool:
+        self._looks -= 1
+        return self._looks >= 0
+
+    def begin(self, start: float) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def test_on_the_ground_a_camera_that_is_opened_again_is_waited_for() -> None:
+    patient, impatient = ScriptedPilot(), ScriptedPilot()
+    impatient.camera, patient.camera = AwayCamera(3), AwayCamera(10**6)
+    with scripted(patient) as flight:
+        assert any(step.steps[0].safety.phase == "flying" for step in flight)
+    with scripted(impatient) as flight:
+        assert len(list(flight)) == 4
+        assert flight.fault == impatient.camera.fault
+
+
+def test_a_flight_that_is_over_says_at_once_that_its_camera_is_away() -> None:
+    pilot = ScriptedPilot(down_at=40)
+    pilot.camera = AwayCamera(10**6)
+    with scripted(pilot) as flight:
+        assert len(list(flight)) == 40
+        assert flight.fault == pilot.camera.fault

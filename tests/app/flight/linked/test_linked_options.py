@@ -33,6 +33,10 @@ LINK = "serial:///dev/ttyUSB0"
             "made by 'matchset learn 0 --pick X,Y --marker -o marker.npz'",
         ),
         ("--camera 0 --link LINK --fov 60 --delay-ms nan", "delay_ms must be within 0 ... 1000, got nan"),
+        ("--camera 0 --link LINK --fov 60 --turn 45", "turn must be 0, 90, 180 or 270 degrees, clockwise, got 45"),
+        ("--turn 180", "say whom to fly: --camera 0 --link"),
+        ("--camera 0 --link LINK --fov 60 --timeout 0", "timeout must be positive, got 0"),
+        ("--camera 0 --link LINK --fov 60 --reconnect -1", "reconnect must be a time in s, 0 for none, got -1"),
         ("--camera 0 --link LINK --fov 60 --diameter -1", "diameter"),
         ("--camera 0 --link LINK --fov 60 --color no.npz --marker-color no.npz", "no.npz"),
     ],
@@ -70,6 +74,8 @@ def test_followers_of_a_file_have_whole_paths(tmp_path: Path) -> None:
         check_followers((first, first))
     with pytest.raises(ValueError, match="--fov: of several followers, write it into"):
         LinkedOptions(fov=60.0).followers(None, path)
+    with pytest.raises(ValueError, match="--reconnect: of several followers, write it into"):
+        LinkedOptions(reconnect=0.0).followers(None, path)
     with pytest.raises(ValueError, match="names the followers already"):
         LinkedOptions(camera="0", link=LINK).followers(None, path)
     assert LinkedOptions().followers("sim://chain", path) == ()

@@ -1,5 +1,6 @@
 """The camera of a real follower: it never makes the loop wait, and says what is wrong; a fake in place of a device."""
 
+import threading
 import time
 from collections.abc import Iterator
 
@@ -47,6 +48,16 @@ def test_pictures_have_times_of_its_own_clock(device: Camera) -> None:
     close(camera, device)
 
 
+def test_a_camera_that_hangs_upside_down_is_turned(device: Camera) -> None:
+    device._pictures[0] = picture = np.full((6, 8, 3), 1, np.uint8)
+    picture[0, 0] = 7
+    video = Video(0, turn=180, mirror=True)
+    assert next(video).image[5, 0].tolist() == [7, 7, 7]
+    assert (video.width, video.height) == (8, 6)
+    device.unplug()
+    video.close()
+
+
 def test_a_known_delay_makes_pictures_older(device: Camera) -> None:
     camera = opened(delay_ms=80.0)
     frame = camera.read()
@@ -85,6 +96,54 @@ def test_a_camera_that_fails_is_one_without_pictures(device: Camera) -> None:
     assert camera.fault == "camera 0 failed: the driver has lost it"
     assert camera.read() is None
     assert time.monotonic() - begin >= PARAMETERS.wait  # no loop that burns a core
+    close(camera, device)
+
+
+def test_a_stream_that_is_lost_is_one_without_pictures_until_it_is_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second, there = Camera("FFMPEG"), Camera("FFMPEG"), threading.Event()
+    for each, value in ((first, 1), (second, 2)):
+        each._pictures.append(np.full((6, 8, 3), value, np.uint8))
+    cameras = [first]
+
+    def open_capture(*_: object) -> Camera:
+        if cameras:
+            return cameras.pop()
+        there.wait(20.0)  # as long as FFmpeg may take
+        return second
+
+    monkeypatch.setattr("matchset.image.camera_stream.open_capture", open_capture)
+    video = Video("http://drone/stream", timeout=0.02, reconnect=20.0)
+    camera = LiveCamera("http://drone/stream", video, MODEL, 0.0, PARAMETERS)
+    before = camera.read()
+    assert before is not None
+    first.unplug()
+    end = time.monotonic() + 20.0
+    while not camera.fault and time.monotonic() < end:
+        begin = time.monotonic()
+        assert camera.read() is None
+        assert time.monotonic() - begin < 10.0  # the opening, which takes longer, happens elsewhere
+    assert camera.fault.startswith("http://drone/stream has delivered no picture for")
+    assert camera.may_return
+    there.set()
+    frame = None
+    while frame is None and time.monotonic() < end:
+        frame = camera.read()
+    assert frame is not None
+    assert frame.image[0, 0, 0] == 2
+    assert frame.time > before.time
+    assert frame.index > before.index
+    assert not camera.fault
+    close(camera, second)
+
+
+def test_one_that_fails_does_not_return(device: Camera) -> None:
+    camera = opened()
+    assert camera.read() is not None
+    device.fail(RuntimeError("the driver has lost it"))
+    end = time.monotonic() + 20.0
+    while not camera.fault and time.monotonic() < end:
+        camera.read()
+    assert not camera.may_return
     close(camera, device)
 
 

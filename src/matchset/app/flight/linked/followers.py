@@ -84,9 +84,20 @@ class LinkedFollowers(Closing):
                     if not pilot.landing:
                         pilot.land(f"vehicle {number + 1} came down")
 
-    def fault_on_ground(self, steps: Sequence[PilotStep]) -> str:
-        """Why it makes no sense to go on, as `fault`; empty while a motor turns: safety brings that vehicle down."""
-        return "" if any(step.safety.phase in AIRBORNE for step in steps) else self.fault
+    def fault_on_ground(self, steps: Sequence[PilotStep], patient: bool = False) -> str:
+        """Why it makes no sense to go on, as `fault`; empty while a motor turns: safety brings that vehicle down.
+
+        Parameters
+        ----------
+        steps : sequence of PilotStep
+        patient : bool
+            Whether a camera that is still being opened again is none.
+        """
+        if any(step.safety.phase in AIRBORNE for step in steps):
+            return ""
+        if patient and all(camera.may_return for camera in self.cameras if camera.fault):
+            return ""
+        return self.fault
 
     def close(self) -> None:
         """Land everybody at once, close the links, then the cameras; once more does no harm."""

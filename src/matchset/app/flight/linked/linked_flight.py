@@ -108,8 +108,9 @@ class LinkedFlight(ChainFlight):
 
     def _ends(self, step: ChainStep) -> bool:
         """Whether the flight is over after a step."""
-        self.fault = self._followers.fault_on_ground(step.steps)
-        if self.fault or (step.down and self.setup.kind == "flight"):
+        over = step.down and self.setup.kind == "flight"
+        self.fault = self._followers.fault_on_ground(step.steps, patient=not over)
+        if self.fault or over:
             return True
         if step.time < self.setup.countdown + self.parameters.duration:
             return False

@@ -17,7 +17,8 @@ class LiveCamera:
     """Pictures of a live source for a `Pilot`, on a clock that begins at 0.
 
     A camera that fails or falls silent is a camera without pictures, so that the pilot's own safety brings the vehicle
-    down; `fault` says what is wrong.
+    down; `fault` says what is wrong. Meanwhile the thread that reads a stream opens it again: when it is back there are
+    pictures again.
 
     Parameters
     ----------
@@ -93,6 +94,12 @@ class LiveCamera:
         if self._failure or silent <= self._parameters.silence:
             return self._failure
         return f"{self.name} has delivered no picture for {silent:.1f} s"
+
+    @property
+    def may_return(self) -> bool:
+        """Whether a camera without pictures is still being opened again."""
+        lost = self._clock() - self._arrived - self._parameters.silence
+        return not self._failure and lost < self.video.reconnect
 
     @property
     def notes(self) -> list[str]:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from matchset.app.exit_codes import print_note
 from matchset.app.flight.config import with_world
 from matchset.app.flight.flight import FlightKind, FlightParameters, FlightSetup
 from matchset.app.flight.linked.dry_link import DryLink
@@ -57,6 +58,8 @@ def read_files(follower: LinkedFollower) -> LinkedFiles:
     follower.check()
     ball, marker = load_color(follower.color), load_color(follower.marker_color)
     camera = CameraModel.load(follower.camera_file) if follower.camera_file else None
+    if camera is not None:
+        camera = camera.turned(follower.turn, follower.mirror)
     return LinkedFiles(camera, Colors(ball | marker, marker))
 
 
@@ -75,7 +78,18 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
     if Path(source).exists() and not Path(source).is_char_device():
         raise ValueError(f"--camera must be a camera or a stream, and {source} is a file: nobody can fly by the past")
     start_video(follower)
-    video = Video(source, exposure=follower.exposure, white_balance=follower.white_balance, fps=follower.fps)
+    silence = follower.silence
+    video = Video(
+        source,
+        exposure=follower.exposure,
+        white_balance=follower.white_balance,
+        fps=follower.fps,
+        turn=follower.turn,
+        mirror=follower.mirror,
+        timeout=silence.timeout,
+        reconnect=silence.reconnect,
+        note=print_note,
+    )
     try:
         size = video.width, video.height
         model = model or CameraModel.from_fov(*size, math.radians(follower.fov_deg or 0.0))

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 import typer
 
+from matchset.app.cli_options import TurnOptions
+
 if TYPE_CHECKING:
     from matchset.app.flight.flight import FlightParameters
     from matchset.app.flight.linked.parameters import LinkedFollower
@@ -42,6 +44,18 @@ Delay = Annotated[
     float | None,
     typer.Option("--delay-ms", metavar="MS", help="How old a picture is when it arrives, where nothing stamps it."),
 ]
+Timeout = Annotated[
+    float | None,
+    typer.Option("--timeout", metavar="S", help="Of a real camera: after which silence it is opened again; 2 s."),
+]
+Reconnect = Annotated[
+    float | None,
+    typer.Option(
+        "--reconnect",
+        metavar="S",
+        help="How long that is tried, s; without pictures it lands meanwhile. 10 of a stream, 0 of a camera.",
+    ),
+]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Send no throttle, say what would be sent. So it is without --arm.")
 ]
@@ -62,13 +76,16 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
     diameter: Diameter = None
     marker_diameter: MarkerDiameter = None
     delay_ms: Delay = None
+    mounted: TurnOptions = TurnOptions()
+    timeout: Timeout = None
+    reconnect: Reconnect = None
     dry_run: DryRun = False
     arm: Arm = False
 
     @property
     def given(self) -> bool:
         """Whether any of them was typed."""
-        return any(getattr(self, name) not in (None, False) for name in self.__struct_fields__)
+        return any(getattr(self, name) not in (None, False, TurnOptions()) for name in self.__struct_fields__)
 
     @property
     def inputs(self) -> list[Path | None]:
@@ -93,9 +110,9 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
             return ()
         known = () if config is None else read_followers(config)
         if self.camera is None and self.link is None:
-            typed = [
-                name for name in ("camera_file", "fov", "color", "marker_color", "delay_ms") if getattr(self, name)
-            ]
+            names = "camera_file", "fov", "color", "marker_color", "delay_ms", "timeout", "reconnect"
+            typed = [name for name in names if getattr(self, name) not in (None, [])]
+            typed += ["turn"] if self.mounted.words else []
             if typed and known:
                 raise ValueError(f"--{typed[0].replace('_', '-')}: of several followers, write it into {config}")
             if self.given and not known:
@@ -115,6 +132,10 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
                 color=tuple(map(str, self.color or ())),
                 marker_color=tuple(map(str, self.marker_color or ())),
                 delay_ms=self.delay_ms or 0.0,
+                turn=self.mounted.turn,
+                mirror=self.mounted.mirror,
+                timeout=self.timeout,
+                reconnect=self.reconnect,
             ),
         )
 

@@ -4,6 +4,9 @@ import math
 
 import msgspec
 
+from matchset.image.streams.silence import Silence
+from matchset.image.upright.orientation import check_turn
+
 MOST_COUNTDOWN, MOST_WAIT, MOST_SILENCE = 60.0, 0.09, 10.0  # format: s; the transmitter holds the sticks after 0.1 s
 
 
@@ -20,9 +23,9 @@ class LinkedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         the sticks after 0.1 s; less sends commands that rest on no new picture. Chosen by hand: more than a period of a
         camera with 15 pictures a second.
     silence : float
-        Time without a picture after which a camera is gone, s; a flight ends when its vehicles are down. More waits
-        longer for a camera that comes back, less gives up at a hiccup. Chosen by hand: longer than the safety filter
-        needs to begin a descent.
+        Time without a picture after which a camera is gone, s; a flight ends when its vehicles are down. One that has
+        not begun waits `reconnect` longer. More waits longer for a camera that comes back, less gives up at a hiccup.
+        Chosen by hand: longer than the safety filter needs to begin a descent.
     """
 
     countdown: float = 5.0
@@ -59,6 +62,14 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     exposure, white_balance, fps : float or None
         What to ask of the camera, as of `matchset.image.video.Video`. An exposure held short keeps the ball's outline
         sharp in flight; None: what the camera does.
+    turn : int
+        Degrees by which its pictures, and the camera file, are turned, clockwise: 0, 90, 180 or 270, for a camera that
+        hangs upside down.
+    mirror : bool
+        Whether left and right are swapped after that, for a camera behind a mirror.
+    timeout, reconnect : float or None
+        As of `matchset.image.video.Video`, s: after which silence the camera is opened again, and for how long that is
+        tried. It happens beside the loop, which flies on without pictures and lands as its safety says. None: as there.
     """
 
     camera: int | str
@@ -71,12 +82,18 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     exposure: float | None = None
     white_balance: float | None = None
     fps: float | None = None
+    turn: int = 0
+    mirror: bool = False
+    timeout: float | None = None
+    reconnect: float | None = None
 
     def __post_init__(self) -> None:
+        check_turn(self.turn)
         if self.fov_deg is not None and not 0.0 < self.fov_deg < 180.0:
             raise ValueError(f"fov_deg must lie between 0 and 180, got {self.fov_deg:g}")
         if not (math.isfinite(self.delay_ms) and 0.0 <= self.delay_ms <= 1000.0):
             raise ValueError(f"delay_ms must be within 0 ... 1000, got {self.delay_ms:g}")
+        self.silence.checked()
 
     def check(self) -> None:
         """Refuse what lacks a camera's model or a color, with what to run (ValueError)."""
@@ -96,6 +113,11 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
                     f"say what color the {what} has: {option}, made by 'matchset learn {source} {click} -o "
                     f"{what}.npz'; 'matchset learn {source}' shows a picture with its pixels"
                 )
+
+    @property
+    def silence(self) -> Silence:
+        """How much silence of its camera is borne."""
+        return Silence(reconnect=self.reconnect) if self.timeout is None else Silence(self.timeout, self.reconnect)
 
     @property
     def words(self) -> str:

@@ -12,6 +12,7 @@ import msgspec
 
 from matchset.app.calibrate.board_views import Advice, advise
 from matchset.app.calibrate.coverage_picture import coverage_map, coverage_picture
+from matchset.app.cli_options import UPRIGHT, TurnOptions
 from matchset.app.closing import Closing
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.live.camera.shown import Shown, newest_pictures
@@ -90,6 +91,8 @@ class BoardCalibration(Closing):
     board : Board
     note : callable
         Told where the file is.
+    mounted : TurnOptions, optional
+        How its pictures are turned; the file is for pictures as the camera delivers them.
     parameters : BoardCalibrationParameters, optional
 
     Attributes
@@ -102,9 +105,10 @@ class BoardCalibration(Closing):
         shown: Shown,
         board: Board,
         note: Callable[[str], None],
+        mounted: TurnOptions = UPRIGHT,
         parameters: BoardCalibrationParameters | None = None,
     ) -> None:
-        self._shown, self._board, self._note = shown, board, note
+        self._shown, self._board, self._note, self._mounted = shown, board, note, mounted
         self._parameters = parameters or BoardCalibrationParameters()
         self._folder = Path(tempfile.mkdtemp(prefix="matchset-"))
         self._forget = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
@@ -192,12 +196,13 @@ class BoardCalibration(Closing):
         assert self._picture is not None
         folder = output_folder(None, "calibrate")
         file, picture = folder / "camera.toml", folder / "camera-coverage.png"
-        calibration.camera.save(file)
+        calibration.camera.turned(**self._mounted.undone.arguments).save(file)
         write_picture(picture, coverage_picture(self._picture.image, calibration.views, report))
         self._draw(coverage_map(self._picture.image, calibration.views))
         shown = next(reversed(self._files))
         self._files |= {file.name: file, picture.name: picture}
-        self._shown.use(CameraModel.load(file))  # as any run after this one will read it
+        camera = CameraModel.load(file).turned(**self._mounted.arguments)
+        self._shown.use(camera)  # as any run after this one will read it
         self._note(f"the camera is saved as {file}, and used")
         self.state = BoardState(
             phase="done",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 
+from matchset.app.cli_options import UPRIGHT, TurnOptions
 from matchset.app.closing import Closing
 from matchset.app.live.camera.ball_distance import BallDistance
 from matchset.app.live.camera.board_calibration import BoardCalibration, BoardState
@@ -71,14 +72,22 @@ class CameraPanel(Panel, Closing):
         Told what a person should know.
     folder : Path, optional
         Whose camera files are offered.
+    mounted : TurnOptions, optional
+        How the pictures are turned. Files are for pictures as the camera delivers them: they are turned, too.
     """
 
     name = "camera"
     messages = MESSAGES
     uploads = ("camera",)
 
-    def __init__(self, shown: Shown, note: Callable[[str], None], folder: Path | None = None) -> None:
-        self._shown, self._note, self._folder = shown, note, folder or Path()
+    def __init__(
+        self,
+        shown: Shown,
+        note: Callable[[str], None],
+        folder: Path | None = None,
+        mounted: TurnOptions = UPRIGHT,
+    ) -> None:
+        self._shown, self._note, self._folder, self._mounted = shown, note, folder or Path(), mounted
         self._files: dict[str, CameraFile] = {}
         self._numbers = 0
         self._printed = PrintedBoards()
@@ -106,7 +115,7 @@ class CameraPanel(Panel, Closing):
         if isinstance(message, UseCamera):
             if message.key not in self._files:
                 raise ValueError("this camera file is not there any more: look again")
-            self._shown.use(self._files[message.key].camera)
+            self._shown.use(self._files[message.key].camera.turned(**self._mounted.arguments))
         elif isinstance(message, CalibrateBoard):
             self._begin_board(message)
         elif isinstance(message, EndBoard):
@@ -124,7 +133,7 @@ class CameraPanel(Panel, Closing):
         ValueError
             If it is none.
         """
-        self._shown.use(read_camera_file(name, data))
+        self._shown.use(read_camera_file(name, data).turned(**self._mounted.arguments))
 
     def state(self) -> CameraState:
         """Return what the page shows."""
@@ -160,7 +169,7 @@ class CameraPanel(Panel, Closing):
         )
         if self._board is not None:
             self._board.cancel()
-        self._board = BoardCalibration(self._shown, board, self._note)
+        self._board = BoardCalibration(self._shown, board, self._note, self._mounted)
 
     def _end_board(self, use: bool) -> None:
         if self._board is None:

@@ -4,8 +4,11 @@ import math
 from collections.abc import Callable, Mapping
 
 from matchset.app.live.sources.cameras import FoundCamera, find_cameras
-from matchset.image.camera_stream import Control, Live, Settings
+from matchset.image.camera_stream import Live
 from matchset.image.errors import LinkError
+from matchset.image.streams.camera_settings import Control, Settings
+from matchset.image.streams.silence import Silence
+from matchset.image.upright.view import ANY, Wish
 from matchset.image.video import Video
 
 AT_ONCE = ("exposure", "gain", "white_balance")  # the others need the camera to be opened again
@@ -19,9 +22,11 @@ class SetCamera(Video):
     device : str
         Number or path.
     wishes : mapping of str to float
-        Names of `matchset.image.camera_stream.PROPERTIES`, and the values asked for.
+        Names of `matchset.image.streams.camera_settings.PROPERTIES`, and the values asked for.
     timeout : float
         Longest silence, s.
+    wish : Wish, optional
+        How its pictures are turned.
 
     Raises
     ------
@@ -29,8 +34,8 @@ class SetCamera(Video):
         If it cannot be opened.
     """
 
-    def __init__(self, device: str, wishes: Mapping[str, float], timeout: float = 2.0) -> None:
-        self._start(device, dict(wishes), timeout, None)
+    def __init__(self, device: str, wishes: Mapping[str, float], timeout: float = 2.0, wish: Wish = ANY) -> None:
+        self._start(device, dict(wishes), Silence(timeout, reconnect=0.0), None, wish)
 
     @property
     def current(self) -> Settings:

@@ -7,7 +7,7 @@ import msgspec
 from matchset.app.live.camera.device import CameraDevice
 from matchset.app.live.camera.messages import SETTINGS, SetCameraSetting, SettingWish
 from matchset.app.live.feed import Panel
-from matchset.image.camera_stream import AUTOMATIC, Control, differences
+from matchset.image.streams.camera_settings import AUTOMATIC, Control, differences
 
 UNITS = {"exposure": "× 0.1 ms on Linux", "white_balance": "K", "fps": "frames/s", "size": "px"}
 # format: sizes that cameras have, px. One that has no such size takes the nearest, and says so.

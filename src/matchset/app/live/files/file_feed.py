@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.cli_options import UPRIGHT, TurnOptions
 from matchset.app.closing import close_all
 from matchset.app.live.camera.camera_panel import CameraPanel
 from matchset.app.live.feed import Feed, News, Seen
@@ -38,6 +39,8 @@ class FileFeed(Feed):
         Told of each picture.
     note : callable
         Told what a person should know.
+    mounted : TurnOptions, optional
+        How its pictures are turned: camera files are turned, too.
     parameters : ReaderParameters, optional
 
     Attributes
@@ -65,6 +68,7 @@ class FileFeed(Feed):
         open_source: Callable[[], StampedVideo],
         news: News,
         note: Callable[[str], None],
+        mounted: TurnOptions = UPRIGHT,
         parameters: ReaderParameters = DEFAULT,
     ) -> None:
         self.title, self._open, self._news, self._note = title, open_source, news, note
@@ -85,7 +89,7 @@ class FileFeed(Feed):
         self._described, self._stop = -1, threading.Event()
         self._series, self._lock = dict[int, Series](), threading.Lock()
         self.streams = (self,)
-        self._camera, self.panel = CameraPanel(self, note), FilePanel(self)
+        self._camera, self.panel = CameraPanel(self, note, mounted=mounted), FilePanel(self)
         self.panels = (TargetsPanel(self.ask), self._camera, self.panel)
         self._thread = threading.Thread(target=self._read_all, name="matchset frames", daemon=True)
         self._thread.start()

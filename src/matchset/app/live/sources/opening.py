@@ -1,11 +1,13 @@
 """Makes the feed of a source: `open_feed`."""
 
+import functools
 import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from matchset.app.live.camera.device import CameraDevice
+from matchset.app.cli_options import ViewOptions
+from matchset.app.live.camera.device import CameraDevice, SetCamera
 from matchset.app.live.feed import Feed, News
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.frame_list import StampedVideo
@@ -14,6 +16,7 @@ from matchset.app.live.sources.demo_clip import demo_clip
 from matchset.app.live.sources.found_sources import CHAIN, DEMO, Source
 from matchset.app.live.vision.camera_feed import CameraFeed
 from matchset.camera.camera_model import CameraModel
+from matchset.image.upright.view import Wish
 from matchset.image.video import Video
 
 
@@ -28,11 +31,14 @@ class Opening(NamedTuple):
         Told what a person should know.
     stopped : callable
         Whether the server ends.
+    view : ViewOptions
+        How the pictures of what the command line names are used.
     """
 
     news: News
     note: Callable[[str], None]
     stopped: Callable[[], bool] = lambda: False
+    view: ViewOptions = ViewOptions()
 
 
 def open_feed(source: Source, opening: Opening) -> Feed:
@@ -52,22 +58,26 @@ def open_feed(source: Source, opening: Opening) -> Feed:
         return simulated_flight(source.origin, opening.news)
     if source.kind == "given" and Path(source.origin).suffix.lower() == ".toml":
         return linked_flight(Path(source.origin), opening.news, opening.note)
+    if source.kind != "given":
+        opening = opening._replace(view=ViewOptions())
+    mounted = opening.view.mounted
     if source.origin == DEMO:
         return _video(source.name, str(demo_clip(stopped=opening.stopped)), opening)
     if re.fullmatch(r"[0-9]+", source.origin) or Path(source.origin).is_char_device():
-        return CameraFeed(source.name, CameraDevice(source.origin), opening.news, opening.note)
+        device = CameraDevice(source.origin, functools.partial(SetCamera, wish=Wish(**mounted.arguments)))
+        return CameraFeed(source.name, device, opening.news, opening.note, mounted)
     return _video(source.name, source.origin, opening)
 
 
 def _video(title: str, origin: str, opening: Opening) -> Feed:
-    path = Path(origin)
+    path, mounted, view = Path(origin), opening.view.mounted, opening.view.arguments
     if re.fullmatch(r"\d+|(?!file:)[A-Za-z][\w+.-]*://.*", origin) or path.is_char_device():
-        return CameraFeed(title, lambda: Video(origin), opening.news, opening.note)
-    feed = FileFeed(title, lambda: StampedVideo(origin), opening.news, opening.note)
+        return CameraFeed(title, lambda: Video(origin, **view), opening.news, opening.note, mounted)
+    feed = FileFeed(title, lambda: StampedVideo(origin, **view), opening.news, opening.note, mounted)
     beside = path.with_suffix(".toml")
     if beside.is_file():
         try:
-            feed.use(CameraModel.load(beside))
+            feed.use(CameraModel.load(beside).turned(**mounted.arguments))
         except ValueError as error:  # some other file of this name
             opening.note(f"the camera is not known: {error}")
         else:

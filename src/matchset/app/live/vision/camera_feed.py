@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from matchset.app.cli_options import UPRIGHT, TurnOptions
 from matchset.app.closing import close_all
 from matchset.app.live.camera.camera_panel import CameraPanel
 from matchset.app.live.camera.device import CameraDevice
@@ -24,15 +25,24 @@ class CameraFeed(Feed):
         Told of each picture.
     note : callable
         Told what a person should know.
+    mounted : TurnOptions, optional
+        How its pictures are turned: camera files are turned, too.
     """
 
     kind = "camera"
 
-    def __init__(self, title: str, open_source: Callable[[], Video], news: News, note: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        title: str,
+        open_source: Callable[[], Video],
+        news: News,
+        note: Callable[[str], None],
+        mounted: TurnOptions = UPRIGHT,
+    ) -> None:
         self.title = title
         self.vision = Vision(open_source, news=news, note=note)
         self.streams = (self.vision,)
-        self._camera = CameraPanel(self.vision, note)
+        self._camera = CameraPanel(self.vision, note, mounted=mounted)
         self.panels: tuple[Panel, ...] = (TargetsPanel(self.vision.ask), self._camera)
         if isinstance(open_source, CameraDevice):
             self.panels += (SettingsPanel(open_source, self.vision.reopen),)

@@ -53,7 +53,7 @@ class Vision(Closing):
     Parameters
     ----------
     open_source : callable
-        Opens the source; called again where it is gone.
+        Opens the source; called again where it is gone. A stream opens itself again first, see `Video`.
     camera : CameraModel, optional
     news : callable, optional
         Called in the thread after each new picture; must not wait.
@@ -153,11 +153,17 @@ class Vision(Closing):
 
     def _read(self, source: Video) -> bool:
         """Take the pictures of a source; returns whether it has ended by itself."""
-        for frame in source:
-            if self._stop.is_set() or self._again.is_set():
-                return False
+        for frame in source.until(functools.partial(self._leaves, source)):
             self._take(source, frame)
-        return True
+        return not self._leaves(source)
+
+    def _leaves(self, source: Video) -> bool:
+        """Whether to leave a source; of one that is lost, and opens itself again, the page is told meanwhile."""
+        if source.lost:
+            if self.seen.state.fault != source.lost:
+                self._fault(source.lost)
+            self._grant()
+        return self._stop.is_set() or self._again.is_set()
 
     def _fault(self, words: str) -> None:
         """Show the last picture, and in words what is wrong; the targets stay, to be found again."""

@@ -180,7 +180,7 @@ def refused(folder: Path) -> dict[str, Any]:
     return {"Video": ms.Video(folder / "one.png")}
 
 
-FUNCTIONS = {"detect", "draw", "draw_pose", "to_supervision"}
+FUNCTIONS = {"detect", "draw", "draw_pose", "table", "to_supervision", "write_video"}
 
 
 def written(value: object) -> object:

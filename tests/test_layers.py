@@ -55,6 +55,7 @@ READS_OR_WRITES = {"fromfile", "imread", "imwrite", "load", "loadtxt", "open", "
 FOR_PEOPLE = {"matplotlib", "PIL", "rich", "typer"}
 SHOWS = {"print", "putText", "arrowedLine", "drawMarker"}
 MAY_PLOT = {
+    "app/course/figure.py",
     "app/drawing/curves.py",
     "app/drawing/plot_style.py",
     "app/flight_report/plots.py",

@@ -23,7 +23,7 @@ API = {
         "Camera and position",
         ("CameraModel", "BallTarget", "Localizer", "MarkerTracker", "Pose", "PoseFilter"),
     ),
-    "drawing": ("Pictures of results", ("draw", "draw_pose", "to_supervision")),
+    "drawing": ("Pictures and tables of results", ("draw", "draw_pose", "write_video", "table", "to_supervision")),
     "neighbors": ("Several balls", ("Neighbors", "Neighbor")),
 }
 

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from matchset import sim as sim
     from matchset.app import gym as gym
     from matchset.app.adapters.supervision_detections import to_supervision
+    from matchset.app.course.table import table
     from matchset.app.drawing.draw import draw, draw_pose
+    from matchset.app.pictures.track_video import write_video
     from matchset.camera.camera_model import CameraModel
     from matchset.image.color import ColorModel
     from matchset.image.errors import LinkError
@@ -68,7 +70,9 @@ __all__ = [
     "detect",
     "draw",
     "draw_pose",
+    "table",
     "to_supervision",
+    "write_video",
 ]
 
 # The same as the imports above; a test compares them.
@@ -98,7 +102,9 @@ _MODULES = {
     "detect": "matchset.tracking.detection",
     "draw": "matchset.app.drawing.draw",
     "draw_pose": "matchset.app.drawing.draw",
+    "table": "matchset.app.course.table",
     "to_supervision": "matchset.app.adapters.supervision_detections",
+    "write_video": "matchset.app.pictures.track_video",
 }
 
 # Public folders; what they offer is in their own `__all__`.

@@ -115,6 +115,7 @@ def test_the_demo_needs_nothing_and_leaves_everything(matchset: Matchset, capsys
     sheet = cv2.imread(str(folder / "sheet.png"))
     assert sheet is not None
     assert sheet.shape[0] > 1000
+    assert (folder / "demo.webm").stat().st_size < 0.4e6  # 150 frames take less than 2 MB
     assert matchset("score", folder / "tracks.csv", folder / "truth.csv", "--json") == 0
     assert json.loads(capsys.readouterr().out)["valid_percent"] > 90.0
     assert matchset("demo", "--frames", "24", "-o", folder) == 2

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from matchset.app.drawing.annotate import OUTLINE, PREDICTED
+from matchset.app.drawing.draw import TARGETS
 
 IMAGE = np.full((240, 320, 3), 90, np.uint8)
 cv2.circle(IMAGE, (140, 100), 40, (200, 60, 30), -1, cv2.LINE_AA)
@@ -73,9 +74,12 @@ def test_a_loss_is_dashed_and_says_why() -> None:
 
 
 def test_all_detections_are_drawn_at_once() -> None:
-    pink = near(ms.draw(IMAGE, [TRACK, track_at(260.0, 100.0, 25.0)]), OUTLINE)
-    assert (pink[:, 0] > 230).any()
-    assert (pink[:, 0] < 185).any()
+    drawn = ms.draw(IMAGE, [TRACK, track_at(260.0, 100.0, 25.0)])
+    first, second = (near(drawn, color) for color in TARGETS[:2])
+    assert len(first) > 50
+    assert np.abs(radii(first) - TRACK.shape.radius).max() < 2.5
+    assert len(second) > 50
+    assert (second[:, 0] > 230).all()
     assert np.array_equal(ms.draw(IMAGE, [], words=False), IMAGE)
 
 

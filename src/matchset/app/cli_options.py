@@ -25,7 +25,12 @@ Topic = Annotated[
     typer.Option(metavar="NAME", help="Of a bag (.bag, .db3, .mcap, folder): which topic, if several have pictures."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite what exists.")]
-Pick = Annotated[str | None, typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME.")]
+Pick = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X,Y[@FRAME]", help="A pixel on the ball, in frame 0 or FRAME; of a file it is followed both ways."
+    ),
+]
 ReadingNumber = Annotated[
     int, typer.Option("--reading", metavar="N", min=1, help="What the --pick means: the N-th likeliest thing there.")
 ]

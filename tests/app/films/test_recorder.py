@@ -11,7 +11,7 @@ from matchset.app.disk import UnfinishedFileError
 from matchset.app.films import codecs
 from matchset.app.films.codecs import Codec
 from matchset.app.films.opencv_encoder import set_frame_rate
-from matchset.app.films.video_writer import Recorder
+from matchset.app.films.video_writer import Recorder, RecorderParameters
 
 SIZE = 64, 48
 
@@ -91,6 +91,26 @@ def test_no_film_takes_a_tenth_of_a_second_a_picture(tmp_path: Path, suffix: str
     end = os.times()
     took = sum(end[:4]) - sum(begin[:4])  # of this process and of those that it started
     assert took < 40 * 0.1
+
+
+@pytest.mark.usefixtures("either")
+@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
+def test_a_small_film_of_noise_takes_less_than_a_megabyte_a_second(tmp_path: Path, suffix: str) -> None:
+    """The noise of a bad link is what takes the room: 640 x 480, 25 gray levels, new in every picture."""
+    rows = np.arange(480)[:, None, None]
+    sizes = {}
+    for small in (False, True):
+        random = np.random.default_rng(0)
+        with Recorder(
+            tmp_path / f"{small}{suffix}", 30.0, (640, 480), parameters=RecorderParameters(small=small)
+        ) as out:
+            for k in range(30):
+                noise = cv2.GaussianBlur(random.normal(0.0, 40.0, (480, 640, 3)), (5, 1), 1.0)
+                out.write(np.asarray((90 + 60 * np.sin(rows / 90.0 + k / 20.0) + noise).clip(0, 255), np.uint8))
+        sizes[small] = (tmp_path / f"{small}{suffix}").stat().st_size
+        video = cv2.VideoCapture(str(tmp_path / f"{small}{suffix}"))
+        assert sum(video.grab() for _ in range(40)) == 30
+    assert sizes[True] < 1e6 < sizes[False]
 
 
 def test_a_program_without_h264_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ import pytest
 from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 from PIL import Image
 
+from matchset.app.course.log import ShapeLog
 from matchset.app.drawing.annotate import OUTLINE, PREDICTED, TrackPainter
 from matchset.app.drawing.status_strip import StatusStrip
 from matchset.app.drawing.text import text_width, wrapped
@@ -16,6 +17,8 @@ from matchset.app.films.video_writer import quick_ending
 from matchset.app.pictures.animation import Animation
 from matchset.app.pictures.film import FilmParameters, RunFilm
 from matchset.app.pictures.part import Moment, Part
+from matchset.app.pictures.summary import Summary
+from matchset.app.track.loop import TrackedFrame
 from matchset.app.track.rows import TrackRow, read_tracks, track_row
 from matchset.image.frame import Frame
 from matchset.shapes.circle import Circle
@@ -212,6 +215,40 @@ def test_a_shape_demo_has_a_sheet_and_right_words(matchset: Matchset, capsys: py
     assert matchset("demo", "--shape", "0,0 4,0 0,3", "--frames", "12", "-o", "out") == 0
     assert "A blue shape with 3 corners in a room" in capsys.readouterr().out
     assert cv2.imread("out/sheet.png") is not None
+
+
+def summary_height(*words: object, matchset: Matchset, code: int = 0) -> int:
+    assert matchset("track", *words, "-o", "out", "--force") == code
+    sheet = cv2.imread("out/summary.png")
+    assert sheet is not None
+    return int(sheet.shape[0])
+
+
+def test_the_summary_has_curves_where_something_was_found(matchset: Matchset, ball_video: Path) -> None:
+    found = summary_height(ball_video, "--pick", "50,60", matchset=matchset)
+    none = summary_height(ball_video, "--hsv", "60,200,200:70,255,255", matchset=matchset, code=1)
+    assert found - none == pytest.approx(425, abs=80)  # the words below its tiles take lines, too
+
+
+def test_a_single_picture_has_a_summary_with_dots(matchset: Matchset) -> None:
+    cv2.imwrite("one.png", ball_picture((60.0, 60.0)))
+    assert summary_height("one.png", "--pick", "60,60", matchset=matchset) > 425
+
+
+def test_a_summary_counts_frames_that_could_not_be_decoded() -> None:
+    summary, frame = Summary(), Frame(np.full((40, 60, 3), 90, np.uint8))
+    log = ShapeLog(Circle)
+    for index in range(10):
+        lost = index in (4, 5)
+        answer: Track[Circle] | Lost[Circle] = Lost("frame could not be decoded", 0.1 * index)
+        if not lost:
+            answer = Track(Circle(20.0 + index, 15.0, 8.0), 0.01 * np.eye(3), 1.0, np.empty((0, 2)), 0.1 * index)
+        tracked = TrackedFrame(None if lost else frame, answer, track_row(index, answer))
+        log.add(tracked)
+        summary.append(tracked.frame, answer, tracked.row)
+    assert summary.words == "found in 8 of 10 frames (80.0 %)"
+    assert np.flatnonzero(~log.course.found).tolist() == [4, 5]
+    assert summary.picture("clip", log.course).shape[1] == 1480
 
 
 def test_the_summary_of_a_portrait_video_fits_a_screen(matchset: Matchset) -> None:

@@ -19,6 +19,7 @@ from matchset.shapes.shape import outline
 from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
+Color = tuple[int, int, int]
 
 OUTLINE = (190, 40, 255)  # geometry: color of what was found, BGR: a pink that balls and rooms do not have
 POINT = (255, 255, 255)  # geometry: color of the match-set, BGR
@@ -97,13 +98,13 @@ def annotate(frame: Frame, answer: Track[Any] | Lost[Any], row: TrackRow) -> Pic
     return image
 
 
-def draw_answer(image: Picture, answer: Track[Any] | Lost[Any]) -> None:
-    """Draw an outline with its match-set or, dashed, a predicted one."""
+def draw_answer(image: Picture, answer: Track[Any] | Lost[Any], color: Color | None = None) -> None:
+    """Draw an outline with its match-set or, dashed, a predicted one; in one color, or each in its own."""
     if isinstance(answer, Track):
         draw_points(image, answer.match_set)
-        draw_shape(image, answer.shape)
+        draw_shape(image, answer.shape, color or OUTLINE)
     elif answer.predicted is not None:
-        draw_shape(image, answer.predicted, PREDICTED, dashed=True)
+        draw_shape(image, answer.predicted, color or PREDICTED, dashed=True)
 
 
 def as_color(image: Picture) -> Picture:

@@ -1,7 +1,9 @@
 """Answers drawn into pictures, for programs and notebooks: `draw` for tracks, `draw_pose` for poses."""
 
+import itertools
 import math
-from collections.abc import Iterable
+import operator
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import cv2
@@ -10,14 +12,15 @@ import numpy.typing as npt
 
 from matchset.app.drawing.annotate import (
     OUTLINE,
-    PREDICTED,
     Caption,
+    Color,
     as_color,
+    center_of,
     describe,
-    draw_points,
-    draw_shape,
+    draw_answer,
     write_captions,
 )
+from matchset.app.drawing.trail import Trail
 from matchset.app.locate.annotate_pose import describe_position, describe_relative_pose, draw_axes, label_ball
 from matchset.app.locate.rows import pose_row
 from matchset.app.track.rows import track_row
@@ -29,6 +32,16 @@ from matchset.numeric.arguments import check_kind, check_number
 from matchset.tracking.track import Lost, Track
 
 Found = Track[Any] | Lost[Any]
+
+TARGETS = (
+    (233, 180, 86),
+    (0, 159, 230),
+    (115, 158, 0),
+    (66, 228, 240),
+    (167, 121, 204),
+    (0, 94, 213),
+    (178, 114, 0),
+)  # format: BGR, those of the live page in its order (Okabe & Ito, told apart by the color-blind)
 
 OUTLINE_TURNS = 2.0 * math.pi * np.arange(90) / 90  # geometry: points of a drawn ball's outline
 ARM = 0.07  # geometry: stands for the ball's radius where that is not known, in its distance: 4 degrees
@@ -43,7 +56,14 @@ class Drawing(npt.NDArray[np.uint8]):
         return png_of(np.asarray(self)) if sound else None
 
 
-def draw(image: Picture, track: Found | Iterable[Found], words: bool = True) -> Drawing:
+def draw(
+    image: Picture,
+    track: Found | Iterable[Found],
+    words: bool = True,
+    *,
+    trail: Iterable[Found] | Iterable[Iterable[Found]] | None = None,
+    colors: Sequence[Color] | None = None,
+) -> Drawing:
     """Draw what was found into a copy of its picture: "show me".
 
     Parameters
@@ -54,6 +74,12 @@ def draw(image: Picture, track: Found | Iterable[Found], words: bool = True) -> 
         What `Tracker.update` or `detect` returned for it.
     words : bool
         Whether to write numbers, or the reason of a loss, below.
+    trail : iterable of Track or Lost, optional
+        Earlier answers, oldest first: the way of the last 40 is drawn as a fading line, which a loss interrupts. For
+        several tracks one such iterable for each.
+    colors : sequence of (blue, green, red), optional
+        0 ... 255, one for each track, in their order, from the first again where there are more tracks. By default one
+        track is pink, and of several each has a color of its own.
 
     Returns
     -------
@@ -63,25 +89,68 @@ def draw(image: Picture, track: Found | Iterable[Found], words: bool = True) -> 
     Raises
     ------
     ValueError
-        If the picture is none.
+        If the picture is none, a color is none, or there are not as many trails as tracks.
     TypeError
-        If there is something else among the tracks.
+        If there is something else among the tracks or in a trail.
     """
     given = [track] if isinstance(track, Track | Lost) else list(track)
     for each in given:
         check_kind("what is drawn", each, (Track, Lost), "Tracker.update(frame) gives one")
     drawn = as_color(image_of(image))
-    for each in given:
-        if isinstance(each, Track):
-            draw_points(drawn, each.match_set)
-            draw_shape(drawn, each.shape)
-        elif each.predicted is not None:
-            draw_shape(drawn, each.predicted, PREDICTED, dashed=True)
+    chosen = _chosen(colors, len(given))
+    for way, answer, color in zip(_ways(trail, track, len(given)), given, chosen, strict=True):
+        _draw_way(drawn, [*way, answer], color)
+    for answer, color in zip(given, chosen, strict=True):
+        draw_answer(drawn, answer, color)
     if words:
         count = sum(map(bool, given))
         text = describe(track_row(0, given[0])) if len(given) == 1 else f"{count} found"
         write_captions(drawn, Caption(text, bad=not count))
     return drawn.view(Drawing)
+
+
+def _chosen(colors: Sequence[Color] | None, count: int) -> list[Color | None]:
+    """Return a color for each of so many tracks; None: what is found and what is expected have colors of their own."""
+    if colors is None:
+        return [None] if count == 1 else [TARGETS[number % len(TARGETS)] for number in range(count)]
+    given = [_color(each) for each in colors]
+    if not given:
+        raise ValueError("colors must have one color (blue, green, red) or more, got none")
+    return [given[number % len(given)] for number in range(count)]
+
+
+def _color(value: Any) -> Color:
+    """Return a color, checked."""
+    try:
+        blue, green, red = (operator.index(each) for each in value)
+    except (TypeError, ValueError):
+        blue = -1
+    if isinstance(value, str) or blue < 0 or not all(0 <= each <= 255 for each in (blue, green, red)):
+        raise ValueError(f"a color must be (blue, green, red) of whole numbers 0 ... 255, got {value!r:.60}")
+    return blue, green, red
+
+
+def _ways(trail: Any, track: Found | Iterable[Found], count: int) -> list[list[Found]]:
+    """Return the earlier answers of each of so many tracks."""
+    given = [] if trail is None else list(trail)
+    if not given:
+        return [[]] * count
+    flat = [each for each in given if isinstance(each, Track | Lost)]
+    single = isinstance(track, Track | Lost) or (count == 1 and bool(flat))
+    ways: list[list[Found]] = [given] if single else [] if flat else [list(each) for each in given]
+    if len(ways) != count:
+        raise ValueError(f"there must be one trail for each of {count} tracks, got {len(ways) or 'one for all'}")
+    for each in itertools.chain(*ways):
+        check_kind("what a trail holds", each, (Track, Lost), "Tracker.update(frame) gives one")
+    return ways
+
+
+def _draw_way(image: npt.NDArray[np.uint8], answers: list[Found], color: Color | None) -> None:
+    """Draw the way that a target has come; nothing where there is but the last answer."""
+    trail = Trail()
+    for each in answers if len(answers) > 1 else []:
+        trail.append(center_of(each))
+    trail.draw(image, *([] if color is None else [color]))
 
 
 def draw_pose(

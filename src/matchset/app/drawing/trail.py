@@ -42,21 +42,25 @@ class Trail:
         """Note the center in the newest frame, px; None if nothing was found."""
         self._centers.append(center)
 
-    def draw(self, image: Picture) -> None:
-        """Draw the line into a picture, the oldest part faintest."""
+    def draw(self, image: Picture, color: tuple[int, int, int] = _COLOR) -> None:
+        """Draw the line into a picture, the oldest part faintest; the color is BGR."""
         thickness = max(1, round(min(image.shape[:2]) / 400))
         places = list(self._centers)
         for number, (begin, end) in enumerate(itertools.pairwise(places), start=1):
             if begin is None or end is None or max(map(abs, (*begin, *end))) > _FARTHEST:
                 continue
             first, second = ((round(x * 16), round(y * 16)) for x, y in (begin, end))
-            self._draw_part(image, first, second, (number / len(places), thickness))
+            self._draw_part(image, first, second, (number / len(places), thickness, color))
 
     def _draw_part(
-        self, image: Picture, first: tuple[int, int], second: tuple[int, int], look: tuple[float, int]
+        self,
+        image: Picture,
+        first: tuple[int, int],
+        second: tuple[int, int],
+        look: tuple[float, int, tuple[int, int, int]],
     ) -> None:
         """Draw a part of the line, mixed with what is below it, within the box around it."""
-        opacity, thickness = look
+        opacity, thickness, color = look
         room = thickness + 2
         low = [max((min(a, b) >> _SHIFT) - room, 0) for a, b in zip(first, second, strict=True)]
         high = [(max(a, b) >> _SHIFT) + room + 1 for a, b in zip(first, second, strict=True)]
@@ -65,5 +69,5 @@ class Trail:
             return
         drawn = box.copy()
         moved = [(x - (low[0] << _SHIFT), y - (low[1] << _SHIFT)) for x, y in (first, second)]
-        cv2.line(drawn, moved[0], moved[1], _COLOR, thickness, cv2.LINE_AA, _SHIFT)
+        cv2.line(drawn, moved[0], moved[1], color, thickness, cv2.LINE_AA, _SHIFT)
         cv2.addWeighted(drawn, opacity, box, 1.0 - opacity, 0.0, dst=box)

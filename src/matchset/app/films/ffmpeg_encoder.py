@@ -15,7 +15,7 @@ import tempfile
 import numpy as np
 
 from matchset.app.films.codecs import EVEN, Film, Picture
-from matchset.app.films.pyav_encoder import PACKING
+from matchset.app.films.packing import PACKING
 
 ENCODERS = ("libx264", "libopenh264")  # format: names of FFmpeg's encoders of H.264 that need no graphics card
 _FULL = "No space left on device"

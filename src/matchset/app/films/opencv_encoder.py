@@ -17,6 +17,7 @@ from pathlib import Path
 import cv2
 
 from matchset.app.films.codecs import MJPEG, MPEG4, VP8, Codec, Film, Picture, codecs_for
+from matchset.app.films.noise_smoother import NoiseSmoother
 from matchset.image.capture import hushed, opencv_name
 from matchset.numeric.extras import advice
 
@@ -51,10 +52,13 @@ class OpencvEncoder:
         self._film = film
         self._writer, self._codec = _open(film, codecs)
         self.note = MPEG4_NOTE if self._codec is MPEG4 else ""
+        self._smoother = NoiseSmoother() if film.small else None  # OpenCV passes no options to its encoders
         self._count, self._rated, self._nearly_full = 0, self._codec is not VP8, False
 
     def write(self, picture: Picture) -> None:
         """Append a picture."""
+        if self._smoother is not None:
+            picture = self._smoother.smooth(picture)
         with hushed:
             self._writer.write(picture)
         self._count += 1
@@ -122,8 +126,8 @@ def _name_in_utf8(path: Path) -> Iterator[str]:
 
 def _open(film: Film, codecs: tuple[Codec, ...]) -> tuple[cv2.VideoWriter, Codec]:
     for codec in codecs:
+        rate = _ENCODING_FPS if codec is VP8 else film.fps
         with hushed, _silent_stderr():
-            rate = _ENCODING_FPS if codec is VP8 else film.fps
             writer = cv2.VideoWriter(str(film.path), cv2.VideoWriter.fourcc(*codec.fourcc), rate, film.size)
         if writer.isOpened():
             return writer, codec

@@ -141,6 +141,7 @@ def run_flight(flight: "ChainFlight", options: FlyOptions, pacer: "Pacer | None"
     from matchset.app.flight.score import FlightScorer
     from matchset.app.kill_switch import KillSwitch
 
+    _code_pictures(flight, options.files)
     scorer, real_time = FlightScorer(flight.parameters), pacer is not None or not flight.setup.has_truth
     with (
         StopRequest() as stop,
@@ -170,6 +171,16 @@ def run_flight(flight: "ChainFlight", options: FlyOptions, pacer: "Pacer | None"
         print("note: stopped; everyone landed, and the files hold what was flown so far", file=sys.stderr)
         return stop.code
     return FOUND if flight.succeeded(scorer) else NOT_FOUND
+
+
+def _code_pictures(flight: "ChainFlight", files: FlightFiles) -> None:
+    """Let everyone fly by the pictures that are recorded, where those are not recorded without loss."""
+    if files.jpeg is None or flight.parameters.world.quick:
+        return
+    from matchset.app.recording.coded_camera import CodedCamera
+
+    for pilot in flight.pilots:
+        pilot.camera = CodedCamera(pilot.camera, files.jpeg)
 
 
 def _print_end(outputs: "FlightOutputs", files: FlightFiles, pacer: "Pacer | None") -> None:

@@ -25,6 +25,16 @@ RecordingFile = Annotated[
         "--record", metavar="OUT.mcap", help="Record everything, for 'matchset replay' and tools of ROS 2; 40 MB/s."
     ),
 ]
+RecordedJpeg = Annotated[
+    int | None,
+    typer.Option(
+        "--record-jpeg",
+        min=1,
+        max=100,
+        metavar="QUALITY",
+        help="Record JPEG, a tenth of the size, and fly by the pictures that come out of it: the replay is exact.",
+    ),
+]
 KeepFree = Annotated[
     float,
     typer.Option("--keep-free", min=0.0, metavar="MB", help="Stop film and recording when the disk has no more free."),
@@ -43,6 +53,8 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         Plots and tables: .html.
     record : Path or None
         A recording for `matchset replay`: .mcap.
+    jpeg : int or None
+        Quality of JPEG for the pictures of the recording, which are then those that are flown by; None: without loss.
     keep_free : float
         MB of the disk that film and recording leave free; at most 2 % of it. See `SpaceParameters`.
     """
@@ -50,6 +62,7 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
     video: VideoFile = None
     report: ReportFile = None
     record: RecordingFile = None
+    jpeg: RecordedJpeg = None
     keep_free: KeepFree = SPACE.keep_free
 
     @property
@@ -70,7 +83,8 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
         Raises
         ------
         ValueError
-            If a name has a wrong ending, a file exists, is read, or cannot be written, or a package is missing.
+            If a name has a wrong ending, a file exists, is read, or cannot be written, a package is missing, or it is
+            said how a recording is written and there is none.
         """
         from matchset.app.films.codecs import codecs_for
         from matchset.app.run_folder import check_outputs
@@ -80,6 +94,8 @@ class FlightFiles(msgspec.Struct, frozen=True, kw_only=True):
             codecs_for(self.video)
         if self.report is not None:
             check_report(self.report)
+        if self.record is None and self.jpeg is not None:
+            raise ValueError("--record-jpeg says how a recording is written: give --record FILE too")
         if self.record is not None:
             from matchset.app.recording.mcap_file import check_mcap
 

@@ -41,7 +41,7 @@ class OutputParameters(msgspec.Struct, frozen=True, kw_only=True):
         Steps that wait for the recording at least, and for the video. Chosen by hand.
     film_rate : float
         What the video is said to take at the start, MB for a second of the flight. Chosen by: 5 MB for 20 s of two
-        followers, packed by PyAV or `ffmpeg`; OpenCV alone takes 3.9.
+        followers, packed by PyAV or `ffmpeg`; OpenCV alone takes 0.8.
     """
 
     pictures: int = 128
@@ -100,7 +100,9 @@ class FlightOutputs(Closing):
                 draw = _telling("the video", video, lambda item: video.write(picture.draw(item[0])), self._say)
                 self._writers.append(stack.enter_context(self._writer("the video", draw, limits.least, real_time)))
             if self._files.record is not None:
-                recording = stack.enter_context(RecordingWriter(self._files.record, setup, self._files.space))
+                recording = stack.enter_context(
+                    RecordingWriter(self._files.record, setup, self._files.space, self._files.jpeg)
+                )
                 opened.append(recording)
                 if not quiet:
                     print(f"note: {recording.note}", file=sys.stderr)

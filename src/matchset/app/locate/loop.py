@@ -1,7 +1,5 @@
 """The loop of `matchset locate`: each frame through tracker, markers and localizer (`locate`); the path (`PathLog`)."""
 
-import math
-from array import array
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -9,6 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.course.log import Course, TimeLog
 from matchset.app.exit_codes import StopRequest
 from matchset.app.locate.rows import PoseRow, pose_row
 from matchset.app.track.loop import FrameTracker, TrackerAt, follow
@@ -20,7 +19,7 @@ from matchset.tracking.track import Lost, Track
 
 Floats = npt.NDArray[np.float64]
 
-_NUMBERS = 8  # format: numbers per frame in a `PathLog`: time, x, y, z, their variances, covariance of x and z
+_NUMBERS = 7  # format: numbers per frame in a `PathLog`: x, y, z, their variances, covariance of x and z
 
 
 class LocatedFrame(msgspec.Struct, frozen=True):
@@ -123,18 +122,11 @@ def locate_frames(
             yield LocatedFrame(tracked.frame, tracked.answer, locator.markers, locator.pose, row, tracked.seconds)
 
 
-class PathLog:
-    """Times, positions and their covariance, frame by frame; 64 bytes a frame, so a camera may run for hours.
-
-    Attributes
-    ----------
-    any_found : bool
-        Whether the ball was located in any frame.
-    """
+class PathLog(TimeLog):
+    """Times, positions and their covariance, frame by frame; 64 bytes a frame, so a camera may run for hours."""
 
     def __init__(self) -> None:
-        self._numbers = array("d")
-        self.any_found = False
+        super().__init__(_NUMBERS)
 
     def record(self, frames: Iterable[LocatedFrame]) -> Iterator[LocatedFrame]:
         """Pass frames on, appending each."""
@@ -144,37 +136,30 @@ class PathLog:
 
     def append(self, located: LocatedFrame) -> None:
         """Append a frame."""
-        pose = located.pose
+        pose, numbers = located.pose, None
         if isinstance(pose, Pose):
-            self.any_found = True
             covariance = pose.covariance
             numbers = (*pose.position.tolist(), *np.diag(covariance)[:3].tolist(), float(covariance[0, 2]))
-        else:
-            numbers = (math.nan,) * (_NUMBERS - 1)
-        self._numbers.extend((located.row.time, *numbers))
+        self.note(located.row.time, numbers)
 
     @property
-    def _table(self) -> Floats:
-        return np.array(self._numbers, np.float64).reshape(-1, _NUMBERS)
-
-    @property
-    def time(self) -> Floats:
-        """Since the first frame, (n,), s."""
-        time = self._table[:, 0]
-        return np.asarray(time - time[:1])
+    def course(self) -> Course:
+        """The position over time."""
+        labels = "x, m (right)", "y, m (down)", "z, m (forward)"
+        return Course(self.time, self.position, self.std, labels, "m", 3)
 
     @property
     def position(self) -> Floats:
         """Of the ball in the camera frame, (n, 3), m; NaN where it was not located."""
-        return self._table[:, 1:4]
+        return self.table[:, 1:4]
 
     @property
     def std(self) -> Floats:
         """Standard deviations of the position, (n, 3), m; NaN where it was not located."""
-        return np.sqrt(self._table[:, 4:7])
+        return np.sqrt(self.table[:, 4:7])
 
     @property
     def horizontal_covariance(self) -> Floats:
         """Covariance of x and z, (n, 2, 2), m^2."""
-        table = self._table
+        table = self.table
         return table[:, (4, 7, 7, 6)].reshape(-1, 2, 2)

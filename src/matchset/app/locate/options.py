@@ -3,6 +3,7 @@
 import functools
 import math
 import shlex
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -12,7 +13,7 @@ from matchset.app.locate.command import LocateOptions, MarkerOptions
 from matchset.app.locate.loop import Locator
 from matchset.app.parameters_file import tracker_parameters
 from matchset.app.track.frame_picker import lit_frame_at
-from matchset.app.track.loop import trackers_for
+from matchset.app.track.loop import FrameTracker, trackers_for
 from matchset.app.track.target_options import LearnedTarget, check_target_options, load_color, parse_pick, target_for
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
@@ -214,15 +215,20 @@ def camera_for(video: Video, options: LocateOptions, loaded: CameraModel | None)
     return camera
 
 
+def ball_tracker(options: LocateOptions) -> Callable[..., Tracker[Circle]]:
+    """Return what makes the tracker of the ball, of its color."""
+    parameters = tracker_parameters(options.params)
+    return functools.partial(Tracker, Circle, points=options.points, parameters=parameters)
+
+
 def locator_of(
     options: LocateOptions,
     target: LearnedTarget,
     marker_color: ColorModel | None,
     camera: CameraModel,
     ball: BallTarget,
+    before: FrameTracker | None = None,
 ) -> Locator:
-    """Make what tracks and locates the ball, and the markers of a color, if there are any."""
+    """Make what tracks and locates the ball, and markers of a color, if there are any; `before`: see `trackers_for`."""
     marker_tracker = None if marker_color is None else MarkerTracker(marker_color, ball)
-    parameters = tracker_parameters(options.params)
-    make = functools.partial(Tracker, Circle, points=options.points, parameters=parameters)
-    return Locator(trackers_for(target, make), marker_tracker, Localizer(camera, ball))
+    return Locator(trackers_for(target, ball_tracker(options), before), marker_tracker, Localizer(camera, ball))

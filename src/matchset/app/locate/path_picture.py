@@ -10,13 +10,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
+from matchset.app.course.figure import COLORS, SIGMAS, draw_numbers, draw_over_time, mark_lost
 from matchset.app.drawing.plot_style import (
     DASHES,
     INK,
     OURS,
     PAPER,
     QUIET,
-    SERIES,
     TEXT,
     LineLabel,
     figure_of,
@@ -32,15 +32,12 @@ from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
 
-SIGMAS = 2.0  # geometry: half-width of the shaded bands, standard deviations
 SIZE_PX = 540, 560  # format: of each of the two figures; letters can be read on a phone
 SCALE = 1.37  # format: of the picture with both
-AXIS_COLORS = (OURS, SERIES[1], SERIES[0])  # format: of x, y and z
 _MAX_ELLIPSES = 600  # geometry: more make the picture no clearer
 _MOST_MARKS = 9  # format: round times along the path
 _GAP_POINTS = 7.0  # format: from a mark to its time
 _SLOPE = 0.35  # geometry: words stand above or below a path that is flatter, beside one that is steeper
-_AXIS_LABELS = ("x, m (right)", "y, m (down)", "z, m (forward)")
 
 
 def path_picture(path: PathLog, camera: CameraModel) -> npt.NDArray[np.uint8]:
@@ -85,29 +82,19 @@ def top_figure(path: PathLog, camera: CameraModel) -> Figure:
 def coordinates_figure(path: PathLog) -> Figure:
     """Draw x, y and z over time with their bands, and below them their standard deviations."""
     figure, rows = figure_of(SIZE_PX, (1.0, 1.0, 1.0, 1.15))
-    time, lost = path.time, path.time[~np.isfinite(path.position[:, 0])]
-    for axis, (axes, color) in enumerate(zip(rows[:3], AXIS_COLORS, strict=True)):
-        value, band = path.position[:, axis], SIGMAS * path.std[:, axis]
-        axes.fill_between(time, value - band, value + band, color=color, alpha=0.3, linewidth=0)
-        axes.plot(time, value, "-" if len(time) > 1 else "o", color=color, linewidth=1.3)
-        if len(lost):
-            across = axes.get_xaxis_transform()
-            axes.plot(lost, np.full(len(lost), 0.02), "|", color=INK, markersize=6, transform=across, clip_on=False)
-        axes.set_ylabel(_AXIS_LABELS[axis])
-        linear_ticks(axes.yaxis, 4)
-    shaded = f"shaded: ±{SIGMAS:.0f} standard deviations"
-    title(rows[0], f"position; {shaded if not len(lost) else 'ticks below: where it was not found'}")
-    _draw_deviations(rows[3], time, 1000.0 * path.std)
+    draw_numbers(rows[:3], path.course)
+    _draw_deviations(rows[3], path)
     return figure
 
 
-def _draw_deviations(axes: Axes, time: Floats, std_mm: Floats) -> None:
+def _draw_deviations(axes: Axes, path: PathLog) -> None:
     """Draw the standard deviations on a logarithmic axis, each with its name and median at its end."""
-    labels = []
-    for name, values, color in zip("xyz", np.maximum(std_mm, 1e-6).T, AXIS_COLORS, strict=True):
-        axes.plot(time, values, "-" if len(time) > 1 else "o", color=color, linewidth=1.3)
+    labels, std_mm = [], 1000.0 * path.std
+    for name, values, color in zip("xyz", np.maximum(std_mm, 1e-6).T, COLORS, strict=True):
+        draw_over_time(axes, path.time, values, color=color)
         last = float(values[np.isfinite(values)][-1])
         labels.append(LineLabel(f"{name}: {float(np.nanmedian(values)):.2g}", last, color))
+    mark_lost(axes, path.time, path.course.found)
     log_ticks(axes.yaxis, 0.6 * float(np.nanmin(std_mm)), 1.7 * float(np.nanmax(std_mm)))
     linear_ticks(axes.xaxis)
     axes.set_xlabel("time since the first frame, s")

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from matchset.app.adapters.mavlink_poses import published
+from matchset.app.backward.before_click import before_click
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
@@ -12,7 +13,7 @@ from matchset.app.guidance.next_command import Run, kept_options
 from matchset.app.locate.annotate_pose import PosePainter
 from matchset.app.locate.command import LocateOptions
 from matchset.app.locate.loop import LocatedFrame, Locator, PathLog, locate_frames
-from matchset.app.locate.options import ball_target, camera_for, load_camera, locator_of, targets_for
+from matchset.app.locate.options import ball_target, ball_tracker, camera_for, load_camera, locator_of, targets_for
 from matchset.app.locate.rows import pose_table
 from matchset.app.pictures.part import Part
 from matchset.app.pictures.run_pictures import RunPictures, Wanted
@@ -59,16 +60,19 @@ def run_locate(options: LocateOptions) -> int:
         except RefusedClickError as refused:
             explain_refused_click(refused, command, output_folder(options.out, "locate", options.force))
             raise
-        locator: Locator = locator_of(options, target, marker_color, camera, ball)
         target.say_notes()
+        before = before_click(options, video, target, ball_tracker(options), stop)
+        locator: Locator = locator_of(options, target, marker_color, camera, ball, before)
         folder = output_folder(options.out, "locate", options.force)
         statistics, path, explainer = RunStatistics(), PathLog(), Explainer(command, target)
-        outputs = _outputs(options, video, PosePainter(camera, ball.radius, options.marker.given), folder)
+        painter = PosePainter(camera, ball.radius, options.marker.given)
+        outputs = _outputs(options, Wanted.of(options, "locate", folder, video), painter, path)
         part = Part.parse(options.shown.start, options.shown.end)
         out = sys.stderr if options.to_stdout else sys.stdout
         try:
             used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             located = locate_frames(used, locator, gaps=not video.live, stop=stop, whole=part.start is None)
+            located = located if before is None else before.timed(located)
             watched = explainer.watch(path.record(publish(located, video.live)))
             write_frames(watched, outputs, statistics, video, options.to_stdout, "locating")
         finally:
@@ -89,10 +93,10 @@ def _command(options: LocateOptions, live: bool) -> Run:
     return Run("locate", options.source, options.topic, clicked=clicked, kept=kept, live=live, view=options.view)
 
 
-def _outputs(options: LocateOptions, video: Video, painter: PosePainter, folder: Path) -> Outputs[LocatedFrame]:
+def _outputs(options: LocateOptions, wanted: Wanted, painter: PosePainter, path: PathLog) -> Outputs[LocatedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
-    table, latency = pose_table(folder, options.jsonl), latency_table(folder)
-    pictures = RunPictures(Wanted.of(options, "locate", folder, video), painter.size, painter.paint)
+    table, latency = pose_table(wanted.folder, options.jsonl), latency_table(wanted.folder)
+    pictures = RunPictures(wanted, painter.size, painter.paint, path)
     return Outputs(table, pictures, latency)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.closing import Closing
-from matchset.app.films.video_writer import Recorder
+from matchset.app.films.video_writer import Recorder, RecorderParameters
 
 Picture = npt.NDArray[np.uint8]
 
@@ -48,6 +48,8 @@ class RunFilm(Closing):
         Whether they come from a camera.
     limits : FilmParameters or None
         None: at full size, to the end.
+    small : bool
+        See `Film`.
 
     Attributes
     ----------
@@ -56,14 +58,20 @@ class RunFilm(Closing):
     """
 
     def __init__(
-        self, path: Path, fps: float, size: tuple[int, int], live: bool = False, limits: FilmParameters | None = None
+        self,
+        path: Path,
+        fps: float,
+        size: tuple[int, int],
+        live: bool = False,
+        limits: FilmParameters | None = None,
+        small: bool = False,
     ) -> None:
         self.path, self._limits, self._count = path, limits, 0
         scale = 1.0 if limits is None else min(1.0, math.sqrt(limits.pixels / (size[0] * size[1])))
         width, height = (max(2 * round(0.5 * scale * side), 2) for side in size)
         self._size = size if scale == 1.0 else (width, height)
         self._given = size
-        self._recorder = Recorder(path, fps, self._size, live)
+        self._recorder = Recorder(path, fps, self._size, live, RecorderParameters(small=small))
         self.note, self.ending = self._recorder.note, ""
 
     def write(self, picture: Picture) -> None:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from matchset.app.cli_options import ShownOptions
 from matchset.app.closing import Closing, close_all
+from matchset.app.course.log import Course
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.films.video_writer import quick_ending
 from matchset.app.pictures.animation import Animation
@@ -23,7 +24,7 @@ from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
 
-_DEFAULT_FPS = 30.0  # format: frame rate of an annotated video whose source has none
+DEFAULT_FPS = 30.0  # format: frame rate of an annotated video whose source has none
 
 
 class DrawnFrame(Protocol):
@@ -46,6 +47,15 @@ class DrawnFrame(Protocol):
 
 
 Drawn = TypeVar("Drawn", bound=DrawnFrame)
+
+
+class CourseLog(Protocol):
+    """What notes the numbers of every frame."""
+
+    @property
+    def course(self) -> Course:
+        """Those so far."""
+        ...
 
 
 class RunOptions(Protocol):
@@ -102,6 +112,8 @@ class Wanted(msgspec.Struct, frozen=True):
         Whether files may be overwritten.
     summary : str
         Name of the summary.
+    small : bool
+        Whether the noise of the video in full may be smoothed, see `Film`.
     """
 
     folder: Path
@@ -114,6 +126,7 @@ class Wanted(msgspec.Struct, frozen=True):
     none: bool = False
     force: bool = False
     summary: str = "summary.png"
+    small: bool = False
 
     @classmethod
     def of(cls, options: RunOptions, name: str, folder: Path, video: Video) -> "Wanted":
@@ -141,6 +154,8 @@ class RunPictures(Closing, Generic[Drawn]):
         Of the annotated pictures, px.
     paint : callable
         From a frame and its answer, one after the other, to the annotated picture.
+    log : CourseLog, optional
+        Of the same frames; the summary shows it.
 
     Attributes
     ----------
@@ -148,9 +163,15 @@ class RunPictures(Closing, Generic[Drawn]):
         What is written; complete after `close`.
     """
 
-    def __init__(self, wanted: Wanted, size: tuple[int, int], paint: Callable[[Frame, Drawn], Picture]) -> None:
-        self._wanted, self._paint, self.files = wanted, paint, list[Path]()
-        fps, unasked = wanted.fps or _DEFAULT_FPS, not wanted.none and not wanted.live
+    def __init__(
+        self,
+        wanted: Wanted,
+        size: tuple[int, int],
+        paint: Callable[[Frame, Drawn], Picture],
+        log: CourseLog | None = None,
+    ) -> None:
+        self._wanted, self._paint, self._log, self.files = wanted, paint, log, list[Path]()
+        fps, unasked = wanted.fps or DEFAULT_FPS, not wanted.none and not wanted.live
         self._animation: Animation | None = None
         if wanted.gif is not None:
             self._animation = Animation(output_file(wanted.gif, wanted.force, wanted.source), fps)
@@ -158,7 +179,7 @@ class RunPictures(Closing, Generic[Drawn]):
         self._film: RunFilm | None = None
         if wanted.video is not None:
             path = output_file(wanted.video, wanted.force, wanted.source)
-            self._film = RunFilm(path, fps, size, wanted.live)
+            self._film = RunFilm(path, fps, size, wanted.live, small=wanted.small)
         elif unasked:
             self._film = RunFilm(wanted.folder / (wanted.name + quick_ending()), fps, size, limits=PARAMETERS)
         if self._film is not None:
@@ -169,10 +190,10 @@ class RunPictures(Closing, Generic[Drawn]):
     def add(self, drawn: Drawn) -> None:
         """Take the next answered frame."""
         frame = drawn.frame
-        if frame is None:
-            return
         if self._summary is not None:
             self._summary.append(frame, drawn.answer, drawn.row)
+        if frame is None:
+            return
         if self._film is not None or self._animation is not None:
             picture = self._paint(frame, drawn)
             if self._animation is not None:
@@ -194,7 +215,8 @@ class RunPictures(Closing, Generic[Drawn]):
         if summary is None or summary.is_empty:
             return
         path = self._wanted.folder / self._wanted.summary
-        write_picture(path, summary.picture(Path(self._wanted.source).name))
+        course = None if self._log is None else self._log.course
+        write_picture(path, summary.picture(Path(self._wanted.source).name, course))
         self.files.append(path)
 
     def _close_film(self) -> None:

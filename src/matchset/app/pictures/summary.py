@@ -1,4 +1,4 @@
-"""The summary of a run in one picture: some frames with what was found, and when it was found: `Summary`."""
+"""The summary of a run in one picture: some frames with what was found, and its course in curves: `Summary`."""
 
 from typing import Any, Protocol
 
@@ -7,16 +7,18 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.drawing.annotate import OUTLINE, PREDICTED, as_color, draw_shape
+from matchset.app.course.log import Course
+from matchset.app.drawing.annotate import PREDICTED, as_color, draw_shape
 from matchset.app.drawing.text import draw_text, text_width, wrapped
+from matchset.app.progress import announce_if_slow
 from matchset.image.frame import Frame
 from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
 
-# geometry: px: width of the sheet, gap, sizes of text, height of the band of time; tiles in a row and at most
-_WIDTH_PX, _GAP_PX, _TITLE_PX, _TEXT_PX, _BAND_PX = 1480, 16, 26, 14, 34
-_TALLEST_PX = 460  # geometry: height of a tile, px, so that portrait pictures leave a sheet that fits a screen
+# geometry: px: width of the sheet, gap, sizes of text
+_WIDTH_PX, _GAP_PX, _TITLE_PX, _TEXT_PX = 1480, 16, 26, 14
+_TALLEST_PX = 380  # geometry: height of a tile, px, so that portrait pictures leave a sheet that fits a screen
 _ACROSS, _MOST_ACROSS = 4, 6  # geometry: tiles in a row: of wide pictures, and of the tallest; there are two rows
 _PAPER, _INK, _PALE = (255, 255, 255), (60, 60, 60), (140, 140, 140)  # geometry: colors, BGR
 
@@ -46,38 +48,45 @@ class _Tile(msgspec.Struct, frozen=True):
 
 
 class Summary:
-    """Collects some frames of a run, reduced, evenly spread whatever its length, and whether each one was found."""
+    """Collects some frames of a run, reduced, evenly spread whatever its length, and counts those found."""
 
     def __init__(self) -> None:
         self._tiles: list[_Tile] = []
-        self._step, self._seen = 1, 0
-        self._found: list[bool] = []
-        self._times: list[float] = []
+        self._step, self._offered, self._frames, self._found = 1, 0, 0, 0
 
-    def append(self, frame: Frame, answer: Track[Any] | Lost[Any], row: SummaryRow) -> None:
-        """Note the next frame."""
-        self._found.append(row.found)
-        self._times.append(row.time)
-        if self._seen % self._step == 0:
+    def append(self, frame: Frame | None, answer: Track[Any] | Lost[Any], row: SummaryRow) -> None:
+        """Note the next frame; None: it could not be decoded."""
+        self._frames += 1
+        self._found += row.found
+        if frame is None:
+            return
+        if self._offered % self._step == 0:
             if len(self._tiles) == 4 * _MOST_ACROSS:
                 del self._tiles[1::2]
                 self._step *= 2
-            if self._seen % self._step == 0:
+            if self._offered % self._step == 0:
                 self._tiles.append(_tile(frame, answer, row))
-        self._seen += 1
+        self._offered += 1
 
     @property
     def is_empty(self) -> bool:
         """Whether there was no frame."""
         return not self._tiles
 
-    def picture(self, title: str) -> Picture:
+    @property
+    def words(self) -> str:
+        """In how many frames it was found."""
+        return f"found in {self._found} of {self._frames} frames ({100.0 * self._found / self._frames:.1f} %)"
+
+    def picture(self, title: str, course: Course | None = None) -> Picture:
         """Put the sheet together.
 
         Parameters
         ----------
         title : str
             What was followed: the video's name.
+        course : Course, optional
+            Drawn below, if it was found at all.
 
         Returns
         -------
@@ -87,36 +96,23 @@ class Summary:
         across = _across(self._tiles[0].picture)
         count = min(len(self._tiles), 2 * across)
         chosen = [self._tiles[round(place)] for place in np.linspace(0, len(self._tiles) - 1, count)]
-        words = f"found in {sum(self._found)} of {self._seen} frames ({100.0 * np.mean(self._found):.1f} %)"
         head = np.full((92, _WIDTH_PX, 3), _PAPER, np.uint8)
         size = _TITLE_PX
         while size > 12 and text_width(title, size) > _WIDTH_PX - 2 * _GAP_PX:
             size -= 1
         draw_text(head, title, (_GAP_PX, 34), size, _INK)
-        draw_text(head, words, (_GAP_PX, 70), _TEXT_PX + 2, _PALE)
+        draw_text(head, self.words, (_GAP_PX, 70), _TEXT_PX + 2, _PALE)
         rows = [_row(chosen[first : first + across], across) for first in range(0, count, across)]
-        return np.vstack([head, *rows, self._band()])
+        curves = [] if course is None or not course.found.any() else [_curves(course)]
+        return np.vstack([head, *rows, *curves])
 
-    def _band(self) -> Picture:
-        """Draw when it was found: a column of pixels for each moment."""
-        band = np.full((_BAND_PX + 74, _WIDTH_PX, 3), _PAPER, np.uint8)
-        width = _WIDTH_PX - 2 * _GAP_PX
-        edges = np.linspace(0, len(self._found), width + 1)
-        known = np.concatenate(([0], np.cumsum(self._found)))
-        low, high = edges[:-1].astype(int), np.maximum(np.ceil(edges[1:]).astype(int), edges[:-1].astype(int) + 1)
-        high = np.minimum(high, len(self._found))
-        share = (known[high] - known[low]) / np.maximum(high - low, 1)
-        colors = share[:, None] * np.array(OUTLINE) + (1.0 - share[:, None]) * np.array(PREDICTED)
-        band[30 : 30 + _BAND_PX, _GAP_PX : _GAP_PX + width] = np.round(colors).astype(np.uint8)
-        left = float(_GAP_PX)
-        for color, words in ((OUTLINE, "found"), (PREDICTED, "not found")):
-            cv2.rectangle(band, (round(left), 8), (round(left) + 14, 22), color, cv2.FILLED)
-            draw_text(band, words, (left + 20, 15), _TEXT_PX, _INK)
-            left += 40 + text_width(words, _TEXT_PX)
-        last = f"{self._times[-1]:.2f} s"
-        draw_text(band, f"{self._times[0]:.2f} s", (_GAP_PX, _BAND_PX + 46), _TEXT_PX, _PALE)
-        draw_text(band, last, (_WIDTH_PX - _GAP_PX - text_width(last, _TEXT_PX), _BAND_PX + 46), _TEXT_PX, _PALE)
-        return band
+
+def _curves(course: Course) -> Picture:
+    """Draw the course as wide as the sheet."""
+    with announce_if_slow("drawing the curves ..."):
+        from matchset.app.course.figure import course_picture
+
+        return course_picture(course, _WIDTH_PX)
 
 
 def _tile(frame: Frame, answer: Track[Any] | Lost[Any], row: SummaryRow) -> _Tile:

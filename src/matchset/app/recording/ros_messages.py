@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from matchset.app.flight.pilot import PilotStep
+from matchset.app.recording.coded_camera import CodedFrame
 from matchset.app.recording.mcap_file import Message, RosTopic
 from matchset.app.recording.messages import image_topic, namespace
 from matchset.app.recording.ros_definitions import encoder, ros_schema
@@ -54,9 +55,10 @@ class RosMessages:
         }
         return [ros_topic(topic, kind) for topic, kind in kinds.items()]
 
-    def picture(self, frame: Frame, png: bytes) -> Message:
-        """Make the message of a picture."""
-        return Message(self._image, encoder(IMAGE).encode((self._header(frame.time), "png", png)))
+    def picture(self, frame: Frame, data: bytes) -> Message:
+        """Make the message of a picture, coded as JPEG if it came so, and as PNG otherwise."""
+        coding = "jpeg" if isinstance(frame, CodedFrame) else "png"
+        return Message(self._image, encoder(IMAGE).encode((self._header(frame.time), coding, data)))
 
     def results(self, step: PilotStep) -> Iterator[Message]:
         """Make the messages of what was found in the picture of a step; none if there was no picture."""

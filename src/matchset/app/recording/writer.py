@@ -12,6 +12,7 @@ import msgspec
 from matchset.app.closing import Closing
 from matchset.app.disk import MB, SPACE, FreeSpace, SpaceParameters, UnfinishedFileError
 from matchset.app.flight.flight import ChainStep, FlightSetup
+from matchset.app.recording.coded_camera import CodedFrame, to_jpeg
 from matchset.app.recording.encoding import colors_message, encode, step_message, to_png, truth_message
 from matchset.app.recording.mcap_file import PACKAGE, McapWriter, Message, Topic
 from matchset.app.recording.messages import (
@@ -25,6 +26,7 @@ from matchset.app.recording.messages import (
     topics,
 )
 from matchset.app.recording.ros_messages import TF, TRANSFORMS, RosMessages, ros_topic
+from matchset.image.frame import Frame
 
 COMPRESSORS = 2  # format: threads that compress pictures
 MAX_WAITING = 6  # format: steps that wait for their pictures to be compressed; lost if the program is killed
@@ -51,6 +53,8 @@ class RecordingWriter(Closing):
     setup : FlightSetup
     space : SpaceParameters, optional
         How much of the disk is left free.
+    jpeg : int, optional
+        Quality of the pictures that come coded, for the estimate.
 
     Attributes
     ----------
@@ -67,7 +71,7 @@ class RecordingWriter(Closing):
         If the file cannot be written.
     """
 
-    def __init__(self, path: Path, setup: FlightSetup, space: SpaceParameters = SPACE) -> None:
+    def __init__(self, path: Path, setup: FlightSetup, space: SpaceParameters = SPACE, jpeg: int | None = None) -> None:
         self._path, self._space = path, FreeSpace(path, space)
         self._error: OSError | None = None
         self._offered = self._written = 0
@@ -83,7 +87,8 @@ class RecordingWriter(Closing):
             self._pool.shutdown(cancel_futures=True)
             self._writer.close()
             raise
-        self.rate = setup.fps * sum(len(to_png(sample.image)) + STEP_BYTES for sample in setup.samples)
+        coded = [to_png(each.image) if jpeg is None else to_jpeg(each.image, jpeg) for each in setup.samples]
+        self.rate = setup.fps * sum(len(each) + STEP_BYTES for each in coded)
         minutes = max(self._space.left, 0.0) / self.rate / 60.0
         self.note = f"{path} takes {self.rate / MB:.0f} MB a second: its disk has room for {minutes:.3g} minutes"
 
@@ -92,9 +97,7 @@ class RecordingWriter(Closing):
         self._offered += 1
         if self._error is not None:
             return
-        pictures = [
-            None if step.frame is None else self._pool.submit(to_png, step.frame.image) for step in chain_step.steps
-        ]
+        pictures = [None if step.frame is None else self._coded(step.frame) for step in chain_step.steps]
         self._waiting.append(_Waiting(chain_step, armed, pictures))
         while self._waiting and (len(self._waiting) > MAX_WAITING or _compressed(self._waiting[0])):
             self._write_first()
@@ -121,6 +124,14 @@ class RecordingWriter(Closing):
         if self._error is not None:
             error, self._error = self._error, None
             raise UnfinishedFileError(error, self._path, f"{self._written} of {self._offered} steps") from error
+
+    def _coded(self, frame: Frame) -> "Future[bytes]":
+        """Compress a picture in a thread; one that came coded is written as it came."""
+        if not isinstance(frame, CodedFrame):
+            return self._pool.submit(to_png, frame.image)
+        done: Future[bytes] = Future()
+        done.set_result(frame.jpeg)
+        return done
 
     def _write_setup(self, setup: FlightSetup) -> None:
         configuration = Configuration(

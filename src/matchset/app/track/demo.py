@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from rich.console import Console
 
+from matchset.app.course.log import ShapeLog
 from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_sheet
 from matchset.app.drawing.picture_file import write_picture
@@ -135,10 +136,12 @@ def _write_demo(
 ) -> Iterator[Callable[[TrackedFrame], None]]:
     """Open video, table and progress bar; yield what writes, counts and shows a frame."""
     with ExitStack() as stack:
-        outputs = stack.enter_context(_outputs(clip, folder, family))
+        log = ShapeLog(family)
+        outputs = stack.enter_context(_outputs(clip, folder, family, log))
         bar = stack.enter_context(progress_bar("rendering, tracking, recording", len(clip), statistics.durations))
 
         def take(tracked: TrackedFrame) -> None:
+            log.add(tracked)
             outputs.write(tracked)
             statistics.count(tracked)
             bar.show(tracked.row)
@@ -146,7 +149,7 @@ def _write_demo(
         yield take
 
 
-def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any]) -> Outputs[TrackedFrame]:
+def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any], log: ShapeLog) -> Outputs[TrackedFrame]:
     """Begin the files of the demonstration; the sheet of a shape that is no circle is the summary of the run."""
     table = track_table(folder / "tracks.csv", family.parameters)
     wanted = Wanted(
@@ -157,11 +160,12 @@ def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any]) -> Outputs
         summary="sheet.png",
         video=folder / "demo.webm",
         none=family is Circle,
+        small=True,
         force=True,
     )
     painter = TrackPainter((clip.width, clip.height), family.parameters)
     pictures = RunPictures[TrackedFrame](
-        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row)
+        wanted, painter.size, lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row), log
     )
     return Outputs(table, pictures)
 

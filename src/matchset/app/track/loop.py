@@ -94,7 +94,9 @@ class RunStatistics:
             self.reasons[_NUMBER.sub("…", counted.row.reason)] += 1
 
 
-def trackers_for(target: LearnedTarget, make: Callable[..., Tracker[Any]]) -> TrackerAt:
+def trackers_for(
+    target: LearnedTarget, make: Callable[..., Tracker[Any]], before: FrameTracker | None = None
+) -> TrackerAt:
     """Make the trackers of a run: one searches from the first frame, another one starts in the frame of a click.
 
     Parameters
@@ -103,13 +105,15 @@ def trackers_for(target: LearnedTarget, make: Callable[..., Tracker[Any]]) -> Tr
         What to track.
     make : callable
         Makes a tracker of a color; with the keyword `start`, a point, px, at which it begins.
+    before : FrameTracker, optional
+        Of the frames before that of the click; without one they are searched.
 
     Returns
     -------
     callable
         See `TrackerAt`.
     """
-    searching = make(target.color)
+    searching = before or make(target.color)
     clicked = None if target.start is None else make(target.color, start=target.start)
     started = False
 

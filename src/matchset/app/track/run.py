@@ -4,12 +4,13 @@ import functools
 import itertools
 import shlex
 import sys
-from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from matchset.app.backward.before_click import before_click
 from matchset.app.cli_options import source_words
+from matchset.app.course.log import ShapeLog
 from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
@@ -53,18 +54,22 @@ def run_track(options: TrackOptions) -> int:
             explain_refused_click(refused, command, output_folder(options.out, "track", options.force))
             raise
         target.say_notes()
-        tracker_at = trackers_for(target, make)
+        before = before_click(options, video, target, make, stop)
+        tracker_at = trackers_for(target, make, before)
         folder = output_folder(options.out, "track", options.force)
         statistics, explainer = RunStatistics(), Explainer(command, target)
         out = sys.stderr if options.to_stdout else sys.stdout
         tables = [folder / "tracks.csv", *([folder / "tracks.jsonl"] if options.jsonl else []), folder / "latency.csv"]
         files = list(tables)
         try:
-            outputs = _outputs(options, folder, video, family)
+            log = ShapeLog(family)
+            outputs = _outputs(options, Wanted.of(options, "track", folder, video), (video.width, video.height), log)
             files = [*tables, *outputs.pictures.files]
             part = Part.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
+            frames = frames if before is None else before.timed(frames)
+            frames = frames if video.live else log.record(frames)  # a camera may run for weeks, and has no summary
             write_frames(explainer.watch(frames), outputs, statistics, video, options.to_stdout)
             files = [*tables, *outputs.pictures.files]
         finally:
@@ -77,15 +82,17 @@ def run_track(options: TrackOptions) -> int:
     return FOUND if statistics.found else NOT_FOUND
 
 
-def _outputs(options: TrackOptions, folder: Path, video: Video, family: type[Any]) -> Outputs[TrackedFrame]:
+def _outputs(options: TrackOptions, wanted: Wanted, size: tuple[int, int], log: ShapeLog) -> Outputs[TrackedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
+    folder, family = wanted.folder, log.family
     table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
     latency = latency_table(folder)
-    painter = TrackPainter((video.width, video.height), family.parameters)
+    painter = TrackPainter(size, family.parameters)
     pictures = RunPictures[TrackedFrame](
-        Wanted.of(options, "track", folder, video),
+        wanted,
         painter.size,
         lambda frame, tracked: painter.paint(frame, tracked.answer, tracked.row),
+        log,
     )
     return Outputs(table, pictures, latency)
 

@@ -1,0 +1,48 @@
+"""A tracker that is shown frames in reverse: `MirroredTracker`."""
+
+from typing import Any, Protocol
+
+import msgspec
+
+from matchset.image.frame import Frame
+from matchset.tracking.track import Lost, Track
+
+
+class Follower(Protocol):
+    """What tracks a shape from frame to frame, each later than the one before."""
+
+    def update(self, frame: Frame) -> Track[Any] | Lost[Any]:
+        """Track the shape into `frame`."""
+        ...
+
+
+class MirroredTracker:
+    """Follows a shape backward, from a frame to those before it.
+
+    Its tracker sees time run forward: each frame at its time mirrored at that of the first. Mirrored, the fields of an
+    interlaced picture come in the other order, and the time between them, which a tracker learns, has the other sign.
+    So it must be a tracker of its own, not one that has followed the same camera forward. The field offset of its
+    answers is a distance in the picture and the same both ways.
+
+    Parameters
+    ----------
+    tracker : Follower
+        That has seen no frame.
+    """
+
+    def __init__(self, tracker: Follower) -> None:
+        self._tracker = tracker
+        self._twice: float | None = None  # twice the time at which it is mirrored, s
+
+    def update(self, frame: Frame) -> Track[Any] | Lost[Any]:
+        """Track the shape into a frame that is earlier than the one before; the answer has the frame's own time."""
+        if self._twice is None:
+            self._twice = 2.0 * frame.time
+        answer = self._tracker.update(Frame(frame.image, self._twice - frame.time, frame.index))
+        if isinstance(answer, Lost) or answer.acquired is None:
+            return msgspec.structs.replace(answer, time=frame.time)
+        mirrored = self._twice - answer.acquired.time
+        acquired = frame.time if answer.acquired.time == answer.time else mirrored  # of this frame: to the last bit
+        return msgspec.structs.replace(
+            answer, time=frame.time, acquired=msgspec.structs.replace(answer.acquired, time=acquired)
+        )

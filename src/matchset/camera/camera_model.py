@@ -75,7 +75,7 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         return f"CameraModel({self.width} x {self.height}, {focal}, {center}, {wide:.1f}° wide, {bent}{known})"
 
     @classmethod
-    def from_fov(cls, width: int, height: int, fov: float) -> "CameraModel":
+    def from_fov(cls, width: int, height: int, fov: float, focal_sigma: float = 0.0) -> "CameraModel":
         """Camera with square pixels and its principal point in the middle, from the horizontal field of view.
 
         fx = fy = (width / 2) / tan(fov / 2), cx = (width - 1) / 2, cy = (height - 1) / 2 (Epstein & Feldman, Eq. 5).
@@ -86,11 +86,15 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             Size of the picture, px.
         fov : float
             Horizontal field of view, rad.
+        focal_sigma : float
+            Standard deviation of the focal length that follows from it, as a share of it: 0.05 where a field of view is
+            known to 5 %. It is part of the covariance of every pose. 0 by default: taken as exact.
 
         Raises
         ------
         ValueError
-            If the size is not positive, the field of view is outside 0 ... pi, or one of them is no number.
+            If the size is not positive, the field of view is outside 0 ... pi, the share outside 0 ... 1, or one of
+            them is no number.
         """
         if _number("width", width) < 1 or _number("height", height) < 1:
             raise ValueError(f"a picture's size must be positive, got {width} x {height}")
@@ -98,7 +102,30 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             hint = f" ({fov:g} degrees are math.radians({fov:g}))" if math.pi <= fov < 180.0 else ""
             raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}{hint}")
         focal = (width / 2.0) / math.tan(fov / 2.0)
-        return cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)
+        camera = cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)
+        return camera.with_focal_sigma(focal_sigma) if focal_sigma else camera
+
+    def with_focal_sigma(self, share: float) -> "CameraModel":
+        """Return this camera with another standard deviation of its focal length; what else is uncertain stays.
+
+        Parameters
+        ----------
+        share : float
+            Of both focal lengths together, as a share of them; their ratio is taken as exact.
+
+        Raises
+        ------
+        ValueError
+            If it is outside 0 ... 1, or no number.
+        """
+        if not 0.0 <= _number("focal_sigma", share) < 1.0:
+            raise ValueError(f"focal_sigma is a share of the focal length, at least 0 and less than 1, got {share!r}")
+        covariance = np.zeros((9, 9)) if self.covariance is None else np.array(self.covariance)
+        covariance[:2], covariance[:, :2] = 0.0, 0.0
+        focal = np.array((self.fx, self.fy))
+        covariance[:2, :2] = share**2 * np.outer(focal, focal)
+        rows = tuple(tuple(row) for row in covariance.tolist()) if covariance.any() else None
+        return msgspec.structs.replace(self, intrinsics_covariance=rows)
 
     @classmethod
     def load(cls, path: str | Path) -> "CameraModel":
@@ -137,6 +164,15 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             If the name has another ending.
         """
         camera_file.write_camera(Path(path), (self.width, self.height), self.intrinsics, self.covariance)
+
+    @property
+    def focal_sigma(self) -> float:
+        """Standard deviation of the focal length as a share of it, the larger of both; 0 where it is not known."""
+        if self.covariance is None:
+            return 0.0
+        return max(
+            math.sqrt(max(self.covariance[0, 0], 0.0)) / self.fx, math.sqrt(max(self.covariance[1, 1], 0.0)) / self.fy
+        )
 
     @cached_property
     def intrinsics(self) -> Floats:

@@ -120,13 +120,14 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     def flight(self, flight: "FlightParameters") -> "FlightParameters":
         """Change the ball of a flight to what was typed."""
-        from matchset.localization.ball_target import BallTarget
+        from matchset.localization.ball_target import NeighborBall
 
         target = flight.pilot.target
-        new = BallTarget(
+        new = NeighborBall(
             target.diameter if self.diameter is None else self.diameter,
             target.markers,
             target.marker_diameter if self.marker_diameter is None else self.marker_diameter,
+            target.diameter_sigma,
         )
         return msgspec.structs.replace(flight, pilot=msgspec.structs.replace(flight.pilot, target=new))
 

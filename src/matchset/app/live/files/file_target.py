@@ -11,7 +11,7 @@ from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.localization.ball_target import BallTarget
-from matchset.localization.localizer import Localizer
+from matchset.localization.localizer import Localizer, left_out
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost, Track
 
@@ -128,7 +128,11 @@ class FileTarget:
             return lost_state(about, "not tracked here yet")
         if isinstance(answer, Lost):
             return lost_state(about, answer.reason, self._lost_for(place, answer), answer.predicted)
-        return found_state(about, answer, Place(pose, position_of(pose)) if isinstance(pose, Pose) else Place())
+        localizer = self.localizer
+        if localizer is None or not isinstance(pose, Pose):
+            return found_state(about, answer, Place())
+        without = left_out(localizer.camera, localizer.target)
+        return found_state(about, answer, Place(pose, position_of(pose), left_out=without))
 
     def _lost_for(self, place: int, answer: Lost[Any]) -> float:
         last = self.last_found(place)

@@ -55,6 +55,7 @@ def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
         position=dict(place.position),
         markers=[flat(outline(marker, MARKER_POINTS)) for marker in place.markers],
         axes=[] if place.axes is None else flat(place.axes),
+        left_out=place.left_out,
         diameter=about.diameter,
         readings=list(about.readings),
         reading=about.reading,

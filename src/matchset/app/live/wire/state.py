@@ -22,6 +22,8 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     support : float or None
     position : dict of str to (float, float or None)
         x, y, z and distance in the camera's frame, m, with standard deviations, if diameter and camera are known.
+    left_out : str
+        What these standard deviations leave out, in words.
     markers : list of list of float
         x and y of points along the rim of each marker in sight, px.
     axes : list of float
@@ -50,6 +52,7 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     match_set: list[float] = []
     support: float | None = None
     position: dict[str, tuple[float, float | None]] = {}
+    left_out: str = ""
     markers: list[list[float]] = []
     axes: list[float] = []
     predicted: list[float] = []

@@ -60,7 +60,7 @@ class BallTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if self.markers and self.marker_diameter == 0.0:
             msgspec.structs.force_setattr(self, "marker_diameter", MARKER_DIAMETER)
         if not self.markers and self.marker_diameter != 0.0:
-            raise ValueError(f"markers of {self.marker_diameter} m are nowhere: {NAME_THEM}")
+            raise ValueError(f"no marker is named, and marker_diameter got {self.marker_diameter} m: {NAME_THEM}")
         if self.markers and not 0.0 < self.marker_diameter < self.diameter:
             raise ValueError(
                 f"a marker must be smaller than its ball of {self.diameter} m, got {self.marker_diameter} m: "

@@ -230,7 +230,7 @@ def _write_covariance(fit: Any, who: Ints, level: bool) -> None:
 
 @kernel(entry=False)
 def _write_camera_slope(fit: Any, who: Ints) -> None:
-    """Write the derivatives of the rotation vector to the intrinsics, which move the rays of ball and markers together."""
+    """Write the derivatives of the rotation vector to the intrinsics: they move the rays of ball and markers alike."""
     one, other, slope = np.empty(3), np.empty(3), fit.rotation_slope
     for k in range(9):
         step = fit.camera_steps[k]

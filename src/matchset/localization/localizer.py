@@ -108,6 +108,7 @@ class Localizer(Copied):
         self._last_rotation, self._rotation = work.attitude.last_rotation, work.attitude.rotation
         self._position, self._covariance = work.cone.position, work.covariance
         self._slopes = work.cone.camera_slope, work.attitude.rotation_slope
+        self._exact = self.camera.covariance is None and self.target.diameter_sigma == 0.0
         precompile()
 
     @one_line
@@ -153,7 +154,8 @@ class Localizer(Copied):
         if source:
             rotation = self._rotation.copy()
             self._last_rotation[:], self._rotation_time = rotation, ball.time
-        covariance, systematic = self._covariance.copy(), self._systematic(rotation is not None)
+        covariance = self._covariance.copy()
+        systematic = None if self._exact else self._systematic(rotation is not None)
         return Pose(
             position=self._position.copy(),
             rotation_matrix=rotation,
@@ -163,14 +165,12 @@ class Localizer(Copied):
             systematic_covariance=systematic,
         )
 
-    def _systematic(self, turned: bool) -> Floats | None:
-        """Covariance of what errors of the camera and of the diameter do to the pose, (6, 6); None if there are none.
+    def _systematic(self, turned: bool) -> Floats:
+        """Covariance of what errors of the camera and of the diameter do to the pose, (6, 6).
 
         A ball that is larger by a share, and its markers with it, is as much farther away, and turned as it was.
         """
         camera, share = self.camera.covariance, self.target.diameter_sigma / self.target.diameter
-        if camera is None and share == 0.0:
-            return None
         systematic = np.zeros((6, 6))
         systematic[:3, :3] = share**2 * np.outer(self._position, self._position)
         if camera is not None:

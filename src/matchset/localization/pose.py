@@ -136,7 +136,10 @@ class Pose(
         found = self.measured()
         yaw = found.pop("yaw", None)
         words = [(name, f"{measured(value, std, '+')} m") for name, (value, std) in found.items()]
-        return words if yaw is None else [*words, ("yaw", f"{measured(*map(math.degrees, yaw), '+')}°")]
+        if yaw is None:
+            return words
+        angle, sigma = (math.degrees(each) for each in yaw)
+        return [*words, ("yaw", f"{measured(angle, sigma, '+')}°")]
 
     @cached_property
     def rotation(self) -> "Rotation | None":

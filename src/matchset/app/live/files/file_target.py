@@ -39,8 +39,8 @@ class FileTarget:
         By the place of their frames.
     version : int
         Changes whenever something else is known.
-    diameter : float or None
-        m
+    ball : BallTarget or None
+        Its size; None: not known.
     localizer : Localizer or None
     color : ColorModel or None
         Learned by the first click.
@@ -55,7 +55,7 @@ class FileTarget:
         self._codes = bytearray()
         self.version = 0
         self.camera: CameraModel | None = None
-        self.diameter: float | None = None
+        self.ball: BallTarget | None = None
         self.localizer: Localizer | None = None
         self.color: ColorModel | None = None
         self.readings: list[str] = []
@@ -101,17 +101,22 @@ class FileTarget:
         """In how many frames it is known."""
         return len(self._answers)
 
-    def locate(self, camera: CameraModel | None, diameter: float | None) -> None:
-        """Set what is known of camera and target, m; None: not known. What was found before is located as well."""
-        self.camera, self.diameter = camera, diameter
+    @property
+    def diameter(self) -> float | None:
+        """Return its diameter, m; None: not known."""
+        return None if self.ball is None else self.ball.diameter
+
+    def locate(self, camera: CameraModel | None, ball: BallTarget | None) -> None:
+        """Set what is known of camera and target; None: not known. What was found before is located as well."""
+        self.camera, self.ball = camera, ball
         self.localizer = self.new_localizer()
         self.version += 1
 
     def new_localizer(self) -> Localizer | None:
         """Make a localizer for another thread; None if diameter or camera are not known."""
-        if self.camera is None or self.diameter is None or self.shape != "circle":
+        if self.camera is None or self.ball is None or self.shape != "circle":
             return None
-        return Localizer(self.camera, BallTarget(diameter=self.diameter))
+        return Localizer(self.camera, self.ball)
 
     def last_found(self, place: int) -> int | None:
         """Return the place of the last frame up to this one in which it was found."""
@@ -123,7 +128,7 @@ class FileTarget:
         answer, pose = self.answer(place), self.pose(place)
         first = self.clicks[min(self.clicks)]
         reading = first.reading if isinstance(first, Pick) else 0
-        about = About(self.number, self.name, self.shape, self.diameter, self.readings, reading)
+        about = About(self.number, self.name, self.shape, self.ball, self.readings, reading)
         if answer is None:
             return lost_state(about, "not tracked here yet")
         if isinstance(answer, Lost):

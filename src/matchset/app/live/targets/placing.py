@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.live.targets.messages import Diameter, FieldOfView
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
@@ -51,18 +52,17 @@ class Placing:
     Parameters
     ----------
     camera : CameraModel
-    diameter : float
-        Of the ball, m.
+    ball : BallTarget
+        Its size.
     marker : (ColorModel, float), optional
         Color of the ball's marker, and how wide it is, m.
     """
 
-    def __init__(self, camera: CameraModel, diameter: float, marker: tuple[ColorModel, float] | None = None) -> None:
-        self._camera, self._radius = camera, 0.5 * diameter
+    def __init__(self, camera: CameraModel, ball: BallTarget, marker: tuple[ColorModel, float] | None = None) -> None:
+        self._camera, self._radius = camera, ball.radius
         self._markers: MarkerTracker | None = None
-        ball = BallTarget(diameter)
         if marker is not None:
-            ball = BallTarget(diameter, BALLOON.markers, marker[1])
+            ball = BallTarget(ball.diameter, BALLOON.markers, marker[1], ball.diameter_sigma)
             self._markers = MarkerTracker(marker[0], ball)
         self._localizer, self._left_out = Localizer(camera, ball), left_out(camera, ball)
 
@@ -76,6 +76,29 @@ class Placing:
         if isinstance(pose, Lost):
             return Place(pose, markers=shapes)
         return Place(pose, position_of(pose), shapes, axes_of(pose, self._camera, self._radius), self._left_out)
+
+
+def ball_of(wish: Diameter) -> BallTarget | None:
+    """Return what a page says of a ball; None: nothing is known.
+
+    Raises
+    ------
+    ValueError
+        If its standard deviation is as large as the diameter.
+    """
+    return None if wish.meters is None else BallTarget(wish.meters, diameter_sigma=wish.sigma)
+
+
+def camera_of(wish: FieldOfView, width: int, height: int) -> CameraModel:
+    """Return the camera that a page describes, of pictures of this size, px.
+
+    Raises
+    ------
+    ValueError
+        If its standard deviation allows any focal length.
+    """
+    share = wish.sigma / math.sin(wish.angle)  # of f = (width / 2) / tan(angle / 2), to first order
+    return CameraModel.from_fov(width, height, wish.angle, share)
 
 
 def axes_of(pose: Pose, camera: CameraModel, radius: float) -> npt.NDArray[np.float64] | None:

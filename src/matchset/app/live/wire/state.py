@@ -36,6 +36,8 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
         For how long, s.
     diameter : float or None
         m
+    diameter_sigma : float
+        Its standard deviation, m; 0: taken as exact.
     shape : str
         Of which family it is.
     readings : list of str
@@ -59,6 +61,7 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     reason: str = ""
     lost_for: float = 0.0
     diameter: float | None = None
+    diameter_sigma: float = 0.0
     shape: str = "circle"
     readings: list[str] = []
     reading: int = 0

@@ -55,6 +55,8 @@ def test_a_reading_in_pixels_then_in_meters(show: Any, page: Any, clip: Clip) ->
     page.fill("#fov", "60 ± 3")
     page.locator("#fov").press("Enter")
     page.locator("#reading .left-out").wait_for(state="detached", timeout=WAIT)
+    page.locator("#fov").blur()
+    wait_until(page, "document.getElementById('fov').value === '60.0 ± 3'")
     page.locator("#file-results .work").get_by_text(FOUR).wait_for(timeout=WAIT)
     size = page.evaluate("parseFloat(getComputedStyle(document.querySelector('#reading .first .value')).fontSize)")
     assert size >= 48

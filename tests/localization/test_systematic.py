@@ -71,7 +71,7 @@ def test_poses_spread_as_focal_length_and_diameter_do(target: ms.BallTarget) -> 
     rng = np.random.default_rng(43)
     known = PINHOLE.with_focal_sigma(0.02)
     told = msgspec.structs.replace(target, diameter_sigma=0.004)
-    localizer, poses = ms.Localizer(known, told, EXACT), []
+    localizer, poses = ms.Localizer(known, told), []
     for share, diameter in zip(rng.normal(0.0, 0.02, 500), rng.normal(0.28, 0.004, 500), strict=True):
         real = msgspec.structs.replace(PINHOLE, fx=450.0 * (1.0 + share), fy=450.0 * (1.0 + share))
         poses.append(located(localizer, sight(real, resized(target, diameter))))
@@ -86,7 +86,7 @@ def test_poses_spread_as_all_numbers_of_a_camera_do(target: ms.BallTarget) -> No
     rng = np.random.default_rng(7)
     rows = tuple(tuple(row) for row in np.diag(SIGMAS**2).tolist())
     known = msgspec.structs.replace(PINHOLE, distortion=(-0.2, 0.05, 1e-3, 0.0, 0.0), intrinsics_covariance=rows)
-    localizer, poses = ms.Localizer(known, target, EXACT), []
+    localizer, poses = ms.Localizer(known, target), []
     for fx, fy, cx, cy, *lens in rng.normal(known.intrinsics, SIGMAS, (500, 9)).tolist():
         real = ms.CameraModel(width=640, height=480, fx=fx, fy=fy, cx=cx, cy=cy, distortion=tuple(lens))
         poses.append(located(localizer, sight(real, target)))
@@ -187,7 +187,7 @@ def test_a_filter_averages_noise_and_nothing_else() -> None:
     assert np.array_equal(told.systematic_covariance, last.systematic_covariance)
     assert np.array_equal(told.position, without.position)
     np.testing.assert_allclose(told.random_covariance, without.covariance, atol=1e-15)
-    assert math.sqrt(told.covariance[2, 2]) > 1.45 * math.hypot(0.02, 0.004 / 0.28)
+    assert math.sqrt(told.covariance[2, 2]) > 1.4 * math.hypot(0.02, 0.004 / 0.28)
     assert told.random_covariance[2, 2] < 0.8 * last.random_covariance[2, 2]  # noise did become less
 
 

@@ -127,7 +127,7 @@ class OutlineRays(NamedTuple):
     residual: Floats  # (n,), px outside the cone
     distance: Floats  # (n,), its absolute value
     weight: Floats  # (n,)
-    pixels: Floats  # (n, 2), the points, px
+    pixels: Floats  # (n, 2), the points as shifted, px
     outward: Floats  # (n, 3), px by which a point moves outward per px of an error of x, y and size
 
 
@@ -151,7 +151,8 @@ def undistort_points(fit: Any, points: Floats) -> OutlineRays:
         if not 1e-6 < far < 1e9:
             continue
         nx, ny = nx / far, ny / far
-        u, v, found = undistort(k, widest, points[i, 0] + shift * nx, points[i, 1] + shift * ny)
+        x, y = points[i, 0] + shift * nx, points[i, 1] + shift * ny
+        u, v, found = undistort(k, widest, x, y)
         xx, xy, yy = bend(k, u, v)
         area = xx * yy - xy * xy
         if not (found and area > 0.0):
@@ -162,7 +163,7 @@ def undistort_points(fit: Any, points: Floats) -> OutlineRays:
         scale, fade = math.sqrt(square), square * (u * du + v * dv)
         table[0, seen], table[1, seen], table[2, seen] = u * scale, v * scale, scale
         table[3, seen], table[4, seen], table[5, seen] = scale * (du - u * fade), scale * (dv - v * fade), -scale * fade
-        pixels[seen, 0], pixels[seen, 1] = points[i, 0], points[i, 1]
+        pixels[seen, 0], pixels[seen, 1] = x, y
         outward[seen, 0], outward[seen, 1], outward[seen, 2] = nx, ny, 1.0
         seen += 1
     return OutlineRays(

@@ -66,7 +66,7 @@ def test_a_ball_is_placed_in_every_frame(matchset: Matchset, flown: Path, capsys
 def test_what_is_told_of_camera_and_diameter_counts_in_every_row(
     matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    options = *BALL, "--pick", BLUE, "--end", "0.2"
+    options = *BALL, "--pick", BLUE, "--end", "0.2s"
     assert matchset("locate", flown, *options, "-o", "plain") == 0
     assert matchset("locate", flown, *options, "--focal-sigma", "0.05", "--diameter-sigma", "0.004", "-o", "told") == 0
     assert capsys.readouterr().out.count("leaves out") == 1  # of the first run
@@ -84,7 +84,7 @@ def test_a_calibrated_camera_brings_its_own(
     matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     CAMERA.with_focal_sigma(0.01).save("camera.toml")
-    options = "--camera", "camera.toml", "--diameter", "0.28", "--pick", BLUE, "--end", "0.2"
+    options = "--camera", "camera.toml", "--diameter", "0.28", "--pick", BLUE, "--end", "0.2s"
     assert matchset("locate", flown, *options, "-o", "file") == 0
     assert (
         "± leaves out errors of the diameter: say how large they are by --diameter-sigma\n" in capsys.readouterr().out

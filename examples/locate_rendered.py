@@ -30,5 +30,5 @@ for frame in BallFlightClip(camera=camera, place=place, frames=20, preset="typic
     away_mm = 1000.0 * np.linalg.norm(pose.position - place(frame.time))
     print(
         f"{frame.index:3d}  x {x:+.3f} ± {sigma[0]:.3f}  y {y:+.3f} ± {sigma[1]:.3f}  z {z:.3f} ± {sigma[2]:.3f} m  "
-        f"distance {pose.distance:.3f} m  yaw {math.degrees(pose.yaw):+.1f}°  error {away_mm:.1f} mm"
+        f"distance {pose.distance:.3f} m  error {away_mm:.1f} mm"
     )

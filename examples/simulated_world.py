@@ -11,7 +11,7 @@ cameras = ms.sim.WorldCameras(world, camera, preset="typical")
 sample = cameras.held_ball(0)  # a ball 1 m before the camera, its marker in the middle of the picture
 marker_color = ms.ColorModel.pick(sample, 319.5, 239.5, reading=2)  # a spot on the ball
 color = ms.ColorModel.pick(sample, 280.0, 239.5) | marker_color
-target = ms.BallTarget(diameter=0.28, marker_diameter=0.06)
+target = ms.BallTarget(diameter=0.28, markers=((0, 0, 1),), marker_diameter=0.06)
 tracker, markers = ms.Tracker(ms.Circle, color), ms.MarkerTracker(marker_color, target)
 localizer = ms.Localizer(camera, target)
 

@@ -12,7 +12,7 @@ import matchset as ms
 
 IMAGE = np.full((48, 64, 3), 90, np.uint8)
 COLOR = ms.ColorModel.hsv((95, 120, 20), (119, 255, 255))
-CAMERA, TARGET = ms.CameraModel.from_fov(64, 48, 1.0), ms.BallTarget(diameter=0.28)
+CAMERA, TARGET = ms.CameraModel.from_fov(64, 48, 1.0), ms.BallTarget(diameter=0.28, markers=((0, 0, 1),))
 FRAME = ms.Frame(IMAGE)
 LOST: ms.Lost[ms.Circle] = ms.Lost("gone", 0.0)
 make: Any = ms  # so that a type checker lets wrong types pass

@@ -23,6 +23,7 @@ IMAGE = np.full((120, 160, 3), 90, np.uint8)
 cv2.circle(IMAGE, (70, 50), 25, (200, 60, 30), -1, cv2.LINE_AA)
 FRAME, COLOR = ms.Frame(IMAGE, 1 / 30, 1), ms.ColorModel.pick(IMAGE, 70, 50)
 CAMERA, TARGET = ms.CameraModel.from_fov(160, 120, 1.07), ms.BallTarget(diameter=0.28)
+MARKED = ms.BallTarget(diameter=0.28, markers=((0.0, 0.0, 1.0),))
 TRACKER = ms.Tracker(ms.Circle, COLOR)
 TRACK: Any = TRACKER.update(FRAME)
 LOCALIZER = ms.Localizer(CAMERA, TARGET)
@@ -56,12 +57,28 @@ LINES: dict[str, tuple[Any, str]] = {
     "lost for good": (ms.Lost("gone", 0.5), r"Lost\('gone', 0\.5 s\)"),
     "camera": (CAMERA, r"CameraModel\(160 x 120, fx \d+\.\d+, fy .*, 61\.3° wide, no distortion\)"),
     "target": (TARGET, r"BallTarget\(diameter=0\.28, .*\)"),
-    "localizer": (LOCALIZER, r"Localizer\(ball of 0\.28 m with 1 markers, 160 x 120 camera\)"),
-    "pose": (POSE, rf"Pose\(x [+-]{NUMBER} ±{NUMBER} m, .* yaw [+-].*±.*°, observed position, 0\.0333\d* s\)"),
-    "level pose": (LEVEL, r"Pose\(x \+0\.100 ±0\.010 m, .* heading -1\.900 ±.* observed level, 2\.0 s\)"),
-    "markers": (ms.MarkerTracker(COLOR, TARGET), r"MarkerTracker\(0 of 1 markers in sight\)"),
+    "localizer": (LOCALIZER, r"Localizer\(ball of 0\.28 m without marker, 160 x 120 camera\)"),
+    "localizer, one marker": (ms.Localizer(CAMERA, MARKED), r"Localizer\(ball of 0\.28 m with 1 marker, .*\)"),
+    "localizer, two markers": (
+        ms.Localizer(CAMERA, ms.BallTarget(0.28, ((0.0, 0.0, 1.0), (0.6, 0.0, 0.8)), diameter_sigma=0.002)),
+        r"Localizer\(ball of 0\.2800 ±0\.0020 m with 2 markers, .*\)",
+    ),
+    "pose": (
+        POSE,
+        rf"Pose\(x [+-]{NUMBER} ±{NUMBER} m, y {NUMBER} ±{NUMBER} m, z \+{NUMBER} ±{NUMBER} m, observed position, "
+        r"0\.0333\d* s; ± leaves out camera and diameter\)",
+    ),
+    "level pose": (
+        LEVEL,
+        r"Pose\(x \+0\.100 ±0\.010 m, .* heading -1\.900 ±.*, yaw \+3\.01 ±.*°, observed level, .*\)",
+    ),
+    "pose of a camera that is known": (
+        ms.Localizer(ms.CameraModel.from_fov(160, 120, 1.07, 0.02), TARGET).update(TRACK),
+        r"Pose\(x .* observed position, 0\.0333\d* s\)",
+    ),
+    "markers": (ms.MarkerTracker(COLOR, MARKED), r"MarkerTracker\(0 of 1 markers in sight\)"),
     "filter": (ms.PoseFilter(), r"PoseFilter\(no pose yet\)"),
-    "neighbors": (ms.Neighbors(CAMERA, TARGET, COLOR, COLOR), r"Neighbors\(0 balls followed, 0 frames\)"),
+    "neighbors": (ms.Neighbors(CAMERA, MARKED, COLOR, COLOR), r"Neighbors\(0 balls followed, 0 frames\)"),
     "neighbor": (ms.Neighbor(3, POSE, TRACK, (), False), r"Neighbor\(.*"),
     "parameters": (ms.TrackerParameters(coast=0.1), r"TrackerParameters\(coast=0\.1\)"),
 }

@@ -109,7 +109,7 @@ def _turn(task: Task, place: Floats, rng: np.random.Generator) -> Rotation:
 
 def _blobs(flight: BallFlightClip) -> list[float]:
     """Errors of OpenCV's blob detector as the marker's finder, rad."""
-    target = ms.BallTarget()
+    target = ms.BallTarget(0.28, markers=((0, 0, 1),))
     ball_color, marker_color = learn(flight)
     center = flight.camera.project(flight.place(0.0)[np.newaxis])[0]
     tracker = ms.Tracker(ms.Circle, ball_color | marker_color, start=(float(center[0]), float(center[1])))

@@ -15,7 +15,7 @@ from matchset.localization.neighbors.ball_search import BallSearch
 from matchset.sim.clips.multi_ball_clip import MultiBallClip, PositionFunction
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
-TARGET = ms.BallTarget(diameter=0.28)
+TARGET = ms.BallTarget(diameter=0.28, markers=((0, 0, 1),))
 LOW, HIGH = np.array((100, 60, 40)), np.array((130, 255, 255))
 NEAR = 0.15  # m from its ball from which a pose belongs to another
 

@@ -26,6 +26,7 @@ def test_a_reading_in_pixels_then_in_meters(show: Any, page: Any, clip: Clip) ->
     page.goto(show(str(clip[0])))
     begin(page, clip)
     assert page.locator("#reading .name").all_inner_texts() == ["x", "y", "r"]
+    assert page.locator("#reading .left-out").count() == 0
     assert re.search(r"px$", page.locator("#reading .number").first.inner_text().strip())
     page.fill("#fov", "60")
     page.locator("#fov").press("Enter")
@@ -42,6 +43,20 @@ def test_a_reading_in_pixels_then_in_meters(show: Any, page: Any, clip: Clip) ->
     assert page.locator("#targets output").first.inner_text() == ""
     page.locator("#reading [data-name=distance]").wait_for(timeout=WAIT)
     assert page.locator("#reading .name").all_inner_texts() == ["distance", "x", "y", "z"]
+    assert page.locator("#reading .left-out").all_inner_texts() == [
+        "± leaves out errors of the camera and of the diameter"
+    ]
+    page.fill(".diameter", "28 cm ± 2 mm")
+    page.locator(".diameter").press("Enter")
+    page.get_by_text("± leaves out errors of the camera", exact=True).wait_for(timeout=WAIT)
+    page.fill("#fov", "60 ±")
+    page.locator("#fov").press("Enter")
+    page.locator("#fov-error").get_by_text("how well it is known").wait_for(timeout=WAIT)
+    page.fill("#fov", "60 ± 3")
+    page.locator("#fov").press("Enter")
+    page.locator("#reading .left-out").wait_for(state="detached", timeout=WAIT)
+    page.locator("#fov").blur()
+    wait_until(page, "document.getElementById('fov').value === '60.0 ± 3'")
     page.locator("#file-results .work").get_by_text(FOUR).wait_for(timeout=WAIT)
     size = page.evaluate("parseFloat(getComputedStyle(document.querySelector('#reading .first .value')).fontSize)")
     assert size >= 48

@@ -1,4 +1,5 @@
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,3 +127,38 @@ def test_misuse_shows_the_value() -> None:
     with pytest.raises(ValueError, match="must be finite, got"):
         camera.visible([(math.inf, 0.0, 1.0)])
     assert camera.rays(np.zeros((0, 2))).shape == (0, 3)
+
+
+def test_a_focal_length_is_known_to_a_share(tmp_path: Path) -> None:
+    exact = ms.CameraModel.from_fov(640, 480, 1.0)
+    assert (exact.focal_sigma, exact.covariance) == (0.0, None)
+    assert ms.CameraModel.from_fov(640, 480, 1.0, focal_sigma=0.0) == exact
+    told = ms.CameraModel.from_fov(640, 480, 1.0, focal_sigma=0.05)
+    assert told.focal_sigma == pytest.approx(0.05)
+    assert told.covariance is not None
+    assert told.covariance[:2, :2] == pytest.approx((0.05 * told.fx) ** 2 * np.ones((2, 2)))  # both are off alike
+    assert not told.covariance[2:].any()
+    assert np.array_equal(told.intrinsics, exact.intrinsics)
+    assert told.with_focal_sigma(0.0) == exact
+    told.save(tmp_path / "camera.toml")
+    back = ms.CameraModel.load(tmp_path / "camera.toml")
+    assert back.focal_sigma == pytest.approx(0.05)
+
+
+def test_another_focal_sigma_leaves_the_rest_as_it_is() -> None:
+    spread = np.diag((4.0, 4.0, 2.0, 2.0, 0.01, 0.02, 5e-4, 5e-4, 0.0)) ** 2
+    spread[0, 2] = spread[2, 0] = 3.0
+    rows = tuple(tuple(row) for row in spread.tolist())
+    camera = ms.CameraModel(**(GOOD | {"fy": 455.0, "intrinsics_covariance": rows}))
+    assert camera.focal_sigma == pytest.approx(4.0 / 450.0)
+    other = camera.with_focal_sigma(0.03)
+    assert other.covariance is not None
+    assert np.array_equal(other.covariance[2:, 2:], spread[2:, 2:])
+    assert not other.covariance[:2, 2:].any()
+    assert np.sqrt(np.diag(other.covariance)[:2]) == pytest.approx((13.5, 13.65))
+
+
+@pytest.mark.parametrize("share", [-0.01, 1.0, math.nan, math.inf, "0.1", None])
+def test_a_share_of_a_focal_length_is_less_than_all_of_it(share: Any) -> None:
+    with pytest.raises(ValueError, match=rf"focal_sigma .*got {share!r}"):
+        ms.CameraModel.from_fov(640, 480, 1.0).with_focal_sigma(share)

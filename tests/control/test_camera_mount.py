@@ -46,6 +46,17 @@ def test_a_told_mount_turns_poses_from_the_camera_to_the_vehicle() -> None:
     both = np.kron(np.eye(2), mounting(0.1, -0.2, 0.05))
     np.testing.assert_allclose(turned.covariance, both @ np.diag((1.0, 2.0, 3.0, 4.0, 5.0, 6.0)) @ both.T)
     assert (turned.observed, turned.time) == ("level", 1.0)
+    assert turned.systematic_covariance is None
+
+
+def test_what_all_poses_of_a_camera_have_in_common_is_turned_with_it() -> None:
+    part = np.diag((0.5, 0.4, 0.3, 0.2, 0.1, 0.0))
+    seen = msgspec.structs.replace(pose(0.0, (0.1, -0.2, 0.05), 1.0), systematic_covariance=part)
+    turned = CameraMount(MountParameters(yaw=0.1, pitch=-0.2, roll=0.05)).turn(seen)
+    both = np.kron(np.eye(2), mounting(0.1, -0.2, 0.05))
+    assert turned.systematic_covariance is not None
+    np.testing.assert_allclose(turned.systematic_covariance, both @ part @ both.T, atol=1e-12)
+    np.testing.assert_allclose(turned.random_covariance, both @ seen.random_covariance @ both.T, atol=1e-12)
 
 
 def test_without_a_marker_only_the_place_is_turned() -> None:

@@ -170,6 +170,17 @@ def test_poses_are_taken_to_the_frame_at_rest() -> None:
     )
 
 
+def test_an_error_of_camera_or_diameter_does_not_decide_how_pictures_are_weighed() -> None:
+    part = np.diag((0.01, 0.01, 0.04, 0.0, 0.0, 0.0))
+    told, exact = NeighborFilter(), NeighborFilter()
+    for k in range(30):
+        pose = seen((0.1 * math.sin(k / 5), 0.0, 1.5), k / 30)
+        exact.update(pose, STILL)
+        whole = pose.covariance + part
+        told.update(msgspec.structs.replace(pose, covariance=whole, systematic_covariance=part), STILL)
+    np.testing.assert_allclose(numbers(told.at(1.1, 0.4)), numbers(exact.at(1.1, 0.4)), atol=1e-9)
+
+
 def test_numbers_that_are_none_are_refused() -> None:
     with pytest.raises(ValueError, match="period"):
         NeighborFilterParameters(oscillation_period=0.0)

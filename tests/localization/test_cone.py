@@ -27,7 +27,7 @@ places = st.tuples(st.floats(-0.55, 0.55), st.floats(-0.4, 0.4), st.floats(0.7, 
 def pose_of(
     camera: ms.CameraModel, seen: "ms.Track[ms.Circle]", parameters: BallParameters = EXACT, radius: float = 0.14
 ) -> "ms.Pose | ms.Lost[ms.Pose]":
-    target = ms.BallTarget(diameter=2.0 * radius, marker_diameter=radius / 2.0)
+    target = ms.BallTarget(diameter=2.0 * radius)
     return ms.Localizer(camera, target, LocalizerParameters(ball=parameters)).update(seen)
 
 

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 import matchset as ms
 from balls import BARREL, PINHOLE, Floats, ball, dot, rim, square, track
 from matchset.localization.attitude import AttitudeParameters
+from matchset.localization.ball_target import BALLOON
 from matchset.localization.cone import BallParameters
 from matchset.localization.localizer import LocalizerParameters, direction_on_ball
 from matchset.localization.marker_identification import assignments
@@ -50,29 +51,27 @@ def angle_deg(pose: "ms.Pose | ms.Lost[ms.Pose]", truth: Rotation) -> float:
 
 
 def test_lost_in_lost_out() -> None:
-    pose = ms.Localizer(PINHOLE, ms.BallTarget()).update(ms.Lost("it left the picture", 1.5))
+    pose = ms.Localizer(PINHOLE, BALLOON).update(ms.Lost("it left the picture", 1.5))
     assert isinstance(pose, ms.Lost)
     assert (pose.reason, pose.time, bool(pose)) == ("it left the picture", 1.5, False)
 
 
 def test_a_ball_that_is_none_is_lost_with_a_reason() -> None:
     straight = np.column_stack((np.linspace(100.0, 500.0, 40), np.full(40, 200.0)))
-    pose = ms.Localizer(PINHOLE, ms.BallTarget()).update(track(straight, time=2.0))
+    pose = ms.Localizer(PINHOLE, BALLOON).update(track(straight, time=2.0))
     assert isinstance(pose, ms.Lost)
     assert pose.time == 2.0
     assert "ball" in pose.reason
 
 
 def test_without_a_marker_only_the_position_is_observed() -> None:
-    pose = ms.Localizer(PINHOLE, ms.BallTarget(), EXACT).update(
-        ball(PINHOLE, (0.3, -0.2, 1.5)), [ms.Lost("hidden", 0.0)]
-    )
+    pose = ms.Localizer(PINHOLE, BALLOON, EXACT).update(ball(PINHOLE, (0.3, -0.2, 1.5)), [ms.Lost("hidden", 0.0)])
     assert isinstance(pose, ms.Pose)
-    assert (pose.observed, pose.rotation, pose.side, pose.height, pose.heading) == ("position", None, None, None, None)
+    assert (pose.observed, pose.rotation) == ("position", None)
+    assert (pose.side, pose.height, pose.heading, pose.yaw) == (None,) * 4
     np.testing.assert_allclose(pose.position, (0.3, -0.2, 1.5), atol=1e-7)
     np.testing.assert_allclose(pose.covariance[3:, 3:], UNOBSERVED_VARIANCE * np.eye(3))
     assert not pose.covariance[3:, :3].any()
-    assert pose.yaw == pytest.approx(math.atan2(0.3, 1.5))
     assert pose.distance == pytest.approx(math.sqrt(0.09 + 0.04 + 2.25))
 
 
@@ -81,7 +80,7 @@ def test_without_a_marker_only_the_position_is_observed() -> None:
 def test_one_marker_and_level_vehicles_give_the_whole_pose(
     camera: ms.CameraModel, x: float, y: float, yaw: float
 ) -> None:
-    target, position = ms.BallTarget(), 1.4 * np.array((x, y, 1.0))
+    target, position = BALLOON, 1.4 * np.array((x, y, 1.0))
     turn = Rotation.from_euler("y", math.degrees(math.atan2(x, 1.0)), degrees=True) * upright(yaw)
     pose = ms.Localizer(camera, target, EXACT).update(
         ball(camera, position), dots(camera, target, position, turn, 90.0)
@@ -98,12 +97,12 @@ def test_one_marker_and_level_vehicles_give_the_whole_pose(
 
 
 def test_the_signs_of_the_paper() -> None:
-    target, position = ms.BallTarget(), np.array((0.2, 0.0, 2.0))
+    target, position = BALLOON, np.array((0.2, 0.0, 2.0))
     localizer = ms.Localizer(PINHOLE, target, EXACT)
     turn = Rotation.from_matrix(np.diag((-1.0, 1.0, -1.0)))  # marker 0 looks back along the camera's axis
     pose = localizer.update(ball(PINHOLE, position), dots(PINHOLE, target, position, turn))
     assert isinstance(pose, ms.Pose)
-    assert pose.yaw > 0.0  # the ball is to the right
+    assert pose.yaw == pytest.approx(math.atan2(0.2, 2.0))  # > 0: the ball is to the right
     assert pose.heading == pytest.approx(2.0, abs=1e-4)  # the camera is before the marker
     assert pose.side == pytest.approx(0.2, abs=1e-4)  # the ball's x looks to the camera's left
     lifted = np.array((0.0, 0.3, 2.0))
@@ -183,12 +182,12 @@ def test_markers_that_fit_no_rotation_leave_the_position() -> None:
     assert isinstance(pose, ms.Pose)
     assert pose.observed in ("position", "level")
     outside = ms.Track(ms.Circle(5.0, 5.0, 4.0), np.eye(3), 1.0, np.empty((0, 2)), 0.0)
-    pose = ms.Localizer(PINHOLE, ms.BallTarget(), EXACT).update(ball(PINHOLE, position), [outside])
+    pose = ms.Localizer(PINHOLE, BALLOON, EXACT).update(ball(PINHOLE, position), [outside])
     assert isinstance(pose, ms.Pose)
     assert pose.observed == "position"
 
 
-@pytest.mark.parametrize("target", [ms.BallTarget(), THREE])
+@pytest.mark.parametrize("target", [BALLOON, THREE])
 def test_the_covariance_of_all_six_numbers_is_honest(target: ms.BallTarget) -> None:
     rng = np.random.default_rng(6)
     settings_ = LocalizerParameters(

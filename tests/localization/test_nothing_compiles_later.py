@@ -59,7 +59,7 @@ def locate(camera):
 
 
 def follow_all(camera):
-    neighbors = ms.Neighbors(camera, ms.BallTarget(), BLUE | PURPLE, PURPLE)
+    neighbors = ms.Neighbors(camera, ms.BallTarget(0.28, ((0.0, 0.0, 1.0),)), BLUE | PURPLE, PURPLE)
     before = compiled()
     seen = [neighbors.update(frame) for frame in frames([(80, 110), (220, 110)])]
     assert len(seen[-1]) == 2

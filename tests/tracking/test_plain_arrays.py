@@ -102,7 +102,10 @@ def test_detect_and_colors_take_either() -> None:
 def test_markers_and_neighbors_take_arrays() -> None:
     image = picture(0)
     cv2.circle(image, (50, 50), 4, (160, 20, 160), -1, cv2.LINE_AA)
-    purple, target = ms.ColorModel.hsv((140, 60, 40), (165, 255, 255)), ms.BallTarget(diameter=0.28)
+    purple, target = (
+        ms.ColorModel.hsv((140, 60, 40), (165, 255, 255)),
+        ms.BallTarget(diameter=0.28, markers=((0, 0, 1),)),
+    )
     either = ms.ColorModel.pick(picture(0), 60, 50) | purple
     ball = ms.Tracker(ms.Circle, either).update(image)
     plain, framed = (

@@ -90,19 +90,19 @@ def _localizer() -> object:
     import numpy as np
 
     from matchset.camera.camera_model import CameraModel
-    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.ball_target import BALLOON
     from matchset.localization.localizer import Localizer
 
     camera = CameraModel.from_fov(640, 480, 1.2)
     camera.rays(camera.project(np.array([[0.0, 0.0, 1.0]])))
-    return Localizer(camera, BallTarget())
+    return Localizer(camera, BALLOON)
 
 
 def _markers() -> object:
-    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.ball_target import BALLOON
     from matchset.localization.markers.marker_tracker import MarkerTracker
 
-    return MarkerTracker(_light(), BallTarget())
+    return MarkerTracker(_light(), BALLOON)
 
 
 def _neighbors() -> object:
@@ -110,10 +110,10 @@ def _neighbors() -> object:
 
     from matchset.camera.camera_model import CameraModel
     from matchset.image.frame import Frame
-    from matchset.localization.ball_target import BallTarget
+    from matchset.localization.ball_target import BALLOON
     from matchset.localization.neighbors.neighbors import Neighbors
 
-    neighbors = Neighbors(CameraModel.from_fov(640, 480, 1.2), BallTarget(), _light(), _light())
+    neighbors = Neighbors(CameraModel.from_fov(640, 480, 1.2), BALLOON, _light(), _light())
     for index in range(3):  # a search of the whole picture
         neighbors.update(Frame(np.full((480, 640, 3), 40, np.uint8), index / 30, index))
     return neighbors

@@ -54,10 +54,7 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
     intrinsics_covariance: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
-        for name in ("width", "height"):
-            size = getattr(self, name)
-            if isinstance(size, bool) or not isinstance(size, int | np.integer) or not 1 <= size <= _LARGEST:
-                raise ValueError(f"{name} must be a whole number of px from 1 to {_LARGEST}, got {size!r}")
+        _check_size(self.width, self.height)
         for name in ("fx", "fy"):
             if not 0.0 < _number(name, getattr(self, name)) < math.inf:
                 raise ValueError(f"{name} must be a positive number of px, got {getattr(self, name)!r}")
@@ -77,7 +74,7 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         return f"CameraModel({self.width} x {self.height}, {focal}, {center}, {wide:.1f}° wide, {bent}{known})"
 
     @classmethod
-    def from_fov(cls, width: int, height: int, fov: float) -> "CameraModel":
+    def from_fov(cls, width: int, height: int, fov: float, focal_sigma: float = 0.0) -> "CameraModel":
         """Camera with square pixels and its principal point in the middle, from the horizontal field of view.
 
         fx = fy = (width / 2) / tan(fov / 2), cx = (width - 1) / 2, cy = (height - 1) / 2 (Epstein & Feldman, Eq. 5).
@@ -88,11 +85,15 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             Size of the picture, px.
         fov : float
             Horizontal field of view, rad.
+        focal_sigma : float
+            Standard deviation of the focal length that follows from it, as a share of it: 0.05 where a field of view is
+            known to 5 %. It is part of the covariance of every pose. 0 by default: taken as exact.
 
         Raises
         ------
         ValueError
-            If the size is not positive, the field of view is outside 0 ... pi, or one of them is no number.
+            If the size is not positive, the field of view is outside 0 ... pi, the share outside 0 ... 1, or one of
+            them is no number.
         """
         if _number("width", width) < 1 or _number("height", height) < 1:
             raise ValueError(f"a picture's size must be positive, got {width} x {height}")
@@ -100,7 +101,29 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
             hint = f" ({fov:g} degrees are math.radians({fov:g}))" if math.pi <= fov < 180.0 else ""
             raise ValueError(f"a field of view must lie between 0 and pi rad, got {fov}{hint}")
         focal = (width / 2.0) / math.tan(fov / 2.0)
-        return cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)
+        camera = cls(width=width, height=height, fx=focal, fy=focal, cx=(width - 1) / 2.0, cy=(height - 1) / 2.0)
+        return camera.with_focal_sigma(focal_sigma) if focal_sigma else camera
+
+    def with_focal_sigma(self, share: float) -> "CameraModel":
+        """Return this camera with another standard deviation of its focal length; what else is uncertain stays.
+
+        Parameters
+        ----------
+        share : float
+            Of both focal lengths together, as a share of them; their ratio is taken as exact.
+
+        Raises
+        ------
+        ValueError
+            If it is outside 0 ... 1, or no number.
+        """
+        if not 0.0 <= _number("focal_sigma", share) < 1.0:
+            raise ValueError(f"focal_sigma is a share of the focal length, at least 0 and less than 1, got {share!r}")
+        covariance = np.zeros((9, 9)) if self.covariance is None else np.array(self.covariance)
+        covariance[:2], covariance[:, :2] = 0.0, 0.0
+        covariance[:2, :2] = share**2 * np.outer((self.fx, self.fy), (self.fx, self.fy))
+        rows = tuple(tuple(row) for row in covariance.tolist()) if covariance.any() else None
+        return msgspec.structs.replace(self, intrinsics_covariance=rows)
 
     @classmethod
     def load(cls, path: str | Path) -> "CameraModel":
@@ -176,24 +199,22 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
         ValueError
             If it is not positive and whole.
         """
-        for name, size in (("width", width), ("height", height)):
-            if isinstance(size, bool) or not isinstance(size, int | np.integer) or not 1 <= size <= _LARGEST:
-                raise ValueError(f"{name} must be a whole number of px from 1 to {_LARGEST}, got {size!r}")
+        _check_size(width, height)
         return self._changed(resampled((self.width, self.height), (int(width), int(height))))
 
     def _changed(self, change: ChangedPicture) -> "CameraModel":
         fx, fy, cx, cy, k1, k2, p1, p2, k3 = change.intrinsics(self.intrinsics)
-        width, height = change.size
+        covariance = None if self.covariance is None else change.covariance(self.covariance)
+        (width, height), lens = change.size, (k1, k2, p1, p2, k3)
         return CameraModel(
-            width=width,
-            height=height,
-            fx=fx,
-            fy=fy,
-            cx=cx,
-            cy=cy,
-            distortion=(k1, k2, p1, p2, k3),
-            intrinsics_covariance=None if self.covariance is None else change.covariance(self.covariance),
+            width=width, height=height, fx=fx, fy=fy, cx=cx, cy=cy, distortion=lens, intrinsics_covariance=covariance
         )
+
+    @property
+    def focal_sigma(self) -> float:
+        """Standard deviation of the focal length as a share of it, the larger of both; 0 where it is not known."""
+        variances = np.zeros(2) if self.covariance is None else self.covariance.diagonal()[:2].clip(0.0)
+        return float((np.sqrt(variances) / (self.fx, self.fy)).max())
 
     @cached_property
     def intrinsics(self) -> Floats:
@@ -320,6 +341,14 @@ class CameraModel(msgspec.Struct, frozen=True, kw_only=True, dict=True):
 
 
 _LARGEST = 1_000_000  # format: px; a larger width or height is a typing error
+
+
+def _check_size(width: int, height: int) -> None:
+    for name, size in (("width", width), ("height", height)):
+        if isinstance(size, bool) or not isinstance(size, int | np.integer) or not 1 <= size <= _LARGEST:
+            raise ValueError(f"{name} must be a whole number of px from 1 to {_LARGEST}, got {size!r}")
+
+
 _STRONGEST = 1.0e9  # format: largest distortion coefficient
 
 

@@ -65,8 +65,8 @@ def focal_from_one_ball(
     place = math.hypot(known.tape_sigma, known.pupil_sigma) / ball.distance
     edges = known.edge_sigma_px / (corrected.fx * math.tan(must))
     share = math.hypot(place, edges, spread / math.tan(must))
-    known_before = camera.covariance
-    return msgspec.structs.replace(corrected, intrinsics_covariance=_covariance(corrected, share, known, known_before))
+    thought = msgspec.structs.replace(corrected, intrinsics_covariance=_covariance(corrected, known, camera.covariance))
+    return thought.with_focal_sigma(share)
 
 
 def _scaled(camera: CameraModel, scale: float) -> CameraModel:
@@ -74,13 +74,10 @@ def _scaled(camera: CameraModel, scale: float) -> CameraModel:
 
 
 def _covariance(
-    camera: CameraModel, share: float, known: BallFocalParameters, before: Floats | None
+    camera: CameraModel, known: BallFocalParameters, before: Floats | None
 ) -> tuple[tuple[float, ...], ...]:
-    """Return the covariance: the focal lengths are this uncertain together, the rest as it was, or as is thought."""
+    """Return the covariance of all but the focal lengths: as it was, or as is thought."""
     center = (known.center_sigma * camera.width) ** 2
     thought = np.diag([0.0, 0.0, center, center, known.k1_sigma**2, 0.0, 0.0, 0.0, 0.0])
-    covariance = thought if before is None else np.array(before)
-    covariance[:2], covariance[:, :2] = 0.0, 0.0
-    focal = np.array((camera.fx, camera.fy))
-    covariance[:2, :2] = share**2 * np.outer(focal, focal)
+    covariance = thought if before is None else before
     return tuple(tuple(row) for row in covariance.tolist())

@@ -113,7 +113,8 @@ class NeighborFilter(Copied):
         bool
             Whether its position was accepted.
         """
-        self._ball[:], self._pose_covariance[:], self._ego[:] = pose.position, pose.covariance, ego.block
+        # An error of camera or diameter is the same in every picture: it does not decide how two of them are weighed.
+        self._ball[:], self._pose_covariance[:], self._ego[:] = pose.position, pose.random_covariance, ego.block
         if pose.rotation_matrix is not None:
             self._ball_rotation[:] = pose.rotation_matrix
         accepted = update(

@@ -7,7 +7,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import msgspec
 
@@ -292,9 +292,12 @@ class Video(NotCopied):
         """
         if self.live:
             raise ValueError(f"{self._name} is live: it cannot be read from its beginning")
-        wish, rate = self._wish, self._asked.get("fps")
-        view = {name: getattr(wish, name) for name in wish.__struct_fields__}
-        return Video(self._given, fps=rate, topic=self.topic, **view)
+        return Video(self._given, **self._opening())
+
+    def _opening(self) -> dict[str, Any]:
+        """Return the parameters with which the same pictures are opened again."""
+        view = {name: getattr(self._wish, name) for name in self._wish.__struct_fields__}
+        return {"fps": self._asked.get("fps"), "topic": self.topic, **view}
 
     def __len__(self) -> int:
         """Return `length`; TypeError where it is not known."""

@@ -96,14 +96,17 @@ class AttitudeFit:
     bodies: Annotated[Floats, (MOST_MARKERS, 3), "f8"]  # the target's markers, unit vectors, ball frame
     last_rotation: Annotated[Floats, (3, 3), "f8"]
     last_known: bool  # whether there is one, and recent
+    camera_steps: Annotated[Floats, (9,), "f8"]  # of derivatives to the intrinsics; 0 where one is exact
     # of the frame
     pixel_count: int
     pixels: Annotated[Floats, (MOST_MARKERS, 2), "f8"]  # middles of the markers' rims, px
     pixel_covariances: Annotated[Floats, (MOST_MARKERS, 2, 2), "f8"]  # px^2
     position: Annotated[Floats, (3,), "f8"]  # of the ball's center, camera frame, m
-    position_covariance: Annotated[Floats, (3, 3), "f8"]  # m^2
+    position_covariance: Annotated[Floats, (3, 3), "f8"]  # m^2, without camera and diameter
+    position_slope: Annotated[Floats, (3, 9), "f8"]  # of the position to the intrinsics, m per unit
     # directions s of the markers that meet the ball
     count: int
+    sources: Annotated[Ints, (MOST_MARKERS,), "i8"]  # rows of `pixels`
     directions: Annotated[Floats, (MOST_MARKERS, 3), "f8"]
     covariances: Annotated[Floats, (MOST_MARKERS, 3, 3), "f8"]
     weights: Annotated[Floats, (MOST_MARKERS, 3, 3), "f8"]  # W
@@ -118,6 +121,7 @@ class AttitudeFit:
     rotation: Annotated[Floats, (3, 3), "f8"]  # from the ball frame to the camera frame
     rotation_covariance: Annotated[Floats, (3, 3), "f8"]  # of the rotation vector, rad^2
     cross_covariance: Annotated[Floats, (3, 3), "f8"]  # of the rotation vector with the position, rad m
+    rotation_slope: Annotated[Floats, (3, 9), "f8"]  # of the rotation vector to the intrinsics, rad per unit
 
 
 ATTITUDE = record_dtype(AttitudeFit)
@@ -184,6 +188,18 @@ def marker_direction(fit: Any, x: float, y: float, direction: Floats, jacobian: 
         for m in range(3):
             jacobian[m, k] = (one[m] - other[m]) / (2.0 * step)
     return True
+
+
+@kernel(entry=False)
+def direction_by_camera(fit: Any, x: float, y: float, number: int, step: float, out: Floats) -> bool:
+    """Write a marker's direction as if one of the intrinsics were larger by a step, which moves the ball, too."""
+    moved, known = fit.position[:].copy(), fit.intrinsics[number]
+    for j in range(3):
+        moved[j] += step * fit.position_slope[j, number]
+    fit.intrinsics[number] = known + step
+    met = _sphere_direction(fit, x, y, moved, out)
+    fit.intrinsics[number] = known
+    return bool(met)
 
 
 @kernel(refcount=False)

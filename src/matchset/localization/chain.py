@@ -85,6 +85,7 @@ def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Moun
     if second.rotation_matrix is None:
         covariance[3:] = covariance[:, 3:] = 0.0
         covariance[3:, 3:] = UNOBSERVED_VARIANCE * np.eye(3)
+    systematic = _carried_systematic(first, second, slope, carried)
     observed = second.observed if second.observed != "full" else first.observed
     return Pose(
         position=first.position + arm,
@@ -92,7 +93,21 @@ def compose(first: "Pose | Lost[Pose]", second: "Pose | Lost[Pose]", mount: Moun
         covariance=covariance,
         observed=observed,
         time=time,
+        systematic_covariance=systematic,
     )
+
+
+def _carried_systematic(first: Pose, second: Pose, slope: Floats, carried: Floats) -> Floats | None:
+    """Systematic covariance of a composed pose, (6, 6), as its covariance; None where neither pose has one."""
+    if first.systematic_covariance is None and second.systematic_covariance is None:
+        return None
+    total = np.zeros((6, 6))
+    for pose, turn in ((first, slope), (second, carried)):
+        if pose.systematic_covariance is not None:
+            total += turn @ pose.systematic_covariance @ turn.T
+    if second.rotation_matrix is None:
+        total[3:] = total[:, 3:] = 0.0
+    return total
 
 
 def seen_from_last(poses: "Sequence[Pose | Lost[Pose]]", mount: Mount | None = None) -> list[CameraPlace | None]:

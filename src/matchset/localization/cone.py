@@ -86,8 +86,8 @@ class ConeFit:
     limits: BallParameters
     radius: float  # of the ball, m
     intrinsics: Annotated[Floats, (9,), "f8"]  # see `lens.py`
-    intrinsics_covariance: Annotated[Floats, (9, 9), "f8"]
-    intrinsics_uncertain: bool  # whether that covariance is known
+    intrinsics_uncertain: bool  # whether one of them is
+    camera_steps: Annotated[Floats, (9,), "f8"]  # of derivatives to them, px or no unit; 0 where one is exact
     inside: Annotated[Floats, (2,), "f8"]  # a point well inside the outline, px: outward is away from it
     robust: bool  # whether points may be wrong
     shared_covariance: Annotated[Floats, (3, 3), "f8"]  # of an error of x, y, size common to all points, px^2
@@ -98,7 +98,8 @@ class ConeFit:
     inverse: Annotated[Floats, (3, 3), "f8"]  # of the normal matrix
     noise_px: float  # standard deviation of a point
     position: Annotated[Floats, (3,), "f8"]  # of the ball's center, camera frame, m
-    covariance: Annotated[Floats, (3, 3), "f8"]  # of the position, m^2
+    covariance: Annotated[Floats, (3, 3), "f8"]  # of the position, m^2, without camera and radius
+    camera_slope: Annotated[Floats, (3, 9), "f8"]  # of the position to the intrinsics, m per unit; 0 for exact ones
 
 
 CONE = record_dtype(ConeFit)
@@ -126,7 +127,7 @@ class OutlineRays(NamedTuple):
     residual: Floats  # (n,), px outside the cone
     distance: Floats  # (n,), its absolute value
     weight: Floats  # (n,)
-    pixels: Floats  # (n, 2), the points, px
+    pixels: Floats  # (n, 2), the points as shifted, px
     outward: Floats  # (n, 3), px by which a point moves outward per px of an error of x, y and size
 
 
@@ -150,7 +151,8 @@ def undistort_points(fit: Any, points: Floats) -> OutlineRays:
         if not 1e-6 < far < 1e9:
             continue
         nx, ny = nx / far, ny / far
-        u, v, found = undistort(k, widest, points[i, 0] + shift * nx, points[i, 1] + shift * ny)
+        x, y = points[i, 0] + shift * nx, points[i, 1] + shift * ny
+        u, v, found = undistort(k, widest, x, y)
         xx, xy, yy = bend(k, u, v)
         area = xx * yy - xy * xy
         if not (found and area > 0.0):
@@ -161,7 +163,7 @@ def undistort_points(fit: Any, points: Floats) -> OutlineRays:
         scale, fade = math.sqrt(square), square * (u * du + v * dv)
         table[0, seen], table[1, seen], table[2, seen] = u * scale, v * scale, scale
         table[3, seen], table[4, seen], table[5, seen] = scale * (du - u * fade), scale * (dv - v * fade), -scale * fade
-        pixels[seen, 0], pixels[seen, 1] = points[i, 0], points[i, 1]
+        pixels[seen, 0], pixels[seen, 1] = x, y
         outward[seen, 0], outward[seen, 1], outward[seen, 2] = nx, ny, 1.0
         seen += 1
     return OutlineRays(
@@ -294,12 +296,12 @@ def propagate(fit: Any, rays: OutlineRays, moved: Floats) -> Floats:
 @kernel
 def camera_jacobian(fit: Any, rays: OutlineRays) -> Floats:
     """By how many px every point seems to move outward per unit of each of the nine intrinsics, (n, 9)."""
-    other, spread, q = fit.intrinsics[:].copy(), fit.intrinsics_covariance, fit.q
+    other, q = fit.intrinsics[:].copy(), fit.q
     moved = np.zeros((rays.gradient.shape[0], 9))
     for k in range(9):
-        if not spread[k, k] > 0.0:
+        step = fit.camera_steps[k]
+        if not step > 0.0:
             continue
-        step = min(0.1 * math.sqrt(spread[k, k]), 0.5 if k < 4 else 1e-3)  # px or no unit, of the derivative
         other[k] = fit.intrinsics[k] + step
         widest = fold(other[4], other[5], other[8])
         for i in range(rays.gradient.shape[0]):
@@ -314,18 +316,26 @@ def camera_jacobian(fit: Any, rays: OutlineRays) -> Floats:
 
 @kernel
 def _write_covariance(fit: Any, rays: OutlineRays, slope: Floats) -> None:
-    """Covariance of the position: of independent points, of what they share, of the camera; `slope` is dp/dq."""
+    """Covariance of the position: of independent points, of what they share; apart, its slopes to the camera's numbers.
+
+    `slope` is dp/dq.
+    """
     own = np.zeros((3, 3))
     for j in range(3):
         for k in range(3):
             own[j, k] = fit.limits.inflation * fit.noise_px * fit.noise_px * fit.inverse[j, k]
     add_propagated_covariance(propagate(fit, rays, rays.outward), fit.shared_covariance[:], own)
-    if fit.intrinsics_uncertain != 0:
-        jacobian = propagate(fit, rays, camera_jacobian(fit, rays))
-        add_propagated_covariance(jacobian, fit.intrinsics_covariance[:], own)
     covariance = fit.covariance[:]
     covariance[:] = 0.0
     add_propagated_covariance(slope, own, covariance)
+    if fit.intrinsics_uncertain != 0:
+        jacobian = propagate(fit, rays, camera_jacobian(fit, rays))
+        for j in range(3):
+            for k in range(9):
+                total = 0.0
+                for m in range(3):
+                    total += slope[j, m] * jacobian[m, k]
+                fit.camera_slope[j, k] = total
 
 
 @kernel

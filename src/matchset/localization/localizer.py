@@ -20,7 +20,7 @@ from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import interpreted
 from matchset.numeric.record import fields, new_block, store
-from matchset.numeric.words import one_line, short
+from matchset.numeric.words import measured, one_line
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Lost, Track
 
@@ -28,6 +28,8 @@ Floats = npt.NDArray[np.float64]
 
 ANGLES = 2.0 * math.pi * np.arange(48) / 48  # geometry: the points of a circle that stands for a match-set
 UNIT_CIRCLE = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+STEP = 0.1  # geometry: of a derivative to the intrinsics, in their standard deviations; at most the two that follow
+LARGEST_STEP_PX, LARGEST_STEP = 0.5, 1e-3  # geometry: of what has pixels, and of the lens
 OBSERVED: dict[int, Observed] = {
     RotationSource.NONE: "position",
     RotationSource.LEVEL: "level",
@@ -105,11 +107,15 @@ class Localizer(Copied):
         self._pixels, self._pixel_covariances = work.attitude.pixels, work.attitude.pixel_covariances
         self._last_rotation, self._rotation = work.attitude.last_rotation, work.attitude.rotation
         self._position, self._covariance = work.cone.position, work.covariance
+        self._slopes = work.cone.camera_slope, work.attitude.rotation_slope
+        self._exact = self.camera.covariance is None and self.target.diameter_sigma == 0.0
         precompile()
 
     @one_line
     def __repr__(self) -> str:
-        ball = f"ball of {short(self.target.diameter)} m with {len(self.target.markers)} markers"
+        count = len(self.target.markers)
+        marked = f"with {count} marker{'s' * (count > 1)}" if count else "without marker"
+        ball = f"ball of {measured(self.target.diameter, self.target.diameter_sigma)} m {marked}"
         return f"Localizer({ball}, {self.camera.width} x {self.camera.height} camera)"
 
     def update(
@@ -148,13 +154,29 @@ class Localizer(Copied):
         if source:
             rotation = self._rotation.copy()
             self._last_rotation[:], self._rotation_time = rotation, ball.time
+        covariance = self._covariance.copy()
+        systematic = None if self._exact else self._systematic(rotation is not None)
         return Pose(
             position=self._position.copy(),
             rotation_matrix=rotation,
-            covariance=self._covariance.copy(),
+            covariance=covariance if systematic is None else covariance + systematic,
             observed=OBSERVED[source],
             time=ball.time,
+            systematic_covariance=systematic,
         )
+
+    def _systematic(self, turned: bool) -> Floats:
+        """Covariance of what errors of the camera and of the diameter do to the pose, (6, 6).
+
+        A ball that is larger by a share, and its markers with it, is as much farther away, and turned as it was.
+        """
+        camera, share = self.camera.covariance, self.target.diameter_sigma / self.target.diameter
+        systematic = np.zeros((6, 6))
+        systematic[:3, :3] = share**2 * np.outer(self._position, self._position)
+        if camera is not None:
+            slope = np.vstack(self._slopes if turned else (self._slopes[0], np.zeros((3, 9))))
+            systematic += slope @ camera @ slope.T
+        return systematic
 
     def _take_outline(self, ball: Track[Circle]) -> Floats:
         """Points of the outline, (n, 2) px; if there are few, of the circle, with its covariance."""
@@ -208,10 +230,28 @@ def _describe(work: Any, camera: CameraModel, target: BallTarget, parameters: Lo
     cone.intrinsics[:] = attitude.intrinsics[:] = camera.intrinsics
     cone.intrinsics_uncertain = camera.covariance is not None
     if camera.covariance is not None:
-        cone.intrinsics_covariance[:] = camera.covariance
+        cone.camera_steps[:] = attitude.camera_steps[:] = derivative_steps(camera.covariance)
     cone.radius, attitude.rim_distance = target.radius, target.marker_distance
     attitude.body_count = count
     attitude.bodies[:count] = target.directions
+
+
+def derivative_steps(covariance: Floats) -> Floats:
+    """Return the steps of derivatives to the intrinsics, px or no unit, (9,): parts of their deviations, or 0."""
+    return np.minimum(STEP * np.sqrt(np.diag(covariance)), (*(LARGEST_STEP_PX,) * 4, *(LARGEST_STEP,) * 5))
+
+
+def left_out(camera: CameraModel, target: BallTarget) -> str:
+    """Say what the standard deviations of poses leave out, since it was taken as exact; empty if that is nothing.
+
+    Parameters
+    ----------
+    camera : CameraModel
+    target : BallTarget
+    """
+    exact = ["of the camera"] if camera.covariance is None else []
+    exact += ["of the diameter"] if target.diameter_sigma == 0.0 else []
+    return f"± leaves out errors {' and '.join(exact)}" if exact else ""
 
 
 def direction_on_ball(

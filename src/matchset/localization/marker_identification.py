@@ -14,7 +14,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from matchset.localization.attitude import fit_level_rotation, fit_rotation, marker_direction, rotation_from_two
+from matchset.localization.attitude import (
+    direction_by_camera,
+    fit_level_rotation,
+    fit_rotation,
+    marker_direction,
+    rotation_from_two,
+)
 from matchset.numeric.jit import kernel
 from matchset.numeric.linalg import add_propagated_covariance, invert_3x3, transform
 from matchset.numeric.rotation import rotation_vector_between
@@ -88,6 +94,7 @@ def measure_directions(fit: Any) -> None:
         for j in range(3):
             for k in range(3):
                 weight[j, k] -= direction[j] * direction[k]
+        fit.sources[count] = i
         count += 1
     fit.count = count
 
@@ -221,6 +228,24 @@ def _write_covariance(fit: Any, who: Ints, level: bool) -> None:
             fit.cross_covariance[a, b] = total
 
 
+@kernel(entry=False)
+def _write_camera_slope(fit: Any, who: Ints) -> None:
+    """Write the derivatives of the rotation vector to the intrinsics: they move the rays of ball and markers alike."""
+    one, other, slope = np.empty(3), np.empty(3), fit.rotation_slope
+    for k in range(9):
+        step = fit.camera_steps[k]
+        if not step > 0.0:
+            continue
+        for i in range(fit.count):
+            if who[i] < 0:
+                continue
+            x, y = fit.pixels[fit.sources[i], 0], fit.pixels[fit.sources[i], 1]
+            if direction_by_camera(fit, x, y, k, step, one) and direction_by_camera(fit, x, y, k, -step, other):
+                for a in range(3):
+                    for c in range(3):
+                        slope[a, k] += fit.gains[i, a, c] * (one[c] - other[c]) / (2.0 * step)
+
+
 @kernel
 def estimate_rotation(fit: Any, ways: Ints, starts: Ints) -> int:
     """Rotation of the ball from the markers in the image.
@@ -250,4 +275,5 @@ def estimate_rotation(fit: Any, ways: Ints, starts: Ints) -> int:
     if named > 1 and cost > fit.limits.max_cost * named:
         return RotationSource.NONE.value
     _write_covariance(fit, tried[best], named == 1)
+    _write_camera_slope(fit, tried[best])
     return RotationSource.LEVEL.value if named == 1 else RotationSource.FULL.value

@@ -18,10 +18,14 @@ Observed = Literal["position", "level", "full"]
 
 UNOBSERVED_VARIANCE = math.pi**2 / 3.0  # theorem: of an angle that is uniform in -pi ... pi
 """Variance of a rotation about which nothing is known, rad^2 on each axis."""
+LEFT_OUT = "± leaves out camera and diameter"
+"""What the words of a pose add where camera and diameter are taken as exact."""
 
 
-# format: a recording calls the rotation "turn"
-class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotation_matrix": "turn"}):
+# format: a recording calls the rotation "turn", and leaves out what is not known of systematic errors
+class Pose(
+    msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotation_matrix": "turn"}, omit_defaults=True
+):  # fmt: skip
     """Position and rotation of the ball, with their covariance.
 
     Camera frame: x right, y down, z forward. Ball frame: z out of the ball through marker 0, y down, x = y cross z.
@@ -34,12 +38,16 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotati
         Turns vectors of the ball frame into the camera frame; None where it is not observed.
     covariance : ndarray of shape (6, 6), float64
         Of the position (m) and of the rotation vector, in the camera frame, that turns `rotation` into the true one
-        (rad). Where the rotation is not observed its block is pi^2/3 on the diagonal.
+        (rad). Where the rotation is not observed its block is pi^2/3 on the diagonal. It leaves out errors of camera
+        and diameter that were taken as exact: see `systematic_covariance`.
     observed : str
         "position": the ball alone; "level": one marker, and the turn about it from the assumption that both vehicles
         are level; "full": two or more markers.
     time : float
         When the picture was taken, s.
+    systematic_covariance : ndarray of shape (6, 6), float64, or None
+        The part of `covariance` that comes from `CameraModel.covariance` and `BallTarget.diameter_sigma`: such an error
+        is the same in every picture, so no averaging reduces it. None where both are taken as exact.
     """
 
     position: Floats
@@ -47,6 +55,12 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotati
     covariance: Floats
     observed: Observed
     time: float
+    systematic_covariance: Floats | None = None
+
+    @property
+    def random_covariance(self) -> Floats:
+        """`covariance` without `systematic_covariance`: what is independent from picture to picture, (6, 6)."""
+        return self.covariance if self.systematic_covariance is None else self.covariance - self.systematic_covariance
 
     @property
     def distance(self) -> float:
@@ -54,8 +68,14 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotati
         return math.hypot(*self.position.tolist())
 
     @property
-    def yaw(self) -> float:
-        """Where the ball is to the side of the camera's axis, atan2(X, Z), rad, > 0 to the right (Eq. 9)."""
+    def yaw(self) -> float | None:
+        """Where the ball is to the side of the camera's axis, atan2(X, Z), rad, > 0 to the right (Eq. 9).
+
+        None where the rotation is not observed, as for `side`: with `heading` and `side` it says how the two vehicles
+        stand to each other.
+        """
+        if self.rotation_matrix is None:
+            return None
         return math.atan2(float(self.position[0]), float(self.position[2]))
 
     @property
@@ -76,16 +96,15 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotati
     def measured(self) -> dict[str, tuple[float, float]]:
         """Return the columns of `poses.csv` with their standard deviations, m and rad; `yaw` comes last.
 
-        `side`, `height` and `heading` are there only where the rotation is observed.
+        `side`, `height`, `heading` and `yaw` are there only where the rotation is observed.
         """
         values = dict(zip("xyz", self.position.tolist(), strict=True))
         variances = dict(zip("xyz", np.diagonal(self.covariance).tolist(), strict=False))
         relative = viewpoint_covariance(self)
         if relative is not None:
-            names = ("side", "height", "heading")
+            names = ("side", "height", "heading", "yaw")
             values |= {name: float(getattr(self, name)) for name in names}
-            variances |= dict(zip(names, np.diagonal(relative).tolist(), strict=True))
-        values["yaw"], variances["yaw"] = self.yaw, yaw_variance(self)
+            variances |= dict(zip(names, (*np.diagonal(relative).tolist(), yaw_variance(self)), strict=True))
         return {name: (value, math.sqrt(max(variances[name], 0.0))) for name, value in values.items()}
 
     def to_dict(self) -> dict[str, Any]:
@@ -103,18 +122,24 @@ class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotati
     @one_line
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {words}" for name, words in self._in_words())
-        return f"Pose({numbers}, observed {self.observed}, {short(self.time)} s)"
+        exact = f"; {LEFT_OUT}" if self.systematic_covariance is None else ""
+        return f"Pose({numbers}, observed {self.observed}, {short(self.time)} s{exact})"
 
     def _repr_html_(self) -> str:
         """Show the numbers in a notebook."""
         rows = [*self._in_words(), ("distance", f"{short(self.distance)} m"), ("observed", self.observed)]
-        return table_of("Pose of the ball before the camera", [*rows, ("time", f"{short(self.time)} s")])
+        rows += [("time", f"{short(self.time)} s")]
+        rows += [("±", LEFT_OUT.removeprefix("± "))] if self.systematic_covariance is None else []
+        return table_of("Pose of the ball before the camera", rows)
 
     def _in_words(self) -> list[tuple[str, str]]:
         found = self.measured()
-        angle, sigma = (math.degrees(each) for each in found.pop("yaw"))
-        lengths = [(name, f"{measured(value, std, '+')} m") for name, (value, std) in found.items()]
-        return [*lengths, ("yaw", f"{measured(angle, sigma, '+')}°")]
+        yaw = found.pop("yaw", None)
+        words = [(name, f"{measured(value, std, '+')} m") for name, (value, std) in found.items()]
+        if yaw is None:
+            return words
+        angle, sigma = (math.degrees(each) for each in yaw)
+        return [*words, ("yaw", f"{measured(angle, sigma, '+')}°")]
 
     @cached_property
     def rotation(self) -> "Rotation | None":

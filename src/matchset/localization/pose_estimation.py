@@ -21,7 +21,7 @@ class PoseWork:
 
     cone: ConeFit
     attitude: AttitudeFit
-    covariance: Annotated[Floats, (6, 6), "f8"]  # of position (m) and rotation vector (rad)
+    covariance: Annotated[Floats, (6, 6), "f8"]  # of position (m) and rotation vector (rad), camera and ball exact
 
 
 POSE = record_dtype(PoseWork)
@@ -53,6 +53,8 @@ def estimate_pose(block: Block, points: Floats, ways: Ints, starts: Ints) -> tup
         return failure, observed
     attitude.position[:] = cone.position
     attitude.position_covariance[:] = cone.covariance
+    attitude.position_slope[:] = cone.camera_slope
+    attitude.rotation_slope[:] = 0.0
     if attitude.pixel_count > 0:
         observed = estimate_rotation(attitude, ways, starts)
     known = observed != RotationSource.NONE.value

@@ -91,6 +91,9 @@ def precompile() -> None:
 class PoseFilter(Copied):
     """Kalman filter for the poses of one ball: constant velocity, and constant angular velocity if it is observed.
 
+    Only `Pose.random_covariance` is filtered; `Pose.systematic_covariance`, which all poses share, is added to what is
+    predicted, as the last pose had it.
+
     Position and rotation are filtered apart; the covariance between them is left out. The state of the rotation is the
     rotation vector from a reference, which then becomes the estimate (a multiplicative filter). Its kernels are
     compiled here.
@@ -108,6 +111,7 @@ class PoseFilter(Copied):
         self._reference = np.eye(3)
         self._observed: Observed = "position"
         self._time = -math.inf
+        self._systematic: Floats | None = None
         self._make_derived()
 
     def _derive(self) -> None:
@@ -142,9 +146,13 @@ class PoseFilter(Copied):
         self._time = pose.time
         if isinstance(pose, Lost):
             return False
+        random = pose.random_covariance
         if pose.rotation_matrix is not None:
-            self._correct_rotation(pose, np.array(pose.rotation_matrix, np.float64))
-        return self._correct(self._move, pose.time, pose.position, pose.covariance[:3, :3])
+            self._correct_rotation(pose, np.array(pose.rotation_matrix, np.float64), random[3:, 3:])
+        used = self._correct(self._move, pose.time, pose.position, random[:3, :3])
+        if used:
+            self._take_systematic(pose)
+        return used
 
     def predict(self, now: float) -> "Pose | Lost[Pose]":
         """Pose at a time, with the covariance that it has grown to.
@@ -185,13 +193,33 @@ class PoseFilter(Copied):
             covariance[3:, 3:] = predicted[:3, :3] + self._spin.common
         else:
             covariance[3:, 3:], observed = UNOBSERVED_VARIANCE * np.eye(3), "position"
-        return Pose(position=state[:3], rotation_matrix=rotation, covariance=covariance, observed=observed, time=now)
+        systematic = None
+        if self._systematic is not None:  # no average makes these errors smaller: they are added here
+            systematic = self._systematic.copy()
+            if rotation is None:
+                systematic[3:] = systematic[:, 3:] = 0.0
+            covariance += systematic
+        return Pose(
+            position=state[:3],
+            rotation_matrix=rotation,
+            covariance=covariance,
+            observed=observed,
+            time=now,
+            systematic_covariance=systematic,
+        )
 
-    def _correct_rotation(self, pose: Pose, rotation: Floats) -> None:
+    def _take_systematic(self, pose: Pose) -> None:
+        """Take over the errors that all poses share; those of a rotation that was not observed stay as they were."""
+        new, before = pose.systematic_covariance, self._systematic
+        self._systematic = None if new is None else new.copy()
+        if self._systematic is not None and before is not None and pose.rotation_matrix is None:
+            self._systematic[3:], self._systematic[:, 3:] = before[3:], before[:, 3:]
+
+    def _correct_rotation(self, pose: Pose, rotation: Floats, covariance: Floats) -> None:
         """Correct the rotation by that of a pose."""
         spin, vector = self._spin, np.empty(3)
         rotation_vector_between(self._reference, rotation, vector)
-        if self._correct(spin, pose.time, vector, pose.covariance[3:, 3:]):
+        if self._correct(spin, pose.time, vector, covariance):
             self._observed = pose.observed
         rotate(self._reference, spin.state[:3])
         spin.state[:3] = 0.0

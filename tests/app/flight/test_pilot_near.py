@@ -14,10 +14,10 @@ from matchset.control.motion_consistency import MotionConsistencyParameters
 from matchset.control.safety import SafetyParameters
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.ball_target import BallTarget
+from matchset.localization.ball_target import BALLOON
 from matchset.localization.markers.ball_colors import Colors, pick_marker
 
-MODEL, TARGET = CameraModel.from_fov(320, 240, math.radians(60.0)), BallTarget()
+MODEL, TARGET = CameraModel.from_fov(320, 240, math.radians(60.0)), BALLOON
 BLUE, PURPLE, GRAY = (200, 60, 20), (160, 30, 160), (120, 125, 130)
 FPS, FAR = 30.0, 1.5  # 1/s, m
 

@@ -192,6 +192,8 @@ def test_diameter_and_view_locate_what_was_found_before(feed: FileFeed, path: Pa
     shown = feed.seen.poses[1]
     assert isinstance(shown, Pose)
     assert shown.position == pytest.approx(pose.position)
+    assert shown.yaw is None
+    assert feed.seen.state.targets[0].left_out == "± leaves out errors of the camera and of the diameter"
     assert feed.seen.camera is not None
     feed.ask(Diameter(1, 0.14))
     near = 0.6 * pose.position[2]

@@ -98,7 +98,7 @@ def test_every_picture_is_in_every_file(recorded: Recorded) -> None:
     assert rows[0].std == {"x": 0.1, "y": 0.2, "radius": 0.05}
     assert rows[0].time == pytest.approx(100.1)
     assert (rows[0].support, rows[20].reason) == (0.9, "too few edge points")
-    assert poses[0].values == {"x": 0.1, "y": 0.2, "z": 1.5, "yaw": pytest.approx(0.0666, abs=1e-3)}
+    assert poses[0].values == {"x": 0.1, "y": 0.2, "z": 1.5}  # without a marker there is no yaw
     assert poses[20].reason == "too few edge points"
     assert CameraModel.load(folder / "camera.toml").fx == pytest.approx(CAMERA.fx)
     for name in ("recording.mcap", *(path.name for path in folder.glob("raw.*"))):

@@ -204,8 +204,21 @@ def test_a_diameter_a_view_and_an_outline_give_meters() -> None:
     loop.until(lambda: loop.states and loop.states[0].position)
     focal = 130.0 / math.tan(0.5)
     assert loop.states[0].position["z"][0] == pytest.approx(0.14 * focal / radius, rel=0.03)
+    assert set(loop.states[0].position) == {"x", "y", "z", "distance"}
+    assert loop.states[0].left_out == "± leaves out errors of the camera and of the diameter"
     with pytest.raises(ValueError, match="marker"):
         loop.followed.do(Marker(1, loop.number, x, y, 0.5))
+    plain = loop.states[0].position["z"]
+    loop.followed.do(Diameter(1, 0.28, 0.004))
+    loop.followed.do(FieldOfView(1.0, 0.02))
+    loop.until(lambda: loop.states[0].position and not loop.states[0].left_out)
+    assert (loop.states[0].diameter, loop.states[0].diameter_sigma) == (0.28, 0.004)
+    share = math.hypot(0.02 / math.sin(1.0), 0.004 / 0.28)
+    assert loop.states[0].position["z"][0] == pytest.approx(plain[0], rel=0.01)
+    assert loop.states[0].position["z"][1] == pytest.approx(math.hypot(plain[1] or 0.0, share * plain[0]), rel=0.05)
+    for wish, words in ((Diameter(1, 0.28, 0.3), "less than the diameter"), (FieldOfView(3.0, 2.0), "focal_sigma")):
+        with pytest.raises(ValueError, match=words):
+            loop.followed.do(wish)
     loop.step()
     assert loop.states[0].found
     loop.followed.close()

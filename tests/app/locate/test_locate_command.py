@@ -37,7 +37,9 @@ def check_positions(rows: list[PoseRow]) -> None:
         error = np.array([row.values[name] for name in "xyz"]) - place(row.time)
         assert np.abs(error).max() < 0.02
         assert all(0.0 < row.std[name] < 0.05 for name in "xyz")
-        assert row.values["yaw"] == pytest.approx(math.atan2(row.values["x"], row.values["z"]), abs=2e-6)
+        assert ("yaw" in row.values) == ("side" in row.values) == (row.observed != "position")
+        if row.observed != "position":
+            assert row.values["yaw"] == pytest.approx(math.atan2(row.values["x"], row.values["z"]), abs=2e-6)
 
 
 def test_a_ball_is_placed_in_every_frame(matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -54,6 +56,47 @@ def test_a_ball_is_placed_in_every_frame(matchset: Matchset, flown: Path, capsys
     out = capsys.readouterr().out
     assert "found in 20 of 20 frames (100.0 %)" in out
     assert "runs/0001-locate/poses.png" in out
+    left_out = "± leaves out errors of the camera and of the diameter: say how large they are by"
+    assert out.count("leaves out") == 1
+    assert f"{left_out} --focal-sigma and --diameter-sigma\n" in out
+    lines = [json.loads(line) for line in Path("runs/0001-locate/poses.jsonl").read_text().splitlines()]
+    assert {line["yaw"] for line in lines} == {None}
+
+
+def test_what_is_told_of_camera_and_diameter_counts_in_every_row(
+    matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = *BALL, "--pick", BLUE, "--end", "0.2s"
+    assert matchset("locate", flown, *options, "-o", "plain") == 0
+    assert matchset("locate", flown, *options, "--focal-sigma", "0.05", "--diameter-sigma", "0.004", "-o", "told") == 0
+    assert capsys.readouterr().out.count("leaves out") == 1  # of the first run
+    for plain, told in zip(read_poses("plain/poses.csv"), read_poses("told/poses.csv"), strict=True):
+        assert plain.values == told.values
+        assert plain.values is not None
+        assert plain.std is not None
+        assert told.std is not None
+        share = math.hypot(0.05, 0.004 / 0.28)
+        assert told.std["z"] == pytest.approx(math.hypot(plain.std["z"], share * plain.values["z"]), rel=0.05)
+        assert plain.std["z"] < 0.3 * told.std["z"]
+
+
+def test_a_calibrated_camera_brings_its_own(
+    matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    CAMERA.with_focal_sigma(0.01).save("camera.toml")
+    options = "--camera", "camera.toml", "--diameter", "0.28", "--pick", BLUE, "--end", "0.2s"
+    assert matchset("locate", flown, *options, "-o", "file") == 0
+    assert (
+        "± leaves out errors of the diameter: say how large they are by --diameter-sigma\n" in capsys.readouterr().out
+    )
+    assert matchset("locate", flown, *options, "--focal-sigma", "0.04", "-o", "typed") == 0
+    file, typed = read_poses("file/poses.csv"), read_poses("typed/poses.csv")
+    for one, other in zip(file, typed, strict=True):
+        assert one.values is not None
+        assert one.std is not None
+        assert other.std is not None
+        assert one.std["z"] > 0.0095 * one.values["z"]
+        assert other.std["z"] == pytest.approx(0.04 * one.values["z"], rel=0.06)
 
 
 def frames_of(path: Path) -> int:
@@ -115,6 +158,13 @@ PICK = "--pick", BLUE
         ((*PICK, "--fov", "60", "--diameter", "0"), "a ball's diameter must be positive, got 0.0 m"),
         ((*PICK, "--fov", "60", "--diameter", "-0.28"), "a ball's diameter must be positive, got -0.28 m"),
         ((*PICK, "--fov", "60", "--diameter", "nan"), "a ball's diameter must be positive, got nan m"),
+        (
+            (*BALL, *PICK, "--focal-sigma", "1"),
+            "--focal-sigma is a share of the focal length, from 0 to 1: 0.05 is 5 %",
+        ),
+        ((*BALL, *PICK, "--focal-sigma", "nan"), "--focal-sigma is a share of the focal length"),
+        ((*BALL, *PICK, "--diameter-sigma", "-0.01"), "diameter_sigma must be 0 or more"),
+        ((*BALL, *PICK, "--diameter-sigma", "0.28"), "less than the diameter of 0.28 m, got 0.28 m"),
         ((*PICK, "--camera", "none.toml", "--diameter", "0.28"), "no such camera file: none.toml"),
         ((*PICK, "--camera", "bad.toml", "--diameter", "0.28"), "bad.toml: fx must be a positive number of px"),
         ((*PICK, "--camera", "large.toml", "--diameter", "0.28"), "the picture is 320 x 240 px, the camera's are 640"),

@@ -45,7 +45,7 @@ def test_what_is_not_known_stays_empty(tmp_path: Path) -> None:
     table.close()
     _, full, position, lost = (tmp_path / "poses.csv").read_text().splitlines()
     assert full.startswith("0,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,0.1,0.0,2.0,0.049958,")
-    assert position == "1,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,,,,0.049958,,,,0.005043,position,"
+    assert position == "1,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,,,,,,,,,position,"
     assert lost == '7,0.9,0,,,,,,,,,,,,,,,,"gone, ""far"""'
     assert not (tmp_path / "poses.jsonl").exists()
 
@@ -53,3 +53,12 @@ def test_what_is_not_known_stays_empty(tmp_path: Path) -> None:
 def test_a_row_in_a_few_words() -> None:
     assert rows()[0].brief == "x  +0.100  y  +0.000  z  +2.000 m  full"
     assert rows()[2].brief == ""
+
+
+def test_a_table_of_an_older_version_keeps_the_bearing_that_it_had(tmp_path: Path) -> None:
+    head = "frame,time,found,x,y,z,x_std,y_std,z_std,side,height,heading,yaw,side_std,height_std,heading_std,yaw_std"
+    old = f"{head},observed,reason\n1,0.5,1,0.1,0.0,2.0,0.01,0.02,0.03,,,,0.049958,,,,0.005043,position,\n"
+    (tmp_path / "poses.csv").write_text(old)
+    (row,) = read_poses(tmp_path / "poses.csv")
+    assert row.values == {"x": 0.1, "y": 0.0, "z": 2.0, "yaw": 0.049958}
+    assert row.observed == "position"

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from balls import PINHOLE, Floats
+from matchset.localization.ball_target import BALLOON
 from matchset.localization.markers.marker_fit import fit_marker, new_rows, sum_equations
 from matchset.localization.markers.marker_patch import new_patch, read_patch
 from matchset.localization.markers.marker_shape import SoftEllipse, coverage, ellipse_axes
@@ -65,7 +66,7 @@ def errors_deg(preset: str, off_deg: float, side_deg: float, frames: int = 5, se
         camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn,
         frames=frames, seed=seed, scene_seed=5, preset=preset,
     )  # fmt: skip
-    target, found = ms.BallTarget(), []
+    target, found = BALLOON, []
     x, y = PINHOLE.project(PLACE[np.newaxis])[0].tolist()
     tracker = ms.Tracker(ms.Circle, BLUE | PURPLE, start=(x, y))
     finder, localizer = ms.MarkerTracker(PURPLE, target), ms.Localizer(PINHOLE, target)
@@ -95,8 +96,8 @@ def test_a_marker_out_of_sight_leaves_the_position() -> None:
     turn = looking(150.0, 0.0)
     flight = BallFlightClip(camera=PINHOLE, place=lambda _: PLACE, turn=lambda _: turn, frames=3, seed=1, scene_seed=5)
     x, y = PINHOLE.project(PLACE[np.newaxis])[0].tolist()
-    tracker, finder = ms.Tracker(ms.Circle, BLUE | PURPLE, start=(x, y)), ms.MarkerTracker(PURPLE, ms.BallTarget())
-    localizer = ms.Localizer(PINHOLE, ms.BallTarget())
+    tracker, finder = ms.Tracker(ms.Circle, BLUE | PURPLE, start=(x, y)), ms.MarkerTracker(PURPLE, BALLOON)
+    localizer = ms.Localizer(PINHOLE, BALLOON)
     for frame in flight:
         ball = tracker.update(frame)
         assert ball
@@ -107,7 +108,7 @@ def test_a_marker_out_of_sight_leaves_the_position() -> None:
 
 
 def test_a_lost_ball_has_no_markers_and_gray_pictures_are_refused() -> None:
-    finder = ms.MarkerTracker(PURPLE, ms.BallTarget())
+    finder = ms.MarkerTracker(PURPLE, BALLOON)
     frame = ms.Frame(np.zeros((60, 80, 3), np.uint8))
     assert finder.update(frame, ms.Lost("gone", 0.0)) == ()
     with pytest.raises(ValueError, match="gray"):
@@ -183,7 +184,7 @@ def test_no_marker_is_placed_beyond_the_border(beyond: float) -> None:
     noise = np.random.default_rng(5).normal(0.0, 8.0, image.shape)
     image = np.clip(image + noise, 0, 255).astype(np.uint8)[:, :160].copy()
     ball = ms.Track(ms.Circle(130.0, 60.0, 40.0), np.diag((0.01, 0.01, 0.01)), 1.0, np.empty((0, 2)), 0.0)
-    finder = ms.MarkerTracker(PURPLE, ms.BallTarget())
+    finder = ms.MarkerTracker(PURPLE, BALLOON)
     for index in range(3):
         found = finder.update(ms.Frame(image, index / 30.0, index), ball)
         assert found or beyond > 0.0
@@ -196,7 +197,7 @@ def _resting(place: Floats) -> Callable[[float], Floats]:
 
 @pytest.mark.parametrize("apart", [(0.0, 14.0), (6.0, -9.0), (-8.0, 0.0)])
 def test_both_fields_of_an_interlaced_picture_show_one_marker(apart: tuple[float, float]) -> None:
-    turn, target = looking(15.0, 40.0), ms.BallTarget()
+    turn, target = looking(15.0, 40.0), BALLOON
     pictures, places, circles = [], [], []
     for sign in (1.0, -1.0):  # even rows, odd rows
         shift = sign * 0.5 * PLACE[2] / PINHOLE.intrinsics[0] * np.array((*apart, 0.0))

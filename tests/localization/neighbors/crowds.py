@@ -5,7 +5,7 @@ from matchset.localization.markers.ball_colors import pick_marker
 from matchset.sim.clips.multi_ball_clip import MultiBallClip
 
 CAMERA = ms.CameraModel.from_fov(640, 480, 1.25)
-TARGET = ms.BallTarget(diameter=0.28)
+TARGET = ms.BallTarget(diameter=0.28, markers=((0, 0, 1),))
 
 
 def neighbors(seed: int, preset: str) -> ms.Neighbors:

@@ -7,7 +7,7 @@ import pytest
 
 from matchset.camera.camera_model import CameraModel
 from matchset.control.follower import RelativeSetpoint
-from matchset.localization.ball_target import BallTarget
+from matchset.localization.ball_target import BALLOON
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
 from matchset.sim.conditions.conditions import Conditions
@@ -44,7 +44,7 @@ def truth(views: OutlineCameras, step: int = 0) -> np.ndarray:
 
 def test_without_noise_the_localizer_finds_the_truth() -> None:
     views = cameras()
-    pose = located(views, Localizer(CAMERA, BallTarget()))
+    pose = located(views, Localizer(CAMERA, BALLOON))
     np.testing.assert_allclose(pose.position, truth(views), atol=1e-3)
     assert pose.rotation_matrix is not None
     poses = views.world.poses(0)
@@ -53,7 +53,7 @@ def test_without_noise_the_localizer_finds_the_truth() -> None:
 
 
 def test_noise_is_as_large_as_asked_and_the_same_at_every_call() -> None:
-    views, localizer = cameras(OutlineNoise()), Localizer(CAMERA, BallTarget())
+    views, localizer = cameras(OutlineNoise()), Localizer(CAMERA, BALLOON)
     poses, ranges, sides = [], [], []
     for step in range(0, 4800, 12):
         views.world.advance(step)
@@ -73,7 +73,7 @@ def test_noise_is_as_large_as_asked_and_the_same_at_every_call() -> None:
 def test_who_is_told_another_lens_or_ball_is_wrong_about_the_range() -> None:
     far = np.linalg.norm(truth(cameras()))
     for views in (cameras(focal_length=1.1), cameras(ball_diameter=1.1)):
-        pose = located(views, Localizer(CAMERA, BallTarget()))
+        pose = located(views, Localizer(CAMERA, BALLOON))
         assert pose.distance / far == pytest.approx(1.0 / 1.1, rel=0.02)
 
 

@@ -22,21 +22,6 @@ class ReadingOptions(Protocol):
     """What is needed of the options of a command that follows a click."""
 
     @property
-    def source(self) -> str:
-        """What is read."""
-        ...
-
-    @property
-    def topic(self) -> str | None:
-        """Which topic of a bag."""
-        ...
-
-    @property
-    def fps(self) -> float | None:
-        """Frames per second, where they are told."""
-        ...
-
-    @property
     def target(self) -> TargetOptions:
         """With the click."""
         ...
@@ -77,5 +62,5 @@ def before_click(
         return None
     part = Part.parse(options.shown.start, options.shown.end)
     begin = functools.partial(make, target.color, start=target.start)
-    opened = functools.partial(StampedVideo, options.source, fps=options.fps, topic=options.topic)
+    opened = functools.partial(StampedVideo.of, video)
     return follow_back(opened, target.frame, begin, part, stop)

@@ -32,7 +32,7 @@ from matchset.control.mount.mount_fit import marker_place as place_of_marker
 from matchset.image.color import ColorModel
 from matchset.image.files.whole_file import write_whole
 from matchset.image.video import Video
-from matchset.localization.ball_target import BallTarget
+from matchset.localization.ball_target import BALLOON, BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
@@ -159,8 +159,9 @@ def _equipment(options: CalibrateOptions) -> Equipment:
     """Read camera and colors, and make what finds the ball."""
     camera = CameraModel.load(options.mount.camera_file or "").turned(**options.mounted.arguments)
     color, markers = load_color(options.target.color or ()), options.mount.marker_color
-    target = BallTarget(options.ball_diameter) if options.ball_diameter is not None else BallTarget()
+    diameter = BALLOON.diameter if options.ball_diameter is None else options.ball_diameter
     marker = load_color(markers) if markers else None
+    target = BallTarget(diameter, BALLOON.markers) if marker is not None else BallTarget(diameter)
     return Equipment(Localizer(camera, target), color if marker is None else color | marker, marker, options.mounted)
 
 

@@ -22,7 +22,7 @@ from matchset.control.safety import SafetyInputs, SafetyParameters, SafetyState,
 from matchset.image.frame import Frame
 from matchset.links.camera import Camera
 from matchset.links.link import Link
-from matchset.localization.ball_target import BallTarget
+from matchset.localization.ball_target import NeighborBall
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import Colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
@@ -94,7 +94,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     Parameters
     ----------
-    target : BallTarget
+    target : NeighborBall
     place : RelativeSetpoint
     near : float
         Largest distance from the expected position at which a ball is taken for the neighbor's at first, m. Less than
@@ -109,7 +109,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Known motions that are added to the sticks, to identify the vehicle by; None for none.
     """
 
-    target: BallTarget = BallTarget()
+    target: NeighborBall = NeighborBall()
     place: RelativeSetpoint = RelativeSetpoint(height=-0.19)
     near: float = 1.0
     association: AssociationParameters = AssociationParameters()

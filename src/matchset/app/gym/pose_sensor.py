@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
-from matchset.localization.ball_target import BallTarget
+from matchset.localization.ball_target import BALLOON
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import learn_colors
 from matchset.localization.markers.marker_tracker import MarkerTracker
@@ -34,7 +34,7 @@ class PoseSensor:
     """
 
     def __init__(self, camera: CameraModel, sample: Frame) -> None:
-        target, colors = BallTarget(), learn_colors(sample)
+        target, colors = BALLOON, learn_colors(sample)
         self._tracker = Tracker(Circle, colors.ball)
         self._markers = MarkerTracker(colors.marker, target)
         self._localizer = Localizer(camera, target)

@@ -39,7 +39,9 @@ LOCATE_EPILOG = f"""
 
 Without -o everything goes to a new folder, runs/0001-locate and so on. poses.png shows the path, poses.csv holds one
 row a frame: x (right), y (down), z (forward) of the ball before the camera, m; side, height, heading of the camera as
-the ball sees it, m, and yaw, rad; their standard deviations; what was observed, and why it was lost.
+the ball sees it, m, and yaw, rad, where a marker is seen; their standard deviations; what was observed, and why it
+was lost. Without --diameter-sigma and --focal-sigma, or a calibrated camera, these leave out how well the diameter
+and the focal length are known.
 
 A ball's file is TOML: diameter = 0.28, marker_diameter = 0.06, markers = \\[[0, 0, 1], [0.77, 0, 0.64]], directions
 from its center: z out through marker 0, y down, x = y cross z.
@@ -78,7 +80,14 @@ class LocateOptions(msgspec.Struct, frozen=True, kw_only=True):
     fov: Annotated[
         float | None, typer.Option(metavar="DEG", help="In place of --camera: the horizontal field of view.")
     ] = None
+    focal_sigma: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="Standard deviation of the focal length, as a share of it; 0.05 is 5 %."),
+    ] = None
     diameter: Annotated[float | None, typer.Option(metavar="M", help="The ball's diameter.")] = None
+    diameter_sigma: Annotated[
+        float | None, typer.Option(metavar="M", help="Standard deviation of the diameter; it counts in every pose.")
+    ] = None
     target: TargetOptions = TargetOptions()
     marker: MarkerOptions = MarkerOptions()
     marker_diameter: Annotated[
@@ -110,6 +119,7 @@ def locate(options: LocateOptions) -> int:
 
     check_options(options)
     unit_note("--diameter", options.diameter, LARGE_BALL)
+    unit_note("--diameter-sigma", options.diameter_sigma, LARGE_BALL)
     unit_note("--marker-diameter", options.marker_diameter, LARGE_BALL)
     return run_locate(options)
 

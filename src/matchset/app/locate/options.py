@@ -22,14 +22,14 @@ from matchset.image.files.reading import read_text
 from matchset.image.frame import Frame
 from matchset.image.upright.square_pixels import is_square
 from matchset.image.video import Video
-from matchset.localization.ball_target import BallTarget
+from matchset.localization.ball_target import BALLOON, BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.ball_colors import pick_marker
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 
-_KEYS = "diameter, marker_diameter (m) and markers = [[x, y, z], ...]"
+_KEYS = "diameter, diameter_sigma, marker_diameter (m) and markers = [[x, y, z], ...]"
 
 
 class BallFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -40,13 +40,14 @@ class BallFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     markers : tuple of (float, float, float)
         Directions from the ball's center to its markers, of any length, in the ball frame: z out of the ball through
         marker 0, y down, x = y cross z.
-    diameter, marker_diameter : float or None
+    diameter, marker_diameter, diameter_sigma : float or None
         m.
     """
 
     markers: tuple[tuple[float, float, float], ...]
     diameter: float | None = None
     marker_diameter: float | None = None
+    diameter_sigma: float | None = None
 
 
 def read_ball(path: Path) -> BallFile:
@@ -80,7 +81,11 @@ def read_ball(path: Path) -> BallFile:
 
 
 def ball_target(
-    diameter: float | None, marker_diameter: float | None, markers: Path | None, marked: bool
+    diameter: float | None,
+    marker_diameter: float | None,
+    markers: Path | None,
+    marked: bool,
+    diameter_sigma: float | None = None,
 ) -> BallTarget:
     """Combine the options and the file that describe the ball; an option overrides the file.
 
@@ -92,6 +97,8 @@ def ball_target(
         The file with the directions of the markers; without it there is one marker.
     marked : bool
         Whether markers are looked for.
+    diameter_sigma : float, optional
+        Standard deviation of the diameter, as typed, m.
 
     Raises
     ------
@@ -101,16 +108,17 @@ def ball_target(
     if not marked and (markers is not None or marker_diameter is not None):
         option = "--marker-diameter" if markers is None else "--markers"
         raise ValueError(f"{option} needs the markers' color: give --marker-pick X,Y[@FRAME] or --marker-color FILE")
-    file = BallFile(markers=((0.0, 0.0, 1.0),)) if markers is None else read_ball(markers)
+    file = BallFile(markers=BALLOON.markers) if markers is None else read_ball(markers)
     known = file.diameter if diameter is None else diameter
     if known is None:
         raise ValueError("say how large the ball is: --diameter 0.28, in m")
-    if not 0.0 < known < math.inf:
-        raise ValueError(f"a ball's diameter must be positive, got {known} m")
+    sigma = (file.diameter_sigma if diameter_sigma is None else diameter_sigma) or 0.0
     if not marked:
-        return BallTarget(known, markers=(), marker_diameter=0.2 * known)
+        return BallTarget(known, diameter_sigma=sigma)
     across = file.marker_diameter if marker_diameter is None else marker_diameter
-    return BallTarget(known, file.markers) if across is None else BallTarget(known, file.markers, across)
+    if across == 0.0:
+        raise ValueError("a marker's diameter must be positive, got 0 m")
+    return BallTarget(known, file.markers, across or 0.0, sigma)
 
 
 def _unit_vector(path: Path, marker: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -143,6 +151,10 @@ def check_options(options: LocateOptions) -> None:
         )
     if options.fov is not None and not 0.0 < options.fov < 180.0:
         raise ValueError(f"--fov must lie between 0 and 180 degrees, got {options.fov:g}")
+    if options.focal_sigma is not None and not 0.0 <= options.focal_sigma < 1.0:
+        raise ValueError(
+            f"--focal-sigma is a share of the focal length, from 0 to 1: 0.05 is 5 %, got {options.focal_sigma:g}"
+        )
 
 
 def targets_for(
@@ -212,7 +224,7 @@ def camera_for(video: Video, options: LocateOptions, loaded: CameraModel | None)
     else:
         camera = loaded.turned(**options.view.mounted.arguments)
     camera.check((video.width, video.height))
-    return camera
+    return camera if options.focal_sigma is None else camera.with_focal_sigma(options.focal_sigma)
 
 
 def ball_tracker(options: LocateOptions) -> Callable[..., Tracker[Circle]]:

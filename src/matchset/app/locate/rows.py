@@ -1,15 +1,13 @@
 """`poses.csv`: one row for each frame, as it is written (`PoseRow`, `pose_columns`) and read (`read_poses`)."""
 
-import math
 import operator
 from pathlib import Path
 
 import msgspec
-import numpy as np
 
 from matchset.app.tables import Column, CsvLine, RowWriter, read_csv
 from matchset.app.track.rows import frame_columns, read_std, std_columns, value_columns
-from matchset.localization.pose import Pose, viewpoint_covariance, yaw_variance
+from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
 POSITION = ("x", "y", "z")
@@ -27,8 +25,8 @@ class PoseRow(msgspec.Struct, frozen=True):
     time : float
         When it was taken, s.
     values : dict of str to float, or None
-        `x`, `y`, `z` of the ball in the camera frame, m; `side`, `height`, `heading`, m, where the rotation was
-        observed; `yaw`, rad. None where the ball was not located.
+        `x`, `y`, `z` of the ball in the camera frame, m; where the rotation was observed `side`, `height`, `heading`,
+        m, and `yaw`, rad. None where the ball was not located.
     std : dict of str to float, or None
         Their standard deviations, by the same names.
     observed : str
@@ -74,21 +72,12 @@ def pose_row(frame: int, pose: "Pose | Lost[Pose]") -> PoseRow:
     """
     if isinstance(pose, Lost):
         return PoseRow(frame, pose.time, reason=pose.reason)
-    values = dict(zip(POSITION, pose.position.tolist(), strict=True))
-    variances = dict(zip(POSITION, np.diag(pose.covariance)[:3].tolist(), strict=True))
-    relative = viewpoint_covariance(pose)
-    if relative is not None:
-        for name, value, variance in zip(
-            RELATIVE, (pose.side, pose.height, pose.heading), np.diag(relative), strict=False
-        ):
-            values[name] = float(value or 0.0)
-            variances[name] = float(variance)
-    values["yaw"], variances["yaw"] = pose.yaw, yaw_variance(pose)
+    measured = pose.measured()
     return PoseRow(
         frame,
         pose.time,
-        values={name: _rounded(value) for name, value in values.items()},
-        std={name: _rounded(math.sqrt(max(variance, 0.0))) for name, variance in variances.items()},
+        values={name: _rounded(value) for name, (value, _) in measured.items()},
+        std={name: _rounded(sigma) for name, (_, sigma) in measured.items()},
         observed=pose.observed,
     )
 

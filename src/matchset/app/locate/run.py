@@ -3,6 +3,7 @@
 import itertools
 import sys
 from pathlib import Path
+from typing import TextIO
 
 from matchset.app.adapters.mavlink_poses import published
 from matchset.app.backward.before_click import before_click
@@ -23,12 +24,15 @@ from matchset.app.track.loop import RunStatistics, print_summary
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.target_options import RefusedClickError
 from matchset.camera.camera_model import CameraModel
-from matchset.image.video import Video
+from matchset.localization.ball_target import BallTarget
+from matchset.localization.localizer import left_out
 
 _KEPT = {
     "camera": "--camera",
     "fov": "--fov",
+    "focal_sigma": "--focal-sigma",
     "diameter": "--diameter",
+    "diameter_sigma": "--diameter-sigma",
     "marker_diameter": "--marker-diameter",
     "markers": "--markers",
     "points": "--points",
@@ -46,7 +50,9 @@ def run_locate(options: LocateOptions) -> int:
     int
         The exit code.
     """
-    ball = ball_target(options.diameter, options.marker_diameter, options.markers, options.marker.given)
+    ball = ball_target(
+        options.diameter, options.marker_diameter, options.markers, options.marker.given, options.diameter_sigma
+    )
     loaded = load_camera(options)
     with (
         StopRequest() as stop,
@@ -78,12 +84,22 @@ def run_locate(options: LocateOptions) -> int:
         finally:
             files = [*_finish(options, folder, path, camera), *outputs.pictures.files]
             print_summary(video, statistics, "locating", files, out)
+            if statistics.found:
+                _say_left_out(camera, ball, out)
         if not stop:
             explainer.explain(folder, out)
     if stop:
         print("note: stopped; the files hold what was done so far", file=sys.stderr)
         return stop.code
     return FOUND if statistics.found else NOT_FOUND
+
+
+def _say_left_out(camera: CameraModel, ball: BallTarget, out: TextIO) -> None:
+    """Say what the standard deviations leave out, and what would take it in."""
+    told = {"--focal-sigma": camera.covariance is not None, "--diameter-sigma": ball.diameter_sigma > 0.0}
+    missing = [option for option, known in told.items() if not known]
+    if missing:
+        print(f"{left_out(camera, ball)}: say how large they are by {' and '.join(missing)}", file=out)
 
 
 def _command(options: LocateOptions, live: bool) -> Run:

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.pilot import Camera
-from matchset.image.bags.ros_image import decode_compressed
+from matchset.image.files.picture import decode_deep
 from matchset.image.frame import Frame
+from matchset.links.camera import Camera
 
 
 class CodedFrame(Frame, frozen=True):
@@ -54,9 +54,7 @@ class CodedCamera:
 def coded_frame(frame: Frame, quality: int) -> CodedFrame:
     """Code a picture as JPEG and decode it, as a replay will."""
     jpeg = to_jpeg(frame.image, quality)
-    image = decode_compressed(memoryview(jpeg))
-    assert image is not None
-    return CodedFrame(image, frame.time, frame.index, jpeg=jpeg)
+    return CodedFrame(np.asarray(decode_deep(jpeg), np.uint8), frame.time, frame.index, jpeg=jpeg)
 
 
 def to_jpeg(image: npt.NDArray[np.uint8], quality: int) -> bytes:

@@ -25,7 +25,6 @@ from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.rows import track_table
 from matchset.app.track.shape_option import parse_shape
 from matchset.app.track.target_options import RefusedClickError, check_target_options, target_for
-from matchset.image.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 

@@ -142,18 +142,26 @@ class CameraMount:
         """
         if self._straight and self.correction == 0.0:
             return pose
-        turn, rotation, turned = self.from_camera, pose.rotation_matrix, np.empty((6, 6))
-        np.matmul(turn, in_blocks(pose.covariance), self._turned)
-        np.matmul(self._turned, turn.T, in_blocks(turned))
+        turn, rotation = self.from_camera, pose.rotation_matrix
         if rotation is not None:
             rotation = turn @ rotation if self._marker is None else turn @ rotation @ self._marker
         return Pose(
             position=turn @ pose.position,
             rotation_matrix=rotation,
-            covariance=turned,
+            covariance=self._turned_by(turn, pose.covariance),
             observed=pose.observed,
             time=pose.time,
+            systematic_covariance=None
+            if pose.systematic_covariance is None
+            else self._turned_by(turn, pose.systematic_covariance),
         )
+
+    def _turned_by(self, turn: Floats, covariance: Floats) -> Floats:
+        """Turn the covariance of a pose, (6, 6)."""
+        turned = np.empty((6, 6))
+        np.matmul(turn, in_blocks(covariance), self._turned)
+        np.matmul(self._turned, turn.T, in_blocks(turned))
+        return turned
 
     def learn(self, pose: Pose, own: EgoState) -> None:
         """Correct the mean elevation of the marker by a pose in flight, and the camera's pitch by that.

@@ -38,12 +38,18 @@ class MarkerTracker(Copied):
     target : BallTarget
         The ball; how many markers there are and how large.
     parameters : MarkerParameters, optional
+
+    Raises
+    ------
+    ValueError
+        If the ball has no marker.
     """
 
     def __init__(self, color: ColorModel, target: BallTarget, parameters: MarkerParameters | None = None) -> None:
         check_kind("color", color, ColorModel)
         check_kind("target", target, BallTarget)
         check_kind("parameters", parameters, (MarkerParameters, type(None)))
+        target.require_markers("MarkerTracker")
         self.color, self.target = color, target
         self.parameters = parameters or MarkerParameters()
         self._separation = target.marker_diameter / target.diameter  # radius of a marker, in ball radii

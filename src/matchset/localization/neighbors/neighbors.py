@@ -75,7 +75,7 @@ class Neighbors(Copied):
     camera : CameraModel
         What films them.
     target : BallTarget
-        What they all carry.
+        What they all carry, with a marker.
     ball_color : ColorModel
         Of the balls with their markers (the paper's filter a: ``blue | purple``).
     marker_color : ColorModel
@@ -83,6 +83,11 @@ class Neighbors(Copied):
     parameters : NeighborsParameters, optional
     fps : float or None
         For plain arrays: their rate, 1/s. None: they have the times at which `update` is called, as before a camera.
+
+    Raises
+    ------
+    ValueError
+        If the balls have no marker.
 
     Examples
     --------
@@ -93,7 +98,7 @@ class Neighbors(Copied):
     ...     image[np.hypot(columns - x, rows - 110) < 30] = (200, 60, 30)
     >>> blue, purple = ms.ColorModel.pick(image, 80, 110), ms.ColorModel.hsv((135, 80, 40), (165, 255, 255))
     >>> camera = ms.CameraModel.from_fov(320, 240, 1.07)
-    >>> neighbors = ms.Neighbors(camera, ms.BallTarget(diameter=0.28), blue, purple)
+    >>> neighbors = ms.Neighbors(camera, ms.BallTarget(0.28, markers=((0, 0, 1),)), blue, purple)
     >>> for k in range(4):
     ...     seen = neighbors.update(ms.Frame(image, k / 30, k))
     >>> [(each.identity, each.marked, round(each.pose.distance, 1)) for each in seen]
@@ -115,6 +120,7 @@ class Neighbors(Copied):
         for name, color in (("ball_color", ball_color), ("marker_color", marker_color)):
             check_kind(name, color, ColorModel)
         check_kind("parameters", parameters, (NeighborsParameters, type(None)))
+        target.require_markers("Neighbors")
         self.parameters = parameters or NeighborsParameters()
         self._camera = camera
         self._setup = BallTrackSetup(camera, target, ball_color, marker_color, self.parameters.track)

@@ -38,6 +38,8 @@ LINK = "serial:///dev/ttyUSB0"
         ("--camera 0 --link LINK --fov 60 --timeout 0", "timeout must be positive, got 0"),
         ("--camera 0 --link LINK --fov 60 --reconnect -1", "reconnect must be a time in s, 0 for none, got -1"),
         ("--camera 0 --link LINK --fov 60 --diameter -1", "diameter"),
+        ("--camera 0 --link LINK --fov 60 --focal-sigma 2", "focal_sigma is a share of the focal length, from 0 to 1"),
+        ("--camera 0 --link LINK --fov 60 --diameter-sigma 0.3", "diameter_sigma must be 0 or more, and less than"),
         ("--camera 0 --link LINK --fov 60 --color no.npz --marker-color no.npz", "no.npz"),
     ],
 )
@@ -79,6 +81,16 @@ def test_followers_of_a_file_have_whole_paths(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="names the followers already"):
         LinkedOptions(camera="0", link=LINK).followers(None, path)
     assert LinkedOptions().followers("sim://chain", path) == ()
+
+
+def test_what_is_known_of_camera_and_ball_is_taken_over() -> None:
+    typed = LinkedOptions(camera="0", link=LINK, fov=60.0, focal_sigma=0.03, diameter=0.25, diameter_sigma=0.002)
+    (follower,) = typed.followers(None, None)
+    assert follower.focal_sigma == 0.03
+    target = typed.flight(FlightParameters()).pilot.target
+    assert (target.diameter, target.diameter_sigma, target.marker_diameter) == (0.25, 0.002, 0.06)
+    assert target.markers == ((0.0, 0.0, 1.0),)
+    assert LinkedOptions().flight(FlightParameters()) == FlightParameters()
 
 
 def test_a_wrong_key_of_a_follower_has_its_line(tmp_path: Path) -> None:

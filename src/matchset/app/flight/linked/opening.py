@@ -94,6 +94,7 @@ def open_camera(follower: LinkedFollower, model: CameraModel | None, flight: Fli
         size = video.width, video.height
         model = model or CameraModel.from_fov(*size, math.radians(follower.fov_deg or 0.0))
         model.check(size)
+        model = model if follower.focal_sigma is None else model.with_focal_sigma(follower.focal_sigma)
     except ValueError:
         video.close()
         raise

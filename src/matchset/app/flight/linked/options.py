@@ -29,6 +29,10 @@ CameraFile = Annotated[
 Fov = Annotated[
     float | None, typer.Option("--fov", metavar="DEG", help="In its place: the horizontal field of view, degrees.")
 ]
+FocalSigma = Annotated[
+    float | None,
+    typer.Option("--focal-sigma", metavar="SHARE", help="Standard deviation of the focal length, as a share of it."),
+]
 Color = Annotated[
     list[Path] | None,
     typer.Option("--color", metavar="FILE", help="The ball's color, by 'matchset learn'; several are joined."),
@@ -37,6 +41,9 @@ MarkerColor = Annotated[
     list[Path] | None, typer.Option("--marker-color", metavar="FILE", help="The color of the ball's marker.")
 ]
 Diameter = Annotated[float | None, typer.Option("--diameter", metavar="M", help="Of the ball, m: 0.28 without it.")]
+DiameterSigma = Annotated[
+    float | None, typer.Option("--diameter-sigma", metavar="M", help="Standard deviation of the ball's diameter, m.")
+]
 MarkerDiameter = Annotated[
     float | None, typer.Option("--marker-diameter", metavar="M", help="Of its marker, m: 0.06 without it.")
 ]
@@ -71,9 +78,11 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
     link: LinkUri = None
     camera_file: CameraFile = None
     fov: Fov = None
+    focal_sigma: FocalSigma = None
     color: Color = None
     marker_color: MarkerColor = None
     diameter: Diameter = None
+    diameter_sigma: DiameterSigma = None
     marker_diameter: MarkerDiameter = None
     delay_ms: Delay = None
     mounted: TurnOptions = TurnOptions()
@@ -110,7 +119,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
             return ()
         known = () if config is None else read_followers(config)
         if self.camera is None and self.link is None:
-            names = "camera_file", "fov", "color", "marker_color", "delay_ms", "timeout", "reconnect"
+            names = "camera_file", "fov", "focal_sigma", "color", "marker_color", "delay_ms", "timeout", "reconnect"
             typed = [name for name in names if getattr(self, name) not in (None, [])]
             typed += ["turn"] if self.mounted.words else []
             if typed and known:
@@ -129,6 +138,7 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
                 link=self.link,
                 camera_file=str(self.camera_file or ""),
                 fov_deg=self.fov,
+                focal_sigma=self.focal_sigma,
                 color=tuple(map(str, self.color or ())),
                 marker_color=tuple(map(str, self.marker_color or ())),
                 delay_ms=self.delay_ms or 0.0,
@@ -141,13 +151,14 @@ class LinkedOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     def flight(self, flight: "FlightParameters") -> "FlightParameters":
         """Change the ball of a flight to what was typed."""
-        from matchset.localization.ball_target import BallTarget
+        from matchset.localization.ball_target import NeighborBall
 
         target = flight.pilot.target
-        new = BallTarget(
+        new = NeighborBall(
             target.diameter if self.diameter is None else self.diameter,
             target.markers,
             target.marker_diameter if self.marker_diameter is None else self.marker_diameter,
+            target.diameter_sigma if self.diameter_sigma is None else self.diameter_sigma,
         )
         return msgspec.structs.replace(flight, pilot=msgspec.structs.replace(flight.pilot, target=new))
 

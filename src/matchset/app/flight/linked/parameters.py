@@ -54,6 +54,9 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         A camera file, as `matchset calibrate` writes it; empty: `fov_deg` counts.
     fov_deg : float or None
         Horizontal field of view, degree, of a lens without distortion.
+    focal_sigma : float or None
+        Standard deviation of the focal length, as a share of it: it counts in the covariance of every pose, and moves
+        no stick. None: as the camera file says; of `fov_deg`, taken as exact.
     color, marker_color : tuple of str
         Files of colors, as `matchset learn` writes them; several are joined: of the ball, and of its marker.
     delay_ms : float
@@ -76,6 +79,7 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     link: str
     camera_file: str = ""
     fov_deg: float | None = None
+    focal_sigma: float | None = None
     color: tuple[str, ...] = ()
     marker_color: tuple[str, ...] = ()
     delay_ms: float = 0.0
@@ -91,6 +95,8 @@ class LinkedFollower(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         check_turn(self.turn)
         if self.fov_deg is not None and not 0.0 < self.fov_deg < 180.0:
             raise ValueError(f"fov_deg must lie between 0 and 180, got {self.fov_deg:g}")
+        if self.focal_sigma is not None and not 0.0 <= self.focal_sigma < 1.0:
+            raise ValueError(f"focal_sigma is a share of the focal length, from 0 to 1, got {self.focal_sigma:g}")
         if not (math.isfinite(self.delay_ms) and 0.0 <= self.delay_ms <= 1000.0):
             raise ValueError(f"delay_ms must be within 0 ... 1000, got {self.delay_ms:g}")
         self.silence.checked()

@@ -44,6 +44,8 @@ class CameraState(msgspec.Struct, frozen=True, omit_defaults=True):
         The model in use; empty: none is known.
     fov : float or None
         Horizontal field of view, degrees.
+    fov_sigma : float
+        Its standard deviation, as far as it comes from the focal length, degrees; 0: taken as exact.
     files : list of FileEntry
         Camera files that can be used.
     board : BoardState or None
@@ -56,6 +58,7 @@ class CameraState(msgspec.Struct, frozen=True, omit_defaults=True):
 
     words: str = ""
     fov: float | None = None
+    fov_sigma: float = 0.0
     files: list[FileEntry] = []
     board: BoardState | None = None
     ball: str = ""
@@ -142,6 +145,7 @@ class CameraPanel(Panel, Closing):
         return CameraState(
             words="" if camera is None else describe(camera),
             fov=None if camera is None else fov(camera),
+            fov_sigma=0.0 if camera is None else fov_sigma(camera),
             files=[FileEntry(key, _shown(file.path), describe(file.camera)) for key, file in self._files.items()],
             board=None if self._board is None else self._board.state,
             ball=ball,
@@ -199,6 +203,11 @@ def describe(camera: CameraModel) -> str:
 def fov(camera: CameraModel) -> float:
     """Return the horizontal field of view, degrees, without distortion."""
     return 2.0 * math.degrees(math.atan2(0.5 * camera.width, camera.fx))
+
+
+def fov_sigma(camera: CameraModel) -> float:
+    """Return the standard deviation of `fov` that follows from that of the focal length, to first order, degrees."""
+    return math.degrees(camera.focal_sigma * math.sin(math.radians(fov(camera))))
 
 
 def _shown(path: Path) -> str:

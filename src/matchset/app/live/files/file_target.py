@@ -11,7 +11,7 @@ from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.localization.ball_target import BallTarget
-from matchset.localization.localizer import Localizer
+from matchset.localization.localizer import Localizer, left_out
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost, Track
 
@@ -39,8 +39,8 @@ class FileTarget:
         By the place of their frames.
     version : int
         Changes whenever something else is known.
-    diameter : float or None
-        m
+    ball : BallTarget or None
+        Its size; None: not known.
     localizer : Localizer or None
     color : ColorModel or None
         Learned by the first click.
@@ -55,7 +55,7 @@ class FileTarget:
         self._codes = bytearray()
         self.version = 0
         self.camera: CameraModel | None = None
-        self.diameter: float | None = None
+        self.ball: BallTarget | None = None
         self.localizer: Localizer | None = None
         self.color: ColorModel | None = None
         self.readings: list[str] = []
@@ -101,17 +101,22 @@ class FileTarget:
         """In how many frames it is known."""
         return len(self._answers)
 
-    def locate(self, camera: CameraModel | None, diameter: float | None) -> None:
-        """Set what is known of camera and target, m; None: not known. What was found before is located as well."""
-        self.camera, self.diameter = camera, diameter
+    @property
+    def diameter(self) -> float | None:
+        """Return its diameter, m; None: not known."""
+        return None if self.ball is None else self.ball.diameter
+
+    def locate(self, camera: CameraModel | None, ball: BallTarget | None) -> None:
+        """Set what is known of camera and target; None: not known. What was found before is located as well."""
+        self.camera, self.ball = camera, ball
         self.localizer = self.new_localizer()
         self.version += 1
 
     def new_localizer(self) -> Localizer | None:
         """Make a localizer for another thread; None if diameter or camera are not known."""
-        if self.camera is None or self.diameter is None or self.shape != "circle":
+        if self.camera is None or self.ball is None or self.shape != "circle":
             return None
-        return Localizer(self.camera, BallTarget(diameter=self.diameter))
+        return Localizer(self.camera, self.ball)
 
     def last_found(self, place: int) -> int | None:
         """Return the place of the last frame up to this one in which it was found."""
@@ -123,12 +128,16 @@ class FileTarget:
         answer, pose = self.answer(place), self.pose(place)
         first = self.clicks[min(self.clicks)]
         reading = first.reading if isinstance(first, Pick) else 0
-        about = About(self.number, self.name, self.shape, self.diameter, self.readings, reading)
+        about = About(self.number, self.name, self.shape, self.ball, self.readings, reading)
         if answer is None:
             return lost_state(about, "not tracked here yet")
         if isinstance(answer, Lost):
             return lost_state(about, answer.reason, self._lost_for(place, answer), answer.predicted)
-        return found_state(about, answer, Place(pose, position_of(pose)) if isinstance(pose, Pose) else Place())
+        localizer = self.localizer
+        if localizer is None or not isinstance(pose, Pose):
+            return found_state(about, answer, Place())
+        without = left_out(localizer.camera, localizer.target)
+        return found_state(about, answer, Place(pose, position_of(pose), left_out=without))
 
     def _lost_for(self, place: int, answer: Lost[Any]) -> float:
         last = self.last_found(place)

@@ -21,6 +21,11 @@ SEVERAL = -1  # format: place of a time stamp that more than one frame has
 class StampedVideo(Video):
     """A video that says what the decoder said of the last frame."""
 
+    @classmethod
+    def of(cls, video: Video) -> "StampedVideo":
+        """Open the file of a video once more, from its beginning, its pictures in the same view."""
+        return cls(video._given, **video._opening())
+
     @property
     def recording(self) -> Recording | None:
         """The video file behind it; None if it is a folder or a bag."""

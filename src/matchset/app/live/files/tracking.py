@@ -15,10 +15,12 @@ from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
+from matchset.app.live.targets.placing import ball_of, camera_of
 from matchset.app.live.targets.target import Target
 from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.localization.ball_target import BallTarget
 from matchset.tracking.track import Lost
 from matchset.tracking.tracker import Tracker
 
@@ -245,7 +247,7 @@ class FileTracking(Closing):
         elif isinstance(wish, Hold):
             self._place_of(wish.sequence)  # every frame of a video can be read again
         elif isinstance(wish, FieldOfView):
-            self.use(CameraModel.from_fov(*self.size, wish.angle))
+            self.use(camera_of(wish, *self.size))
         else:
             target = self._target(wish.target)
             if isinstance(wish, Correct):
@@ -253,7 +255,7 @@ class FileTracking(Closing):
             elif isinstance(wish, Drop):
                 self._forget(target)
             elif isinstance(wish, Diameter):
-                target.locate(self.camera, wish.meters)
+                target.locate(self.camera, ball_of(wish))
             elif isinstance(wish, Reread):
                 self._reread(target, wish)
             else:
@@ -264,7 +266,7 @@ class FileTracking(Closing):
         self.camera = camera
         self._changes += 1
         for target in self.targets.values():
-            target.locate(camera, target.diameter)
+            target.locate(camera, target.ball)
 
     def _target(self, number: int) -> FileTarget:
         found = self.targets.get(number)
@@ -279,11 +281,11 @@ class FileTracking(Closing):
         self._follow(self._numbers + 1, wish, place, None)
         self._numbers += 1
 
-    def _follow(self, number: int, click: Pick | Outline, place: int, diameter: float | None) -> None:
+    def _follow(self, number: int, click: Pick | Outline, place: int, ball: BallTarget | None) -> None:
         """Follow a target from its first click on, both ways."""
         made = Target(number, click, self._reader.frame(place))
         target = FileTarget(number, click, place)
-        target.locate(self.camera, diameter)
+        target.locate(self.camera, ball)
         target.color, target.readings = made.tracker.color, made.readings
         self.targets = {**self.targets, number: target}
         self._runs += [Run(target, place, True, self._reader), Run(target, place, False, self._reader)]
@@ -296,7 +298,7 @@ class FileTracking(Closing):
         click = target.clicks[place]
         if not isinstance(click, Pick):
             raise ValueError(f"{target.name} was not clicked: there is nothing else that it may mean")
-        self._follow(target.number, msgspec.structs.replace(click, reading=wish.reading), place, target.diameter)
+        self._follow(target.number, msgspec.structs.replace(click, reading=wish.reading), place, target.ball)
         self._runs = [run for run in self._runs if run.target is not target]
         self._changes += 1 + target.version
 

@@ -14,7 +14,7 @@ import { RecordPanel } from "./record/record.js";
 import { SettingsPanel } from "./source/settings.js";
 import { Connection } from "./socket.js";
 import { TargetList } from "./reading/targets.js";
-import { times } from "./units.js";
+import { parseDegrees, times } from "./units.js";
 
 const OLD = 500; // ms without a new picture, after which a veil says so
 const find = (id) => document.getElementById(id);
@@ -138,10 +138,13 @@ find("fullscreen").addEventListener("click", () => {
 });
 find("view-form").addEventListener("submit", (event) => {
   event.preventDefault();
-  const degrees = parseFloat(find("fov").value.replace(",", "."));
-  const valid = degrees > 5 && degrees < 175;
-  find("fov-error").textContent = valid ? "" : "type an angle between 5 and 175 degrees, such as 60";
-  if (valid) send({ type: "field_of_view", angle: degrees * Math.PI / 180 });
+  find("fov-error").textContent = "";
+  try {
+    const [angle, sigma] = parseDegrees(find("fov").value).map((degrees) => degrees * Math.PI / 180);
+    send({ type: "field_of_view", angle, sigma });
+  } catch (wrong) {
+    find("fov-error").textContent = wrong.message;
+  }
 });
 
 // On this computer nobody else can listen; elsewhere a person should know that others can.

@@ -2,6 +2,7 @@
 
 const METERS = { mm: 0.001, cm: 0.01, m: 1, in: 0.0254, '"': 0.0254 };
 const LARGEST = 20; // m
+const PLUS_MINUS = /±|\+\/?-/;
 
 export function parseLength(text) {
   const match = /^\s*(\d+(?:[.,]\d+)?|[.,]\d+)\s*(mm|cm|m|in|")?\s*$/.exec(text);
@@ -10,6 +11,22 @@ export function parseLength(text) {
   const meters = parseFloat(match[1].replace(",", ".")) * METERS[match[2]];
   if (!(meters > 0 && meters <= LARGEST)) throw new Error(`a diameter is more than 0 and at most ${LARGEST} m, not ${text.trim()}`);
   return meters;
+}
+
+// "28 cm ± 2 mm", "28 ± 0.2 cm": a length and its standard deviation, m; 0 where none is typed.
+export function parseMeasured(text) {
+  const [typed, spread, more] = text.split(PLUS_MINUS);
+  if (!typed.trim() || !spread?.trim() || more !== undefined) return [parseLength(text), 0];
+  const unit = /[^\d.,\s]*\s*$/.exec(spread)[0];
+  return [parseLength(/[a-z"]\s*$/.test(typed) ? typed : typed + unit), parseLength(spread)];
+}
+
+// "60 ± 3": an angle and its standard deviation, degrees; 0 where none is typed.
+export function parseDegrees(text) {
+  const [degrees, spread = 0] = text.replaceAll(",", ".").split(PLUS_MINUS).map(parseFloat);
+  if (!(degrees > 5 && degrees < 175)) throw new Error("type an angle between 5 and 175 degrees, such as 60");
+  if (!(spread >= 0 && spread < degrees)) throw new Error("after ± comes how well it is known, such as 60 ± 3");
+  return [degrees, spread];
 }
 
 // Decimal points below each other: those with fewer digits end with spaces as wide as digits.

@@ -1,6 +1,5 @@
 """`tracks.csv` and `poses.csv` of what is followed, a pair for each target: `TargetTables`."""
 
-import math
 import re
 from pathlib import Path
 from typing import Any
@@ -101,7 +100,7 @@ def _pose_row(number: int, time: float, target: TargetState, seen: Seen) -> Pose
         return None
     values = {name: value for name, (value, _) in target.position.items() if name in POSITION}
     std = {name: sigma or 0.0 for name, (_, sigma) in target.position.items() if name in POSITION}
-    return PoseRow(number, time, values | {"yaw": math.atan2(values["x"], values["z"])}, std, "position")
+    return PoseRow(number, time, values, std, "position")
 
 
 def _track_row(number: int, time: float, target: TargetState) -> TrackRow:

@@ -23,6 +23,7 @@ from matchset.app.live.targets.messages import (
     Reread,
     Wish,
 )
+from matchset.app.live.targets.placing import ball_of, camera_of
 from matchset.app.live.targets.target import Target, catch_up, exchange, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState
@@ -131,18 +132,18 @@ class Followed(Closing):
         elif isinstance(wish, Reread):
             self._reread(wish)
         elif isinstance(wish, Diameter):
-            self.target(wish.target).locate(self.camera, wish.meters)
+            self.target(wish.target).locate(self.camera, ball_of(wish))
         elif isinstance(wish, Marker):
             frame = self._kept.since(wish.sequence)[0]
             self.target(wish.target).mark(frame, wish.x, wish.y, wish.meters)
         elif isinstance(wish, FieldOfView):
-            self._view(wish.angle)
+            self._view(wish)
 
     def locate(self, camera: CameraModel | None) -> None:
         """Take another camera model."""
         self.camera = camera
         for each in self._targets.values():
-            each.locate(camera, each.diameter)
+            each.locate(camera, each.ball)
 
     def clear(self) -> None:
         """Forget all targets."""
@@ -174,12 +175,12 @@ class Followed(Closing):
             lost_for, at = self._crossing.since(number, frame.time), self._crossing.expected(number, frame.time)
             states[number] = self._targets[number].hidden_behind(self._targets[stays].name, lost_for, at)
 
-    def _view(self, angle: float) -> None:
+    def _view(self, wish: FieldOfView) -> None:
         newest = self._kept.newest
         if newest is None:
             raise ValueError("there is no picture yet whose field of view could be told")
         height, width = newest.image.shape[:2]
-        self.locate(CameraModel.from_fov(width, height, angle))
+        self.locate(camera_of(wish, width, height))
 
     def _begin(self, begin: Begin) -> None:
         """Make a target in the background: its color is learned, and perhaps something is compiled."""
@@ -210,7 +211,7 @@ class Followed(Closing):
             try:
                 target = made.result()
                 before = self._targets.get(number)
-                target.locate(self.camera, None if before is None else before.diameter)
+                target.locate(self.camera, None if before is None else before.ball)
                 frames = [frame, *self._kept.after(sequence)]
                 catch_up(target, frames)
                 self._targets[number], self._trials[number] = target, frames[-1].time

@@ -7,6 +7,7 @@ import msgspec
 from matchset.app.live.wire.messages import Kernels, Name, Number, Positive, Px, Up
 
 Length = Annotated[float, msgspec.Meta(gt=0.0, le=20.0)]
+Sigma = Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
 
 
 class Pick(Up, frozen=True, tag="pick"):
@@ -60,10 +61,11 @@ class Reread(Up, frozen=True, tag="reread"):
 
 
 class Diameter(Up, frozen=True, tag="diameter"):
-    """A target's diameter, m; None: not known."""
+    """A target's diameter, m; None: not known. `sigma` is its standard deviation, m; 0: taken as exact."""
 
     target: Number
     meters: Length | None
+    sigma: Sigma = 0.0
 
 
 class Marker(Up, frozen=True, tag="marker"):
@@ -82,9 +84,10 @@ class Marker(Up, frozen=True, tag="marker"):
 
 
 class FieldOfView(Up, frozen=True, tag="field_of_view"):
-    """The camera's horizontal field of view, rad."""
+    """The camera's horizontal field of view, rad. `sigma` is its standard deviation, rad; 0: taken as exact."""
 
     angle: Annotated[float, msgspec.Meta(gt=0.0, lt=3.1)]
+    sigma: Annotated[float, msgspec.Meta(ge=0.0, lt=3.1)] = 0.0
 
 
 Begin = Pick | Outline

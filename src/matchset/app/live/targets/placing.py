@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from matchset.app.live.targets.messages import Diameter, FieldOfView
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.localization.ball_target import BallTarget
-from matchset.localization.localizer import Localizer
+from matchset.localization.ball_target import BALLOON, BallTarget
+from matchset.localization.localizer import Localizer, left_out
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -34,12 +35,15 @@ class Place(NamedTuple):
         Those in sight.
     axes : ndarray of shape (4, 2), float64, or None
         In the picture, px: the ball's center and the tips of its axes x, y, z; None where no rotation is observed.
+    left_out : str
+        What the standard deviations of the position leave out, in words.
     """
 
     pose: "Pose | Lost[Pose] | None" = None
     position: Measured = MappingProxyType({})
     markers: tuple[Circle, ...] = ()
     axes: npt.NDArray[np.float64] | None = None
+    left_out: str = ""
 
 
 class Placing:
@@ -48,20 +52,19 @@ class Placing:
     Parameters
     ----------
     camera : CameraModel
-    diameter : float
-        Of the ball, m.
+    ball : BallTarget
+        Its size.
     marker : (ColorModel, float), optional
         Color of the ball's marker, and how wide it is, m.
     """
 
-    def __init__(self, camera: CameraModel, diameter: float, marker: tuple[ColorModel, float] | None = None) -> None:
-        self._camera, self._radius = camera, 0.5 * diameter
+    def __init__(self, camera: CameraModel, ball: BallTarget, marker: tuple[ColorModel, float] | None = None) -> None:
+        self._camera, self._radius = camera, ball.radius
         self._markers: MarkerTracker | None = None
-        ball = BallTarget(diameter=diameter, markers=(), marker_diameter=0.2 * diameter)
         if marker is not None:
-            ball = BallTarget(diameter=diameter, marker_diameter=marker[1])
+            ball = BallTarget(ball.diameter, BALLOON.markers, marker[1], ball.diameter_sigma)
             self._markers = MarkerTracker(marker[0], ball)
-        self._localizer = Localizer(camera, ball)
+        self._localizer, self._left_out = Localizer(camera, ball), left_out(camera, ball)
 
     def place(self, frame: Frame, track: Track[Any] | Lost[Any]) -> Place:
         """Return where a target is in a frame; nowhere if it is no ball."""
@@ -72,7 +75,30 @@ class Placing:
         shapes = tuple(marker.shape for marker in markers)
         if isinstance(pose, Lost):
             return Place(pose, markers=shapes)
-        return Place(pose, position_of(pose), shapes, axes_of(pose, self._camera, self._radius))
+        return Place(pose, position_of(pose), shapes, axes_of(pose, self._camera, self._radius), self._left_out)
+
+
+def ball_of(wish: Diameter) -> BallTarget | None:
+    """Return what a page says of a ball; None: nothing is known.
+
+    Raises
+    ------
+    ValueError
+        If its standard deviation is as large as the diameter.
+    """
+    return None if wish.meters is None else BallTarget(wish.meters, diameter_sigma=wish.sigma)
+
+
+def camera_of(wish: FieldOfView, width: int, height: int) -> CameraModel:
+    """Return the camera that a page describes, of pictures of this size, px.
+
+    Raises
+    ------
+    ValueError
+        If its standard deviation allows any focal length.
+    """
+    share = wish.sigma / math.sin(wish.angle)  # of f = (width / 2) / tan(angle / 2), to first order
+    return CameraModel.from_fov(width, height, wish.angle, share)
 
 
 def axes_of(pose: Pose, camera: CameraModel, radius: float) -> npt.NDArray[np.float64] | None:
@@ -90,7 +116,7 @@ def axes_of(pose: Pose, camera: CameraModel, radius: float) -> npt.NDArray[np.fl
 
 
 def position_of(pose: Pose) -> Measured:
-    """Return x, y, z and distance, m, with standard deviations; yaw, rad, comes with a rotation."""
+    """Return x, y, z and distance, m, with standard deviations."""
     sigmas = np.sqrt(np.diagonal(pose.covariance)[:3]).tolist()
     along = pose.position / pose.distance
     spread = math.sqrt(max(float(along @ pose.covariance[:3, :3] @ along), 0.0))

@@ -16,6 +16,7 @@ from matchset.app.track.shape_option import NAMES, parse_shape
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
+from matchset.localization.ball_target import BallTarget
 from matchset.localization.markers.ball_colors import pick_marker
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
@@ -41,8 +42,8 @@ class Target:
 
     Attributes
     ----------
-    diameter : float or None
-        m
+    ball : BallTarget or None
+        Its size; None: not known.
     parameters : tuple of str
         Names of the shape's parameters.
     begun : (float, float)
@@ -82,7 +83,7 @@ class Target:
         self.readings = [str(each) for each in color.alternatives]
         self.number, self.name, self.note = number, f"{begin.shape} {number}", color.note
         self.shape, self.parameters = begin.shape, tuple(family.parameters)
-        self.diameter: float | None = None
+        self.ball: BallTarget | None = None
         self.answer: Track[Any] | Lost[Any] | None = None
         self.tracker: Tracker[Any] = Tracker(family, color, start=self.begun)
         if given is not None:
@@ -95,14 +96,13 @@ class Target:
     _camera: CameraModel | None
     _placing: Placing | None
 
-    def locate(self, camera: CameraModel | None, diameter: float | None) -> None:
+    def locate(self, camera: CameraModel | None, ball: BallTarget | None) -> None:
         """Set what is known of camera and target; None: not known.
 
         Parameters
         ----------
         camera : CameraModel or None
-        diameter : float or None
-            m
+        ball : BallTarget or None
 
         Raises
         ------
@@ -110,9 +110,9 @@ class Target:
             If its marker is not smaller than it.
         """
         placing = None
-        if camera is not None and diameter is not None:
-            placing = Placing(camera, diameter, self._marker)
-        self._camera, self.diameter, self._placing = camera, diameter, placing
+        if camera is not None and ball is not None:
+            placing = Placing(camera, ball, self._marker)
+        self._camera, self.ball, self._placing = camera, ball, placing
 
     def mark(self, frame: Frame, x: float, y: float, width: float) -> None:
         """Learn the color of its marker, at a point of a picture.
@@ -136,7 +136,7 @@ class Target:
         joint = self.tracker.color | color
         self._marker = color, width
         try:
-            self.locate(self._camera, self.diameter)
+            self.locate(self._camera, self.ball)
         except ValueError:
             self._marker = before
             raise
@@ -185,7 +185,7 @@ class Target:
     @property
     def _about(self) -> About:
         reading = 0 if self.clicked is None else self.clicked[0].reading
-        return About(self.number, self.name, self.shape, self.diameter, self.readings, reading)
+        return About(self.number, self.name, self.shape, self.ball, self.readings, reading)
 
     def _lost(self, answer: Lost[Any]) -> TargetState:
         since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from matchset.app.live.targets.placing import Place
 from matchset.app.live.wire.state import TargetState
+from matchset.localization.ball_target import BallTarget
 from matchset.shapes.shape import Shape, outline
 from matchset.tracking.track import Track
 
@@ -25,8 +26,8 @@ class About(NamedTuple):
     name : str
     shape : str
         Of which family it is.
-    diameter : float or None
-        m
+    ball : BallTarget or None
+        Its size; None: not known.
     readings : sequence of str
         What its click may mean.
     reading : int
@@ -36,7 +37,7 @@ class About(NamedTuple):
     number: int
     name: str
     shape: str = "circle"
-    diameter: float | None = None
+    ball: BallTarget | None = None
     readings: Sequence[str] = ()
     reading: int = 0
 
@@ -55,7 +56,9 @@ def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
         position=dict(place.position),
         markers=[flat(outline(marker, MARKER_POINTS)) for marker in place.markers],
         axes=[] if place.axes is None else flat(place.axes),
-        diameter=about.diameter,
+        left_out=place.left_out,
+        diameter=None if about.ball is None else about.ball.diameter,
+        diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
         readings=list(about.readings),
         reading=about.reading,
     )
@@ -81,7 +84,8 @@ def lost_state(about: About, reason: str, lost_for: float = 0.0, predicted: Shap
         reason=reason,
         lost_for=lost_for,
         predicted=[] if predicted is None else flat(outline(predicted, OUTLINE_POINTS)),
-        diameter=about.diameter,
+        diameter=None if about.ball is None else about.ball.diameter,
+        diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
         readings=list(about.readings),
         reading=about.reading,
     )

@@ -22,6 +22,8 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     support : float or None
     position : dict of str to (float, float or None)
         x, y, z and distance in the camera's frame, m, with standard deviations, if diameter and camera are known.
+    left_out : str
+        What these standard deviations leave out, in words.
     markers : list of list of float
         x and y of points along the rim of each marker in sight, px.
     axes : list of float
@@ -34,6 +36,8 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
         For how long, s.
     diameter : float or None
         m
+    diameter_sigma : float
+        Its standard deviation, m; 0: taken as exact.
     shape : str
         Of which family it is.
     readings : list of str
@@ -50,12 +54,14 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     match_set: list[float] = []
     support: float | None = None
     position: dict[str, tuple[float, float | None]] = {}
+    left_out: str = ""
     markers: list[list[float]] = []
     axes: list[float] = []
     predicted: list[float] = []
     reason: str = ""
     lost_for: float = 0.0
     diameter: float | None = None
+    diameter_sigma: float = 0.0
     shape: str = "circle"
     readings: list[str] = []
     reading: int = 0

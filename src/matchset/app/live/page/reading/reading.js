@@ -64,6 +64,7 @@ export class Reading {
       this.rows.set(name, parts);
       this.root.append(row);
     }
+    if (placed && target.left_out) this.root.append(element("p", "left-out", target.left_out));
   }
 }
 
@@ -77,7 +78,7 @@ function valuesOf(target) {
   return { distance, x, y, z };
 }
 
-const kindOf = (target) => (target.found ? Object.keys(valuesOf(target)).join() + isPlaced(target) : "lost");
+const kindOf = (target) => (target.found ? Object.keys(valuesOf(target)).join() + isPlaced(target) + (target.left_out ?? "") : "lost");
 
 function set(node, words) {
   if (node.textContent !== words) node.textContent = words;

@@ -2,7 +2,7 @@
 
 import { colorOf } from "../colors.js";
 import { element } from "./reading.js";
-import { parseLength } from "../units.js";
+import { parseMeasured } from "../units.js";
 
 export class TargetList {
   // `askPoint(words, take)` waits for a click in the picture and hands it to take({sequence, x, y}).
@@ -78,9 +78,10 @@ export class TargetList {
   }
 
   makeDiameter(target) {
-    const value = target.diameter ? `${target.diameter} m` : "";
-    return lengthForm(`diameter of ${target.name}`, "diameter", value, "28 cm", (meters) => {
-      this.send({ type: "diameter", target: target.id, meters });
+    const spread = target.diameter_sigma ? ` ± ${target.diameter_sigma}` : "";
+    const value = target.diameter ? `${target.diameter}${spread} m` : "";
+    return lengthForm(`diameter of ${target.name}`, "diameter", value, "28 cm", (meters, sigma) => {
+      this.send({ type: "diameter", target: target.id, meters, sigma });
     });
   }
 
@@ -111,7 +112,7 @@ function lengthForm(label, name, value, example, take, action = "set") {
     error.textContent = "";
     input.removeAttribute("aria-invalid");
     try {
-      take(input.value.trim() ? parseLength(input.value) : null);
+      take(...(input.value.trim() ? parseMeasured(input.value) : [null, 0]));
     } catch (wrong) {
       error.textContent = wrong.message;
       input.setAttribute("aria-invalid", "true");

@@ -19,7 +19,8 @@ export class CameraPanel {
   update(state) {
     this.words.textContent = state.words || "Not known yet: positions in meters need it.";
     const angle = document.getElementById("fov");
-    if (angle && state.fov && document.activeElement !== angle) angle.value = state.fov.toFixed(1);
+    const spread = state.fov_sigma ? ` ± ${Number(state.fov_sigma.toPrecision(2))}` : "";
+    if (angle && state.fov && document.activeElement !== angle) angle.value = state.fov.toFixed(1) + spread;
     this.updateSheets(state.sheets || []);
     this.updateFiles(state.files || []);
     this.updateBoard(state.board);

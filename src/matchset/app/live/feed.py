@@ -112,6 +112,9 @@ class Panel:
         """
         raise NotImplementedError
 
+    def refused(self, message: Any, words: str) -> None:
+        """Note that one of its messages may not be done now, and why."""
+
     def put(self, upload: str, name: str, data: bytes) -> None:
         """Take a file that a page sends.
 

@@ -113,14 +113,16 @@ class Session(Closing):
         ValueError
             If it cannot be done; says why.
         """
-        if words := self._refusal(message.needs):
+        words = self._refusal(message.needs) or (self.busy if message.replaces else "")
+        takers = (panel for panel in self.panels if isinstance(message, panel.messages))
+        panel = next(takers, None)
+        if words:
+            if panel is not None:
+                panel.refused(message, words)
             raise ValueError(words)
-        if message.replaces and (words := self.busy):
-            raise ValueError(words)
-        for panel in self.panels:
-            if isinstance(message, panel.messages):
-                panel.take(message, page)
-                return
+        if panel is not None:
+            panel.take(message, page)
+            return
         raise ValueError(f"{type(message).__name__.lower()}: there is nothing here that could do this")
 
     def put(self, upload: str, name: str, data: bytes) -> None:

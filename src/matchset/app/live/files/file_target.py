@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+import msgspec
+
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.messages import Outline, Pick
 from matchset.app.live.targets.placing import Place, position_of
@@ -125,7 +127,7 @@ class FileTarget:
         reading = first.reading if isinstance(first, Pick) else 0
         about = About(self.number, self.name, self.shape, self.diameter, self.readings, reading)
         if answer is None:
-            return lost_state(about, "not tracked here yet")
+            return msgspec.structs.replace(lost_state(about, "not tracked here yet"), pending=True)
         if isinstance(answer, Lost):
             return lost_state(about, answer.reason, self._lost_for(place, answer), answer.predicted)
         return found_state(about, answer, Place(pose, position_of(pose)) if isinstance(pose, Pose) else Place())

@@ -72,6 +72,8 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     complete : bool
         Whether the file was read to its end.
     playing : bool
+    waiting : bool
+        Whether it would play on, but what comes next is not tracked yet.
     speed : float
     targets : list of TargetLine
     rate : float or None
@@ -93,6 +95,7 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     duration: float
     complete: bool = False
     playing: bool = False
+    waiting: bool = False
     speed: float = 1.0
     targets: list[TargetLine] = []
     rate: float | None = None
@@ -156,6 +159,7 @@ class FilePanel(Panel):
             duration=round(last.time, 6),
             complete=frames.complete,
             playing=feed.player.playing,
+            waiting=feed.player.playing and feed.player.waiting,
             speed=feed.player.speed,
             targets=[self._line(target, end) for target in targets],
             rate=rate,

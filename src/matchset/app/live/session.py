@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.feed import Feed, Listener, Panel, Seen, Stream
+from matchset.app.live.feed import Feed, Listener, Panel, Pictured, Receiver, Seen, Stream
 from matchset.app.live.wire.messages import Kernels, Up
 from matchset.app.live.wire.state import SessionState
 
@@ -138,6 +138,24 @@ class Session(Closing):
                 panel.put(upload, name, data)
                 return
         raise ValueError(f"nothing here takes a file for {upload[:60]!r}")
+
+    def receive(self, upload: str, name: str, length: int) -> Receiver | None:
+        """Take a large file that a page sends; None if nothing takes a large file of this kind.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be taken; says why.
+        """
+        found = (panel.receive(upload, name, length) for panel in self.panels)
+        return next((receiver for receiver in found if receiver is not None), None)
+
+    def thumbnail(self, key: str) -> bytes:
+        """Return a small picture of what a panel offers, a JPEG; ValueError if there is none."""
+        for panel in self.panels:
+            if isinstance(panel, Pictured):
+                return panel.thumbnail(key)
+        raise ValueError("nothing here has pictures to choose from")
 
     def left(self, page: str) -> None:
         """Note that a page is gone."""

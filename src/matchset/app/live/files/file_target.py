@@ -1,6 +1,6 @@
 """A target of a recorded video with what was found of it in each frame: `FileTarget`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import msgspec
@@ -142,9 +142,9 @@ class FileTarget:
         localizer, answer = self.localizer, self.answer(place)
         return None if localizer is None or answer is None else localizer.update(answer)
 
-    def found(self, count: int) -> Iterator[tuple[int, Answer]]:
-        """Yield the places before `count` at which it is known whether it was found, with the answers."""
-        for place in range(count):
+    def found(self, places: Iterable[int]) -> Iterator[tuple[int, Answer]]:
+        """Yield those of the places at which it is known whether it was found, with the answers."""
+        for place in places:
             answer = self.answer(place)
             if answer is not None:
                 yield place, answer

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from matchset.app.live.feed import Panel
-from matchset.app.live.files.exports import Working, Written
+from matchset.app.live.files.exports import Working, Written, part_of
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
@@ -43,6 +43,8 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
         Of the frames, how many are done.
     found, lost : int
         Frames.
+    part : str
+        Which frames are known, in words, as long as that is not the whole video.
     version : int
         Another one whenever more is known: then its course (`/course.json`) is another one, too.
     """
@@ -53,6 +55,7 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
     percent: float = 0.0
     found: int = 0
     lost: int = 0
+    part: str = ""
     version: int = 0
 
 
@@ -183,10 +186,9 @@ class FilePanel(Panel):
             percent = 100.0 * target.known / max(len(self._feed.frames), 1) if end else 100.0
             if not self._feed.frames.complete:
                 percent = 100.0 * target.known / (end + 1)
-            kept = (
-                key,
-                TargetLine(target.number, target.name, line, round(percent, 1), counts[1], counts[2], target.version),
-            )
+            part = part_of(target, self._feed.frames).words if target.known else ""
+            done = TargetLine(target.number, target.name, line, round(percent, 1), *counts[1:], part, target.version)
+            kept = key, done
             self._lines = {
                 number: each for number, each in self._lines.items() if number in self._feed.tracking.targets
             }

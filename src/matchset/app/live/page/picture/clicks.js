@@ -15,6 +15,7 @@ export class Clicks {
     const close = element("button", "", "×");
     close.type = "button";
     close.setAttribute("aria-label", "close");
+    close.addEventListener("pointerdown", (event) => event.stopPropagation()); // no click in the picture
     close.addEventListener("click", () => { this.refused = null; this.show(); });
     said.replaceChildren(this.words, close);
     this.show();

@@ -99,8 +99,11 @@ export class PictureView {
 
   // The mask was switched on or off, or another target was chosen: a picture that stands gets it without a new one.
   async remask() {
+    if (this.remasking) return;
     const [sequence, masked] = [this.sequence, this.targetOfMask(this.targets)];
+    this.remasking = true;
     const mask = await this.fetchMask(sequence, masked);
+    this.remasking = false;
     if (sequence === this.sequence && masked === this.targetOfMask(this.targets)) this.paintMask(mask, masked); else mask?.close();
   }
 

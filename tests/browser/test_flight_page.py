@@ -69,7 +69,7 @@ def test_two_pages_watch_and_one_commands(show: Any, new_page: Any) -> None:
     first.goto(flight.url)
     second.goto(flight.url)
     commands = take_off(first, flight)["page"]
-    second.get_by_text(f"{commands} commands, in flight").wait_for(timeout=1000.0 * WAIT)
+    second.get_by_text("Another page commands, in flight").wait_for(timeout=1000.0 * WAIT)
     assert second.locator("#flight-arm").is_disabled()
     assert second.locator("#flight-land").is_disabled()
     second.click("#flight-kill")

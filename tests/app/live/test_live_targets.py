@@ -181,6 +181,36 @@ def test_two_balls_of_one_color_that_cross_keep_their_names(front: int) -> None:
     followed.close()
 
 
+def test_pages_hear_what_became_of_each_click() -> None:
+    loop = Loop()
+    for place in ((120.0, 20.0), BLUE[:2], (-1.0, 5.0)):
+        loop.followed.do(Pick(1, *place))
+    answered: dict[float, str] = {}
+    while len(answered) < 3:
+        loop.until(lambda: len(loop.followed.clicks.state.answered) > len(answered))
+        answered = {each.x: each.words for each in loop.followed.clicks.state.answered}
+    assert answered[BLUE[0]] == ""
+    assert answered[120.0]
+    assert "outside" in answered[-1.0]
+    assert loop.notes.count(answered[120.0]) <= 1
+    with pytest.raises(ValueError, match="not kept"):
+        loop.followed.do(Pick(10_000, 33.0, 44.0))
+    assert "not kept" in loop.followed.clicks.state.answered[-1].words
+    loop.followed.close()
+
+
+def test_what_is_on_trial_is_not_lost_but_still_looked_for() -> None:
+    loop = Loop()
+    loop.followed.do(Pick(1, 120.0, 20.0))
+    seen: list[TargetState] = []
+    while not loop.followed.clicks.state.answered:
+        loop.step()
+        seen += loop.states
+        time.sleep(0.002)
+    assert all(state.pending and not state.found for state in seen)
+    loop.followed.close()
+
+
 def test_clicks_on_nothing_end_and_the_next_one_counts() -> None:
     loop = Loop()
     for k in range(200):

@@ -187,7 +187,8 @@ class FilePanel(Panel):
             if not self._feed.frames.complete:
                 percent = 100.0 * target.known / (end + 1)
             part = part_of(target, self._feed.frames).words if target.known else ""
-            done = TargetLine(target.number, target.name, line, round(percent, 1), *counts[1:], part, target.version)
+            name, rounded, version = target.name, round(percent, 1), target.version
+            done = TargetLine(target.number, name, line, rounded, counts[1], counts[2], part, version)
             kept = key, done
             self._lines = {
                 number: each for number, each in self._lines.items() if number in self._feed.tracking.targets

@@ -65,6 +65,7 @@ function receiveSession(session) {
     if (there) panel.update(session.panels[name] || {}, session);
   }
   document.body.dataset.kind = session.kind || "";
+  find("of-rate").textContent = session.kind === "file" ? "video" : "camera";
   document.body.classList.toggle("of-flight", flight.shown);
 }
 

@@ -193,3 +193,64 @@ def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
     wait_until(page, lambda: line_of(page)["version"] > before and line_of(page)["percent"] == 100.0)
     (pixel,) = truth.camera.project(truth.place((FRAMES + 5) * PERIOD / FRAMES)[None])
     wait_until(page, lambda: distance_to(page, pixel) < 1.0)
+
+
+def test_the_color_is_shown_while_it_plays_and_where_it_stands(opened: Any, clip: Clip) -> None:
+    page = opened
+    answers: list[int] = []
+    page.on("response", lambda answer: answers.append(answer.status) if "mask.png" in answer.url else None)
+    go(page, FRAMES)
+    click_ball(page, clip[1])
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    page.get_by_label("color", exact=True).check()  # it stands: no new picture comes
+    page.locator("#mask").wait_for(state="visible", timeout=WAIT)
+    answers.clear()
+    page.keyboard.press("Space") if page.evaluate("document.activeElement.id") == "view" else page.locator(
+        ".play"
+    ).click()
+    wait_until(page, lambda: len(answers) > 20)
+    assert answers.count(200) >= 0.95 * len(answers)
+    assert page.locator("#mask").is_visible()
+    page.get_by_label("color", exact=True).uncheck()
+    page.locator("#mask").wait_for(state="hidden", timeout=WAIT)
+
+
+def test_the_trail_is_of_pictures_that_follow_each_other(opened: Any, clip: Clip) -> None:
+    page = opened
+    trail = "document.querySelector('#drawing .trail')?.getAttribute('d') || ''"
+    go(page, FRAMES)
+    click_ball(page, clip[1])
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    pause(page)
+    for index in (20, 26, 33):  # less than the length of a trail apart
+        go(page, index + 4)
+        page.locator("#view").focus()
+        page.keyboard.press("Shift+ArrowLeft")
+        wait_until(
+            page, f"Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow')) === {index - 6}"
+        )
+    assert page.evaluate(f"({trail}).split('L').length") == 1  # one point: nothing is drawn between the places
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    wait_until(page, f"({trail}).split('L').length > 1")
+
+
+def test_a_file_has_a_header_of_its_own_and_a_part_says_which(show: Any, page: Any, clip: Clip) -> None:
+    page.goto(show(str(clip[0])))
+    wait_until(page, "picture.width === 320")
+    wait_until(page, "document.querySelector('#of-rate').textContent === 'video'")
+    assert page.locator("#age").is_hidden()
+    assert page.locator("#dropped").is_hidden()
+    page.evaluate(
+        """() => import('/file/files.js').then(({ FilePanel }) => {
+          const places = [0, 1, 2].map(() => document.body.appendChild(document.createElement('div')));
+          const panel = new FilePanel(...places, () => {}, () => 1, () => {});
+          const line = { id: 1, name: 'circle 1', line: [1, 10], percent: 57.3, found: 10, part: 'frames 3 to 12', version: 1 };
+          panel.update({ last: 20, end: 99, index: 0, time: 0, duration: 0.7, targets: [line], written: [] });
+          window.made = places.map((place) => place.innerText);
+        })"""
+    )
+    transport, results, _ = page.evaluate("window.made")
+    assert "21 % read" in transport
+    assert "CSV of this part" in results
+    assert "frames 3 to 12 alone, 57 % of the video" in results

@@ -109,3 +109,38 @@ def test_on_a_phone_the_red_button_is_always_under_the_thumb(show: Any, new_page
     phone.locator("#flight-kill").tap()
     state = flight.wait(lambda now: now.get("stop_delay") is not None)
     assert state["stop_delay"] + RADIO < TENTH
+
+
+def test_while_it_gets_ready_the_page_says_how_far_it_is(show: Any, page: Any) -> None:
+    page.goto(show(CHAIN))
+    page.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
+    said = page.evaluate("""() => import('/flight/flight.js').then(({ words }) => [
+      words({ duty: 'idle', ready: false, kernels: 12, preparing: 26 }, false),
+      words({ duty: 'idle', ready: false }, false),
+      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, 'page 2'),
+      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, 'page 3'),
+      words({ duty: 'stopped', ready: true, reason: 'a program stopped the motors' }, false, 'page 3'),
+    ])""")
+    assert said[0] == "Getting ready, 26 s so far: compiling, only once on this machine, 12 pieces done."
+    assert said[1].startswith("Getting ready: ")
+    assert said[2:] == [f"Motors off: {who} stopped the motors." for who in ("this page", "another page", "a program")]
+    first = """() => import('/flight/flight_pictures.js').then(({ FollowerPicture }) => {
+      const picture = new FollowerPicture(0);
+      picture.painted = -26000;
+      picture.refresh();
+      return picture.veil.textContent;
+    })"""
+    assert page.evaluate(first) == "getting ready …"
+    legend = page.locator("figcaption", has_text="From above")
+    assert ("ross" in legend.inner_text()) == (page.locator("#flight-map .set-place").count() > 0)
+
+
+def test_a_flight_fits_a_phone_before_and_after_the_motors_stop(show: Any, new_page: Any) -> None:
+    phone = new_page(**PHONE)
+    flight = LiveFlight(show(CHAIN), phone)
+    phone.goto(flight.url)
+    phone.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
+    assert phone.evaluate("document.documentElement.scrollWidth") <= 390
+    assert phone.evaluate(
+        "document.querySelector('.flight-table-place').scrollWidth <= document.querySelector('.flight-table-place').clientWidth"
+    )

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from live_videos import CLICK, FRAMES, NOTHING, Gate, center, go, opened, wait, written
@@ -106,7 +107,7 @@ def test_a_wrong_click_is_refused_and_does_not_play_the_video(feed: FileFeed, no
 
 
 def test_a_wrong_click_blocks_no_other(feed: FileFeed, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Trials, "verdict", lambda trials, run: "" if run.target.number == 2 else None)
+    monkeypatch.setattr(Trials, "verdict", lambda _, run: "" if run.target.number == 2 else None)
     sequence = go(feed, CLICK)
     feed.ask(Pick(sequence, center(CLICK)[0] + 20.0, center(CLICK)[1]))  # it would be tried for ever
     wait(lambda: feed.tracking.targets and feed.tracking.targets[1].known)
@@ -176,8 +177,6 @@ def test_tables_of_a_part_say_which_part(feed: FileFeed, monkeypatch: pytest.Mon
 
 
 def test_a_part_with_gaps_says_so() -> None:
-    import numpy as np
-
     assert Part(np.array([3, 4, 9]), 3, 9, False).words == "frames 3 to 9, with gaps"
 
 

@@ -160,9 +160,10 @@ def test_more_than_was_said_is_refused_and_what_is_not_whole(menu: Menu) -> None
     with pytest.raises(ValueError, match="did not come whole: 3 of 10"):
         upload.finish()
     upload.drop()
-    menu.uploads.begin("a.mp4", 900_000)  # announced: there is room for no other one
+    announced = menu.uploads.begin("a.mp4", 900_000)
     with pytest.raises(ValueError, match="there is room for 0 MB"):
         menu.uploads.begin("b.mp4", 200_000)
+    announced.drop()
 
 
 def test_videos_have_their_first_picture(menu: Menu, tmp_path: Path) -> None:

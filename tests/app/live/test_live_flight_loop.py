@@ -16,16 +16,10 @@ from matchset.app.live.session import Session
 from matchset.app.live.sources.messages import Show
 from matchset.image.errors import LinkError
 from matchset.links.simulated import SimulationParameters
-from matchset.numeric.compiling import WATCHERS
+from matchset.numeric.compiling import compiling
 
 WAIT = 60.0  # s, a first flight is compiled
 PARAMETERS = FlightParameters(world=SimulationParameters(vehicles=2, seed=5))
-
-
-def note() -> None:
-    """Say that a kernel was compiled."""
-    for watcher in WATCHERS:
-        watcher()
 
 
 class Broken(SimulatedFleet):
@@ -57,7 +51,7 @@ class Slow(SimulatedFleet):
 
     def __init__(self, parameters: FlightParameters) -> None:
         for _ in range(3):
-            note()
+            compiling()
         assert self.goes_on.wait(WAIT)
         super().__init__(parameters)
 

@@ -185,10 +185,8 @@ def test_pages_hear_what_became_of_each_click() -> None:
     loop = Loop()
     for place in ((120.0, 20.0), BLUE[:2], (-1.0, 5.0)):
         loop.followed.do(Pick(1, *place))
-    answered: dict[float, str] = {}
-    while len(answered) < 3:
-        loop.until(lambda: len(loop.followed.clicks.state.answered) > len(answered))
-        answered = {each.x: each.words for each in loop.followed.clicks.state.answered}
+    loop.until(lambda: len(loop.followed.clicks.state.answered) == 3)
+    answered = {each.x: each.words for each in loop.followed.clicks.state.answered}
     assert answered[BLUE[0]] == ""
     assert answered[120.0]
     assert "outside" in answered[-1.0]

@@ -86,7 +86,7 @@ def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_pat
 
 
 def test_a_stream_and_a_video_of_ones_own_are_brought(
-    serve: Any, film: Any, page: Any, clip: Any, tmp_path: Path
+    film: Any, serve: Any, page: Any, clip: Any, tmp_path: Path
 ) -> None:
     camera = film(lambda _: np.full((120, 160, 3), 90, np.uint8))
     page.goto(serve())

@@ -14,6 +14,7 @@ from matchset.app.track.rows import read_tracks
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Clip = tuple[Path, BallFlightClip]
+SHOWN = "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow'))"
 
 
 def state_of(page: Any) -> Any:
@@ -31,12 +32,11 @@ def go(page: Any, index: int) -> None:
     line = page.locator("#file .timeline")
     box, (end,) = line.bounding_box(), re.findall(r"of (\d+)", page.locator("#file .time").inner_text())
     line.click(position={"x": (index + 0.5) / (int(end) + 1) * box["width"], "y": box["height"] / 2})
-    shown = "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow'))"
-    wait_until(page, f"Math.abs({shown} - {index}) < 3")
+    wait_until(page, f"Math.abs({SHOWN} - {index}) < 3")
     while (left := index - index_of(page)) != 0:
         page.keyboard.press("ArrowRight" if left > 0 else "ArrowLeft")
         before = index - left
-        wait_until(page, f"{shown} !== {before}")
+        wait_until(page, f"{SHOWN} !== {before}")
     wait_until(page, f"fetch('state.json').then((a) => a.json()).then((s) => s.streams[0].index === {index})")
 
 
@@ -226,9 +226,7 @@ def test_the_trail_is_of_pictures_that_follow_each_other(opened: Any, clip: Clip
         go(page, index + 4)
         page.locator("#view").focus()
         page.keyboard.press("Shift+ArrowLeft")
-        wait_until(
-            page, f"Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow')) === {index - 6}"
-        )
+        wait_until(page, f"{SHOWN} === {index - 6}")
     assert page.evaluate(f"({trail}).split('L').length") == 1  # one point: nothing is drawn between the places
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
@@ -245,7 +243,7 @@ def test_a_file_has_a_header_of_its_own_and_a_part_says_which(show: Any, page: A
         """() => import('/file/files.js').then(({ FilePanel }) => {
           const places = [0, 1, 2].map(() => document.body.appendChild(document.createElement('div')));
           const panel = new FilePanel(...places, () => {}, () => 1, () => {});
-          const line = { id: 1, name: 'circle 1', line: [1, 10], percent: 57.3, found: 10, part: 'frames 3 to 12', version: 1 };
+          const line = { id: 1, name: 'circle 1', line: [1, 10], percent: 57.3, part: 'frames 3 to 12', version: 1 };
           panel.update({ last: 20, end: 99, index: 0, time: 0, duration: 0.7, targets: [line], written: [] });
           window.made = places.map((place) => place.innerText);
         })"""

@@ -141,6 +141,5 @@ def test_a_flight_fits_a_phone_before_and_after_the_motors_stop(show: Any, new_p
     phone.goto(flight.url)
     phone.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
     assert phone.evaluate("document.documentElement.scrollWidth") <= 390
-    assert phone.evaluate(
-        "document.querySelector('.flight-table-place').scrollWidth <= document.querySelector('.flight-table-place').clientWidth"
-    )
+    table = phone.locator(".flight-table-place")
+    assert table.evaluate("(each) => each.scrollWidth <= each.clientWidth")

@@ -110,7 +110,8 @@ def test_an_address_is_taken_from_a_page_alone_and_offered_afterwards(menu: Menu
 
 
 def send(menu: Menu, data: bytes, name: str = "clip.avi", headers: dict[str, str] = OWN) -> httpx.Response:
-    return menu.client.post(f"/upload/video?name={name}", content=data, headers=headers)
+    answer: httpx.Response = menu.client.post(f"/upload/video?name={name}", content=data, headers=headers)
+    return answer
 
 
 def test_a_video_of_ones_own_is_shown_and_removed_at_the_end(menu: Menu, tmp_path: Path) -> None:

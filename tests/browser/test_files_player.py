@@ -133,6 +133,8 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
         return abs(float(place) - 168) < 24
 
     wait_until(page, click_leads_there)
+    value = page.locator("#file-curves figure.curve output").first
+    value.get_by_text(re.compile(r"^5\.\d\d s: x -?0\.\d+ ±0\.\d+ m$")).wait_for(timeout=WAIT)
     page.get_by_role("button", name="CSV tables").click()
     files = {}
     for name in ("tracks-1.csv", "poses-1.csv"):

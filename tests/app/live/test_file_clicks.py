@@ -85,8 +85,9 @@ def test_a_click_while_it_plays_stops_it_until_that_is_found(feed: FileFeed, mon
     feed.panel.take(Play(), "")
     wait(lambda: feed.seen.state.index > 8)
     gate = Gate(monkeypatch, 0)
-    index, sequence = feed.seen.state.index, feed.seen.state.sequence
-    feed.ask(Pick(sequence, *center(index)))
+    state = feed.seen.state
+    index = state.index
+    feed.ask(Pick(state.sequence, *center(index)))
     wait(lambda: not feed.player.playing and feed.seen.state.index == index)
     gate.open()
     wait(lambda: feed.seen.state.targets and feed.seen.state.targets[0].found)
@@ -146,9 +147,9 @@ def test_a_video_that_was_gone_to_another_frame_begins_a_stretch(feed: FileFeed)
 
 
 def test_the_mask_of_a_picture_that_was_shown_just_before_is_there(feed: FileFeed) -> None:
-    before = go(feed, CLICK)
-    feed.ask(Pick(before, *center(CLICK)))
+    feed.ask(Pick(go(feed, CLICK + 1), *center(CLICK + 1)))
     wait(lambda: feed.tracking.targets and not feed.tracking.busy)
+    before = go(feed, CLICK)
     feed.panel.take(Step(1), "")
     wait(lambda: feed.seen.state.index == CLICK + 1)
     x, y = (round(each) for each in center(CLICK))

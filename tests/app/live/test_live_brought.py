@@ -222,3 +222,13 @@ def test_a_source_of_the_command_line_is_looked_at(tmp_path: Path) -> None:
     for wrong in ("sim://nothing", "sim://chain?vehicles=99", "sim://chain?x=1"):
         with pytest.raises(ValueError, match=r"sim|vehicles|x"):
             check_source(Source("given", wrong, wrong))
+
+
+def test_without_its_session_nothing_is_sent_nor_shown(menu: Menu, tmp_path: Path) -> None:
+    desk, viewers, _ = made_desk()
+    desk.session.add(menu.panel)
+    stranger = AsgiClient(make_application(desk, viewers, Guard([], PORT, token=True)))
+    data = written(tmp_path).read_bytes()
+    assert stranger.post("/upload/video?name=clip.avi", content=data, headers=OWN).status_code == 401
+    assert stranger.get("/thumbnail.jpg?key=source-1", headers=OWN).status_code == 401
+    assert menu.panel.state().room == 1_000_000

@@ -1,5 +1,6 @@
 """Tables and annotated videos of what was found, written in a thread: `Exports`."""
 
+import contextlib
 import functools
 import threading
 import time
@@ -14,7 +15,7 @@ import numpy.typing as npt
 from matchset.app.closing import Closing
 from matchset.app.drawing.annotate import TrackPainter, as_color, draw_answer
 from matchset.app.films.video_writer import Recorder, quick_ending
-from matchset.app.live.files.exact_reader import ExactReader
+from matchset.app.live.files.exact_reader import ExactReader, InterruptedReadingError
 from matchset.app.live.files.file_target import Answer, FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Export
@@ -256,7 +257,8 @@ class Exports(Closing):
     def _film(self, target: FileTarget, others: list[FileTarget], part: Part) -> None:
         path = self._new_path(f"annotated-{target.number}{part.suffix}{quick_ending()}")
         count, written = len(self._frames), 0
-        with self._open_reader() as reader:
+        with contextlib.suppress(InterruptedReadingError), self._open_reader() as reader:
+            reader.interrupted = self._stop.is_set
             first = reader.frame(0)
             painter = _Painter(target, others, (first.image.shape[1], first.image.shape[0]))
             with Recorder(path, self.fps or DEFAULT_FPS, painter.size) as recorder:

@@ -85,6 +85,7 @@ class FileFeed(Feed):
         self.exports = Exports(reader, self.frames, note)
         self.exports.fps = self._fps
         self._described, self._stop = -1, threading.Event()
+        self._reader.interrupted = self._stop.is_set
         self._series, self._lock = dict[int, Series](), threading.Lock()
         self.streams = (self,)
         self._camera, self.panel = CameraPanel(self, note), FilePanel(self)

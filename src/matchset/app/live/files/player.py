@@ -8,7 +8,7 @@ from typing import Protocol
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.files.exact_reader import KeptPictures
+from matchset.app.live.files.exact_reader import InterruptedReadingError, KeptPictures
 from matchset.app.live.files.frame_list import FrameList
 from matchset.image.frame import Frame
 
@@ -53,7 +53,7 @@ class PlayerParameters(msgspec.Struct, frozen=True, kw_only=True):
         Pictures whose numbers are remembered, so that a click means the one that was seen. Chosen by hand: 10 s.
     kept : int
         Of these the last ones that are there at once: a click in one is answered without reading the file. Chosen by
-        hand: twice what is on its way to a page.
+        hand: a quarter of a second.
     most_shared : float
         Pictures per second at most while something is tracked. More: smoother, and the tracking takes longer. Chosen
         by hand: a ball is still followed by eye.
@@ -66,7 +66,7 @@ class PlayerParameters(msgspec.Struct, frozen=True, kw_only=True):
     late: float = 0.25
     look: float = 0.1
     remembered: int = 600
-    kept: int = 8
+    kept: int = 16
     most_shared: float = 15.0
     first_look: float = 0.5
 
@@ -241,6 +241,8 @@ class Player(Closing):
     def _show(self, place: int) -> None:
         try:
             frame = self._pictures.frame(place)
+        except InterruptedReadingError:  # the program ends
+            return
         except (ValueError, OSError) as error:
             self.playing = False
             self._screen.fail(str(error))

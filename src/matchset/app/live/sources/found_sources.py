@@ -114,9 +114,9 @@ def address_source(text: str) -> Source:
     address = text.strip()
     scheme, separator, _ = address.partition("://")
     try:
-        host = urlsplit(address).hostname
+        host = urlsplit(address).netloc
     except ValueError:
-        host = None
+        host = ""
     if not (separator and scheme.lower() in STREAMS and host and re.fullmatch(r"[!-~]+", address)):
         raise ValueError(
             f"{shown_name(address)[:60]!r} is no address of a stream: type one such as rtsp://192.168.1.7/live or "

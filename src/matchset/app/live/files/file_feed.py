@@ -23,6 +23,8 @@ from matchset.app.live.wire.state import State
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 
+PATIENCE = 1.0  # format: s for which reading ahead waits for the answer to a click, a frame
+
 
 class FileFeed(Feed):
     """Shows a file, and tracks in it what is clicked.
@@ -209,6 +211,7 @@ class FileFeed(Feed):
             with self._open() as video:
                 for frame in video:
                     self.frames.append(frame, video.stamp)
+                    self.tracking.calm.wait(PATIENCE)
                     if self._stop.is_set():
                         return
                 for words in video.warnings:

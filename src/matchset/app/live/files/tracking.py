@@ -76,6 +76,8 @@ class FileTracking(Closing):
     camera : CameraModel or None
     clicks : Clicks
         Told what became of each click.
+    calm : threading.Event
+        Cleared while a click waits for its answer: what reads ahead lets it have the processor.
     answered : callable
         Called in the thread when a first click was tried; told whether something was found there.
     version : int
@@ -93,6 +95,8 @@ class FileTracking(Closing):
         self._reader, self._frames, self._shown, self._note = reader, frames, shown, note
         self._parameters = parameters or TrackingParameters()
         self.clicks, self._trials = Clicks(note), Trials()
+        self.calm = threading.Event()
+        self.calm.set()
         self.answered: Callable[[bool], None] = lambda _: None
         self.targets: dict[int, FileTarget] = {}
         self.camera: CameraModel | None = None
@@ -118,6 +122,8 @@ class FileTracking(Closing):
             return
         if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading
             self._urgent.set()
+        if isinstance(wish, Pick | Outline):
+            self.calm.clear()
         self._news.set()
 
     @property
@@ -153,9 +159,8 @@ class FileTracking(Closing):
 
     def close(self) -> None:
         """End the thread."""
-        self._stop.set()
-        self._urgent.set()
-        self._news.set()
+        for event in (self._stop, self._urgent, self._news, self.calm):
+            event.set()
         self._thread.join()
         self._reader.close()
 
@@ -163,6 +168,8 @@ class FileTracking(Closing):
         while not self._stop.is_set():
             self._grant()
             run = self._next_run()
+            if run is None or run.target.number not in self._trials:
+                self.calm.set()
             if run is None:
                 self._news.wait(0.05 if self._runs or not self._frames.complete else None)
                 self._news.clear()

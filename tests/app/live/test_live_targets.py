@@ -183,9 +183,9 @@ def test_two_balls_of_one_color_that_cross_keep_their_names(front: int) -> None:
 
 def test_pages_hear_what_became_of_each_click() -> None:
     loop = Loop()
-    for place in ((120.0, 20.0), BLUE[:2], (-1.0, 5.0)):
-        loop.followed.do(Pick(1, *place))
-    loop.until(lambda: len(loop.followed.clicks.state.answered) == 3)
+    for count, place in enumerate(((120.0, 20.0), BLUE[:2], (-1.0, 5.0)), start=1):
+        loop.followed.do(Pick(loop.number, *place))
+        loop.until(lambda: len(loop.followed.clicks.state.answered) == count)  # noqa: B023
     answered = {each.x: each.words for each in loop.followed.clicks.state.answered}
     assert answered[BLUE[0]] == ""
     assert answered[120.0]

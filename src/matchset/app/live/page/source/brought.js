@@ -17,7 +17,7 @@ export class Brought {
     const form = element("form", "address");
     const label = element("label", "", "address of a camera in the network ");
     const input = element("input", "");
-    Object.assign(input, { id: "address", inputMode: "url", autocomplete: "off", spellcheck: false, placeholder: "rtsp://192.168.1.7/live" });
+    Object.assign(input, { id: "address", inputMode: "url", autocomplete: "off", spellcheck: false, placeholder: "rtsp://camera/live" });
     const error = element("output", "");
     label.append(input);
     form.append(label, element("button", "", "open"), error);
@@ -25,7 +25,7 @@ export class Brought {
       event.preventDefault();
       const url = input.value.trim();
       const valid = STREAM.test(url);
-      error.textContent = valid ? "" : "type an address such as rtsp://192.168.1.7/live or http://192.168.1.7:8080/video";
+      error.textContent = valid ? "" : "type an address such as rtsp://camera/live or http://camera:8080/video";
       input.toggleAttribute("aria-invalid", false);
       if (!valid) { input.setAttribute("aria-invalid", "true"); return; }
       this.asked();

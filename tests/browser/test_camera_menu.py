@@ -62,7 +62,7 @@ def test_demo_clip_click_and_diameter_give_meters(serve: Any, page: Any, kept_de
 
 def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_path: Path) -> None:
     (tmp_path / "ball.avi").symlink_to(clip[0])
-    (tmp_path / "broken.mp4").write_bytes(b"\0\0\0\x18ftypmp42" + bytes(4000))
+    (tmp_path / "broken.mp4").write_bytes(b"\0this is no video")
     (tmp_path / "notes.mp4").write_text("this is no video")
     page.goto(serve())
     page.get_by_role("button", name="ball.avi").wait_for(timeout=WAIT)
@@ -91,6 +91,9 @@ def test_a_stream_and_a_video_of_ones_own_are_brought(
     camera = film(lambda _: np.full((120, 160, 3), 90, np.uint8))
     page.goto(serve())
     page.get_by_label("address of a camera").fill("file:///etc/passwd", timeout=WAIT)
+    page.set_viewport_size({"width": 390, "height": 844})
+    wait_until(page, "innerWidth === 390 && document.documentElement.scrollWidth <= 390")
+    page.set_viewport_size({"width": 1280, "height": 900})
     page.keyboard.press("Enter")
     page.get_by_text("type an address such as").wait_for(timeout=WAIT)
     page.get_by_label("address of a camera").fill(camera.url)

@@ -226,7 +226,6 @@ def test_the_trail_is_of_pictures_that_follow_each_other(opened: Any, clip: Clip
     pause(page)
     for index in (20, 26, 33):  # less than the length of a trail apart
         go(page, index + 4)
-        page.locator("#view").focus()
         page.keyboard.press("Shift+ArrowLeft")
         wait_until(page, f"{SHOWN} === {index - 6}")
     assert page.evaluate(f"({trail}).split('L').length") == 1  # one point: nothing is drawn between the places

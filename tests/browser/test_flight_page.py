@@ -132,7 +132,12 @@ def test_while_it_gets_ready_the_page_says_how_far_it_is(show: Any, page: Any) -
     })"""
     assert page.evaluate(first) == "getting ready …"
     legend = page.locator("figcaption", has_text="From above")
-    assert ("ross" in legend.inner_text()) == (page.locator("#flight-map .set-place").count() > 0)
+    assert "ross" in legend.inner_text()
+    above = """() => [...document.querySelectorAll('#flight-map .set-place')].map((cross) => {
+      const box = cross.getBoundingClientRect();
+      return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2) === cross;
+    })"""
+    assert page.evaluate(above) == [True, True]  # nothing is drawn over them
 
 
 def test_a_flight_fits_a_phone_before_and_after_the_motors_stop(show: Any, new_page: Any) -> None:
@@ -143,3 +148,5 @@ def test_a_flight_fits_a_phone_before_and_after_the_motors_stop(show: Any, new_p
     assert phone.evaluate("document.documentElement.scrollWidth") <= 390
     table = phone.locator(".flight-table-place")
     assert table.evaluate("(each) => each.scrollWidth <= each.clientWidth")
+    narrow = "(cells) => cells.filter((each) => each.offsetParent && each.scrollWidth > each.clientWidth).length"
+    assert table.locator("th, td").evaluate_all(narrow) == 0

@@ -12,6 +12,7 @@ from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.files.messages import Export, Pause, Play, Step
 from matchset.app.live.files.trials import TrialParameters, Trials
 from matchset.app.live.targets.messages import Drop, Pick
+from matchset.app.live.targets.target import BesideParameters
 from matchset.app.live.wire.state import State
 from matchset.app.track.rows import read_tracks
 
@@ -123,7 +124,7 @@ def test_a_trial_ends_after_a_time_and_a_click_far_from_what_is_found_is_none(fe
     feed.tracking._trials = impatient
     feed.ask(Pick(go(feed, CLICK), *NOTHING))
     wait(lambda: NOTHING in answers(feed))
-    beside = Trials(TrialParameters(beside=0.05))
+    beside = Trials(TrialParameters(beside=BesideParameters(rim=0.05)))
     feed.tracking._trials = beside
     near = center(CLICK)[0] + 6.0, center(CLICK)[1]
     feed.ask(Pick(go(feed, CLICK), *near))

@@ -31,6 +31,8 @@ class Run:
     ----------
     seconds : float
         Computing time of the last frame, s.
+    began : float
+        Time of the frame of the click, s.
     """
 
     def __init__(
@@ -40,7 +42,7 @@ class Run:
         self.place, self.seconds = click, 0.0
         self._begin, self._reader = target.clicks[click], reader
         self._tracker: Tracker[Any] | None = None
-        self._turn = 0.0
+        self.began = 0.0
         self._frames: Iterator[Frame] | None = None
 
     def over(self, frames: FrameList) -> bool:
@@ -60,8 +62,8 @@ class Run:
         if self._tracker is None:
             self._tracker = Target(self.target.number, self._begin, frame).tracker
         if self.place == self.click:
-            self._turn = 2.0 * frame.time
-        mirrored = Frame(frame.image, self._turn - frame.time, frame.index) if self.backward else frame
+            self.began = frame.time
+        mirrored = Frame(frame.image, 2.0 * self.began - frame.time, frame.index) if self.backward else frame
         begin = time.thread_time()
         answer = self._tracker.update(mirrored)
         self.seconds = time.thread_time() - begin

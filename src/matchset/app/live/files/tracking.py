@@ -15,8 +15,8 @@ from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.files.run import Run
-from matchset.app.live.files.trials import AGAIN, Trial, Trials
-from matchset.app.live.targets.clicks import CROWDED, NEWER, Clicks
+from matchset.app.live.files.trials import Trial, Trials
+from matchset.app.live.targets.clicks import AGAIN, CROWDED, NEWER, Clicks
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.target import Target
 from matchset.app.timing.durations import ShownTimes

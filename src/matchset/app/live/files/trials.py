@@ -1,17 +1,15 @@
 """First clicks in a recorded video of which nothing was found yet, and when they are given up: `Trials`."""
 
-import math
 import time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 
 from matchset.app.live.files.run import Run
-from matchset.app.live.targets.messages import Begin, Outline
-from matchset.shapes.shape import center_of, outline
+from matchset.app.live.targets.clicks import AGAIN
+from matchset.app.live.targets.messages import Begin
+from matchset.app.live.targets.target import BesideParameters, is_beside
 from matchset.tracking.track import Track
-
-AGAIN = "Click on its middle, or draw along its rim"
 
 
 class TrialParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -25,14 +23,12 @@ class TrialParameters(msgspec.Struct, frozen=True, kw_only=True):
         How long trying them may take, s; the frame of the click is tried in any case. Longer: a ball that is hidden in
         that frame is still found in large pictures; and a wrong click is refused later. Chosen by hand: with what
         learning a color takes, within a second.
-    beside : float
-        How far from the middle of what is found in its frame a click may be, half-widths; one farther away meant
-        something else. Chosen by hand: the rim, with the room that a finger needs.
+    beside : BesideParameters
     """
 
     frames: int = 30
     patience: float = 0.6
-    beside: float = 2.0
+    beside: BesideParameters = BesideParameters()
 
 
 class Trial(NamedTuple):
@@ -65,18 +61,10 @@ class Trials(dict[int, Trial]):
         trial, target, place = self[run.target.number], run.target, run.place - 1
         answer = target.answer(place)
         if isinstance(answer, Track):
-            if place == run.click and self._is_beside(trial.begin, answer):
+            if is_beside(trial.begin, answer, answer.time - run.began, self._parameters.beside):
                 return f"the {target.shape} that was found is not where you clicked. {AGAIN}"
             return ""
         late = time.monotonic() - trial.since > self._parameters.patience
         if answer is None or not (late or run.place - run.click >= self._parameters.frames):
             return None
         return f"no {target.shape} was found there: {answer.reason}. {AGAIN}"
-
-    def _is_beside(self, begin: Begin, answer: Track[Any]) -> bool:
-        """Whether a click was far from what was found."""
-        if isinstance(begin, Outline):
-            return False
-        x, y = center_of(outline(answer.shape))[:2]
-        far = self._parameters.beside * float(type(answer.shape).half_width(answer.shape.state))
-        return math.hypot(begin.x - x, begin.y - y) > far

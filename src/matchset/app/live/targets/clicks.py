@@ -8,6 +8,7 @@ import msgspec
 from matchset.app.live.targets.messages import Begin, Pick
 
 KEPT = 16  # format: answers that are told; a page hears of each within two tenths of a second
+AGAIN = "Click on its middle, or draw along its rim"
 NEWER = "given up for the next click"
 CROWDED = "too many clicks at once: some were left out"
 

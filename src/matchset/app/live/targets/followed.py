@@ -9,7 +9,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.targets.clicks import NEWER, Clicks
+from matchset.app.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
 from matchset.app.live.targets.messages import (
@@ -24,11 +24,12 @@ from matchset.app.live.targets.messages import (
     Reread,
     Wish,
 )
-from matchset.app.live.targets.target import Target, catch_up, exchange, same_place
+from matchset.app.live.targets.target import Target, catch_up, exchange, is_beside, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.tracking.track import Track
 
 
 class FollowedParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -63,9 +64,10 @@ class _Making(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """A target that was not found yet: what began it, and when, s."""
+    """A target that was not found yet: what began it, time of the picture in which that was, and since when, s."""
 
     begin: Begin
+    clicked: float
     since: float
 
 
@@ -247,7 +249,7 @@ class Followed(Closing):
                 target.locate(self.camera, None if before is None else before.diameter)
                 frames = [frame, *self._kept.after(begin.sequence)]
                 catch_up(target, frames)
-                self._targets[number], self._trials[number] = target, _Trial(begin, frames[-1].time)
+                self._targets[number], self._trials[number] = target, _Trial(begin, frame.time, frames[-1].time)
                 if target.note:
                     self._note(target.note)
             except ValueError as error:
@@ -266,13 +268,15 @@ class Followed(Closing):
         twin = next((each for each in states.values() if each.id != number and same_place(each, state)), None)
         if twin is not None:
             words = f"that is {twin.name}, which is followed already"
+        elif isinstance(target.answer, Track) and is_beside(trial.begin, target.answer, frame.time - trial.clicked):
+            words = f"the {target.shape} that was found is not where you clicked. {AGAIN}"
         elif state.found or (over and target.seen is not None):
             del self._trials[number]
             self.clicks.accept(trial.begin)
             return
         elif over:
             at = "({:.0f}, {:.0f})".format(*target.begun)
-            words = f"no {target.shape} at {at}: {state.reason}. Click on its middle, or draw along its rim"
+            words = f"no {target.shape} at {at}: {state.reason}. {AGAIN}"
         else:
             return
         self.clicks.refuse(trial.begin, words)

@@ -117,7 +117,7 @@ export class FilePanel {
     const parts = [];
     if (!state.complete) parts.push(`reading the file: ${(100 * (state.last + 1) / (state.end + 1)).toFixed(0)} %`);
     if (line) {
-      parts.push(`${line.name}: ${Math.floor(line.percent || 0)} % tracked`, `found in ${line.found || 0}, lost in ${line.lost || 0} frames`);
+      parts.push(`${line.name}: ${Math.floor(line.percent || 0)} % tracked`, `found in ${line.found || 0}, lost in ${line.lost || 0} ${line.lost === 1 ? "frame" : "frames"}`);
       if (state.rate) parts.push(`${state.rate.toFixed(0)} frames/s`);
       if (times(state.computing)) parts.push(`computing a frame: ${times(state.computing)}`);
       if (state.left) parts.push(`${duration(state.left)} left`);

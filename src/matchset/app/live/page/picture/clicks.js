@@ -5,6 +5,7 @@ import { element } from "../reading/reading.js";
 
 const RING = 20; // CSS px, radius
 const CROSS = 9; // CSS px, half the size of the cross of a click that was refused
+const MOST = 4; // rings at a time; the server tries no more clicks, older ones were given up
 const SVG = "http://www.w3.org/2000/svg";
 
 export class Clicks {
@@ -24,7 +25,7 @@ export class Clicks {
   // A click, or the first point of a drawn line, in the picture `sequence`; sent: whether the server can hear of it.
   begin(sequence, x, y, sent) {
     this.refused = null;
-    if (sent) this.waiting.push({ sequence, x, y, ring: this.makeRing(x, y) });
+    if (sent) this.waiting = [...this.waiting, { sequence, x, y, ring: this.makeRing(x, y) }].slice(-MOST);
     else this.refused = { x, y, words: "no connection: click again when it is back" };
     this.show();
   }

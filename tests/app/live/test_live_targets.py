@@ -3,6 +3,8 @@
 import math
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import msgspec
@@ -14,13 +16,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
-from matchset.app.live.targets.followed import Followed, FollowedParameters
+from matchset.app.live.targets.followed import Followed, FollowedParameters, _Trial
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
-from matchset.app.live.targets.target import Target
+from matchset.app.live.targets.target import Target, is_beside
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.shapes.circle import Circle
 from matchset.shapes.rectangle import Rectangle
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from matchset.sim.clips.balloon import Balloon
@@ -306,4 +309,27 @@ def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
     loop.followed.do(Outline(1, arc(x, y, radius, 0, 5).ravel().tolist()))
     loop.until(lambda: loop.states and loop.states[0].found)
     assert loop.states[0].values["radius"][0] == pytest.approx(radius, abs=1.0)
+    loop.followed.close()
+
+
+@pytest.mark.parametrize(
+    ("x", "passed", "beside"),
+    [(100.0, 0.0, False), (119.0, 0.0, False), (121.0, 0.0, True), (160.0, 0.1, False), (190.0, 0.1, True)],
+)
+def test_what_is_found_far_from_a_click_is_no_answer_to_it(x: float, passed: float, beside: bool) -> None:
+    found: Any = SimpleNamespace(shape=Circle(x, 60.0, 10.0))
+    assert is_beside(Pick(1, 100.0, 60.0), found, passed) is beside
+    assert not is_beside(Outline(1, [0.0, 0.0, 5.0, 0.0, 5.0, 5.0]), found, passed)
+
+
+def test_a_click_whose_color_is_found_elsewhere_is_refused() -> None:
+    loop = Loop()
+    x, y, _ = RED
+    loop.followed.do(Pick(1, *BLUE[:2]))
+    loop.until(lambda: loop.states and loop.states[0].found)
+    now = loop.number / 30.0
+    loop.followed._trials[1] = _Trial(Pick(1, float(x), float(y)), now, now)  # as if the other ball had been clicked
+    loop.step()
+    assert "not where you clicked" in loop.notes[-1]
+    assert not loop.states
     loop.followed.close()

@@ -133,8 +133,15 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
         return abs(float(place) - 168) < 24
 
     wait_until(page, click_leads_there)
-    value = page.locator("#file-curves figure.curve output").first
-    value.get_by_text(re.compile(r"^5\.\d\d s: x -?0\.\d+ ±0\.\d+ m$")).wait_for(timeout=WAIT)
+
+    def value_is_there() -> bool:
+        """Values stand above the curve while the pointer is on it."""
+        box = curve.bounding_box()
+        page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.4 * box["height"])
+        words = page.locator("#file-curves figure.curve output").first.inner_text()
+        return re.match(r"\d\.\d\d s: x -?0\.\d+ ±0\.\d+ m$", words) is not None
+
+    wait_until(page, value_is_there)
     page.get_by_role("button", name="CSV tables").click()
     files = {}
     for name in ("tracks-1.csv", "poses-1.csv"):

@@ -13,6 +13,13 @@ export class Brought {
     this.root.append(this.makeAddress(), this.makeUpload());
   }
 
+  // Bytes that may still be sent.
+  allow(room) {
+    this.room = room;
+    const words = `It is kept on the computer that runs matchset until that ends, and then removed. There is room for ${(room / MB).toFixed(0)} MB.`;
+    if (this.where.textContent !== words) this.where.textContent = words;
+  }
+
   makeAddress() {
     const form = element("form", "address");
     const label = element("label", "", "address of a camera in the network ");
@@ -47,8 +54,8 @@ export class Brought {
     this.stop.type = "button";
     this.stop.addEventListener("click", () => this.request?.abort());
     this.said = element("output", "");
-    const where = element("p", "soft", "It is kept on the computer that runs matchset until that ends, and then removed; all together 2 GB at most.");
-    form.append(label, this.progress, this.stop, this.said, where);
+    this.where = element("p", "soft");
+    form.append(label, this.progress, this.stop, this.said, this.where);
     this.input.addEventListener("change", () => this.upload());
     this.show(false);
     return form;

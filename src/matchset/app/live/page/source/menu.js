@@ -43,7 +43,7 @@ export class Menu {
     const opened = this.asked && !state.opening && !state.fault; // also where it is what was shown before
     if (opened || (this.shown !== null && state.shown !== this.shown)) this.isOpen = this.asked = false;
     this.shown = state.shown || "";
-    this.brought.room = state.room || 0;
+    this.brought.allow(state.room || 0);
     this.words.textContent = state.words || "";
     const heading = state.opening ? `Opening ${state.opening} …` : "What do you want to see?";
     if (this.heading.textContent !== heading) this.heading.textContent = heading;

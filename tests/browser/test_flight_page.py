@@ -117,9 +117,9 @@ def test_while_it_gets_ready_the_page_says_how_far_it_is(show: Any, page: Any) -
     said = page.evaluate("""() => import('/flight/flight.js').then(({ words }) => [
       words({ duty: 'idle', ready: false, kernels: 12, preparing: 26 }, false),
       words({ duty: 'idle', ready: false }, false),
-      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, 'page 2'),
-      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, 'page 3'),
-      words({ duty: 'stopped', ready: true, reason: 'a program stopped the motors' }, false, 'page 3'),
+      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, new Set(['page 2'])),
+      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, new Set(['page 3'])),
+      words({ duty: 'stopped', ready: true, reason: 'a program stopped the motors' }, false, new Set(['page 3'])),
     ])""")
     assert said[0] == "Getting ready, 26 s so far: compiling, only once on this machine, 12 pieces done."
     assert said[1].startswith("Getting ready: ")

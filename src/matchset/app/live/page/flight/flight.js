@@ -18,6 +18,7 @@ export class FlightPanel {
     this.pictures = [];
     this.state = {};
     this.me = "";
+    this.names = new Set(); // of this page: another one after each new connection
     this.painted = 0;
     this.asked = -Infinity; // when this page asked to take off
     this.banner = element("p", "flight-banner");
@@ -49,10 +50,11 @@ export class FlightPanel {
   update(state, session = {}) {
     this.state = { duty: "idle", followers: [], ...state };
     this.me = session.page || "";
+    if (this.me) this.names.add(this.me);
     while (this.pictures.length < (session.streams || 0)) this.addPicture();
     while (this.pictures.length > (session.streams || 0)) this.pictures.pop().root.remove();
     if (!this.state.ready) this.map.clear();
-    const said = words(this.state, this.commands, this.me);
+    const said = words(this.state, this.commands, this.names);
     if (this.banner.textContent !== said) this.banner.textContent = said;
     this.legend.textContent = legend(this.state.map || {});
     this.banner.dataset.duty = this.state.fault ? "stopped" : this.state.duty;
@@ -169,7 +171,7 @@ export class FlightPanel {
     this.again.disabled = !fault && !ready;
     this.arm.hidden = over;
     this.arm.disabled = !ready || duty !== "idle";
-    this.armWords.textContent = duty === "idle" || over ? "Hold 1 s to take off" : this.commands ? "You command" : `${other(this.state.page, this.me)} commands`;
+    this.armWords.textContent = duty === "idle" || over ? "Hold 1 s to take off" : this.commands ? "You command" : `${other(this.state.page, this.names)} commands`;
     this.land.disabled = !this.commands || (duty !== "flying" && duty !== "holding");
   }
 
@@ -208,7 +210,7 @@ function legend({ vehicles = [], cameras = [], places = [] }) {
 }
 
 // A page by what a person knows of it: this one, or another. Its number says nothing.
-const other = (words, me) => (words || "").replace(/^page \d+/, (name) => (name === me ? "this page" : "another page"));
+const other = (words, names) => (words || "").replace(/^page \d+/, (name) => (names.has(name) ? "this page" : "another page"));
 
 // How far it is with getting ready.
 function preparing({ kernels = 0, preparing: seconds = 0 }) {
@@ -218,9 +220,9 @@ function preparing({ kernels = 0, preparing: seconds = 0 }) {
 }
 
 // What there is to say, in a sentence.
-export function words(state, commands, me = "") {
+export function words(state, commands, names = new Set()) {
   const { duty, fault, ready, silent = 0, time = 0, stop_delay: delay } = state;
-  const [page, reason] = [other(state.page, me), other(state.reason, me)];
+  const [page, reason] = [other(state.page, names), other(state.reason, names)];
   if (fault) return `Nothing flies: ${fault}`;
   if (duty === "stopped") {
     if (!ready) return "Everybody is put back at the start …";

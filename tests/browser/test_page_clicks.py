@@ -84,7 +84,8 @@ def test_a_wrong_click_is_refused_in_words_that_stay_and_the_next_one_counts(ope
     words = said.inner_text()
     assert len(words) > 20
     wait_until(opened, "document.querySelectorAll('#targets li').length === 0")
-    opened.wait_for_timeout(1500)  # pictures and states come meanwhile
+    begun = state_of(opened)["sequence"]
+    wait_until(opened, lambda: state_of(opened)["sequence"] > begun + 40)  # many pictures and states come meanwhile
     assert said.inner_text() == words
     assert opened.locator("#clicks .refused").count() == 1
     assert words.rstrip("×").strip() not in opened.locator("#notes").inner_text()  # it is said once

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from live_pages import WAIT, on_screen, wait_until, wait_until_compiled
@@ -61,8 +62,12 @@ def test_demo_clip_click_and_diameter_give_meters(serve: Any, page: Any, kept_de
 
 def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_path: Path) -> None:
     (tmp_path / "ball.avi").symlink_to(clip[0])
-    (tmp_path / "broken.mp4").write_bytes(b"this is no video")
+    (tmp_path / "broken.mp4").write_bytes(b"\0this is no video")
+    (tmp_path / "notes.mp4").write_text("this is no video")
     page.goto(serve())
+    page.get_by_role("button", name="ball.avi").wait_for(timeout=WAIT)
+    assert page.get_by_role("button", name="notes.mp4").count() == 0
+    wait_until(page, "document.querySelector('#sources .entry[data-kind=file] img')?.naturalWidth === 240")
     page.get_by_role("button", name="ball.avi").click(timeout=WAIT)
     wait_until(page, "picture.width === 320")
     page.get_by_role("button", name="other source").click()
@@ -78,3 +83,30 @@ def test_the_source_is_changed_by_hand(serve: Any, page: Any, clip: Any, tmp_pat
     page.get_by_role("button", name="ball.avi").click()
     page.locator("#sources").wait_for(state="hidden", timeout=WAIT)
     wait_until(page, "veil.hidden && picture.width === 320")
+
+
+def test_a_stream_and_a_video_of_ones_own_are_brought(
+    film: Any, serve: Any, page: Any, clip: Any, tmp_path: Path
+) -> None:
+    camera = film(lambda _: np.full((120, 160, 3), 90, np.uint8))
+    page.goto(serve())
+    page.get_by_label("address of a camera").fill("file:///etc/passwd", timeout=WAIT)
+    page.set_viewport_size({"width": 390, "height": 844})
+    wait_until(page, "innerWidth === 390 && document.documentElement.scrollWidth <= 390")
+    page.set_viewport_size({"width": 1280, "height": 900})
+    page.keyboard.press("Enter")
+    page.get_by_text("type an address such as").wait_for(timeout=WAIT)
+    page.get_by_label("address of a camera").fill(camera.url)
+    page.keyboard.press("Enter")
+    wait_until(page, "picture.width === 160")
+    page.locator("#sources").wait_for(state="hidden", timeout=WAIT)
+    page.get_by_role("button", name="other source").click()
+    (tmp_path / "notes.mp4").write_text("this is no video")
+    page.get_by_label("a video of this device").set_input_files(tmp_path / "notes.mp4")
+    page.locator("#sources output").get_by_text("notes.mp4").wait_for(timeout=WAIT)
+    page.get_by_label("a video of this device").set_input_files(clip[0])
+    wait_until(page, "picture.width === 320")
+    page.locator("#sources").wait_for(state="hidden", timeout=WAIT)
+    assert page.locator("#source").inner_text() == "ball.avi"
+    page.get_by_role("button", name="other source").click()
+    assert page.locator("#sources .entry[data-kind=upload]").inner_text().startswith("ball.avi")

@@ -14,6 +14,7 @@ from matchset.app.track.rows import read_tracks
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 Clip = tuple[Path, BallFlightClip]
+SHOWN = "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow'))"
 
 
 def state_of(page: Any) -> Any:
@@ -31,12 +32,11 @@ def go(page: Any, index: int) -> None:
     line = page.locator("#file .timeline")
     box, (end,) = line.bounding_box(), re.findall(r"of (\d+)", page.locator("#file .time").inner_text())
     line.click(position={"x": (index + 0.5) / (int(end) + 1) * box["width"], "y": box["height"] / 2})
-    shown = "Number(document.querySelector('#file .timeline').getAttribute('aria-valuenow'))"
-    wait_until(page, f"Math.abs({shown} - {index}) < 3")
+    wait_until(page, f"Math.abs({SHOWN} - {index}) < 3")
     while (left := index - index_of(page)) != 0:
         page.keyboard.press("ArrowRight" if left > 0 else "ArrowLeft")
         before = index - left
-        wait_until(page, f"{shown} !== {before}")
+        wait_until(page, f"{SHOWN} !== {before}")
     wait_until(page, f"fetch('state.json').then((a) => a.json()).then((s) => s.streams[0].index === {index})")
 
 
@@ -133,6 +133,15 @@ def test_a_click_in_the_middle_is_tracked_to_both_ends_and_loaded(opened: Any, c
         return abs(float(place) - 168) < 24
 
     wait_until(page, click_leads_there)
+
+    def value_is_there() -> bool:
+        """Values stand above the curve while the pointer is on it."""
+        box = curve.bounding_box()
+        page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.4 * box["height"])
+        words = page.locator("#file-curves figure.curve output").first.inner_text()
+        return re.match(r"\d\.\d\d s: x -?0\.\d+ ±0\.\d+ m$", words) is not None
+
+    wait_until(page, value_is_there)
     page.get_by_role("button", name="CSV tables").click()
     files = {}
     for name in ("tracks-1.csv", "poses-1.csv"):
@@ -193,3 +202,61 @@ def test_lost_stretches_are_told_and_the_reading_follows_the_frame(
     wait_until(page, lambda: line_of(page)["version"] > before and line_of(page)["percent"] == 100.0)
     (pixel,) = truth.camera.project(truth.place((FRAMES + 5) * PERIOD / FRAMES)[None])
     wait_until(page, lambda: distance_to(page, pixel) < 1.0)
+
+
+def test_the_color_is_shown_while_it_plays_and_where_it_stands(opened: Any, clip: Clip) -> None:
+    page = opened
+    answers: list[int] = []
+    page.on("response", lambda answer: answers.append(answer.status) if "mask.png" in answer.url else None)
+    go(page, FRAMES)
+    click_ball(page, clip[1])
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    page.get_by_label("color", exact=True).check()  # it stands: no new picture comes
+    page.locator("#mask").wait_for(state="visible", timeout=WAIT)
+    answers.clear()
+    page.keyboard.press("Space") if page.evaluate("document.activeElement.id") == "view" else page.locator(
+        ".play"
+    ).click()
+    wait_until(page, lambda: len(answers) > 20)
+    assert answers.count(200) >= 0.95 * len(answers)
+    assert page.locator("#mask").is_visible()
+    page.get_by_label("color", exact=True).uncheck()
+    page.locator("#mask").wait_for(state="hidden", timeout=WAIT)
+
+
+def test_the_trail_is_of_pictures_that_follow_each_other(opened: Any, clip: Clip) -> None:
+    page = opened
+    trail = "document.querySelector('#drawing .trail')?.getAttribute('d') || ''"
+    go(page, FRAMES)
+    click_ball(page, clip[1])
+    page.locator("#file-results .work").get_by_text("100 % tracked").wait_for(timeout=WAIT)
+    pause(page)
+    for index in (20, 26, 33):  # less than the length of a trail apart
+        go(page, index + 4)
+        page.keyboard.press("Shift+ArrowLeft")
+        wait_until(page, f"{SHOWN} === {index - 6}")
+    assert page.evaluate(f"({trail}).split('L').length") == 1  # one point: nothing is drawn between the places
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    wait_until(page, f"({trail}).split('L').length > 1")
+
+
+def test_a_file_has_a_header_of_its_own_and_a_part_says_which(show: Any, page: Any, clip: Clip) -> None:
+    page.goto(show(str(clip[0])))
+    wait_until(page, "picture.width === 320")
+    wait_until(page, "document.querySelector('#of-rate').textContent === 'video'")
+    assert page.locator("#age").is_hidden()
+    assert page.locator("#dropped").is_hidden()
+    page.evaluate(
+        """() => import('/file/files.js').then(({ FilePanel }) => {
+          const places = [0, 1, 2].map(() => document.body.appendChild(document.createElement('div')));
+          const panel = new FilePanel(...places, () => {}, () => 1, () => {});
+          const line = { id: 1, name: 'circle 1', line: [1, 10], percent: 57.3, part: 'frames 3 to 12', version: 1 };
+          panel.update({ last: 20, end: 99, index: 0, time: 0, duration: 0.7, targets: [line], written: [] });
+          window.made = places.map((place) => place.innerText);
+        })"""
+    )
+    transport, results, _ = page.evaluate("window.made")
+    assert "21 % read" in transport
+    assert "CSV of this part" in results
+    assert "frames 3 to 12 alone, 57 % of the video" in results

@@ -69,7 +69,7 @@ def test_two_pages_watch_and_one_commands(show: Any, new_page: Any) -> None:
     first.goto(flight.url)
     second.goto(flight.url)
     commands = take_off(first, flight)["page"]
-    second.get_by_text(f"{commands} commands, in flight").wait_for(timeout=1000.0 * WAIT)
+    second.get_by_text("Another page commands, in flight").wait_for(timeout=1000.0 * WAIT)
     assert second.locator("#flight-arm").is_disabled()
     assert second.locator("#flight-land").is_disabled()
     second.click("#flight-kill")
@@ -109,3 +109,45 @@ def test_on_a_phone_the_red_button_is_always_under_the_thumb(show: Any, new_page
     phone.locator("#flight-kill").tap()
     state = flight.wait(lambda now: now.get("stop_delay") is not None)
     assert state["stop_delay"] + RADIO < TENTH
+
+
+def test_while_it_gets_ready_the_page_says_how_far_it_is(show: Any, page: Any) -> None:
+    page.goto(show(CHAIN))
+    page.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
+    said = page.evaluate("""() => import('/flight/flight.js').then(({ words }) => [
+      words({ duty: 'idle', ready: false, kernels: 12, preparing: 26 }, false),
+      words({ duty: 'idle', ready: false }, false),
+      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, new Set(['page 2'])),
+      words({ duty: 'stopped', ready: true, reason: 'page 2 stopped the motors' }, false, new Set(['page 3'])),
+      words({ duty: 'stopped', ready: true, reason: 'a program stopped the motors' }, false, new Set(['page 3'])),
+    ])""")
+    assert said[0] == "Getting ready, 26 s so far: compiling, only once on this machine, 12 pieces done."
+    assert said[1].startswith("Getting ready: ")
+    assert said[2:] == [f"Motors off: {who} stopped the motors." for who in ("this page", "another page", "a program")]
+    first = """() => import('/flight/flight_pictures.js').then(({ FollowerPicture }) => {
+      const picture = new FollowerPicture(0);
+      picture.painted = -26000;
+      picture.refresh();
+      return picture.veil.textContent;
+    })"""
+    assert page.evaluate(first) == "getting ready …"
+    legend = page.locator("figcaption", has_text="From above")
+    assert "ross" in legend.inner_text()
+    above = """() => [...document.querySelectorAll('#flight-map .set-place')].map((cross) => {
+      const box = cross.getBoundingClientRect();
+      return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2) === cross;
+    })"""
+    legend.scroll_into_view_if_needed()
+    assert page.evaluate(above) == [True]  # nothing is drawn over them
+
+
+def test_a_flight_fits_a_phone_before_and_after_the_motors_stop(show: Any, new_page: Any) -> None:
+    phone = new_page(**PHONE)
+    flight = LiveFlight(show(CHAIN), phone)
+    phone.goto(flight.url)
+    phone.locator("#flight-arm:enabled").wait_for(timeout=1000.0 * WAIT)
+    assert phone.evaluate("document.documentElement.scrollWidth") <= 390
+    table = phone.locator(".flight-table-place")
+    assert table.evaluate("(each) => each.scrollWidth <= each.clientWidth")
+    narrow = "(cells) => cells.filter((each) => each.offsetParent && each.scrollWidth > each.clientWidth).length"
+    assert table.locator("th, td").evaluate_all(narrow) == 0

@@ -116,3 +116,30 @@ def test_below_the_targets_stands_what_a_picture_took(opened: Any) -> None:
     opened.set_viewport_size({"width": 390, "height": 844})
     words.wait_for(timeout=WAIT)
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_curve_shows_its_value_under_the_pointer_and_the_keys_and_is_enlarged(opened: Any) -> None:
+    opened.mouse.click(*on_screen(opened, 160, 120))
+    curve = opened.locator("#curve-0")
+    curve.wait_for(state="visible", timeout=WAIT)
+    value = opened.locator("figure.curve:has(#curve-0) output")
+    assert value.inner_text() == ""
+    box = curve.bounding_box()
+    opened.mouse.move(box["x"] + box["width"] - 3, box["y"] + box["height"] / 2)
+    pattern = re.compile(r"^\d+\.\d s ago: x (\d+\.?\d*) (±\d+\.?\d* )?px$")
+    value.get_by_text(pattern).wait_for(timeout=WAIT)
+    x = pattern.match(value.inner_text())
+    assert x is not None
+    assert 135 < float(x.group(1)) < 185
+    opened.mouse.move(box["x"] + 0.4 * box["width"], box["y"] - 300)
+    wait_until(opened, "document.querySelector('figure.curve output').textContent === ''")
+    curve.focus()
+    opened.keyboard.press("Shift+ArrowLeft")
+    value.get_by_text(re.compile(r"s ago: ")).wait_for(timeout=WAIT)
+    enlarge = opened.locator("figure.curve:has(#curve-0) button")
+    assert enlarge.get_attribute("aria-label") == "enlarge"
+    enlarge.click()
+    wait_until(opened, "document.getElementById('curve-0').clientHeight > 0.8 * innerHeight")
+    wait_until(opened, "document.getElementById('curve-0').clientWidth > 0.9 * innerWidth")
+    opened.keyboard.press("Escape")
+    wait_until(opened, "document.getElementById('curve-0').clientHeight < 0.4 * innerHeight")

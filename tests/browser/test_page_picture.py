@@ -104,7 +104,9 @@ def test_a_thousand_clicks_on_nothing_are_answered_in_words_and_do_no_harm(opene
     for k in range(20):
         opened.mouse.click(*on_screen(opened, 20 + k % 10, 20 + k % 7))
     opened.evaluate(CLICKS, [*on_screen(opened, 20, 20), 980])  # as fast as a page can
-    opened.locator("#notes").get_by_text(re.compile(r"no circle at|background|stands out")).first.wait_for(timeout=WAIT)
+    words = re.compile(r"no circle at|background|stands out|next click")
+    opened.locator("#said").get_by_text(words).first.wait_for(timeout=WAIT)
+    wait_until(opened, "document.querySelector('#clicks .ring') === null")
     wait_until(opened, "document.querySelectorAll('#targets li').length === 0")
     follow(opened, *BLUE[:2], "circle")
     assert len(rows(opened)) == 1
@@ -171,7 +173,8 @@ def test_a_rim_is_drawn_around_a_ball_and_around_a_box(opened: Any) -> None:
     assert circle["values"]["radius"][0] == pytest.approx(radius, abs=1.0)
     assert rectangle["values"]["x"][0] == pytest.approx(left + width / 2, abs=1.5)
     drawn(opened, [(10 + 6 * k, 20) for k in range(10)])
-    opened.locator("#notes").get_by_text(re.compile("encloses nothing")).wait_for(timeout=WAIT)
+    opened.locator("#said").get_by_text(re.compile("encloses nothing")).wait_for(timeout=WAIT)
+    assert opened.locator("#clicks .ring").count() == 0
 
 
 def test_a_picture_stands_still_while_somebody_draws_in_it(film: Any, serve: Any, page: Any) -> None:

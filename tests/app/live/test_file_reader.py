@@ -11,7 +11,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from matchset.app.live.files.exact_reader import ExactReader, KeptPictures, ReaderParameters
+from matchset.app.live.files.exact_reader import (
+    ExactReader,
+    InterruptedReadingError,
+    KeptPictures,
+    ReaderParameters,
+)
 from matchset.app.live.files.frame_list import FrameList, StampedVideo
 from matchset.image.frame import Frame
 from strange_clips import WIDTH, numbered, write
@@ -153,3 +158,22 @@ def test_places_of_indices_and_times(tmp_path: Path) -> None:
     assert [frame.index for frame in plain][:9] == [0, 1, 2, 3, 4, 5, 6, 8, 9]
     assert [frames.with_index(index) for index in (0, 6, 7, 8, 59, 1000)] == [0, 6, 7, 7, 56, 56]
     assert [frames.at_time(time) for time in (-1.0, 0.0, 0.05, 0.3, 99.0)] == [0, 0, 1, 6, 56]
+
+
+def test_a_reading_can_be_interrupted_and_goes_on_where_it_was(tmp_path: Path) -> None:
+    path, frames, plain = known(write(tmp_path / "clip.mp4", "libx264", CONSTANT))
+    asked: list[int] = []
+    never = ReaderParameters(near=3, before=())  # no jumps: it reads from the beginning
+
+    def interrupted() -> bool:
+        asked.append(1)
+        return len(asked) == 20
+
+    with ExactReader(lambda: StampedVideo(path), frames, never) as reader:
+        reader.failed = 10**6
+        reader.interrupted = interrupted
+        with pytest.raises(InterruptedReadingError):
+            reader.frame(50)
+        assert len(asked) == 20
+        np.testing.assert_array_equal(reader.frame(50).image, plain[50].image)
+        assert len(asked) == 20 + 51 - 19  # not once more from the beginning

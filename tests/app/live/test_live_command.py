@@ -21,6 +21,7 @@ from websockets.sync.client import connect
 from websockets.typing import Origin
 
 from live_server import served
+from matchset.app.exit_codes import errors_in_one_line
 from matchset.app.live.command import LiveOptions, live
 from matchset.app.live.web.listening import LAST_PORT, PLAIN, WHITE_ON_BLACK, listen, qr_code
 from matchset.app.recording.mcap_file import McapReader
@@ -85,6 +86,20 @@ def found(state: Any) -> Any:
 
 def frames(state: Any) -> int:
     return int(state["session"]["panels"]["record"].get("frames", 0))
+
+
+@pytest.mark.parametrize("name", ["nofile.mp4", "notes.txt", ".", "sim://nothing"])
+def test_a_source_that_is_none_ends_with_one_line(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "notes.txt").write_text("what to buy")
+    with pytest.raises(SystemExit) as ended, errors_in_one_line():
+        live(LiveOptions(source=name, port=0, browser=False))
+    out, err = capsys.readouterr()
+    assert (ended.value.code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
 
 
 def test_a_pick_outside_of_the_picture_is_said(clip: Path, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from matchset.app.live.session import Session
 from matchset.app.live.sources.messages import Show
 from matchset.image.errors import LinkError
 from matchset.links.simulated import SimulationParameters
+from matchset.numeric.compiling import compiling
 
 WAIT = 60.0  # s, a first flight is compiled
 PARAMETERS = FlightParameters(world=SimulationParameters(vehicles=2, seed=5))
@@ -41,6 +42,18 @@ class Crashing(SimulatedFleet):
     def step(self) -> FleetStep:
         """Take a step, with a crash or without."""
         return super().step()._replace(crashes=self.crashed)
+
+
+class Slow(SimulatedFleet):
+    """A fleet that compiles three kernels, and waits until it is told."""
+
+    goes_on = threading.Event()
+
+    def __init__(self, parameters: FlightParameters) -> None:
+        for _ in range(3):
+            compiling()
+        assert self.goes_on.wait(WAIT)
+        super().__init__(parameters)
 
 
 class Flown:
@@ -193,3 +206,14 @@ def test_closing_lands_and_ends_the_thread(flown: Flown) -> None:
 def test_a_flight_is_named_by_a_uri() -> None:
     with pytest.raises(ValueError, match="vehicles must be within"):
         simulated_flight("sim://chain?vehicles=99", lambda _: None)
+
+
+def test_pages_are_told_how_far_it_is_with_getting_ready() -> None:
+    flown = Flown(Slow)
+    flown.wait(lambda: flown.feed.loop.state().kernels == 3)
+    flown.wait(lambda: flown.feed.loop.state().preparing >= 1.0)
+    assert not flown.feed.loop.state().ready
+    Slow.goes_on.set()
+    flown.wait(lambda: flown.feed.loop.state().ready)
+    assert (flown.feed.loop.state().kernels, flown.feed.loop.state().preparing) == (0, 0.0)
+    flown.session.close()

@@ -3,6 +3,8 @@
 import math
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import msgspec
@@ -14,13 +16,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.app.live.targets.drawn_outline import circle_along, shape_along
-from matchset.app.live.targets.followed import Followed, FollowedParameters
+from matchset.app.live.targets.followed import Followed, FollowedParameters, _Trial
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
-from matchset.app.live.targets.target import Target
+from matchset.app.live.targets.target import Target, is_beside
 from matchset.app.live.vision.kept_frames import KeepingParameters, KeptFrames
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.shapes.circle import Circle
 from matchset.shapes.rectangle import Rectangle
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from matchset.sim.clips.balloon import Balloon
@@ -181,6 +184,34 @@ def test_two_balls_of_one_color_that_cross_keep_their_names(front: int) -> None:
     followed.close()
 
 
+def test_pages_hear_what_became_of_each_click() -> None:
+    loop = Loop()
+    for count, place in enumerate(((120.0, 20.0), BLUE[:2], (-1.0, 5.0)), start=1):
+        loop.followed.do(Pick(loop.number, *place))
+        loop.until(lambda: len(loop.followed.clicks.state.answered) == count)  # noqa: B023
+    answered = {each.x: each.words for each in loop.followed.clicks.state.answered}
+    assert answered[BLUE[0]] == ""
+    assert answered[120.0]
+    assert "outside" in answered[-1.0]
+    assert loop.notes.count(answered[120.0]) <= 1
+    with pytest.raises(ValueError, match="not kept"):
+        loop.followed.do(Pick(10_000, 33.0, 44.0))
+    assert "not kept" in loop.followed.clicks.state.answered[-1].words
+    loop.followed.close()
+
+
+def test_what_is_on_trial_is_not_lost_but_still_looked_for() -> None:
+    loop = Loop()
+    loop.followed.do(Pick(1, 120.0, 20.0))
+    seen: list[TargetState] = []
+    while not loop.followed.clicks.state.answered:
+        loop.step()
+        seen += loop.states
+        time.sleep(0.002)
+    assert all(state.pending and not state.found for state in seen)
+    loop.followed.close()
+
+
 def test_clicks_on_nothing_end_and_the_next_one_counts() -> None:
     loop = Loop()
     for k in range(200):
@@ -291,4 +322,27 @@ def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
     loop.followed.do(Outline(1, arc(x, y, radius, 0, 5).ravel().tolist()))
     loop.until(lambda: loop.states and loop.states[0].found)
     assert loop.states[0].values["radius"][0] == pytest.approx(radius, abs=1.0)
+    loop.followed.close()
+
+
+@pytest.mark.parametrize(
+    ("x", "passed", "beside"),
+    [(100.0, 0.0, False), (119.0, 0.0, False), (121.0, 0.0, True), (160.0, 0.1, False), (190.0, 0.1, True)],
+)
+def test_what_is_found_far_from_a_click_is_no_answer_to_it(x: float, passed: float, beside: bool) -> None:
+    found: Any = SimpleNamespace(shape=Circle(x, 60.0, 10.0))
+    assert is_beside(Pick(1, 100.0, 60.0), found, passed) is beside
+    assert not is_beside(Outline(1, [0.0, 0.0, 5.0, 0.0, 5.0, 5.0]), found, passed)
+
+
+def test_a_click_whose_color_is_found_elsewhere_is_refused() -> None:
+    loop = Loop()
+    x, y, _ = RED
+    loop.followed.do(Pick(1, *BLUE[:2]))
+    loop.until(lambda: loop.states and loop.states[0].found)
+    now = loop.number / 30.0
+    loop.followed._trials[1] = _Trial(Pick(1, float(x), float(y)), now, now)  # as if the other ball had been clicked
+    loop.step()
+    assert "not where you clicked" in loop.notes[-1]
+    assert not loop.states
     loop.followed.close()

@@ -78,6 +78,31 @@ class Charted(Protocol):
         ...
 
 
+class Receiver(Protocol):
+    """A large file that a page sends, part by part; the calls come one after the other, in any thread."""
+
+    def write(self, data: bytes) -> None:
+        """Take the next part; ValueError if it is too much."""
+        ...
+
+    def finish(self) -> None:
+        """Use it: it is whole; ValueError if it is not what it should be."""
+        ...
+
+    def drop(self) -> None:
+        """Delete it."""
+        ...
+
+
+@runtime_checkable
+class Pictured(Protocol):
+    """A panel that has small pictures of what it offers."""
+
+    def thumbnail(self, key: str) -> bytes:
+        """Return one, a JPEG; called in any thread, ValueError if there is none."""
+        ...
+
+
 class Panel:
     """One part of the page, on the server's side. All methods are called in the server's thread and must not wait.
 
@@ -112,6 +137,9 @@ class Panel:
         """
         raise NotImplementedError
 
+    def refused(self, message: Any, words: str) -> None:
+        """Note that one of its messages may not be done now, and why."""
+
     def put(self, upload: str, name: str, data: bytes) -> None:
         """Take a file that a page sends.
 
@@ -130,6 +158,30 @@ class Panel:
             If it is not what it should be: the page shows why.
         """
         raise NotImplementedError
+
+    def receive(self, upload: str, name: str, length: int) -> Receiver | None:  # noqa: ARG002
+        """Take a large file that the page itself sends.
+
+        Parameters
+        ----------
+        upload : str
+            A kind of file.
+        name : str
+            What its owner calls it; not to be used as a path.
+        length : int
+            Bytes.
+
+        Returns
+        -------
+        Receiver or None
+            None if it takes no large file of this kind.
+
+        Raises
+        ------
+        ValueError
+            If it does not take this one: the page shows why.
+        """
+        return None
 
     def state(self) -> msgspec.Struct | None:
         """Return what the page shows; None: nothing but that the panel is there. Read ten times a second."""

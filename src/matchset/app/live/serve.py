@@ -17,9 +17,10 @@ from matchset.app.live.record.panel import RecordPanel
 from matchset.app.live.record.recorder import Recorder
 from matchset.app.live.session import Session
 from matchset.app.live.sources.found_sources import Source, given_source
-from matchset.app.live.sources.opening import Opening, open_feed
+from matchset.app.live.sources.opening import Opening, check_source, open_feed
 from matchset.app.live.sources.panel import SourcesPanel
 from matchset.app.live.sources.stage import Stage
+from matchset.app.live.sources.uploads import Uploads
 from matchset.app.live.web.application import make_application
 from matchset.app.live.web.listening import listen, own_address, qr_code
 from matchset.app.live.web.security import Guard
@@ -37,8 +38,11 @@ def serve(options: LiveOptions) -> int:
     Raises
     ------
     ValueError
-        If no port is free, or `--pick` is no point.
+        If no port is free, `--pick` is no point, or the source can never be shown.
     """
+    given = None if options.source is None else given_source(options.source)
+    if given is not None:
+        check_source(given)
     point = None if options.pick is None else point_of(options.pick)
     check_turn(options.mounted.turn, "--turn")
     if options.source is None and (options.mounted.words or options.stream is not None):
@@ -50,10 +54,12 @@ def serve(options: LiveOptions) -> int:
     guard = Guard([address, name, f"{name}.local"], port, token=options.lan)
     compiling, recorder = CompilingPanel(), Recorder()
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
+    view = ViewOptions(mounted=options.mounted, stream=options.stream)
     desk, viewers = Desk(session, Pictures(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:
         stop = opened.enter_context(StopRequest())
-        for each in (compiling, listener, recorder, session, make_stage(options, desk, viewers)):
+        uploads = opened.enter_context(Uploads())
+        for each in (compiling, listener, recorder, session, make_stage(given, view, uploads, desk, viewers)):
             opened.enter_context(each)
         if point is not None:
             opened.enter_context(FirstPick(session, point, compiling.refusal))
@@ -82,9 +88,9 @@ def point_of(text: str) -> tuple[float, float]:
     return x, y
 
 
-def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
+def make_stage(given: Source | None, view: ViewOptions, uploads: Uploads, desk: Desk, viewers: Viewers) -> Stage:
     """Offer what can be shown, and show what the command line names."""
-    session, view = desk.session, ViewOptions(mounted=options.mounted, stream=options.stream)
+    session = desk.session
 
     def news(number: int) -> None:
         seen = session.hear(number)
@@ -99,8 +105,7 @@ def make_stage(options: LiveOptions, desk: Desk, viewers: Viewers) -> Stage:
         return open_feed(source, Opening(news, session.note, stage.stopped.is_set, view))
 
     stage = Stage(Path(), make, show, lambda: session.busy)
-    given = None if options.source is None else given_source(options.source)
-    session.add(SourcesPanel(stage, given))
+    session.add(SourcesPanel(stage, given, uploads))
     stage.look()
     if given is not None:
         stage.show(given)

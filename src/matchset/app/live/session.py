@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.feed import Feed, Listener, Panel, Seen, Stream
+from matchset.app.live.feed import Feed, Listener, Panel, Pictured, Receiver, Seen, Stream
 from matchset.app.live.wire.messages import Kernels, Up
 from matchset.app.live.wire.state import SessionState
 
@@ -113,14 +113,16 @@ class Session(Closing):
         ValueError
             If it cannot be done; says why.
         """
-        if words := self._refusal(message.needs):
+        words = self._refusal(message.needs) or (self.busy if message.replaces else "")
+        takers = (panel for panel in self.panels if isinstance(message, panel.messages))
+        panel = next(takers, None)
+        if words:
+            if panel is not None:
+                panel.refused(message, words)
             raise ValueError(words)
-        if message.replaces and (words := self.busy):
-            raise ValueError(words)
-        for panel in self.panels:
-            if isinstance(message, panel.messages):
-                panel.take(message, page)
-                return
+        if panel is not None:
+            panel.take(message, page)
+            return
         raise ValueError(f"{type(message).__name__.lower()}: there is nothing here that could do this")
 
     def put(self, upload: str, name: str, data: bytes) -> None:
@@ -136,6 +138,24 @@ class Session(Closing):
                 panel.put(upload, name, data)
                 return
         raise ValueError(f"nothing here takes a file for {upload[:60]!r}")
+
+    def receive(self, upload: str, name: str, length: int) -> Receiver | None:
+        """Take a large file that a page sends; None if nothing takes a large file of this kind.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be taken; says why.
+        """
+        found = (panel.receive(upload, name, length) for panel in self.panels)
+        return next((receiver for receiver in found if receiver is not None), None)
+
+    def thumbnail(self, key: str) -> bytes:
+        """Return a small picture of what a panel offers, a JPEG; ValueError if there is none."""
+        for panel in self.panels:
+            if isinstance(panel, Pictured):
+                return panel.thumbnail(key)
+        raise ValueError("nothing here has pictures to choose from")
 
     def left(self, page: str) -> None:
         """Note that a page is gone."""

@@ -61,6 +61,10 @@ class AstrayError(Exception):
     """A way through the file does not lead to the frames of the plain reading."""
 
 
+class InterruptedReadingError(Exception):
+    """Something else is wanted more than the frame that was being looked for."""
+
+
 class Way(Protocol):
     """A way through a file, forward only.
 
@@ -84,13 +88,14 @@ class Way(Protocol):
 class FromBeginning:
     """Reads a file from its beginning; a folder of pictures from any of them."""
 
-    def __init__(self, video: StampedVideo, frames: FrameList) -> None:
-        self.place, self.video, self._frames = 0, video, frames
+    def __init__(self, video: StampedVideo, frames: FrameList, check: Callable[[], None]) -> None:
+        self.place, self.video, self._frames, self._check = 0, video, frames, check
 
     def take(self, place: int) -> Frame:
         """Return a frame."""
         frame = None
         while self.place <= place:
+            self._check()
             frame = next(self.video, None)
             self.place += 1
             if frame is None:
@@ -114,6 +119,8 @@ class FromJump:
     stamp : float
         Where to go, s.
     frames : FrameList
+    check : callable
+        Called before each frame; raises what ends the reading.
 
     Raises
     ------
@@ -121,8 +128,8 @@ class FromJump:
         If nothing says which frame is there.
     """
 
-    def __init__(self, capture: Capture, stamp: float, frames: FrameList) -> None:
-        self._capture, self._frames, self._grabbed = capture, frames, True
+    def __init__(self, capture: Capture, stamp: float, frames: FrameList, check: Callable[[], None]) -> None:
+        self._capture, self._frames, self._check, self._grabbed = capture, frames, check, True
         there = capture.set(cv2.CAP_PROP_POS_MSEC, 1000.0 * stamp) and capture.grab()
         place = frames.with_stamp(self._stamp) if there else None
         if place is None:
@@ -138,6 +145,7 @@ class FromJump:
         if place < self.place:
             raise AstrayError
         while True:
+            self._check()
             self._grab()
             self.place += 1
             if self.place > place:
@@ -178,6 +186,8 @@ class ExactReader(Closing):
     ----------
     jumped, failed : int
         Frames to which a jump led, and to which none did.
+    interrupted : callable
+        Whether something else is wanted more; asked before each frame that is decoded.
     """
 
     def __init__(
@@ -187,6 +197,7 @@ class ExactReader(Closing):
         self._way: Way | None = None
         self._capture: Capture | None = None
         self.jumped = self.failed = 0
+        self.interrupted: Callable[[], bool] = lambda: False
 
     def frame(self, place: int) -> Frame:
         """Return the frame at a place.
@@ -195,6 +206,8 @@ class ExactReader(Closing):
         ------
         ValueError
             If the file is not the one any more that was read before.
+        InterruptedReadingError
+            If something else is wanted more; asked again, it goes on from where it came.
         """
         before = self._way
         for way in self._ways(place):
@@ -203,6 +216,9 @@ class ExactReader(Closing):
             except AstrayError:
                 way.close()
                 continue
+            except InterruptedReadingError:
+                self._way = way
+                raise
             self.jumped += isinstance(way, FromJump) and way is not before
             self._way = way
             return frame
@@ -234,28 +250,34 @@ class ExactReader(Closing):
     def _ways(self, place: int) -> Iterator[Way]:
         """Yield ways to a frame: on from here, by a jump, from the beginning."""
         way = self._way
-        if way is not None and way.place <= place <= way.place + self._parameters.near:
+        jumps = self.failed < max(self._parameters.failures, self.jumped)
+        from_beginning = isinstance(way, FromBeginning) and not jumps
+        if way is not None and way.place <= place <= way.place + (place if from_beginning else self._parameters.near):
             yield way
         if way is not None:
             way.close()
             self._way = None
-        if place > self._parameters.near and self.failed < max(self._parameters.failures, self.jumped):
+        if place > self._parameters.near and jumps:
             for before in self._parameters.before:
                 jumped = self._jump(max(place - before, 0))
                 if jumped is not None:
                     yield jumped
             self.failed += 1
-        beginning = FromBeginning(self._open(), self._frames)
+        beginning = FromBeginning(self._open(), self._frames, self._check)
         if beginning.video.go_to(self._frames[place].index):
             beginning.place = place
         yield beginning
+
+    def _check(self) -> None:
+        if self.interrupted():
+            raise InterruptedReadingError
 
     def _jump(self, place: int) -> FromJump | None:
         capture = self._opened()
         if capture is None:
             return None
         try:
-            return FromJump(capture, self._frames[place].stamp, self._frames)
+            return FromJump(capture, self._frames[place].stamp, self._frames, self._check)
         except AstrayError:
             return None
 

@@ -1,18 +1,21 @@
 """Tables and annotated videos of what was found, written in a thread: `Exports`."""
 
+import contextlib
+import functools
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from matchset.app.closing import Closing
 from matchset.app.drawing.annotate import TrackPainter, as_color, draw_answer
 from matchset.app.films.video_writer import Recorder, quick_ending
-from matchset.app.live.files.exact_reader import ExactReader
+from matchset.app.live.files.exact_reader import ExactReader, InterruptedReadingError
 from matchset.app.live.files.file_target import Answer, FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Export
@@ -67,6 +70,48 @@ class Written(msgspec.Struct, frozen=True):
     words: str
 
 
+class Part(NamedTuple):
+    """The frames in which it is known whether a target is there.
+
+    Attributes
+    ----------
+    places : ndarray
+        (n,), int64, of these frames.
+    first, last : int
+        `Frame.index` of the first and the last one.
+    whole : bool
+        Whether that is the whole video.
+    """
+
+    places: npt.NDArray[np.int64]
+    first: int
+    last: int
+    whole: bool
+
+    @property
+    def suffix(self) -> str:
+        """What a file's name says of it."""
+        return "" if self.whole else f"-frames-{self.first}-{self.last}"
+
+    @property
+    def words(self) -> str:
+        """For people; empty: the whole video."""
+        if self.whole:
+            return ""
+        gaps = len(self.places) and self.places[-1] - self.places[0] >= len(self.places)
+        return f"frames {self.first} to {self.last}{', with gaps' if gaps else ''}"
+
+
+def part_of(target: FileTarget, frames: FrameList) -> Part:
+    """Return what is known of a target now."""
+    complete = frames.complete
+    places = np.flatnonzero(np.frombuffer(target.codes, np.uint8)).astype(np.int64)
+    if not len(places):
+        return Part(places, 0, 0, False)
+    first, last = (frames[int(place)].index for place in places[[0, -1]])
+    return Part(places, first, last, complete and len(places) == len(frames))
+
+
 class Exports(Closing):
     """Writes one thing at a time, into a new folder below `runs`.
 
@@ -115,7 +160,11 @@ class Exports(Closing):
         self._stop.clear()
         self.working, self._began = Working("tables" if wish.what == "tables" else "annotated video"), time.monotonic()
         others = [other for other in targets.values() if other is not target]
-        work = (lambda: self._tables(target)) if wish.what == "tables" else (lambda: self._film(target, others))
+        part = part_of(target, self._frames)
+        if wish.what == "tables":
+            work = functools.partial(self._tables, target, part)
+        else:
+            work = functools.partial(self._film, target, others, part)
         self._thread = threading.Thread(target=self._run, args=(work,), name="matchset export", daemon=True)
         self._thread.start()
 
@@ -158,10 +207,10 @@ class Exports(Closing):
         left = (count - done) / rate if rate > 0.0 else None
         self.working = Working(name, 100.0 * done / max(count, 1), rate, left)
 
-    def _answers(self, target: FileTarget) -> Iterator[tuple[int, Answer]]:
+    def _answers(self, target: FileTarget, part: Part) -> Iterator[tuple[int, Answer]]:
         """Yield the indices of frames with what was found there; frames that did not decode are lost."""
-        count, last = len(self._frames), -1
-        for place, answer in target.found(count):
+        last = -1
+        for place, answer in target.found(part.places.tolist()):
             mark = self._frames[place]
             before = self._frames[place - 1] if place else None
             if before is None or before.index == last or last < 0:
@@ -174,41 +223,42 @@ class Exports(Closing):
             if self._stop.is_set():
                 return
 
-    def _tables(self, target: FileTarget) -> None:
-        path = self._new_path(f"tracks-{target.number}.csv")
+    def _tables(self, target: FileTarget, part: Part) -> None:
+        path = self._new_path(f"tracks-{target.number}{part.suffix}.csv")
         count, found = 0, 0
         localizer, parameters = target.new_localizer(), parse_shape(target.shape).parameters
         with track_table(path, parameters) as table:
-            for index, answer in self._answers(target):
+            for index, answer in self._answers(target, part):
                 table.write(track_row(index, answer))
                 count, found = count + 1, found + (not isinstance(answer, Lost))
-                self._progress(path.name, count, len(self._frames))
+                self._progress(path.name, count, len(part.places))
         words = f"{count} frames, found in {found}"
         if self._stop.is_set():
             path.unlink()
             return
         self._finish(path, target, words)
         if localizer is not None:
-            self._poses(target, localizer)
+            self._poses(target, localizer, part)
 
-    def _poses(self, target: FileTarget, localizer: Localizer) -> None:
+    def _poses(self, target: FileTarget, localizer: Localizer, part: Part) -> None:
         folder = self._new_path(f"target-{target.number}")
         folder.mkdir(exist_ok=True)
         count = found = 0
         with pose_table(folder, jsonl=False) as table:
-            for index, answer in self._answers(target):
+            for index, answer in self._answers(target, part):
                 pose = localizer.update(answer)
                 table.write(pose_row(index, pose))
                 count, found = count + 1, found + isinstance(pose, Pose)
-        path = self._new_path(f"poses-{target.number}.csv")
+        path = self._new_path(f"poses-{target.number}{part.suffix}.csv")
         (folder / "poses.csv").replace(path)
         folder.rmdir()
         self._finish(path, target, f"{count} frames, located in {found}")
 
-    def _film(self, target: FileTarget, others: list[FileTarget]) -> None:
-        path = self._new_path(f"annotated-{target.number}{quick_ending()}")
+    def _film(self, target: FileTarget, others: list[FileTarget], part: Part) -> None:
+        path = self._new_path(f"annotated-{target.number}{part.suffix}{quick_ending()}")
         count, written = len(self._frames), 0
-        with self._open_reader() as reader:
+        with contextlib.suppress(InterruptedReadingError), self._open_reader() as reader:
+            reader.interrupted = self._stop.is_set
             first = reader.frame(0)
             painter = _Painter(target, others, (first.image.shape[1], first.image.shape[0]))
             with Recorder(path, self.fps or DEFAULT_FPS, painter.size) as recorder:
@@ -221,7 +271,8 @@ class Exports(Closing):
         if self._stop.is_set():
             path.unlink(missing_ok=True)
             return
-        self._finish(path, target, recorder.note or f"{written} frames")
+        known = "" if part.whole else f", known in {part.words}"
+        self._finish(path, target, recorder.note or f"{written} frames{known}")
 
 
 class _Painter:

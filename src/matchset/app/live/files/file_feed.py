@@ -1,5 +1,6 @@
 """A recorded video as a feed: `FileFeed`."""
 
+import contextlib
 import threading
 from collections.abc import Callable
 
@@ -22,6 +23,8 @@ from matchset.app.live.targets.panel import TargetsPanel
 from matchset.app.live.wire.state import State
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+
+PATIENCE = 1.0  # format: s for which reading ahead waits for the answer to a click, a frame
 
 
 class FileFeed(Feed):
@@ -82,24 +85,30 @@ class FileFeed(Feed):
 
         self._reader = reader()
         self.player = Player(KeptPictures(self._reader, parameters), self.frames, self)
-        self.tracking = FileTracking(reader(), self.frames, self.player.place_of, note)
+        self.tracking = FileTracking(reader(), self.frames, self.player, note)
+        self.tracking.answered = self.player.go_on
         self.tracking.size = self._size
         self.exports = Exports(reader, self.frames, note)
         self.exports.fps = self._fps
         self._described, self._stop = -1, threading.Event()
+        self._reader.interrupted = self._stop.is_set
         self._series, self._lock = dict[int, Series](), threading.Lock()
         self.streams = (self,)
         self._camera, self.panel = CameraPanel(self, note, mounted=mounted), FilePanel(self)
-        self.panels = (TargetsPanel(self.ask), self._camera, self.panel)
+        self.panels = (TargetsPanel(self.ask, self.tracking.clicks), self._camera, self.panel)
         self._thread = threading.Thread(target=self._read_all, name="matchset frames", daemon=True)
         self._thread.start()
         self.player.start()
 
     def ask(self, wish: Wish) -> None:
-        """Ask for something; the first click on a video that nobody has moved yet begins to play it."""
+        """Ask for something; where somebody clicked the video stands until that is found, then it plays on.
+
+        The first click on a video that nobody has moved yet begins to play it, if something is found.
+        """
+        if isinstance(wish, Pick | Outline):
+            with contextlib.suppress(ValueError):  # a picture of long ago: the tracking says so
+                self.player.halt(wish.sequence)
         self.tracking.ask(wish)
-        if isinstance(wish, Pick | Outline) and not self.player.touched:
-            self.player.play()
 
     @property
     def camera(self) -> CameraModel | None:
@@ -119,19 +128,19 @@ class FileFeed(Feed):
         self.tracking.use(camera)
 
     def mask(self, target: int, sequence: int) -> npt.NDArray[np.uint8]:
-        """Return what the color model of a target takes for it in the picture that is shown: (h, w), 255 there.
+        """Return what the color model of a target takes for it in a picture that was shown last: (h, w), 255 there.
 
         Raises
         ------
         ValueError
-            If there is no such target, or another picture is shown.
+            If there is no such target, or the picture was shown too long ago.
         """
-        seen, followed = self.seen, self.tracking.targets.get(target)
+        frame, followed = self.player.frame_of(sequence), self.tracking.targets.get(target)
         if followed is None or followed.color is None:
             raise ValueError(f"there is no target {target}")
-        if seen.frame is None or seen.state.sequence != sequence:
+        if frame is None:
             raise ValueError(f"picture {sequence} is not shown any more")
-        return followed.color.for_image(seen.frame.image).mask(seen.frame.image)
+        return followed.color.for_image(frame.image).mask(frame.image)
 
     def course(self, target: int) -> Course:
         """Return the course of a target over the whole video; ValueError if there is no such target."""
@@ -158,6 +167,7 @@ class FileFeed(Feed):
             camera_fps=self._fps,
             fps=self.tracking.rate,
             live=False,
+            stretch=self.player.stretch,
         )
         poses = {target.number: target.pose(place) for target in self.tracking.targets.values()}
         known = {number: pose for number, pose in poses.items() if pose is not None}
@@ -178,6 +188,15 @@ class FileFeed(Feed):
         """Say what is wrong; called by the player."""
         self._note(words)
 
+    def reach(self, place: int) -> int | None:
+        """Return up to which frame the video plays on from a place: as far as it is tracked; called by the player."""
+        return self.tracking.reach(place)
+
+    @property
+    def busy_tracking(self) -> bool:
+        """Whether something is being tracked."""
+        return self.tracking.busy
+
     def close(self) -> None:
         """End all threads, and close the file."""
         self._stop.set()
@@ -196,6 +215,7 @@ class FileFeed(Feed):
             with self._open() as video:
                 for frame in video:
                     self.frames.append(frame, video.stamp)
+                    self.tracking.calm.wait(PATIENCE)
                     if self._stop.is_set():
                         return
                 for words in video.warnings:

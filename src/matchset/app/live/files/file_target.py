@@ -1,7 +1,9 @@
 """A target of a recorded video with what was found of it in each frame: `FileTarget`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
+
+import msgspec
 
 from matchset.app.live.files.messages import Correct
 from matchset.app.live.targets.messages import Outline, Pick
@@ -130,7 +132,7 @@ class FileTarget:
         reading = first.reading if isinstance(first, Pick) else 0
         about = About(self.number, self.name, self.shape, self.ball, self.readings, reading)
         if answer is None:
-            return lost_state(about, "not tracked here yet")
+            return msgspec.structs.replace(lost_state(about, "not tracked here yet"), pending=True)
         if isinstance(answer, Lost):
             return lost_state(about, answer.reason, self._lost_for(place, answer), answer.predicted)
         localizer = self.localizer
@@ -149,9 +151,9 @@ class FileTarget:
         localizer, answer = self.localizer, self.answer(place)
         return None if localizer is None or answer is None else localizer.update(answer)
 
-    def found(self, count: int) -> Iterator[tuple[int, Answer]]:
-        """Yield the places before `count` at which it is known whether it was found, with the answers."""
-        for place in range(count):
+    def found(self, places: Iterable[int]) -> Iterator[tuple[int, Answer]]:
+        """Yield those of the places at which it is known whether it was found, with the answers."""
+        for place in places:
             answer = self.answer(place)
             if answer is not None:
                 yield place, answer

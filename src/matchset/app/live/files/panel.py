@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from matchset.app.live.feed import Panel
-from matchset.app.live.files.exports import Working, Written
+from matchset.app.live.files.exports import Working, Written, part_of
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
@@ -43,6 +43,8 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
         Of the frames, how many are done.
     found, lost : int
         Frames.
+    part : str
+        Which frames are known, in words, as long as that is not the whole video.
     version : int
         Another one whenever more is known: then its course (`/course.json`) is another one, too.
     """
@@ -53,6 +55,7 @@ class TargetLine(msgspec.Struct, frozen=True, omit_defaults=True):
     percent: float = 0.0
     found: int = 0
     lost: int = 0
+    part: str = ""
     version: int = 0
 
 
@@ -72,6 +75,8 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     complete : bool
         Whether the file was read to its end.
     playing : bool
+    waiting : bool
+        Whether it would play on, but what comes next is not tracked yet.
     speed : float
     targets : list of TargetLine
     rate : float or None
@@ -93,6 +98,7 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     duration: float
     complete: bool = False
     playing: bool = False
+    waiting: bool = False
     speed: float = 1.0
     targets: list[TargetLine] = []
     rate: float | None = None
@@ -156,6 +162,7 @@ class FilePanel(Panel):
             duration=round(last.time, 6),
             complete=frames.complete,
             playing=feed.player.playing,
+            waiting=feed.player.playing and feed.player.waiting,
             speed=feed.player.speed,
             targets=[self._line(target, end) for target in targets],
             rate=rate,
@@ -179,10 +186,10 @@ class FilePanel(Panel):
             percent = 100.0 * target.known / max(len(self._feed.frames), 1) if end else 100.0
             if not self._feed.frames.complete:
                 percent = 100.0 * target.known / (end + 1)
-            kept = (
-                key,
-                TargetLine(target.number, target.name, line, round(percent, 1), counts[1], counts[2], target.version),
-            )
+            part = part_of(target, self._feed.frames).words if target.known else ""
+            name, rounded, version = target.name, round(percent, 1), target.version
+            done = TargetLine(target.number, name, line, rounded, counts[1], counts[2], part, version)
+            kept = key, done
             self._lines = {
                 number: each for number, each in self._lines.items() if number in self._feed.tracking.targets
             }

@@ -8,7 +8,7 @@ from typing import Protocol
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.files.exact_reader import KeptPictures
+from matchset.app.live.files.exact_reader import InterruptedReadingError, KeptPictures
 from matchset.app.live.files.frame_list import FrameList
 from matchset.image.frame import Frame
 
@@ -28,6 +28,15 @@ class Screen(Protocol):
         """Show in words what is wrong."""
         ...
 
+    def reach(self, place: int) -> int | None:
+        """Return the last place up to which it may play on from this one; None: to the end."""
+        ...
+
+    @property
+    def busy_tracking(self) -> bool:
+        """Whether the computer has other work that must not wait for pictures."""
+        ...
+
 
 class PlayerParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How a file is played.
@@ -42,12 +51,24 @@ class PlayerParameters(msgspec.Struct, frozen=True, kw_only=True):
         How often a picture that stands is looked at whether more is known of it, s. Chosen by hand.
     remembered : int
         Pictures whose numbers are remembered, so that a click means the one that was seen. Chosen by hand: 10 s.
+    kept : int
+        Of these the last ones that are there at once: a click in one is answered without reading the file. Chosen by
+        hand: a quarter of a second.
+    most_shared : float
+        Pictures per second at most while something is tracked. More: smoother, and the tracking takes longer. Chosen
+        by hand: a ball is still followed by eye.
+    first_look : float
+        How long the picture that was clicked stays with what was found in it before the video plays on, s. Chosen by
+        hand: what a person needs to see it.
     """
 
     most_shown: float = 60.0
     late: float = 0.25
     look: float = 0.1
     remembered: int = 600
+    kept: int = 16
+    most_shared: float = 15.0
+    first_look: float = 0.5
 
 
 class Player(Closing):
@@ -71,6 +92,10 @@ class Player(Closing):
         Multiple of the real rate.
     touched : bool
         Whether somebody has played, stepped or gone to a frame.
+    waiting : bool
+        Whether it would play on, but what comes next is not tracked yet.
+    stretch : int
+        Another number whenever a frame is shown that does not follow the one before: somebody has gone there.
     """
 
     def __init__(
@@ -83,10 +108,13 @@ class Player(Closing):
         self._pictures, self._frames, self._screen = pictures, frames, screen
         self._parameters = parameters or PlayerParameters()
         self.place, self.playing, self.speed, self.touched = 0, False, 1.0, False
+        self.waiting, self.stretch = False, 0
+        self._halted: bool | None = None
         self._wanted: int | None = 0
         self._begun = (0.0, 0.0)
         self._sequence = 0
         self._places: OrderedDict[int, int] = OrderedDict()
+        self._kept: OrderedDict[int, Frame] = OrderedDict()
         self._changed, self._stop = threading.Condition(), False
         self._thread = threading.Thread(target=self._run, name="matchset player", daemon=True)
 
@@ -138,6 +166,41 @@ class Player(Closing):
             raise ValueError(f"picture {sequence} is not remembered any more: click again")
         return place
 
+    def frame_of(self, sequence: int) -> Frame | None:
+        """Return the frame that a picture with this number showed, if it is one of the last; else None."""
+        return self._kept.get(sequence)
+
+    def halt(self, sequence: int) -> None:
+        """Stand at the picture of this number until `go_on`: somebody has clicked in it.
+
+        Raises
+        ------
+        ValueError
+            If there was none, or it is too long ago.
+        """
+        place = self.place_of(sequence)
+        with self._changed:
+            if self.playing:
+                self._wanted = place
+            if self._halted is None and (self.playing or not self.touched):
+                self._halted = self.playing
+            self.playing = self.waiting = False
+            self._changed.notify()
+
+    def go_on(self, found: bool) -> None:
+        """Play on where it stood for a click; a video that nobody has moved yet plays if something was found.
+
+        What was found in the picture of the click is shown there first.
+        """
+        with self._changed:
+            halted, self._halted = self._halted, None
+            if halted is None or not (halted or found):
+                return
+            self._wanted = self._next_place()
+            self._set_playing(True)
+            now, begin = self._begun
+            self._begun = now + self._parameters.first_look, begin
+
     def close(self) -> None:
         """End the thread."""
         with self._changed:
@@ -150,7 +213,7 @@ class Player(Closing):
         return self.place if self._wanted is None else self._wanted
 
     def _set_playing(self, playing: bool) -> None:
-        self.playing, self.touched = playing, True
+        self.playing, self.touched, self._halted, self.waiting = playing, True, None, False
         self._begin_here()
         self._changed.notify()
 
@@ -170,6 +233,7 @@ class Player(Closing):
                 if self._stop:
                     return
                 assert place is not None
+                self.stretch += self._wanted is not None and not 0 <= place - self.place <= 1
                 self._wanted = None
                 self.place = place
             self._show(place)
@@ -177,14 +241,19 @@ class Player(Closing):
     def _show(self, place: int) -> None:
         try:
             frame = self._pictures.frame(place)
+        except InterruptedReadingError:  # the program ends
+            return
         except (ValueError, OSError) as error:
             self.playing = False
             self._screen.fail(str(error))
             return
         self._sequence += 1
         self._places[self._sequence] = place
+        self._kept[self._sequence] = frame
         while len(self._places) > self._parameters.remembered:
             self._places.popitem(last=False)
+        while len(self._kept) > self._parameters.kept:
+            self._kept.popitem(last=False)
         self._screen.show(frame, place, self._sequence)
 
     def _due(self) -> int | None:
@@ -193,23 +262,28 @@ class Player(Closing):
             return None
         if self._wanted is not None:
             return self._wanted
-        if self.playing:
-            return self._following() if self._due_in() <= 0.0 else None
+        if self.playing and self._due_in() <= 0.0:
+            return self._following()
+        if self.playing and not self.waiting:
+            return None
         return self.place if self._screen.is_old(self.place) else None
 
     def _following(self) -> int:
-        """Place of the frame after this one, at the present speed."""
-        end = len(self._frames) - 1
-        second = self._frames.at_time(self._frames[self.place].time + self.speed / self._parameters.most_shown)
-        return min(max(self.place + 1, second), end)
+        """Place of the frame after this one, at the present speed, as far as it may play."""
+        end, reach = len(self._frames) - 1, self._screen.reach(self.place)
+        most = self._parameters.most_shared if self._screen.busy_tracking else self._parameters.most_shown
+        second = self._frames.at_time(self._frames[self.place].time + self.speed / most)
+        following = min(max(self.place + 1, second), end)
+        return following if reach is None else max(min(following, reach), self.place)
 
     def _due_in(self) -> float:
         """Time until the next frame is due, s; at the end of the file the player stops."""
         following = self._following()
+        self.waiting = following == self.place and following < len(self._frames) - 1
         if following == self.place:
-            if self._frames.complete:
+            if self._frames.complete and not self.waiting:
                 self.playing = False
-            else:  # the reading has not come farther yet
+            else:  # the reading, or the tracking, has not come farther yet
                 self._begin_here()
             return self._parameters.look
         wall, begin = self._begun

@@ -105,7 +105,7 @@ class Series:
         for place in [each for each in self._taken if each >= len(codes) or not codes[each]]:
             self._values[place] = np.nan  # forgotten by a correction
             del self._taken[place]
-        for place, answer in self._target.found(count):
+        for place, answer in self._target.found(range(count)):
             if self._taken.get(place) is not answer:
                 self._values[place] = self._row(answer)
                 self._taken[place] = answer

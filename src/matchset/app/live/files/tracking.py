@@ -4,16 +4,19 @@ import queue
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
+from typing import Protocol
 
 import msgspec
 
 from matchset.app.closing import Closing
-from matchset.app.live.files.exact_reader import ExactReader
+from matchset.app.live.files.exact_reader import ExactReader, InterruptedReadingError
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import Correct
+from matchset.app.live.files.run import Run
+from matchset.app.live.files.trials import Trial, Trials
+from matchset.app.live.targets.clicks import AGAIN, CROWDED, NEWER, Clicks
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.placing import ball_of, camera_of
 from matchset.app.live.targets.target import Target
@@ -21,8 +24,6 @@ from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
 from matchset.localization.ball_target import BallTarget
-from matchset.tracking.track import Lost
-from matchset.tracking.tracker import Tracker
 
 Asked = Pick | Outline | Hold | Correct | Drop | Reread | Diameter | Marker | FieldOfView
 
@@ -36,72 +37,25 @@ class TrackingParameters(msgspec.Struct, frozen=True, kw_only=True):
         At most; each keeps 2 kB of answers a frame. Chosen by hand: a list that fits on a screen.
     wishes : int
         Clicks that wait at most; more are refused.
-    trial : int
-        Frames after a first click in one of which the target must be found, or the click was on nothing. Chosen by
-        hand.
     rate_over : float
         Over what time the rate is taken, s. Chosen by hand: figures that can be read.
     """
 
     targets: int = 8
     wishes: int = 64
-    trial: int = 30
     rate_over: float = 1.0
 
 
-class Run:
-    """The way of a target from a click on, in one direction.
+class Shown(Protocol):
+    """Where the pictures are seen in which somebody clicks."""
 
-    Parameters
-    ----------
-    target : FileTarget
-    click : int
-        Place of the frame in which it was clicked.
-    backward : bool
-    reader : ExactReader
+    def place_of(self, sequence: int) -> int:
+        """Return the place of the frame that a picture with this number showed; ValueError if there was none."""
+        ...
 
-    Attributes
-    ----------
-    seconds : float
-        Computing time of the last frame, s.
-    """
-
-    def __init__(self, target: FileTarget, click: int, backward: bool, reader: ExactReader) -> None:
-        self.target, self.click, self.backward = target, click, backward
-        self.place, self.seconds = click, 0.0
-        self._begin, self._reader = target.clicks[click], reader
-        self._tracker: Tracker[Any] | None = None
-        self._turn = 0.0
-        self._frames: Iterator[Frame] | None = None
-
-    def over(self, frames: FrameList) -> bool:
-        """Whether there is nothing left to do: the end has come, or another click decides from here on."""
-        target = self.target
-        if self.place < 0 or (self.place >= len(frames) and frames.complete):
-            return True
-        return target.clicks.get(self.click) is not self._begin or not target.decides(self.click, self.place)
-
-    def step(self) -> None:
-        """Follow the target into the next frame."""
-        frame = self._next()
-        if self._tracker is None:
-            self._tracker, self._turn = Target(self.target.number, self._begin, frame).tracker, 2.0 * frame.time
-        mirrored = Frame(frame.image, self._turn - frame.time, frame.index) if self.backward else frame
-        begin = time.thread_time()
-        answer = self._tracker.update(mirrored)
-        self.seconds = time.thread_time() - begin
-        if self.backward and self.place != self.click:
-            answer = msgspec.structs.replace(answer, time=frame.time)
-        if not self.backward or self.place != self.click:  # in the frame of the click the way forward counts
-            self.target.put(self.place, answer)
-        self.place += -1 if self.backward else 1
-
-    def _next(self) -> Frame:
-        if not self.backward:
-            return self._reader.frame(self.place)
-        if self._frames is None:
-            self._frames = self._reader.backward(self.click)
-        return next(self._frames)
+    def frame_of(self, sequence: int) -> Frame | None:
+        """Return that frame, where it is there without reading."""
+        ...
 
 
 class FileTracking(Closing):
@@ -112,8 +66,7 @@ class FileTracking(Closing):
     reader : ExactReader
         For this thread alone.
     frames : FrameList
-    place_of : callable
-        From the number of a picture that was shown to the place of its frame.
+    shown : Shown
     note : callable
         Told what a person should know.
     parameters : TrackingParameters, optional
@@ -123,6 +76,12 @@ class FileTracking(Closing):
     targets : dict of int to FileTarget
         Replaced, never changed, so any thread may look.
     camera : CameraModel or None
+    clicks : Clicks
+        Told what became of each click.
+    calm : threading.Event
+        Cleared while a click waits for its answer: what reads ahead lets it have the processor.
+    answered : callable
+        Called in the thread when a first click was tried; told whether something was found there.
     version : int
         Changes whenever something else is known.
     """
@@ -131,12 +90,16 @@ class FileTracking(Closing):
         self,
         reader: ExactReader,
         frames: FrameList,
-        place_of: Callable[[int], int],
+        shown: Shown,
         note: Callable[[str], None],
         parameters: TrackingParameters | None = None,
     ) -> None:
-        self._reader, self._frames, self._place_of, self._note = reader, frames, place_of, note
+        self._reader, self._frames, self._shown, self._note = reader, frames, shown, note
         self._parameters = parameters or TrackingParameters()
+        self.clicks, self._trials = Clicks(note), Trials()
+        self.calm = threading.Event()
+        self.calm.set()
+        self.answered: Callable[[bool], None] = lambda _: None
         self.targets: dict[int, FileTarget] = {}
         self.camera: CameraModel | None = None
         self.size = (0, 0)
@@ -145,7 +108,8 @@ class FileTracking(Closing):
         self._done: deque[float] = deque()
         self._computing = ShownTimes()
         self._wishes: queue.Queue[Asked] = queue.Queue(self._parameters.wishes)
-        self._stop, self._news = threading.Event(), threading.Event()
+        self._stop, self._news, self._urgent = threading.Event(), threading.Event(), threading.Event()
+        reader.interrupted = self._urgent.is_set
         self._thread = threading.Thread(target=self._run, name="matchset file", daemon=True)
         self._thread.start()
 
@@ -153,9 +117,16 @@ class FileTracking(Closing):
         """Ask for something; done before the next frame. What cannot be done is a note on the page."""
         try:
             self._wishes.put_nowait(wish)
-            self._news.set()
         except queue.Full:
-            self._note("too many clicks at once: some were left out")
+            self._note(CROWDED)
+            if isinstance(wish, Pick | Outline):
+                self.clicks.turn_away(wish, CROWDED)
+            return
+        if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading
+            self._urgent.set()
+        if isinstance(wish, Pick | Outline):
+            self.calm.clear()
+        self._news.set()
 
     @property
     def version(self) -> int:
@@ -179,10 +150,19 @@ class FileTracking(Closing):
         """Whether something is being tracked."""
         return bool(self._runs) or not self._wishes.empty()
 
+    def reach(self, place: int) -> int | None:
+        """Return up to which frame all is known that is being tracked forward past a place; None: to the end.
+
+        From a place that the tracking has not reached yet, a person has gone there to look for something: None, too.
+        """
+        ways = [run for run in list(self._runs) if not run.backward]
+        known = [max(run.place - 1, run.click) for run in ways if run.click <= place]
+        return min((each for each in known if each >= place), default=None)
+
     def close(self) -> None:
         """End the thread."""
-        self._stop.set()
-        self._news.set()
+        for event in (self._stop, self._urgent, self._news, self.calm):
+            event.set()
         self._thread.join()
         self._reader.close()
 
@@ -190,46 +170,76 @@ class FileTracking(Closing):
         while not self._stop.is_set():
             self._grant()
             run = self._next_run()
+            if run is None or run.target.number not in self._trials:
+                self.calm.set()
             if run is None:
                 self._news.wait(0.05 if self._runs or not self._frames.complete else None)
                 self._news.clear()
                 continue
             try:
                 run.step()
+            except InterruptedReadingError:
+                continue
             except (ValueError, OSError) as error:
-                self._note(str(error))
-                self._runs.remove(run)
-                if not run.target.known:
-                    self._forget(run.target)
+                self._fail(run, str(error))
                 continue
             self._count(run)
 
+    def _fail(self, run: Run, words: str) -> None:
+        """End a run whose frames cannot be read."""
+        self._runs.remove(run)
+        if run.target.known:
+            self._note(words)
+        else:
+            self._refuse(run.target, words)
+
     def _next_run(self) -> Run | None:
-        """Return the newest run that can go on; those that are over are removed."""
-        self._runs = [run for run in self._runs if not run.over(self._frames)]
-        ready = (run for run in reversed(self._runs) if run.place < len(self._frames))
-        return next(ready, None)
+        """Return the run that goes on: of a click that waits for its answer, else of the newest; others are removed."""
+        over = [run for run in self._runs if run.over(self._frames)]
+        self._runs = [run for run in self._runs if run not in over]
+        for run in over:
+            if run.target.number in self._trials and not run.backward:
+                self._refuse(run.target, f"no {run.target.shape} was found there up to the end of the video. {AGAIN}")
+        ready = [run for run in reversed(self._runs) if run.place < len(self._frames)]
+        trials = (run for run in ready if run.target.number in self._trials and not run.backward)
+        return next(trials, ready[0] if ready else None)
 
     def _count(self, run: Run) -> None:
         self._computing.add(run.seconds)
         self._done.append(now := time.monotonic())
         while self._done[0] < now - self._parameters.rate_over:
             self._done.popleft()
-        target, passed = run.target, run.place - run.click
-        if not run.backward and passed == self._parameters.trial and len(target.clicks) == 1:
-            self._judge(target, run.place)
+        if run.target.number in self._trials and not run.backward:
+            self._judge(run)
 
-    def _judge(self, target: FileTarget, place: int) -> None:
-        """Give a target up that was not found at once."""
-        answer = target.answer(place - 1)
-        if isinstance(answer, Lost) and target.last_found(place) is None:
-            self._note(
-                f"no {target.shape} was found there: {answer.reason}. Click on its middle, or draw along its rim"
-            )
-            self._forget(target)
+    def _judge(self, run: Run) -> None:
+        """End the trial of a target: it is found where it was clicked, or later, or the click was on nothing."""
+        words = self._trials.verdict(run)
+        if words:
+            self._refuse(run.target, words)
+        elif words is not None:
+            self.clicks.accept(self._trials.pop(run.target.number).begin)
+            self._tell(True)
+
+    def _refuse(self, target: FileTarget, words: str) -> None:
+        """Follow a target no more, and say why."""
+        trial = self._trials.get(target.number)
+        self._forget(target)
+        if trial is None:
+            self._note(words)
+        else:
+            self.clicks.refuse(trial.begin, words)
+        self._tell(False)
+
+    def _tell(self, found: bool) -> None:
+        """Say that a click is answered, unless another one waits for that."""
+        if found or not (self._trials or self._wishes.qsize()):
+            self.answered(found)
 
     def _grant(self) -> None:
         """Do what was asked for."""
+        if not self._stop.is_set():
+            self._urgent.clear()
         while not self._stop.is_set():
             try:
                 wish = self._wishes.get_nowait()
@@ -237,15 +247,23 @@ class FileTracking(Closing):
                 return
             try:
                 self._do(wish)
+            except InterruptedReadingError:  # a newer click: this one gives way
+                self._turn_away(wish, NEWER)
             except ValueError as error:
                 self._note(str(error))
+                self._turn_away(wish, str(error))
             self._changes += 1
+
+    def _turn_away(self, wish: Asked, words: str) -> None:
+        if isinstance(wish, Pick | Outline):
+            self.clicks.turn_away(wish, words)
+            self._tell(False)
 
     def _do(self, wish: Asked) -> None:
         if isinstance(wish, Pick | Outline):
             self._begin(wish)
         elif isinstance(wish, Hold):
-            self._place_of(wish.sequence)  # every frame of a video can be read again
+            self._shown.place_of(wish.sequence)  # every frame of a video can be read again
         elif isinstance(wish, FieldOfView):
             self.use(camera_of(wish, *self.size))
         else:
@@ -275,22 +293,38 @@ class FileTracking(Closing):
         return found
 
     def _begin(self, wish: Pick | Outline) -> None:
+        """Begin a target; those that were tried in vain so far give way to it."""
+        for number, trial in list(self._trials.items()):
+            tried = self.targets.get(number)
+            if tried is None or tried.known:
+                self.clicks.turn_away(trial.begin, NEWER)
+                self._trials.pop(number)
+                if tried is not None:
+                    self._forget(tried)
         if len(self.targets) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
-        place = self._place_of(wish.sequence)
+        place, since = self._shown.place_of(wish.sequence), time.monotonic()
         self._follow(self._numbers + 1, wish, place, None)
         self._numbers += 1
+        self._trials[self._numbers] = Trial(wish, since)
 
     def _follow(self, number: int, click: Pick | Outline, place: int, ball: BallTarget | None) -> None:
         """Follow a target from its first click on, both ways."""
-        made = Target(number, click, self._reader.frame(place))
+        frame = self._frame(click, place)
+        made = Target(number, click, frame)
         target = FileTarget(number, click, place)
         target.locate(self.camera, ball)
-        target.color, target.readings = made.tracker.color, made.readings
+        target.color, target.readings = made.tracker.color.copy(), made.readings
         self.targets = {**self.targets, number: target}
-        self._runs += [Run(target, place, True, self._reader), Run(target, place, False, self._reader)]
+        self._runs += [Run(target, place, backward, self._reader, frame) for backward in (True, False)]
+        self._runs[-1].begin_with(made.tracker)
         if made.note:
             self._note(made.note)
+
+    def _frame(self, click: Pick | Outline | Correct, place: int) -> Frame:
+        """Return the frame that was clicked: the one that is shown, else it is read."""
+        frame = self._shown.frame_of(click.sequence)
+        return self._reader.frame(place) if frame is None else frame
 
     def _reread(self, target: FileTarget, wish: Reread) -> None:
         """Follow something else that the first click may mean; what was found of it is forgotten, and later clicks."""
@@ -303,15 +337,17 @@ class FileTracking(Closing):
         self._changes += 1 + target.version
 
     def _correct(self, target: FileTarget, wish: Correct) -> None:
-        place = self._place_of(wish.sequence)
+        place = self._shown.place_of(wish.sequence)
         click = Pick(wish.sequence, wish.x, wish.y, target.shape)
-        Target(target.number, click, self._reader.frame(place))  # refuses what cannot be followed
+        frame = self._frame(wish, place)
+        Target(target.number, click, frame)  # refuses what cannot be followed
         first = place <= min(target.clicks)
         target.correct(wish, place)
         ways = (True, False) if first else (False,)
-        self._runs += [Run(target, place, backward, self._reader) for backward in ways]
+        self._runs += [Run(target, place, backward, self._reader, frame) for backward in ways]
 
     def _forget(self, target: FileTarget) -> None:
+        self._trials.pop(target.number, None)
         self.targets = {number: other for number, other in self.targets.items() if other is not target}
         self._runs = [run for run in self._runs if run.target is not target]
         self._changes += 1 + target.version

@@ -55,13 +55,17 @@ const panels = {
 
 function receiveSession(session) {
   find("source").textContent = session.title || "";
-  find("notes").replaceChildren(...(session.notes || []).map((words) => element("p", "", words)));
+  picture.clicks.answered(session.panels?.targets?.answered);
+  const said = picture.clicks.refused?.words; // stands on the picture
+  const notes = (session.notes || []).filter((words) => !said || !words.startsWith(said));
+  find("notes").replaceChildren(...notes.map((words) => element("p", "", words)));
   for (const [name, panel] of Object.entries(panels)) {
     const there = name in (session.panels || {});
     panel.root.hidden = !there;
     if (there) panel.update(session.panels[name] || {}, session);
   }
   document.body.dataset.kind = session.kind || "";
+  find("of-rate").textContent = session.kind === "file" ? "video" : "camera";
   document.body.classList.toggle("of-flight", flight.shown);
 }
 
@@ -75,7 +79,6 @@ async function receive(packet) {
   const { state } = packet;
   targets.update(state.targets || []);
   picture.chosen = targets.chosen;
-  picture.mask = picture.wantsMask ? targets.chosen : null;
   if (state.live === false && state.time < seconds) curves.clear(); // a video that went back
   seconds = state.time;
   if (packet.jpeg) curves.note(state.targets || [], state.time);
@@ -95,7 +98,7 @@ function refresh() {
   const { state, shownAge } = newest;
   const list = state.targets || [];
   reading.show(list.find((target) => target.id === targets.chosen), list.length > 1);
-  find("hint").hidden = !picture.take && list.length > 0;
+  picture.clicks.follows(list.length > 0);
   find("age").textContent = state.live === false || shownAge < 0 ? "–" : `${(1000 * shownAge).toFixed(0)} ms`;
   find("camera-fps").textContent = state.camera_fps ? `${state.camera_fps.toFixed(0)}/s` : "–";
   find("fps").textContent = state.fps ? `${state.fps.toFixed(0)}/s` : "–";
@@ -118,10 +121,8 @@ setInterval(() => {
 
 // The next click in the picture is a point for somebody, and no ball.
 function askPoint(words, take) {
-  const done = () => { picture.take = null; find("hint").textContent = "Click the ball."; };
-  picture.take = (point) => { done(); take(point); };
-  find("hint").textContent = words;
-  find("hint").hidden = false;
+  picture.take = (point) => { picture.take = null; picture.clicks.ask(""); take(point); };
+  picture.clicks.ask(words);
   find("view").focus();
 }
 

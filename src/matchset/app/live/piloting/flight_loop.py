@@ -18,6 +18,7 @@ from matchset.app.live.piloting.helm import Helm
 from matchset.app.live.piloting.state import FlightState, follower_states, map_state
 from matchset.control.safety import AIRBORNE
 from matchset.image.errors import LinkError
+from matchset.numeric.compiling import WATCHERS
 
 KEPT = 64  # format: pictures whose time is remembered, two seconds: what a page painted before that is old
 
@@ -77,6 +78,7 @@ class FlightLoop(Closing):
         self._sequence, self._times = 0, [math.nan] * KEPT
         self._step, self._begun = FleetStep(0.0, ()), math.nan
         self._stopping, self._state = Stopping(), FlightState()
+        self._kernels, self._preparing = 0, time.monotonic()
         self._stop, self._again = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset flight", daemon=True)
         self._thread.start()
@@ -150,6 +152,7 @@ class FlightLoop(Closing):
         """Return what there is to say, of now."""
         here, state = self.helm.look(), self._state
         silent = time.monotonic() - here.heard if here.duty in FLYING else 0.0
+        preparing = 0.0 if state.ready or state.fault else time.monotonic() - self._preparing
         return msgspec.structs.replace(
             state,
             duty=here.duty,
@@ -157,6 +160,8 @@ class FlightLoop(Closing):
             silent=round(silent, 1),
             reason=here.reason,
             stop_delay=self._stopping.delay,
+            kernels=0 if state.ready else self._kernels,
+            preparing=float(int(preparing)),
         )
 
     def close(self) -> None:
@@ -175,9 +180,10 @@ class FlightLoop(Closing):
         while not self._stop.is_set():
             self._again.clear()
             self._state = FlightState()
+            self._kernels, self._preparing = 0, time.monotonic()
             self._news_of("getting ready ...")
             try:
-                with self._open() as fleet, steady_memory():
+                with self._opened() as fleet, steady_memory():
                     self.helm.change(lambda commander, _: commander.again())
                     self._fly(fleet)
             except (LinkError, ValueError) as error:
@@ -186,6 +192,17 @@ class FlightLoop(Closing):
                     self._again.wait()
             finally:
                 self._fleet = None
+
+    def _opened(self) -> Fleet:
+        """Return the fleet; counts what is compiled for it meanwhile."""
+        WATCHERS.append(self._count_kernel)
+        try:
+            return self._open()
+        finally:
+            WATCHERS.remove(self._count_kernel)
+
+    def _count_kernel(self) -> None:
+        self._kernels += 1
 
     def _fault(self, words: str) -> None:
         """Say why nothing can be flown any more; the fleet has landed as far as it can."""

@@ -106,6 +106,10 @@ class FlightState(msgspec.Struct, frozen=True, omit_defaults=True):
         Why nothing can be flown.
     followers : list of FollowerState
     map : MapState
+    kernels : int
+        Compiled so far while it gets ready; 0: all was kept on the disk.
+    preparing : float
+        For how long it has been getting ready, s; 0 when it is.
     """
 
     ready: bool = False
@@ -118,6 +122,8 @@ class FlightState(msgspec.Struct, frozen=True, omit_defaults=True):
     fault: str = ""
     followers: list[FollowerState] = []
     map: MapState = MapState()
+    kernels: int = 0
+    preparing: float = 0.0
 
 
 def follower_states(

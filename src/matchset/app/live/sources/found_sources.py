@@ -5,13 +5,16 @@ import re
 import sys
 from pathlib import Path
 from typing import Literal
+from urllib.parse import urlsplit
 
 import msgspec
 
 from matchset.app.live.sources.cameras import find_cameras
 
-Kind = Literal["camera", "file", "demo", "flight", "given"]
+Kind = Literal["camera", "file", "demo", "flight", "given", "address", "upload"]
 DEMO, CHAIN = "sim://demo", "sim://chain"  # format: names of sources that are neither file nor device
+STREAMS = frozenset(("http", "https", "rtsp", "rtsps", "rtmp", "rtp", "srt", "tcp", "udp"))  # format: URLs of streams
+TEXT_HEAD = 512  # format: bytes by which a text is known: every container has a zero byte among them, or no valid UTF-8
 ENDINGS = frozenset((".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".ts", ".wmv", ".mjpg", ".bag"))
 
 
@@ -37,7 +40,8 @@ class Source(msgspec.Struct, frozen=True):
     Parameters
     ----------
     kind : str
-        "camera", "file", "demo", "flight", or "given": named on the command line.
+        "camera", "file", "demo", "flight", "given": named on the command line, "address": typed into the page, or
+        "upload": sent by it.
     origin : str
         What opens it; never told to a page.
     name : str
@@ -96,7 +100,29 @@ def find_sources(folder: Path, parameters: MenuParameters | None = None, devices
 def given_source(origin: str) -> Source:
     """Return the source that a command line names; a password in an address is not told to pages."""
     name = f"camera {int(origin)}" if re.fullmatch(r"[0-9]+", origin) else re.sub(r"://[^/]*@", "://", origin)
-    return Source("given", origin, _shown(name))
+    return Source("given", origin, shown_name(name))
+
+
+def address_source(text: str) -> Source:
+    """Return the source of an address that was typed into a page.
+
+    Raises
+    ------
+    ValueError
+        If it is no address of a stream: paths, devices and files are none.
+    """
+    address = text.strip()
+    scheme, separator, _ = address.partition("://")
+    try:
+        host = urlsplit(address).netloc
+    except ValueError:
+        host = ""
+    if not (separator and scheme.lower() in STREAMS and host and re.fullmatch(r"[!-~]+", address)):
+        raise ValueError(
+            f"{shown_name(address)[:60]!r} is no address of a stream: type one such as rtsp://192.168.1.7/live or "
+            "http://192.168.1.7:8080/video"
+        )
+    return msgspec.structs.replace(given_source(address), kind="address", words="a stream in the network")
 
 
 def _videos(folder: Path, parameters: MenuParameters) -> tuple[list[Source], int]:
@@ -110,11 +136,28 @@ def _videos(folder: Path, parameters: MenuParameters) -> tuple[list[Source], int
                     found.append((about.st_mtime, entry.name, about.st_size))
     except OSError:
         return [], 0
-    newest = sorted(found, reverse=True)[: parameters.files]
-    videos = [Source("file", str(folder / name), _shown(name), f"{size / 1e6:.1f} MB") for _, name, size in newest]
-    return videos, len(found) - len(newest)
+    videos: list[Source] = []
+    newest = sorted(found, reverse=True)
+    while newest and len(videos) < parameters.files:
+        _, name, size = newest.pop(0)
+        if not is_text(folder / name):
+            videos.append(Source("file", str(folder / name), shown_name(name), f"{size / 1e6:.1f} MB"))
+    return videos, len(newest)
 
 
-def _shown(name: str) -> str:
+def is_text(path: Path) -> bool:
+    """Whether a file begins like a text, whatever its name says; also one that cannot be read is no video to offer."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(TEXT_HEAD)
+    except OSError:
+        return True
+    try:
+        return bool(head) and b"\0" not in head and bool(head.decode("utf-8", "strict"))
+    except UnicodeDecodeError as error:
+        return error.end == len(head) > 4  # a letter that was cut off
+
+
+def shown_name(name: str) -> str:
     """Write a name so that it is valid text, whatever bytes it is made of."""
     return name.encode(errors="replace").decode()

@@ -1,6 +1,8 @@
-"""What a page says of sources. They are named by keys of the menu alone: a page cannot open a path or an address."""
+"""What a page says of sources: keys of the menu, and addresses of streams; it cannot open a path."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
+
+import msgspec
 
 from matchset.app.live.wire.messages import Name, Up
 
@@ -12,8 +14,15 @@ class Show(Up, frozen=True, tag="show"):
     key: Name
 
 
+class ShowAddress(Up, frozen=True, tag="show_address"):
+    """Show the stream of this URL; over /ws alone."""
+
+    replaces: ClassVar[bool] = True
+    url: Annotated[str, msgspec.Meta(min_length=1, max_length=2000)]
+
+
 class LookAgain(Up, frozen=True, tag="look_again"):
     """Look again which cameras and files there are."""
 
 
-MESSAGES: tuple[type[Up], ...] = (Show, LookAgain)
+MESSAGES: tuple[type[Up], ...] = (Show, ShowAddress, LookAgain)

@@ -69,9 +69,41 @@ def open_feed(source: Source, opening: Opening) -> Feed:
     return _video(source.name, source.origin, opening)
 
 
+def check_source(source: Source) -> None:
+    """Look whether a source can be shown at all: a camera or a stream may come later, a file is a video now.
+
+    Raises
+    ------
+    ValueError
+        If it never can be; says why.
+    """
+    origin = source.origin
+    if origin == DEMO:
+        return
+    if origin.startswith("sim://"):
+        from matchset.app.flight.config import with_uri
+        from matchset.app.flight.flight import FlightParameters
+
+        if origin.partition("?")[0] != CHAIN:
+            raise ValueError(f"{origin} is nothing simulated: {DEMO} and {CHAIN} are")
+        with_uri(origin, FlightParameters())
+    elif Path(origin).suffix.lower() == ".toml":
+        from matchset.app.flight.config import read_followers
+
+        if not read_followers(Path(origin)):
+            raise ValueError(f"{origin} names no real vehicle: it has no [[follower]] (docs/flight.md)")
+    elif not _is_live(origin):
+        StampedVideo(origin).close()
+
+
+def _is_live(origin: str) -> bool:
+    """Whether a source is a camera or a stream rather than a file."""
+    return bool(re.fullmatch(r"\d+|(?!file:)[A-Za-z][\w+.-]*://.*", origin)) or Path(origin).is_char_device()
+
+
 def _video(title: str, origin: str, opening: Opening) -> Feed:
     path, mounted, view = Path(origin), opening.view.mounted, opening.view.arguments
-    if re.fullmatch(r"\d+|(?!file:)[A-Za-z][\w+.-]*://.*", origin) or path.is_char_device():
+    if _is_live(origin):
         return CameraFeed(title, lambda: Video(origin, **view), opening.news, opening.note, mounted)
     feed = FileFeed(title, lambda: StampedVideo(origin, **view), opening.news, opening.note, mounted)
     beside = path.with_suffix(".toml")

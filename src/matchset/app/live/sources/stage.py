@@ -55,6 +55,11 @@ class Stage(Closing):
         self.opening: Source | None = None
         self.sources, self.fault = Sources([]), ""
 
+    @property
+    def busy(self) -> str:
+        """Why nothing else may be shown now; empty if it may."""
+        return self._busy()
+
     def look(self) -> None:
         """Look again what there is; does not wait."""
         if self._looking is None or self._looking.done():

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.closing import Closing
+from matchset.app.live.targets.clicks import AGAIN, NEWER, Clicks
 from matchset.app.live.targets.crossing import Crossing
 from matchset.app.live.targets.maker import Maker
 from matchset.app.live.targets.messages import (
@@ -24,11 +25,12 @@ from matchset.app.live.targets.messages import (
     Wish,
 )
 from matchset.app.live.targets.placing import ball_of, camera_of
-from matchset.app.live.targets.target import Target, catch_up, exchange, same_place
+from matchset.app.live.targets.target import Target, catch_up, exchange, is_beside, same_place
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import TargetState
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
+from matchset.tracking.track import Track
 
 
 class FollowedParameters(msgspec.Struct, frozen=True, kw_only=True):
@@ -40,14 +42,15 @@ class FollowedParameters(msgspec.Struct, frozen=True, kw_only=True):
         At most. More: a slower loop, most of all where they are lost. Chosen by hand: a list that fits on a screen.
     trial : float
         For how long something clicked may not be found before it is given up, s. Longer: a ball clicked while it is
-        hidden or blurred is still found; and clicks on nothing cost more. Chosen by hand.
+        hidden or blurred is still found; and clicks on nothing cost more. Chosen by hand: with what learning a color
+        takes, a wrong click is refused within a second.
     on_trial : int
         How many may be on trial; with one more the oldest is given up. More: a thousand clicks cost more. Chosen by
         hand: a person clicks on one thing, then the next.
     """
 
     targets: int = 8
-    trial: float = 1.0
+    trial: float = 0.6
     on_trial: int = 2
 
 
@@ -55,10 +58,18 @@ class _Making(NamedTuple):
     """A target that is being made, and what is to be done with it then."""
 
     number: int
-    sequence: int
+    begin: Begin
     frame: Frame
     result: Future[Target]
     later: list[Wish]
+
+
+class _Trial(NamedTuple):
+    """A target that was not found yet: what began it, time of the picture in which that was, and since when, s."""
+
+    begin: Begin
+    clicked: float
+    since: float
 
 
 class Followed(Closing):
@@ -71,18 +82,26 @@ class Followed(Closing):
     note : callable
         Told what a person should know.
     parameters : FollowedParameters, optional
+    clicks : Clicks, optional
+        Told what became of each click.
 
     Attributes
     ----------
     camera : CameraModel or None
+    clicks : Clicks
     """
 
     def __init__(
-        self, kept: KeptFrames, note: Callable[[str], None], parameters: FollowedParameters | None = None
+        self,
+        kept: KeptFrames,
+        note: Callable[[str], None],
+        parameters: FollowedParameters | None = None,
+        clicks: Clicks | None = None,
     ) -> None:
+        self.clicks = clicks or Clicks(note)
         self._kept, self._note, self._parameters = kept, note, parameters or FollowedParameters()
         self._targets: dict[int, Target] = {}
-        self._trials: dict[int, float] = {}
+        self._trials: dict[int, _Trial] = {}
         self._making: deque[_Making] = deque()
         self._numbers = 0
         self._crossing = Crossing()
@@ -121,7 +140,7 @@ class Followed(Closing):
         """
         making = next((made for made in self._making if made.number == getattr(wish, "target", None)), None)
         if isinstance(wish, Pick | Outline):
-            self._begin(wish)
+            self._try(wish)
         elif isinstance(wish, Hold):
             self._kept.hold(wish.sequence)
         elif making is not None:
@@ -147,6 +166,8 @@ class Followed(Closing):
 
     def clear(self) -> None:
         """Forget all targets."""
+        for begin in (*(made.begin for made in self._making), *(trial.begin for trial in self._trials.values())):
+            self.clicks.turn_away(begin, "the pictures are others now: click again")
         self._targets.clear()
         self._trials.clear()
         self._making.clear()
@@ -163,6 +184,8 @@ class Followed(Closing):
         for number in list(self._trials):
             self._judge(number, frame, states)
         self._part(frame, states)
+        for number in self._trials:
+            states[number] = msgspec.structs.replace(states[number], pending=True, reason="finding it ...")
         return [states[number] for number in self._targets]
 
     def _part(self, frame: Frame, states: dict[int, TargetState]) -> None:
@@ -182,18 +205,31 @@ class Followed(Closing):
         height, width = newest.image.shape[:2]
         self.locate(camera_of(wish, width, height))
 
+    def _try(self, begin: Begin) -> None:
+        """Begin a target; a page hears why that cannot be."""
+        try:
+            self._begin(begin)
+        except ValueError as error:
+            self.clicks.turn_away(begin, str(error))
+            raise
+
     def _begin(self, begin: Begin) -> None:
         """Make a target in the background: its color is learned, and perhaps something is compiled."""
         frame = self._kept.since(begin.sequence)[0]
         while len(self._trials) >= self._parameters.on_trial:
-            self._forget(next(iter(self._trials)))
+            number, trial = next(iter(self._trials.items()))
+            self.clicks.turn_away(trial.begin, NEWER)
+            self._forget(number)
         if len(self._making) >= self._parameters.on_trial:  # clicks that wait give way to newer ones
-            self._making = deque(made for made in self._making if not made.result.cancel())
+            cancelled = [made for made in self._making if made.result.cancel()]
+            for made in cancelled:
+                self.clicks.turn_away(made.begin, NEWER)
+            self._making = deque(made for made in self._making if made not in cancelled)
         if len(self._targets) + len(self._making) >= self._parameters.targets:
             raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
         self._numbers += 1
         order = functools.partial(Target, self._numbers, begin, frame)
-        self._making.append(_Making(self._numbers, begin.sequence, frame, self._maker.order(order), []))
+        self._making.append(_Making(self._numbers, begin, frame, self._maker.order(order), []))
 
     def _reread(self, wish: Reread) -> None:
         """Make a target anew in its place, since its click meant something else."""
@@ -203,44 +239,50 @@ class Followed(Closing):
         click, frame = clicked
         meant = msgspec.structs.replace(click, reading=wish.reading)
         order = functools.partial(Target, wish.target, meant, frame)
-        self._making.append(_Making(wish.target, click.sequence, frame, self._maker.order(order), []))
+        self._making.append(_Making(wish.target, meant, frame, self._maker.order(order), []))
 
     def _take_made(self) -> None:
         while self._making and self._making[0].result.done():
-            number, sequence, frame, made, later = self._making.popleft()
+            number, begin, frame, made, later = self._making.popleft()
             try:
                 target = made.result()
                 before = self._targets.get(number)
                 target.locate(self.camera, None if before is None else before.ball)
-                frames = [frame, *self._kept.after(sequence)]
+                frames = [frame, *self._kept.after(begin.sequence)]
                 catch_up(target, frames)
-                self._targets[number], self._trials[number] = target, frames[-1].time
+                self._targets[number], self._trials[number] = target, _Trial(begin, frame.time, frames[-1].time)
                 if target.note:
                     self._note(target.note)
-                for wish in later:
-                    self.do(wish)
             except ValueError as error:
-                self._note(str(error))
+                self.clicks.refuse(begin, str(error))
+                continue
+            for wish in later:
+                try:
+                    self.do(wish)
+                except ValueError as error:
+                    self._note(str(error))
 
     def _judge(self, number: int, frame: Frame, states: dict[int, TargetState]) -> None:
         """End the trial of a target: it is found, it is one that is followed already, or it is nothing."""
-        state, target = states[number], self._targets[number]
-        if state.found:
-            twin = next((each for each in states.values() if each.id != number and same_place(each, state)), None)
-            if twin is None:
-                del self._trials[number]
-            else:
-                self._note(f"that is {twin.name}, which is followed already")
-                self._forget(number)
-                del states[number]
-        elif not 0.0 <= frame.time - self._trials[number] <= self._parameters.trial:
-            if target.seen is not None:
-                del self._trials[number]
-                return
+        state, target, trial = states[number], self._targets[number], self._trials[number]
+        over = not 0.0 <= frame.time - trial.since <= self._parameters.trial
+        twin = next((each for each in states.values() if each.id != number and same_place(each, state)), None)
+        if twin is not None:
+            words = f"that is {twin.name}, which is followed already"
+        elif isinstance(target.answer, Track) and is_beside(trial.begin, target.answer, frame.time - trial.clicked):
+            words = f"the {target.shape} that was found is not where you clicked. {AGAIN}"
+        elif state.found or (over and target.seen is not None):
+            del self._trials[number]
+            self.clicks.accept(trial.begin)
+            return
+        elif over:
             at = "({:.0f}, {:.0f})".format(*target.begun)
-            self._note(f"no {target.shape} at {at}: {state.reason}. Click on its middle, or draw along its rim")
-            self._forget(number)
-            del states[number]
+            words = f"no {target.shape} at {at}: {state.reason}. {AGAIN}"
+        else:
+            return
+        self.clicks.refuse(trial.begin, words)
+        self._forget(number)
+        del states[number]
 
     def _forget(self, number: int) -> None:
         self._targets.pop(number, None)

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import cv2
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -215,6 +216,31 @@ def color_within(given: Shape, frame: Frame) -> ColorModel:
         color = ColorModel.edges()
         color.note = "no color tells what was drawn from the rest: only its edges are followed, which is less sure"
         return color
+
+
+class BesideParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How far what is found first may be from the click that it is to answer. Both chosen by hand.
+
+    Parameters
+    ----------
+    rim : float
+        From its middle in the picture of the click, half-widths: the rim, with the room that a finger needs.
+    speed : float
+        How much farther for each second that has passed since, half-widths per second: a ball that is thrown.
+    """
+
+    rim: float = 2.0
+    speed: float = 60.0
+
+
+def is_beside(begin: Begin, answer: Track[Any], passed: float, parameters: BesideParameters | None = None) -> bool:
+    """Whether a click was too far from what was found so long after it, s: it meant something else."""
+    if isinstance(begin, Outline):
+        return False
+    limits = parameters or BesideParameters()
+    x, y = center_of(outline(answer.shape))[:2]
+    half = float(type(answer.shape).half_width(answer.shape.state))
+    return math.hypot(begin.x - x, begin.y - y) > (limits.rim + limits.speed * max(passed, 0.0)) * half
 
 
 def same_place(one: TargetState, other: TargetState) -> bool:

@@ -43,7 +43,7 @@ class CameraFeed(Feed):
         self.vision = Vision(open_source, news=news, note=note)
         self.streams = (self.vision,)
         self._camera = CameraPanel(self.vision, note, mounted=mounted)
-        self.panels: tuple[Panel, ...] = (TargetsPanel(self.vision.ask), self._camera)
+        self.panels: tuple[Panel, ...] = (TargetsPanel(self.vision.ask, self.vision.followed.clicks), self._camera)
         if isinstance(open_source, CameraDevice):
             self.panels += (SettingsPanel(open_source, self.vision.reopen),)
 

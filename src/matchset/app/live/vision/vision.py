@@ -13,8 +13,9 @@ import numpy.typing as npt
 
 from matchset.app.closing import Closing
 from matchset.app.live.feed import News, Seen
+from matchset.app.live.targets.clicks import CROWDED
 from matchset.app.live.targets.followed import Followed
-from matchset.app.live.targets.messages import Wish
+from matchset.app.live.targets.messages import Outline, Pick, Wish
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import State, TargetState
 from matchset.app.timing.durations import ShownTimes
@@ -110,18 +111,27 @@ class Vision(Closing):
 
     def ask(self, wish: Wish) -> None:
         """Ask for something; done before the next picture. What cannot be done is a note on the page."""
-        self.call(functools.partial(self.followed.do, wish))
+        if not self.call(functools.partial(self.followed.do, wish)) and isinstance(wish, Pick | Outline):
+            self.followed.clicks.turn_away(wish, CROWDED)
 
     def use(self, camera: CameraModel | None) -> None:
         """Use another camera model from the next picture on; None: it is not known."""
         self.call(functools.partial(self._use, camera))
 
-    def call(self, action: Callable[[], None]) -> None:
-        """Have something done in the loop's thread, before the next picture; a ValueError is a note on the page."""
+    def call(self, action: Callable[[], None]) -> bool:
+        """Have something done in the loop's thread, before the next picture; a ValueError is a note on the page.
+
+        Returns
+        -------
+        bool
+            Whether it will be done: False where too much waits already, which is a note, too.
+        """
         try:
             self._wishes.put_nowait(action)
         except queue.Full:
-            self._note("too many clicks at once: some were left out")
+            self._note(CROWDED)
+            return False
+        return True
 
     def reopen(self) -> None:
         """Have the source opened again, such as with other settings; does not wait."""
@@ -170,7 +180,7 @@ class Vision(Closing):
         if self._stop.is_set():
             return
         self._sequence += 1
-        gone = [target.without_picture(words) for target in self.followed.targets]
+        gone = [target.without_picture("no picture comes") for target in self.followed.targets]
         state = msgspec.structs.replace(self.seen.state, sequence=self._sequence, fault=words, targets=gone, fps=None)
         self._done.clear()
         self.seen = Seen(self.seen.frame, state, camera=self.camera)

@@ -16,7 +16,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
-from matchset.app.live.feed import Charted, Masked
+from matchset.app.live.feed import Charted, Masked, Receiver
 from matchset.app.live.web.guarded import Guarded
 from matchset.app.live.web.programs import ProgramRoutes, stream_number, whole
 from matchset.app.live.web.security import Guard
@@ -57,6 +57,7 @@ def make_application(desk: Desk, viewers: Viewers, guard: Guard) -> Starlette:
             Route("/mask.png", routes.mask),
             Route("/course.json", routes.course),
             Route("/do/{type}", routes.do, methods=["POST", "GET"]),
+            Route("/thumbnail.jpg", routes.thumbnail),
             Route("/upload/{kind}", routes.upload, methods=["POST"]),
             Route("/download/{name:path}", routes.download),
             Mount("/", StaticFiles(directory=PAGE, html=True)),
@@ -127,6 +128,14 @@ class _Routes:
             return PlainTextResponse(str(error), 404)
         return Response(data, media_type="image/png", headers={"Cache-Control": "no-store"})
 
+    async def thumbnail(self, request: Request) -> Response:
+        """Answer a small picture of an entry of the menu."""
+        try:
+            data = await asyncio.to_thread(self._desk.session.thumbnail, request.query_params.get("key", ""))
+        except (ValueError, OSError) as error:
+            return PlainTextResponse(str(error), 404)
+        return Response(data, media_type="image/jpeg", headers={"Cache-Control": "private, max-age=3600"})
+
     async def course(self, request: Request) -> Response:
         """Answer the course of a target over a whole video."""
         target = whole(request.query_params.get("target", ""))
@@ -158,12 +167,23 @@ class _Routes:
         return Response(status_code=204)
 
     async def upload(self, request: Request) -> Response:
-        """Take a small file; its name is the query's `name`."""
+        """Take a file; its name is the query's `name`. A large one is taken from the page alone."""
+        kind, name = request.path_params["kind"], request.query_params.get("name", "")
+        length = whole(request.headers.get("content-length", ""))
+        try:
+            receiver = self._desk.session.receive(kind, name, length or 0)
+        except (ValueError, OSError) as error:
+            return JSONResponse({"error": str(error)}, 400)
+        if receiver is not None:
+            if request.headers.get("origin") is None:
+                receiver.drop()
+                return JSONResponse({"error": "a video is taken from the page alone"}, 403)
+            return await _receive(receiver, request)
         body = await body_of(request, UPLOAD)
         if body is None:
             return JSONResponse({"error": f"a file has {UPLOAD} bytes at most"}, 413)
         try:
-            self._desk.session.put(request.path_params["kind"], request.query_params.get("name", ""), body)
+            self._desk.session.put(kind, name, body)
         except ValueError as error:
             return JSONResponse({"error": str(error)}, 400)
         return Response(status_code=204)
@@ -174,6 +194,21 @@ class _Routes:
         if path is None or not path.is_file():
             return PlainTextResponse("there is no such file", 404)
         return FileResponse(path, filename=request.path_params["name"].replace("/", "-"))
+
+
+async def _receive(receiver: Receiver, request: Request) -> Response:
+    """Hand a large file on, part by part; what is not whole or no video is deleted."""
+    try:
+        async for part in request.stream():
+            await asyncio.to_thread(receiver.write, part)
+        await asyncio.to_thread(receiver.finish)
+    except (ValueError, OSError) as error:
+        receiver.drop()
+        return JSONResponse({"error": str(error)}, 400)
+    except BaseException:  # the page is gone, or the server ends
+        receiver.drop()
+        raise
+    return Response(status_code=204)
 
 
 async def body_of(request: Request, most: int) -> bytes | None:

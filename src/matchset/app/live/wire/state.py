@@ -44,6 +44,8 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
         What its click may mean, the likeliest first.
     reading : int
         Which of these was taken, from 1; 0: it was not clicked.
+    pending : bool
+        Whether nothing is known of it in this picture yet; it is not lost then.
     """
 
     id: int
@@ -65,6 +67,7 @@ class TargetState(msgspec.Struct, frozen=True, omit_defaults=True):
     shape: str = "circle"
     readings: list[str] = []
     reading: int = 0
+    pending: bool = False
 
 
 class State(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -92,6 +95,8 @@ class State(msgspec.Struct, frozen=True, omit_defaults=True):
     live : bool
     fault : str
         What is wrong with the source, in words.
+    stretch : int
+        Another number where a picture does not follow the one before: somebody has gone to another frame of a video.
     """
 
     sequence: int
@@ -107,6 +112,7 @@ class State(msgspec.Struct, frozen=True, omit_defaults=True):
     computing: dict[str, float] = {}
     live: bool = True
     fault: str = ""
+    stretch: int = 0
 
 
 class SessionState(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -3,12 +3,14 @@
 import { palette, Surface } from "../canvas.js";
 import { colorOf } from "../colors.js";
 import { drawDepths } from "./grid.js";
+import { Inspected } from "./inspected.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
 export class ViewFromAbove {
   constructor(canvas) {
     this.surface = new Surface(canvas);
     this.surface.redraw = () => this.draw();
+    new Inspected(canvas, this.surface.redraw, { valued: false });
     this.paths = new Map(); // number of a target: its last [time, x, z]
   }
 

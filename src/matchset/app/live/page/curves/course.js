@@ -3,6 +3,7 @@
 
 import { palette, Surface } from "../canvas.js";
 import { BAND, drawDepths, drawGrid, frameOf, LEFT, NAMES, rangeOf, UNITS } from "./grid.js";
+import { Inspected } from "./inspected.js";
 
 const WAIT = 500; // ms between two questions for the course while it grows
 
@@ -18,6 +19,9 @@ export class Courses {
       return canvas;
     });
     root.append(...canvases);
+    this.inspected = canvases.map((canvas, number) => new Inspected(canvas, () => this.draw(), {
+      valued: number < 3, go: (share) => seek(shareOf(canvas, share * canvas.clientWidth)),
+    }));
     this.surfaces = canvases.map((canvas) => {
       const surface = new Surface(canvas);
       surface.redraw = () => this.draw();
@@ -103,6 +107,23 @@ export class Courses {
     context.stroke();
     context.fillStyle = palette.ink;
     context.fillRect(frame.left + this.share * (frame.right - frame.left) - ratio, frame.top, 2 * ratio, frame.bottom - frame.top);
+    this.mark(context, surface, frame, index, x, y);
+  }
+
+  // The value in the column under the pointer.
+  mark(context, { width, ratio }, frame, index, x, y) {
+    const { course } = this;
+    const wanted = this.inspected[index].at(width);
+    if (wanted === null) return;
+    const count = course.times.length;
+    const column = Math.min(Math.max(Math.floor((wanted - frame.left) / (frame.right - frame.left) * count), 0), count - 1);
+    const [low, high] = [course.low[index][column], course.high[index][column]];
+    const value = low === null ? null : (low + high) / 2;
+    const name = course.names[index];
+    this.inspected[index].mark(context, frame, ratio, {
+      name: NAMES[name] ?? name, unit: course.placed ? "m" : UNITS[name] ?? "px", x: x(column), y: value === null ? 0 : y(value),
+      value, sigma: course.sigma[index][column], when: `${course.times[column].toFixed(2)} s`,
+    });
   }
 
   drawAbove(surface) {
@@ -138,8 +159,10 @@ export class Courses {
   }
 }
 
-function shareAt(canvas, event) {
-  const box = canvas.getBoundingClientRect();
+const shareAt = (canvas, event) => shareOf(canvas, event.clientX - canvas.getBoundingClientRect().left);
+
+// The share of the video at a place on a canvas, CSS px from its left.
+function shareOf(canvas, at) {
   const left = LEFT * palette.text;
-  return Math.min(Math.max((event.clientX - box.left - left) / (box.width - left - 1), 0), 1);
+  return Math.min(Math.max((at - left) / (canvas.clientWidth - left - 1), 0), 1);
 }

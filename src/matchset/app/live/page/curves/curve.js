@@ -2,6 +2,7 @@
 
 import { palette, Surface } from "../canvas.js";
 import { BAND, drawGrid, frameOf, rangeOf } from "./grid.js";
+import { Inspected } from "./inspected.js";
 import { PER_SECOND, SECONDS } from "./samples.js";
 
 const GAP = 1.5; // s without a sample, after which the line begins anew
@@ -10,6 +11,7 @@ export class Curve {
   constructor(canvas) {
     this.surface = new Surface(canvas);
     this.surface.redraw = () => this.again && this.again();
+    this.inspected = new Inspected(canvas, this.surface.redraw);
   }
 
   draw(samples, name, unit) {
@@ -32,6 +34,18 @@ export class Curve {
     context.clip();
     for (const run of runs(points)) drawRun(context, run, y, ratio);
     context.restore();
+    this.mark(context, frame, points, y, { name, unit });
+  }
+
+  // The value at the point that is nearest to the pointer.
+  mark(context, frame, points, y, of) {
+    const wanted = this.inspected.at(this.surface.width);
+    if (wanted === null || !points.length) return;
+    const point = points.reduce((best, each) => (Math.abs(each.x - wanted) < Math.abs(best.x - wanted) ? each : best));
+    const missing = Number.isNaN(point.low);
+    const value = missing ? null : (point.low + point.high) / 2;
+    const when = `${point.ago.toFixed(1)} s ago`;
+    this.inspected.mark(context, frame, this.surface.ratio, { ...of, x: point.x, y: missing ? 0 : y(value), value, sigma: point.sigma, when });
   }
 }
 

@@ -28,6 +28,7 @@ export class Curves {
     for (const id of this.pasts.keys()) if (!there.has(id)) this.pasts.delete(id);
     this.above.forget((id) => there.has(id));
     for (const target of targets) {
+      if (target.pending) continue;
       const past = this.pastOf(target);
       const values = valuesOf(target);
       past.names.forEach((name, index) => {

@@ -9,7 +9,7 @@ export const UNITS = { angle: "rad", scale: "" };
 
 // Where a curve is on its canvas.
 export function frameOf({ width, height, ratio, text }) {
-  return { left: LEFT * text, right: width - ratio, top: 1.7 * text, bottom: height - 1.5 * text };
+  return { left: LEFT * text, right: width - ratio, top: 2.2 * text, bottom: height - 1.5 * text };
 }
 
 // The least and the largest value with a margin; each sample has low, high and sigma, NaN or null where it was lost.

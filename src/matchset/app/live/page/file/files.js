@@ -22,7 +22,8 @@ export class FilePanel {
     this.work = element("p", "work");
     this.files = element("p", "files");
     this.root.replaceChildren(this.canvas, this.makeButtons());
-    this.results.append(this.work, this.makeExports());
+    this.part = element("p", "part");
+    this.results.append(this.work, this.makeExports(), this.part, this.files);
     this.courses = new Courses(courses, (share) => this.state && this.seek(share * this.state.end));
     this.canvas.addEventListener("pointerdown", (event) => this.grab(event));
     this.canvas.addEventListener("pointermove", (event) => this.drag(event));
@@ -74,7 +75,7 @@ export class FilePanel {
     this.film = make("annotated video", write("film"));
     this.stop = make("stop", () => this.send({ type: "stop_export" }));
     this.working = element("output", "working");
-    row.append(this.correct, this.tables, this.film, this.working, this.stop, this.files);
+    row.append(this.correct, this.tables, this.film, this.working, this.stop);
     return row;
   }
 
@@ -116,7 +117,7 @@ export class FilePanel {
     const parts = [];
     if (!state.complete) parts.push(`reading the file: ${(100 * (state.last + 1) / (state.end + 1)).toFixed(0)} %`);
     if (line) {
-      parts.push(`${line.name}: ${Math.floor(line.percent || 0)} % tracked`, `found in ${line.found || 0}, lost in ${line.lost || 0} frames`);
+      parts.push(`${line.name}: ${Math.floor(line.percent || 0)} % tracked`, `found in ${line.found || 0}, lost in ${line.lost || 0} ${line.lost === 1 ? "frame" : "frames"}`);
       if (state.rate) parts.push(`${state.rate.toFixed(0)} frames/s`);
       if (times(state.computing)) parts.push(`computing a frame: ${times(state.computing)}`);
       if (state.left) parts.push(`${duration(state.left)} left`);
@@ -130,6 +131,11 @@ export class FilePanel {
     const line = this.line();
     this.correct.disabled = !line;
     this.tables.disabled = this.film.disabled = !line || Boolean(working);
+    const part = line?.part || "";
+    this.part.hidden = !part;
+    this.part.textContent = `Written now: ${part} alone, ${Math.floor(line?.percent || 0)} % of the video.`;
+    const offer = part ? "CSV of this part" : "CSV tables";
+    if (this.tables.textContent !== offer) this.tables.textContent = offer;
     this.stop.hidden = !working;
     this.working.textContent = working ? `${working.name}: ${Math.floor(working.percent || 0)} %${working.left ? `, ${duration(working.left)} left` : ""}` : "";
     const key = JSON.stringify(written || []);
@@ -139,8 +145,9 @@ export class FilePanel {
       const link = element("a", "", file.name);
       link.href = `download/${file.name}`;
       link.download = file.name;
-      link.title = file.words;
-      return link;
+      const entry = element("span", "file");
+      entry.append(link, element("span", "holds", ` ${file.words}`));
+      return entry;
     }));
   }
 
@@ -224,7 +231,8 @@ export class FilePanel {
     const shown = this.wanted === null ? state.index : this.index;
     drawLine(this.canvas, { end: state.end, last: state.last, shown, runs: line ? line.line || [] : [] });
     this.courses.showAt((shown + 0.5) / (state.end + 1));
-    const words = `${clock(state.time || 0)} / ${clock(state.duration || 0)} · frame ${shown} of ${state.end}`;
+    const length = state.complete ? clock(state.duration || 0) : `${(100 * (state.last + 1) / (state.end + 1)).toFixed(0)} % read`;
+    const words = `${clock(state.time || 0)} / ${length} · frame ${shown} of ${state.end}${state.waiting ? " · waits for the tracking" : ""}`;
     if (this.time.textContent === words) return;
     this.time.textContent = words;
     this.canvas.setAttribute("aria-valuemax", state.end);

@@ -18,6 +18,7 @@ export class FlightPanel {
     this.pictures = [];
     this.state = {};
     this.me = "";
+    this.names = new Set(); // of this page: another one after each new connection
     this.painted = 0;
     this.asked = -Infinity; // when this page asked to take off
     this.banner = element("p", "flight-banner");
@@ -31,8 +32,11 @@ export class FlightPanel {
     this.table = this.makeTable();
     const below = element("div", "flight-below");
     const figure = element("figure", "flight-map-figure");
-    figure.append(map, element("figcaption", "", "From above, squares of 0.5 m. Cross: where the camera should be; ring: where the chain sees it."));
-    below.append(figure, this.table);
+    this.legend = element("figcaption", "");
+    figure.append(map, this.legend);
+    const place = element("div", "flight-table-place");
+    place.append(this.table);
+    below.append(figure, place);
     root.append(this.banner, this.views, below, this.makeBar());
     this.guardSpace();
     setInterval(() => this.beat(), BEAT);
@@ -46,10 +50,13 @@ export class FlightPanel {
   update(state, session = {}) {
     this.state = { duty: "idle", followers: [], ...state };
     this.me = session.page || "";
+    if (this.me) this.names.add(this.me);
     while (this.pictures.length < (session.streams || 0)) this.addPicture();
     while (this.pictures.length > (session.streams || 0)) this.pictures.pop().root.remove();
     if (!this.state.ready) this.map.clear();
-    this.banner.textContent = words(this.state, this.commands);
+    const said = words(this.state, this.commands, this.names);
+    if (this.banner.textContent !== said) this.banner.textContent = said;
+    this.legend.textContent = legend(this.state.map || {});
     this.banner.dataset.duty = this.state.fault ? "stopped" : this.state.duty;
     this.map.draw(this.state.map || {});
     this.showRows(this.state.followers);
@@ -164,7 +171,7 @@ export class FlightPanel {
     this.again.disabled = !fault && !ready;
     this.arm.hidden = over;
     this.arm.disabled = !ready || duty !== "idle";
-    this.armWords.textContent = duty === "idle" || over ? "Hold 1 s to take off" : this.commands ? "You command" : `${this.state.page} commands`;
+    this.armWords.textContent = duty === "idle" || over ? "Hold 1 s to take off" : this.commands ? "You command" : `${other(this.state.page, this.names)} commands`;
     this.land.disabled = !this.commands || (duty !== "flying" && duty !== "holding");
   }
 
@@ -195,9 +202,27 @@ export class FlightPanel {
   }
 }
 
+// What is on the map.
+function legend({ vehicles = [], cameras = [], places = [] }) {
+  if (!vehicles.length) return "";
+  const parts = [places.length && "cross: where the camera should be", cameras.some(Boolean) && "ring: where the chain sees it"].filter(Boolean);
+  return `From above, squares of 0.5 m.${parts.length ? ` ${parts.join("; ").replace(/^./, (letter) => letter.toUpperCase())}.` : ""}`;
+}
+
+// A page by what a person knows of it: this one, or another. Its number says nothing.
+const other = (words, names) => (words || "").replace(/^page \d+/, (name) => (names.has(name) ? "this page" : "another page"));
+
+// How far it is with getting ready.
+function preparing({ kernels = 0, preparing: seconds = 0 }) {
+  const past = seconds >= 1 ? `, ${seconds.toFixed(0)} s so far` : "";
+  if (!kernels) return `Getting ready${past}: seconds, or a minute or two at the first time.`;
+  return `Getting ready${past}: compiling, only once on this machine, ${kernels} ${kernels === 1 ? "piece" : "pieces"} done.`;
+}
+
 // What there is to say, in a sentence.
-export function words(state, commands) {
-  const { duty, page, reason, fault, ready, silent = 0, time = 0, stop_delay: delay } = state;
+export function words(state, commands, names = new Set()) {
+  const { duty, fault, ready, silent = 0, time = 0, stop_delay: delay } = state;
+  const [page, reason] = [other(state.page, names), other(state.reason, names)];
   if (fault) return `Nothing flies: ${fault}`;
   if (duty === "stopped") {
     if (!ready) return "Everybody is put back at the start …";
@@ -205,13 +230,15 @@ export function words(state, commands) {
   }
   if (duty === "descending") return `Landing: ${reason}.`;
   if (duty === "holding") {
-    return commands ? `This page was not heard for ${silent.toFixed(1)} s: everybody holds.` : `${page} is silent for ${silent.toFixed(1)} s: everybody holds, and lands after 1 s.`;
+    return commands ? `This page was not heard for ${silent.toFixed(1)} s: everybody holds.` : `${sentence(page)} is silent for ${silent.toFixed(1)} s: everybody holds, and lands after 1 s.`;
   }
   if (duty === "flying") {
-    return commands ? `You command. In flight for ${time.toFixed(0)} s.` : `${page} commands, in flight for ${time.toFixed(0)} s. You may watch, and stop the motors.`;
+    return commands ? `You command. In flight for ${time.toFixed(0)} s.` : `${sentence(page)} commands, in flight for ${time.toFixed(0)} s. You may watch, and stop the motors.`;
   }
-  return ready ? "Nobody flies. Hold the button for a second to take off." : "Getting ready: a minute at the first time, seconds later.";
+  return ready ? "Nobody flies. Hold the button for a second to take off." : preparing(state);
 }
+
+const sentence = (text) => text.replace(/^./, (letter) => letter.toUpperCase());
 
 function button(name, text) {
   const made = element("button", `flight-${name}`, text);

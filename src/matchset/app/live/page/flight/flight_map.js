@@ -29,13 +29,13 @@ export class FlightMap {
       if (trail.length > TRAIL) trail.shift();
       parts.push(shape("polyline", { points: trail.map(place).join(" "), class: "trail" }, this.color(index, vehicles)));
     });
-    places.forEach((at) => parts.push(shape("path", { d: cross(at), class: "set-place" })));
     vehicles.forEach((vehicle, index) => parts.push(...this.vehicle(vehicle, this.name(index, vehicles, cameras), this.color(index, vehicles))));
     cameras.forEach((at, index) => {
       if (!at) return;
       const [x, y] = place(at);
       parts.push(shape("circle", { cx: x, cy: y, r: 0.075, class: "estimate" }, vehicleColor(index)));
     });
+    places.forEach((at) => parts.push(shape("path", { d: cross(at), class: "set-place" }))); // last: balls would hide them
     this.root.replaceChildren(...parts);
   }
 

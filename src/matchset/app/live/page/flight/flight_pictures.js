@@ -31,6 +31,7 @@ export class FollowerPicture {
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", `what vehicle ${index + 1} sees`);
     this.arrived = this.shown = 0;
+    this.fault = "getting ready …"; // until a picture comes, or the server says something else
     this.painted = performance.now();
   }
 

@@ -9,7 +9,8 @@ export function wireLayers(root, picture) {
     const { layer } = box.dataset;
     if (layer in kept) box.checked = kept[layer];
     const apply = () => {
-      if (layer === "mask") picture.wantsMask = box.checked; else picture.show[layer] = box.checked;
+      if (layer !== "mask") picture.show[layer] = box.checked;
+      else if (picture.wantsMask !== box.checked) { picture.wantsMask = box.checked; picture.remask(); }
       picture.redraw();
     };
     apply();

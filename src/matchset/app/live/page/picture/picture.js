@@ -1,6 +1,7 @@
 // A picture with vector drawings on top. Clicks mean the picture that was on the screen when the finger came down.
 
 import { colorOf } from "../colors.js";
+import { Clicks } from "./clicks.js";
 import { drawCross, drawTarget, drawTrace, drawTrail } from "./drawing.js";
 import { Gestures } from "./gestures.js";
 import { Zoom } from "./zoom.js";
@@ -11,25 +12,27 @@ const CROSS = 18; // CSS px, half the size of the cross of the keys
 const MASK_WAIT = 1000; // ms; a mask that takes longer is left out
 
 export class PictureView {
-  // onPick and onOutline get what was done in the picture `sequence`, onHold that of a picture in which a line is begun;
-  // onSelect the number of a target that was clicked.
+  // onPick and onOutline get what was done in the picture `sequence`, and answer whether it was sent; onHold gets that of
+  // a picture in which a line is begun, onSelect the number of a target that was clicked.
   constructor(root, { onPick, onOutline, onHold = () => {}, onSelect = () => {} }) {
     this.root = root;
     [this.canvas, this.maskCanvas] = root.querySelectorAll("canvas");
-    this.drawing = root.querySelector("svg");
+    this.drawing = root.querySelector("#drawing");
+    this.clicks = new Clicks(...["#clicks", "#hint", "#said"].map((name) => root.querySelector(name)));
     this.context = this.canvas.getContext("2d");
     this.show = { outline: true, matchSet: false, trail: true, marker: true, axes: true };
     this.trails = new Map();
     this.targets = [];
     this.chosen = null;
-    this.mask = null; // number of the target whose mask is shown
+    this.wantsMask = false;
+    this.maskOf = null; // number of the target whose mask is on the screen
     this.sequence = 0;
     this.arrived = this.shown = 0;
     this.stream = 0;
     this.cross = this.line = null;
     Object.assign(this, { onPick, onOutline, onHold, onSelect });
     this.next = null; // a picture that came while another one stands still under a finger
-    const layers = [this.canvas, this.maskCanvas, this.drawing].filter(Boolean);
+    const layers = [this.canvas, this.maskCanvas, this.drawing, this.clicks.drawing].filter(Boolean);
     this.zoom = new Zoom(root, layers, (scale) => { this.redraw(); if (this.onZoom) this.onZoom(scale); });
     this.gestures = new Gestures(root, this);
   }
@@ -41,17 +44,18 @@ export class PictureView {
     if (this.gestures.holds) { this.next = packet; return true; }
     const turn = ++this.arrived; // decoding takes longer for some than for others
     if (packet.jpeg) {
-      const [bitmap, mask] = await Promise.all([createImageBitmap(packet.jpeg), this.fetchMask(packet)]);
+      const masked = this.targetOfMask(state.targets || []);
+      const [bitmap, mask] = await Promise.all([createImageBitmap(packet.jpeg), this.fetchMask(packet.sequence, masked)]);
       if (packet.feed !== this.feed || turn < this.shown) { bitmap.close(); return false; }
       if (this.gestures.holds) { bitmap.close(); this.next = packet; return true; } // pressed while it was decoded
       paintOn(this.canvas, this.context, bitmap);
-      this.paintMask(mask);
+      this.paintMask(mask, masked);
       this.fit(state.width, state.height);
     }
     this.shown = turn;
     this.sequence = packet.sequence;
     this.targets = state.targets || [];
-    this.note(state.time);
+    this.note(state.time, state.stretch || 0);
     this.redraw();
     return true;
   }
@@ -68,6 +72,7 @@ export class PictureView {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.paintMask(null);
     this.drawing.replaceChildren();
+    this.clicks.forget();
     this.zoom.whole();
   }
 
@@ -83,38 +88,58 @@ export class PictureView {
     this.size = [width, height];
     this.root.style.aspectRatio = `${width} / ${height}`;
     this.root.style.setProperty("--aspect", width / height);
-    this.drawing.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
+    for (const each of [this.drawing, this.clicks.drawing]) each.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
+  }
+
+  // The target that the reading shows, if it is in the picture; else the newest.
+  targetOfMask(targets) {
+    if (!this.wantsMask || !targets.length) return null;
+    return (targets.find((target) => target.id === this.chosen) || targets[targets.length - 1]).id;
+  }
+
+  // The mask was switched on or off, or another target was chosen: a picture that stands gets it without a new one.
+  async remask() {
+    if (this.remasking) return;
+    const [sequence, masked] = [this.sequence, this.targetOfMask(this.targets)];
+    this.remasking = true;
+    const mask = await this.fetchMask(sequence, masked);
+    this.remasking = false;
+    if (sequence === this.sequence && masked === this.targetOfMask(this.targets)) this.paintMask(mask, masked); else mask?.close();
   }
 
   // The mask of just this picture; pictures wait for it, so that both are of the same moment.
-  async fetchMask({ sequence }) {
-    if (this.mask === null || !this.maskCanvas) return null;
+  async fetchMask(sequence, masked) {
+    if (masked === null || !this.maskCanvas) return null;
     try {
-      const query = `stream=${this.stream}&target=${this.mask}&sequence=${sequence}`;
+      const query = `stream=${this.stream}&target=${masked}&sequence=${sequence}`;
       const answer = await fetch(`mask.png?${query}`, { signal: AbortSignal.timeout(MASK_WAIT) });
       return answer.ok ? await createImageBitmap(await answer.blob()) : null;
     } catch { return null; } // a slow link, or none: the picture is shown without
   }
 
-  paintMask(bitmap) {
+  paintMask(bitmap, masked = null) {
     if (!this.maskCanvas) return;
+    this.maskOf = bitmap ? masked : null;
     this.maskCanvas.hidden = !bitmap;
     if (!bitmap) return;
     const context = this.maskCanvas.getContext("2d");
     paintOn(this.maskCanvas, context, bitmap);
     context.globalCompositeOperation = "multiply"; // white becomes the target's color, the rest stays black
-    context.fillStyle = colorOf(this.mask || 1);
+    context.fillStyle = colorOf(masked || 1);
     context.fillRect(0, 0, this.maskCanvas.width, this.maskCanvas.height);
     context.globalCompositeOperation = "source-over";
   }
 
-  note(time) {
+  note(time, stretch) {
+    const apart = stretch !== this.stretch; // somebody has gone to another frame of a video
+    this.stretch = stretch;
     const ids = new Set(this.targets.map((target) => target.id));
     for (const id of this.trails.keys()) if (!ids.has(id)) this.trails.delete(id);
     for (const target of this.targets) {
       const trail = this.trails.get(target.id) || [];
       const last = trail.length ? trail[trail.length - 1][0] : time;
-      if (time < last || time > last + TRAIL) trail.length = 0; // the video went back, or jumped
+      if (apart || time < last || time > last + TRAIL) trail.length = 0; // the video went back, or jumped
+      if (target.pending) continue;
       if (target.found) trail.push([time, target.values.x[0], target.values.y[0]]); else trail.push([time, null, null]);
       while (trail.length && trail[0][0] < time - TRAIL) trail.shift();
       this.trails.set(target.id, trail);
@@ -129,9 +154,11 @@ export class PictureView {
       if (this.show.trail) parts.push(drawTrail(this.trails.get(target.id) || [], color));
       parts.push(...drawTarget(target, color, this.show, target.id === this.chosen));
     }
+    if (this.wantsMask && this.maskOf !== null && this.maskOf !== this.targetOfMask(this.targets)) this.remask();
     if (this.line) parts.push(...drawTrace(this.line));
     const pixel = this.size[0] / Math.max(this.root.clientWidth, 1) / this.zoom.scale; // picture px in a CSS px
     this.drawing.style.setProperty("--pixel", `${pixel}px`);
+    this.clicks.resize(pixel);
     if (this.cross) parts.push(...drawCross(this.cross, CROSS * pixel));
     this.drawing.replaceChildren(...parts);
   }
@@ -141,7 +168,7 @@ export class PictureView {
     const target = this.targets.find((each) => each.found && inside(each.outline, x, y));
     if (this.take) this.take({ sequence, x, y }); // somebody waits for a point: a marker
     else if (target) this.onSelect(target.id);
-    else this.onPick({ sequence, x: round(x), y: round(y) });
+    else this.begin(this.onPick, sequence, round(x), round(y), {});
   }
 
   lineBegins(sequence) {
@@ -151,7 +178,13 @@ export class PictureView {
   trace(points, sequence) {
     const every = Math.max(1, Math.ceil(points.length / POINTS));
     const kept = points.filter((_, index) => index % every === 0);
-    if (kept.length > 2) this.onOutline({ sequence, points: kept.flat().map(round) });
+    const flat = kept.flat().map(round);
+    if (kept.length > 2) this.begin(this.onOutline, sequence, flat[0], flat[1], { points: flat });
+  }
+
+  // Tells the server of a click; where it was shows it at once.
+  begin(tell, sequence, x, y, line) {
+    this.clicks.begin(sequence, x, y, tell(line.points ? { sequence, ...line } : { sequence, x, y }));
   }
 }
 

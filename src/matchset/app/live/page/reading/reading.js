@@ -19,7 +19,7 @@ export class Reading {
     this.dot.style.background = colorOf(target.id);
     this.head.hidden = !several;
     set(this.name, target.name);
-    if (target.found) this.showNumbers(valuesOf(target)); else {
+    if (target.found) this.showNumbers(valuesOf(target)); else if (target.pending) set(this.since, target.reason); else {
       set(this.words, target.reason);
       set(this.since, target.lost_for ? `for ${target.lost_for.toFixed(1)} s` : "not found yet");
     }
@@ -46,7 +46,7 @@ export class Reading {
     this.head.append(this.dot, this.name);
     this.root.replaceChildren(this.head);
     if (!target.found) {
-      const lost = element("p", "lost", "Lost ");
+      const lost = element("p", target.pending ? "pending" : "lost", target.pending ? "" : "Lost ");
       this.since = element("span", "since");
       this.words = element("p", "why");
       lost.append(this.since);
@@ -78,7 +78,10 @@ function valuesOf(target) {
   return { distance, x, y, z };
 }
 
-const kindOf = (target) => (target.found ? Object.keys(valuesOf(target)).join() + isPlaced(target) + (target.left_out ?? "") : "lost");
+const kindOf = (target) => {
+  if (!target.found) return target.pending ? "pending" : "lost";
+  return Object.keys(valuesOf(target)).join() + isPlaced(target) + (target.left_out ?? "");
+};
 
 function set(node, words) {
   if (node.textContent !== words) node.textContent = words;

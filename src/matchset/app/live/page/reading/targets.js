@@ -38,7 +38,7 @@ export class TargetList {
     for (const target of targets) {
       this.showReadings(target);
       const state = this.rows.get(target.id).querySelector(".state");
-      const words = target.found ? "" : "lost";
+      const words = target.found || target.pending ? "" : "lost";
       if (state.textContent !== words) state.textContent = words;
     }
     return targets.find((target) => target.id === this.chosen) || null;

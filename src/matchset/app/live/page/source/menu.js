@@ -1,9 +1,10 @@
 // The menu of sources: the start page while nothing is shown, and behind a button of the header afterwards.
 
+import { Brought } from "./brought.js";
 import { element } from "../reading/reading.js";
 
 const AGAIN = 2000; // ms between two looks while the start page is seen: a camera that is plugged in appears
-const KINDS = [["given", "From the command line"], ["camera", "Cameras"], ["file", "Videos of this folder"], ["demo", "To try it"], ["flight", "To try it"]];
+const KINDS = [["given", "From the command line"], ["address", "What was brought here"], ["upload", "What was brought here"], ["camera", "Cameras"], ["file", "Videos of this folder"], ["demo", "To try it"], ["flight", "To try it"]];
 
 export class Menu {
   constructor(send) {
@@ -23,11 +24,12 @@ export class Menu {
     again.addEventListener("click", () => send({ type: "look_again" }));
     this.heading = element("h2", "", "What do you want to see?");
     this.heading.setAttribute("aria-live", "polite");
+    this.brought = new Brought(send, () => { this.asked = true; });
     const last = element("p", "last");
     last.append(again, this.words);
     this.fault = element("p", "fault");
     this.fault.setAttribute("role", "alert");
-    this.root.append(this.heading, this.fault, this.list, last);
+    this.root.append(this.heading, this.fault, this.list, this.brought.root, last);
     this.root.addEventListener("keydown", (event) => { if (event.key === "Escape") this.close(); });
     document.getElementById("source").after(this.button);
     document.querySelector("main").before(this.root);
@@ -41,6 +43,7 @@ export class Menu {
     const opened = this.asked && !state.opening && !state.fault; // also where it is what was shown before
     if (opened || (this.shown !== null && state.shown !== this.shown)) this.isOpen = this.asked = false;
     this.shown = state.shown || "";
+    this.brought.allow(state.room || 0);
     this.words.textContent = state.words || "";
     const heading = state.opening ? `Opening ${state.opening} …` : "What do you want to see?";
     if (this.heading.textContent !== heading) this.heading.textContent = heading;
@@ -77,7 +80,10 @@ export class Menu {
     button.type = "button";
     button.dataset.kind = entry.kind;
     if (isShown) button.setAttribute("aria-current", "true");
-    button.append(element("span", "name", entry.name), element("span", "soft", entry.words));
+    const words = element("span", "about");
+    words.append(element("span", "name", entry.name), element("span", "soft", entry.words));
+    if (entry.pictured) button.append(thumbnail(entry.key));
+    button.append(words);
     button.addEventListener("click", () => { this.asked = true; this.send({ type: "show", key: entry.key }); });
     return button;
   }
@@ -101,4 +107,13 @@ export class Menu {
     this.root.classList.toggle("closed", !visible);
     this.button.setAttribute("aria-expanded", String(visible));
   }
+}
+
+// The first picture of a video; where there is none, nothing.
+function thumbnail(key) {
+  const image = document.createElement("img");
+  Object.assign(image, { alt: "", loading: "lazy", decoding: "async" });
+  image.addEventListener("error", () => image.remove());
+  image.src = `thumbnail.jpg?key=${encodeURIComponent(key)}`;
+  return image;
 }

@@ -50,10 +50,7 @@ def run_locate(options: LocateOptions) -> int:
     int
         The exit code.
     """
-    ball = ball_target(
-        options.diameter, options.marker_diameter, options.markers, options.marker.given, options.diameter_sigma
-    )
-    loaded = load_camera(options)
+    ball, loaded = _ball(options), load_camera(options)
     with (
         StopRequest() as stop,
         options.silence.open(options.source, options.fps, options.topic, options.view) as video,
@@ -92,6 +89,13 @@ def run_locate(options: LocateOptions) -> int:
         print("note: stopped; the files hold what was done so far", file=sys.stderr)
         return stop.code
     return FOUND if statistics.found else NOT_FOUND
+
+
+def _ball(options: LocateOptions) -> BallTarget:
+    """Ball, with its markers, that is located."""
+    return ball_target(
+        options.diameter, options.marker_diameter, options.markers, options.marker.given, options.diameter_sigma
+    )
 
 
 def _say_left_out(camera: CameraModel, ball: BallTarget, out: TextIO) -> None:

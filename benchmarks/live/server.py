@@ -3,10 +3,12 @@
 Each picture carries the time of its capture. Each line on the input is answered by a line of JSON (`Load`).
 """
 
+import itertools
 import os
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import cv2
@@ -58,6 +60,7 @@ class DrawnCamera:
 
     width, height, channels, fps, live = WIDTH, HEIGHT, 3, RATE, True
     warnings: tuple[str, ...] = ()
+    lost = ""
 
     def __init__(self) -> None:
         noise = np.random.default_rng(0)
@@ -75,6 +78,10 @@ class DrawnCamera:
 
     def __iter__(self) -> "DrawnCamera":
         return self
+
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        """Frames until somebody asks to stop."""
+        return itertools.takewhile(lambda _: not stopped(), self)
 
     def __next__(self) -> Frame:
         due = int((time.monotonic() - self._begin) * RATE)

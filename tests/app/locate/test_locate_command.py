@@ -1,9 +1,10 @@
 import csv
+import itertools
 import json
 import math
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -248,6 +249,9 @@ class FakeCamera:
     def __iter__(self) -> Iterator[Frame]:
         return self
 
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        return itertools.takewhile(lambda _: not stopped(), self)
+
     def __next__(self) -> Frame:
         frame = next(self.frames, None)
         if frame is None:
@@ -269,7 +273,7 @@ def test_a_camera_that_goes_away_leaves_whole_files(
     begin: int,
 ) -> None:
     """The marker may be clicked in a later frame than the ball; no frame is told twice."""
-    monkeypatch.setattr("matchset.app.locate.run.Video", FakeCamera)
+    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
     options = "--pick", BLUE, "--marker-pick", PURPLE + at, "--print", "-o", "out", "--video", "out.webm"
     assert matchset("locate", "0", *BALL, *options) == 3
     captured = capsys.readouterr()

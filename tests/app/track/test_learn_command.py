@@ -1,6 +1,7 @@
+import itertools
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,9 @@ class FakeCamera:
     def __iter__(self) -> Iterator[Frame]:
         return self
 
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        return itertools.takewhile(lambda _: not stopped(), self)
+
     def __next__(self) -> Frame:
         self.index += 1
         return Frame(ball_picture((56.0, 60.0)), 0.1 * self.index, self.index)
@@ -165,7 +169,7 @@ class FakeCamera:
 def test_before_a_camera_the_candidates_colors_are_saved(
     matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(learn_command, "Video", FakeCamera)
+    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
     assert matchset("learn", "0") == 0
     track, learn = commands(capsys)
     assert track == ["track", "0", "--color", "runs/0001-learn/candidate-1.npz"]
@@ -186,7 +190,7 @@ def test_before_a_camera_it_names_the_colors_that_it_saved(
             return Frame(image, 0.1, super().__next__().index)
 
     real = learn_command._color_of
-    monkeypatch.setattr(learn_command, "Video", ThreeBalls)
+    monkeypatch.setattr("matchset.image.video.Video", ThreeBalls)
     monkeypatch.setattr(learn_command, "_color_of", lambda frame, c: real(frame, c) if c.x < 129.0 else None)
     assert matchset("learn", "0") == 0
     out = capsys.readouterr().out

@@ -1,8 +1,9 @@
 import csv
+import itertools
 import json
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -174,6 +175,9 @@ class FakeCamera:
     def __iter__(self) -> Iterator[Frame]:
         return self
 
+    def until(self, stopped: Callable[[], bool]) -> Iterator[Frame]:
+        return itertools.takewhile(lambda _: not stopped(), self)
+
     def __next__(self) -> Frame:
         if self.dropped == 10:
             raise LinkError("camera 0 went away")
@@ -189,7 +193,7 @@ class FakeCamera:
 def test_a_camera_that_goes_away_leaves_whole_files(
     matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("matchset.app.track.run.Video", FakeCamera)
+    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
     assert matchset("track", "0", "--pick", "50,60", "--print", "-o", "out", "--video", "out.webm") == 3
     captured = capsys.readouterr()
     lines = [json.loads(line) for line in captured.out.splitlines()]

@@ -50,7 +50,7 @@ def run_locate(options: LocateOptions) -> int:
     int
         The exit code.
     """
-    ball, loaded = _ball(options), load_camera(options)
+    ball, loaded, make = _ball(options), load_camera(options), ball_tracker(options)
     with (
         StopRequest() as stop,
         options.silence.open(options.source, options.fps, options.topic, options.view) as video,
@@ -64,7 +64,7 @@ def run_locate(options: LocateOptions) -> int:
             explain_refused_click(refused, command, output_folder(options.out, "locate", options.force))
             raise
         target.say_notes()
-        before = before_click(options, video, target, ball_tracker(options), stop)
+        before = before_click(options, video, target, make, stop)
         locator: Locator = locator_of(options, target, marker_color, camera, ball, before)
         folder = output_folder(options.out, "locate", options.force)
         statistics, path, explainer = RunStatistics(), PathLog(), Explainer(command, target)

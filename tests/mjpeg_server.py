@@ -1,5 +1,7 @@
 """A camera in the network: pictures as MJPEG over HTTP on loopback, which can be stopped and started again."""
 
+import contextlib
+import random
 import threading
 import time
 from collections.abc import Callable
@@ -11,6 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 Image = npt.NDArray[np.uint8]
+
+BELOW_EPHEMERAL = range(20_000, 32_000)
+"""Ports that no system gives to connections: one could take the port while the server is stopped, and a client that
+tries again and again to connect to a port of theirs connects to itself at last."""
 
 
 class MjpegServer:
@@ -65,9 +71,15 @@ class MjpegServer:
             daemon_threads = True
             allow_reuse_address = True
 
-        self._server = Server(("127.0.0.1", self.port), Handler)
+        self._server = Server(("127.0.0.1", self.port), Handler) if self.port else self._on_free_port(Server, Handler)
         self.port = self._server.server_address[1]
         threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
+
+    def _on_free_port(self, server: Any, handler: Any) -> Any:
+        for port in random.sample(BELOW_EPHEMERAL, 100):
+            with contextlib.suppress(OSError):
+                return server(("127.0.0.1", port), handler)
+        raise OSError("no free port of a hundred")
 
     def stop(self) -> None:
         """Cut all connections; nothing listens any more."""

@@ -2,16 +2,13 @@
 
 import time
 from collections.abc import Iterator
-from typing import Any
 
-import msgspec
-
+from matchset.app.backward.mirrored import Follower, MirroredTracker
 from matchset.app.live.files.exact_reader import ExactReader, InterruptedReadingError
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.targets.target import Target
 from matchset.image.frame import Frame
-from matchset.tracking.tracker import Tracker
 
 
 class Run:
@@ -41,7 +38,7 @@ class Run:
         self.target, self.click, self.backward, self._first = target, click, backward, frame
         self.place, self.seconds = click, 0.0
         self._begin, self._reader = target.clicks[click], reader
-        self._tracker: Tracker[Any] | None = None
+        self._tracker: Follower | None = None
         self.began = 0.0
         self._frames: Iterator[Frame] | None = None
 
@@ -52,23 +49,21 @@ class Run:
             return True
         return target.clicks.get(self.click) is not self._begin or not target.decides(self.click, self.place)
 
-    def begin_with(self, tracker: Tracker[Any]) -> None:
-        """Take a tracker that was made for the click, and has seen nothing yet."""
+    def begin_with(self, tracker: Follower) -> None:
+        """Take a tracker that was made for the click, and has seen nothing yet; only for the way forward."""
         self._tracker = tracker
 
     def step(self) -> None:
         """Follow the target into the next frame; raises InterruptedReadingError if something is wanted more."""
         frame = self._next()
         if self._tracker is None:
-            self._tracker = Target(self.target.number, self._begin, frame).tracker
+            tracker = Target(self.target.number, self._begin, frame).tracker
+            self._tracker = MirroredTracker(tracker) if self.backward else tracker
         if self.place == self.click:
             self.began = frame.time
-        mirrored = Frame(frame.image, 2.0 * self.began - frame.time, frame.index) if self.backward else frame
         begin = time.thread_time()
-        answer = self._tracker.update(mirrored)
+        answer = self._tracker.update(frame)
         self.seconds = time.thread_time() - begin
-        if self.backward and self.place != self.click:
-            answer = msgspec.structs.replace(answer, time=frame.time)
         if not self.backward or self.place != self.click:  # in the frame of the click the way forward counts
             self.target.put(self.place, answer)
         self.place += -1 if self.backward else 1

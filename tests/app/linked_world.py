@@ -88,5 +88,7 @@ def made(
     colors = learn_colors(sample)
     pilot = Pilot(camera, DryLink(link) if dry else link, colors, flight.loop)
     kind, countdown = ("dry run", 0.0) if dry else ("flight", COUNTDOWN)
-    setup = FlightSetup(flight, (camera.model,), (sample,), kind=kind, countdown=countdown, colors=(colors,))  # type: ignore[arg-type]
+    seen = (camera.model,), (sample,)
+    named = {"kind": kind, "countdown": countdown, "colors": (colors,), "devices": (f"camera 0, {link.uri}",)}
+    setup = FlightSetup(flight, *seen, **named)  # type: ignore[arg-type]
     return LinkedFlight(LinkedFollowers([pilot]), setup)

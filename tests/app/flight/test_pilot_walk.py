@@ -15,7 +15,7 @@ import msgspec
 from matchset.app.flight.pilot import Pilot, PilotParameters
 from matchset.control.command import Command
 from matchset.control.follower import Follower
-from matchset.control.repeated_picture import PicturesSeen
+from matchset.control.repeated_picture import PicturesSeen, RepeatedPictureParameters
 from matchset.control.safety import DesiredCommand, SafetyParameters, SafetyState
 from matchset.control.sticks.angle_sticks import AngleSticks
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
@@ -23,7 +23,7 @@ from matchset.links.link import Link, LinkStatus, State
 from matchset.tracking.track import Lost
 from walks import walk_all
 
-STEP, OLD = 0.1, 0.5
+STEP, OLD = 0.1, 0.3
 NOTHING = Command()
 PARAMETERS = PilotParameters(
     safety=SafetyParameters(
@@ -34,8 +34,9 @@ PARAMETERS = PilotParameters(
         min_throttle=0.4,
         max_throttle=0.8,
         max_throttle_rate=4.0,
-        max_near_time=0.35,
-    )
+        max_near_time=0.25,
+    ),
+    repeated=RepeatedPictureParameters(max_repeats=2, final_repeats=4),
 )
 SAFETY = PARAMETERS.safety
 

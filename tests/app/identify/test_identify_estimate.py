@@ -92,7 +92,7 @@ def test_pictures_that_have_nothing_to_do_with_the_sticks_are_not_believed() -> 
 
 
 def test_another_ball_in_some_pictures_does_not_count() -> None:
-    log, values = made_log(5, ExcitationParameters())
+    log, values = made_log(5, ExcitationParameters(), seconds=9.0)
     balls = log.balls.copy()
     balls[[30, 90, 150]] += (0.3, 0.0, 1.5)
     found = estimate(msgspec.structs.replace(log, balls=balls))

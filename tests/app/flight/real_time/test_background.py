@@ -56,7 +56,12 @@ def test_without_a_clock_nothing_is_dropped() -> None:
         seen.append(item)
 
     with Background("the test", work, BackgroundParameters(waiting=2, drops=False)) as background:
-        adder = threading.Thread(target=lambda: [background.add(k) for k in range(50)])
+
+        def add() -> None:
+            for k in range(50):
+                background.add(k)
+
+        adder = threading.Thread(target=add)
         adder.start()
         while background.added < 4:
             adder.join(0.001)

@@ -9,6 +9,8 @@ import pytest
 from hypothesis import settings
 from pty_transmitter import PtyTransmitter
 
+from matchset.app.flight.real_time.memory import steady_memory
+
 settings.register_profile("no clock", deadline=None)  # beside other work an example now and then takes a second
 settings.load_profile("no clock")
 
@@ -29,6 +31,13 @@ def pytest_runtest_teardown(item: pytest.Item) -> None:
         level = os.sched_getparam(0).sched_priority
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         print(f"\n{item.nodeid} left policy {policy}, priority {level}", file=sys.__stderr__, flush=True)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def tests_stay_in_memory() -> Iterator[None]:
+    """Let no collection of garbage look at thousands of tests again: each flight begins with one, two seconds here."""
+    with steady_memory():
+        yield
 
 
 @pytest.fixture

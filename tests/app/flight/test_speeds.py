@@ -20,9 +20,8 @@ def flown(seed: int, duration: float = 12.0, **world: float | str) -> tuple[Flig
     return scorer.score(), flight
 
 
-@pytest.mark.parametrize("seed", [120, 121])
-def test_a_chain_holds_its_place(seed: int) -> None:
-    score, flight = flown(seed)
+def test_a_chain_holds_its_place() -> None:
+    score, flight = flown(120)
     assert score.survived
     assert score.worst_spread < 0.07
     assert all(pilot._follower.limit.state.words == "" for pilot in flight.pilots)

@@ -1,19 +1,28 @@
 """`matchset identify`: a simulated vehicle, a real one behind a pseudo-terminal, and what is refused."""
 
 import signal
-import time
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from blue_ball import Matchset
 from flight_process import FlightProcess, errors
+from linked_world import WORLD as LINKED_WORLD
+from linked_world import HeldLink, made
 from pty_transmitter import PtyTransmitter
 
 from matchset.app.flight.config import read_flight
 from matchset.app.flight.flight import FlightParameters
+from matchset.app.flight.linked.linked_flight import LinkedFlight
+from matchset.control.command import Command
+from matchset.links.link import Link
+from matchset.links.simulated import SimulatedChain
 from mjpeg_server import MjpegServer
 
 WORLD = "sim://chain?thrust=0.85&radio_delay_ms=90&full_yaw_rate=1.15&yaw_trim_deg_s=4"
+SMALL = f"{WORLD}&width=320&height=240"
+KILLED = 60  # commands
 SHORT = """
 [flight.linked]
 countdown = 0.5
@@ -71,7 +80,7 @@ def test_a_recorded_flight_tells_the_same_again(
     matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("mcap")
-    assert matchset("identify", WORLD, "--duration", 5, "--record", "flight.mcap", "--quiet") == 0
+    assert matchset("identify", SMALL, "--duration", 5, "--record", "flight.mcap", "--quiet") == 0
     first = capsys.readouterr().out
     assert matchset("replay", "flight.mcap", "--quiet") == 0, "bit for bit, its sticks shaken"
     capsys.readouterr()
@@ -101,42 +110,6 @@ def line(tmp_path: Path, camera: MjpegServer, transmitter: PtyTransmitter, files
 
 
 @pytest.mark.usefixtures("signals_end_programs")
-def test_a_dry_run_sends_no_throttle_and_identifies_nothing(
-    tmp_path: Path, line: list[str], transmitter: PtyTransmitter
-) -> None:
-    code, out, err = FlightProcess(tmp_path, *line, "--duration", "3").ended()
-    assert code == 0, out + err
-    assert {moment.throttle for moment in transmitter.moments} == {0}
-    assert "without throttle nothing can be identified; --arm flies" in out
-    assert not (tmp_path / "vehicle.toml").exists()
-
-
-@pytest.mark.usefixtures("signals_end_programs")
-def test_a_ball_that_does_not_answer_to_the_sticks_is_not_believed(
-    tmp_path: Path, line: list[str], transmitter: PtyTransmitter
-) -> None:
-    flown = FlightProcess(tmp_path, *line, "--arm", "--duration", "6")
-    flown.flies(transmitter)
-    code, out, err = flown.ended()
-    assert code == 1, out + err
-    assert (transmitter.port.throttle, transmitter.port.state) == (0, "locked")
-    file = tmp_path / "vehicle.toml"
-    assert not file.exists() or read_flight(file) == FlightParameters(), "nothing of it is flown by"
-
-
-@pytest.mark.usefixtures("signals_end_programs")
-def test_a_kill_stops_the_motors_at_once(tmp_path: Path, line: list[str], transmitter: PtyTransmitter) -> None:
-    flown = FlightProcess(tmp_path, *line, "--arm")
-    flown.flies(transmitter)
-    begin = time.monotonic()
-    flown.process.send_signal(signal.SIGUSR1)
-    code, out, err = flown.ended()
-    assert code == 1, out + err
-    assert "vehicle 1 was cut: SIGUSR1 came" in out
-    assert [packet.throttle for packet in transmitter.packets_since(begin)].index(0) <= 2
-
-
-@pytest.mark.usefixtures("signals_end_programs")
 def test_a_port_that_vanishes_is_one_line_and_leaves_no_file(
     tmp_path: Path, line: list[str], transmitter: PtyTransmitter
 ) -> None:
@@ -148,3 +121,54 @@ def test_a_port_that_vanishes_is_one_line_and_leaves_no_file(
     assert len(errors(err)) == 1
     assert "has gone (unplugged?)" in errors(err)[0]
     assert not (tmp_path / "vehicle.toml").exists()
+
+
+Real = Callable[..., int]
+
+
+@pytest.fixture
+def real(matchset: Matchset, monkeypatch: pytest.MonkeyPatch) -> Iterator[Real]:
+    """Run the command for a real vehicle, with this link, on the clock of a simulated world; returns the exit code."""
+    chain = SimulatedChain(LINKED_WORLD)
+
+    def run(link: Link, *words: object) -> int:
+        def opened(flight: FlightParameters, _followers: object, dry: bool) -> LinkedFlight:
+            return made(chain, link, dry, flight)
+
+        monkeypatch.setattr("matchset.app.identify.run.open_flight", opened)
+        return matchset("identify", "serial:///dev/ttyUSB0", "--camera", "0", *words)
+
+    monkeypatch.setattr("matchset.app.flight.real_time.priority.raised_priority", nullcontext)  # it never waits
+    yield run
+    chain.close()
+
+
+def test_a_dry_run_sends_no_throttle_and_identifies_nothing(real: Real, capsys: pytest.CaptureFixture[str]) -> None:
+    link = HeldLink()
+    assert real(link, "--duration", 3) == 0
+    assert len(link.commands) > 80
+    assert set(link.commands) == {Command()}
+    assert "without throttle nothing can be identified; --arm flies" in capsys.readouterr().out
+    assert not Path("vehicle.toml").exists()
+
+
+def test_a_ball_that_does_not_answer_to_the_sticks_is_not_believed(real: Real) -> None:
+    link = HeldLink()
+    assert real(link, "--arm", "--duration", 6) == 1
+    assert max(command.throttle for command in link.commands) > 0.3
+    assert link.commands[-1] == Command()
+    file = Path("vehicle.toml")
+    assert not file.exists() or read_flight(file) == FlightParameters(), "nothing of it is flown by"
+
+
+def test_a_kill_stops_the_motors_at_once(real: Real, capsys: pytest.CaptureFixture[str]) -> None:
+    def kill(count: int) -> None:
+        if count == KILLED:
+            signal.raise_signal(signal.SIGUSR1)
+            assert link.was_cut.wait(20.0)
+
+    link = HeldLink(kill)
+    assert real(link, "--arm") == 1
+    assert link.commands[KILLED - 1].throttle > 0.3
+    assert set(link.commands[KILLED:]) == {Command()}
+    assert "vehicle 1 was cut: SIGUSR1 came" in capsys.readouterr().out

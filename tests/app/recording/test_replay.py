@@ -126,7 +126,7 @@ def test_a_pilot_that_was_not_armed_stays_so(flown: Flown, tmp_path: Path) -> No
 def test_a_refusal_is_recorded_with_its_reason_and_replayed(
     matchset: Matchset, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    uri = "sim://chain?vehicles=2&seed=5&silent=0.4"
+    uri = "sim://chain?vehicles=2&seed=5&silent=0.4&width=320&height=240"
     assert matchset("fly", uri, "--duration", "1", "--record", "a.mcap", "--report", "a.html") == 1
     said = capsys.readouterr()
     assert "vehicle 1 was cut: the transmitter stopped the motors" in said.out
@@ -342,7 +342,7 @@ def chunks_of(path: Path) -> list[tuple[int, int]]:
     return found
 
 
-@pytest.mark.parametrize("where", [0.3, 0.5, 0.9])
+@pytest.mark.parametrize("where", [0.3, 0.9])
 def test_one_flipped_bit_costs_one_chunk_and_what_follows_is_salvaged(
     flown: Flown,
     recording: Path,

@@ -1,5 +1,6 @@
 """A flight of links and cameras, step by step, on the clock of a simulated world: no test waits for a device."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -7,14 +8,15 @@ from typing import Any
 
 import msgspec
 import pytest
+from linked_world import COUNTDOWN, DESCENT, DURATION, WORLD, made
 
 from matchset.app.flight.flight import FlightParameters, FlightSetup
-from matchset.app.flight.linked.dry_link import DryLink
 from matchset.app.flight.linked.followers import LinkedFollowers
 from matchset.app.flight.linked.linked_flight import LinkedFlight
 from matchset.app.flight.linked.live_camera import LiveCamera
-from matchset.app.flight.pilot import Pilot, PilotStep
-from matchset.app.flight.score import FlightScorer
+from matchset.app.flight.live_view import text_line
+from matchset.app.flight.pilot import PilotStep
+from matchset.app.flight.score import FlightCounters, FlightScorer
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay
 from matchset.app.recording.writer import RecordingWriter
@@ -22,25 +24,10 @@ from matchset.control.command import Command
 from matchset.control.safety import SafetyState
 from matchset.image.errors import LinkError
 from matchset.links.simulated import SimulatedChain, SimulationParameters
-from matchset.localization.markers.ball_colors import learn_colors
 from matchset.tracking.track import Lost
 
-COUNTDOWN, DURATION, DESCENT = 0.5, 3.0, 2.0
 END = COUNTDOWN + DURATION
 PHASES = (COUNTDOWN, "flying"), (END, "descending"), (END + DESCENT, "cut")
-WORLD = SimulationParameters(vehicles=2, seed=5, width=320, height=240)
-
-
-def made(chain: SimulatedChain, dry: bool = False) -> LinkedFlight:
-    """A flight of the first follower of a chain, which cannot tell it from a real one."""
-    camera, link = chain.cameras[0], chain.links[0]
-    sample = camera.sample()
-    parameters = FlightParameters(duration=DURATION, world=WORLD)
-    colors = learn_colors(sample)
-    pilot = Pilot(camera, DryLink(link) if dry else link, colors)
-    kind, countdown = ("dry run", 0.0) if dry else ("flight", COUNTDOWN)
-    setup = FlightSetup(parameters, (camera.model,), (sample,), kind=kind, countdown=countdown, colors=(colors,))  # type: ignore[arg-type]
-    return LinkedFlight(LinkedFollowers([pilot]), setup)
 
 
 @pytest.fixture
@@ -91,8 +78,9 @@ def test_being_stopped_is_a_descent(chain: SimulatedChain) -> None:
 def test_a_dry_run_sends_zero_and_begins_again_after_a_cut(chain: SimulatedChain) -> None:
     parameters = msgspec.structs.replace(WORLD, cable=0.5)
     with made(chain, dry=True) as flight:
-        phases, wanted = [], []
+        phases, wanted, counters = [], [], FlightCounters(1)
         for step in flight:
+            counters.add(step)
             phases.append(step.steps[0].safety.phase)
             wanted.append(step.steps[0].safety.command.throttle)
             assert step.steps[0].command == Command()
@@ -101,13 +89,15 @@ def test_a_dry_run_sends_zero_and_begins_again_after_a_cut(chain: SimulatedChain
         assert {"flying", "descending", "cut", "locked"} <= set(phases)
         assert phases[-1] == "flying"
         assert max(wanted) > 0.3
+        said = text_line(step, counters, dry=True)
+        assert re.search(r"flying, 1\.\d\d m.*would send roll [+-]0\.\d\d pitch .* throttle 0\.[2-9]", said), said
         assert flight.succeeded(FlightScorer(FlightParameters(world=parameters)))
 
 
 @pytest.mark.parametrize("dry", [False, True])
 def test_its_recording_comes_out_bit_for_bit(chain: SimulatedChain, tmp_path: Path, dry: bool) -> None:
     path = tmp_path / "flight.mcap"
-    with made(chain, dry) as flight, RecordingWriter(path, flight.setup) as recording:
+    with made(chain, dry=dry) as flight, RecordingWriter(path, flight.setup) as recording:
         for step in flight:
             recording.write(step, [pilot.armed for pilot in flight.pilots])
             if step.time > 1.5 and not flight.pilots[0].landing and not dry:

@@ -44,7 +44,8 @@ def test_first_pictures_need_no_drawing_library() -> None:
 
 
 def test_every_public_name_is_there_and_listed() -> None:
-    assert set(matchset.__all__) <= set(dir(matchset))
+    offered = {name for name in dir(matchset) if not name.startswith("__")}
+    assert offered == {*matchset.__all__, *matchset._FOLDERS}
     for name in matchset.__all__:
         assert getattr(matchset, name).__name__ == name
 
@@ -66,6 +67,7 @@ def test_public_folders_have_public_names() -> None:
     for folder in matchset._FOLDERS:
         assert folder in dir(matchset)
         module = getattr(matchset, folder)
+        assert {name for name in dir(module) if not name.startswith("__")} == set(module.__all__)
         for name in module.__all__:
             assert (getattr(module, name).__doc__ or "").strip(), f"{folder}.{name} says nothing about itself"
         with pytest.raises(AttributeError, match="no attribute 'Wrold'"):

@@ -17,6 +17,12 @@ FRAME = ms.Frame(IMAGE)
 LOST: ms.Lost[ms.Circle] = ms.Lost("gone", 0.0)
 make: Any = ms  # so that a type checker lets wrong types pass
 
+
+def track_at(x: float) -> "ms.Track[ms.Circle]":
+    """A ball that was found at x, 20 px, with a radius of 9 px."""
+    return ms.Track(ms.Circle(x, 20.0, 9.0), np.diag((0.01, 0.01, 0.01)), 1.0, np.empty((0, 2)), 0.0)
+
+
 MISUSE: dict[str, tuple[Callable[[], object], str]] = {
     "points, a fraction": (lambda: make.Tracker(ms.Circle, COLOR, points=64.5), "points must be a whole number.*64.5"),
     "points, not a number": (lambda: make.Tracker(ms.Circle, COLOR, points=math.nan), "points must be .*nan"),
@@ -29,6 +35,10 @@ MISUSE: dict[str, tuple[Callable[[], object], str]] = {
     "start, one number": (lambda: make.Tracker(ms.Circle, COLOR, start=3.0), "start must be finite.*3.0"),
     "start, three": (lambda: make.Tracker(ms.Circle, COLOR, start=(1, 2, 3)), r"start must be finite.*\(1, 2, 3\)"),
     "start, infinite": (lambda: make.Tracker(ms.Circle, COLOR, start=(1, math.inf)), "start must be finite.*inf"),
+    "start, outside": (
+        lambda: make.Tracker(ms.Circle, COLOR, start=(3000, 4000)).update(FRAME),
+        r"start \(3000.0, 4000.0\) does not lie in the 64 x 48 picture",
+    ),
     "family, a number": (lambda: make.Tracker(3, COLOR), "3 is no family of shapes"),
     "family, a shape": (lambda: make.Tracker(ms.Circle(1, 2, 3), COLOR), "no family of shapes"),
     "color, a word": (lambda: make.Tracker(ms.Circle, "blue"), "color must be a ColorModel, got str 'blue'.*pick"),
@@ -82,6 +92,20 @@ MISUSE: dict[str, tuple[Callable[[], object], str]] = {
     "localizer, a frame": (
         lambda: make.Localizer(CAMERA, TARGET).update(FRAME),
         "ball must be a Track or Lost, got Frame: Tracker.update",
+    ),
+    "localizer, a track of larger pictures": (
+        lambda: make.Localizer(CAMERA, TARGET).update(track_at(200.0)),
+        r"camera's pictures are 64 x 48 px, the ball is at \(200, 20\): .*resized",
+    ),
+    "draw, nothing": (lambda: make.draw(FRAME, None), "what is drawn must be a Track or Lost, got NoneType: Tracker"),
+    "draw, a word": (lambda: make.draw(FRAME, "ab"), "what is drawn must be a Track or Lost, got str 'ab'"),
+    "draw, a pose": (
+        lambda: make.draw(FRAME, make.Localizer(CAMERA, TARGET).update(track_at(32.0))),
+        "what is drawn must be a Track or Lost, got Pose: draw_pose",
+    ),
+    "write_video, tracks and frames exchanged": (
+        lambda: make.write_video("found.avi", [LOST], [FRAME]),
+        "what is drawn must be a Track or Lost, got Frame: Tracker.update",
     ),
     "markers, color": (lambda: make.MarkerTracker("red", TARGET), "color must be a ColorModel, got str 'red'"),
     "markers, nothing": (
@@ -158,3 +182,16 @@ def test_misuse_is_told_in_words_that_show_the_value(name: str) -> None:
     with pytest.raises((ValueError, TypeError)) as caught:
         call()
     assert re.search(words, str(caught.value)), str(caught.value)
+
+
+def test_a_ball_half_out_of_the_picture_is_no_misuse() -> None:
+    assert ms.Localizer(CAMERA, TARGET).update(track_at(71.0))
+
+
+def test_exchanged_blue_and_red_are_told_where_the_ball_is_clicked() -> None:
+    image = IMAGE.copy()
+    image[10:31, 20:41] = (200, 60, 30)  # blue, BGR
+    color = ms.ColorModel.learn(image, (22, 12, 16, 16))
+    ms.Tracker(ms.Circle, color, start=(30, 20)).update(image)  # a warning would fail
+    with pytest.warns(UserWarning, match=r"at the start \(30.0, 20.0\) blue and red seem to be exchanged.*BGR"):
+        ms.Tracker(ms.Circle, color, start=(30, 20)).update(image[..., ::-1])

@@ -144,6 +144,20 @@ def test_lengths_that_are_hardly_in_meters(
     assert bool(said) == bool(words)
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("locate", "a.mp4", "--diameter", "28cm"), "'--diameter'.*got '28cm'; wanted is M: The ball's diameter"),
+        (("live", "a.mp4", "--port", "99999"), "'--port'.*got '99999'; wanted is Port"),
+        (("track", "a.mp4", "--diameter", "0.28"), "No such option: --diameter.*it is an option of locate"),
+    ],
+)
+def test_a_wrong_option_shows_what_was_typed_and_what_is_wanted(tmp_path: Path, words: tuple[str], said: str) -> None:
+    done = type_it(tmp_path, *words)
+    assert done.returncode == 2
+    assert re.fullmatch(f"error: .*{said}.*", done.stderr.decode().strip()), done.stderr
+
+
 def test_calibrate_warns_of_squares_in_millimeters(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     matchset("calibrate", "no.mp4", "--board", "9x6", "--square", 25)
     assert "note: --square 25 is in m" in capsys.readouterr().err

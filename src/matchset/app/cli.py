@@ -7,7 +7,7 @@ import what they need.
 import io
 import shutil
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -76,6 +76,29 @@ app.command()(command_of(demo))
 app.command()(warm)
 
 
+def what_was_typed(error: Any) -> str:
+    """Say what a wrong option is: the value that was typed and what is wanted, or the commands that have it.
+
+    Parameters
+    ----------
+    error : Exception
+        Typer's, of a wrong option.
+
+    Returns
+    -------
+    str
+        What follows its own words; empty if there is nothing to add.
+    """
+    tried = getattr(error.__cause__, "errors", None)  # Pydantic's words lack the value and what it is
+    if tried is not None:
+        wanted = ": ".join(filter(None, (error.param.metavar, getattr(error.param, "help", None))))
+        return f", got {tried()[0]['input']!r:.60}" + (f"; wanted is {wanted}" if wanted else "")
+    option = getattr(error, "option_name", None)
+    commands = getattr(typer.main.get_command(app), "commands", {}).items() if option else ()
+    having = [name for name, command in commands if any(option in each.opts for each in command.params)]
+    return f"; it is an option of {', '.join(having)}" if having else ""
+
+
 def main() -> None:
     """Run the command line; the console script `matchset`."""
     for stream in (sys.stdout, sys.stderr):  # names of files that are no text are printed as they are
@@ -94,7 +117,7 @@ def main() -> None:
         if words is None:
             raise
         if type(error).__name__ != "NoArgsIsHelpError":
-            print_error(words())
+            print_error(words() + what_was_typed(error))
         code = getattr(error, "exit_code", 2)
     with errors_in_one_line():
         sys.stdout.flush()

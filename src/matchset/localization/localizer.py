@@ -30,6 +30,7 @@ ANGLES = 2.0 * math.pi * np.arange(48) / 48  # geometry: the points of a circle 
 UNIT_CIRCLE = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
 STEP = 0.1  # geometry: of a derivative to the intrinsics, in their standard deviations; at most the two that follow
 LARGEST_STEP_PX, LARGEST_STEP = 0.5, 1e-3  # geometry: of what has pixels, and of the lens
+RESIZED = "calibrate at the size that is used; CameraModel.resized is the camera of scaled pictures"  # format: words
 OBSERVED: dict[int, Observed] = {
     RotationSource.NONE: "position",
     RotationSource.LEVEL: "level",
@@ -144,6 +145,7 @@ class Localizer(Copied):
         seen = _checked(markers)
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
+        _check_picture(self.camera, ball.shape)
         count = self._take_markers(seen)
         self._last_known[0] = 0.0 <= ball.time - self._rotation_time <= self.parameters.memory
         ways = assignments(max(count, 1), len(self.target.markers))
@@ -205,6 +207,14 @@ class Localizer(Copied):
                     count += 1
         self._pixel_count[0] = count
         return count
+
+
+def _check_picture(camera: CameraModel, ball: Circle) -> None:
+    """Refuse a ball that is wholly outside of the camera's picture: it was seen in larger ones."""
+    half_x, half_y = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
+    if max(abs(ball.x - half_x) - half_x, abs(ball.y - half_y) - half_y) > ball.radius + 0.5:
+        size = f"{camera.width} x {camera.height} px"
+        raise ValueError(f"the camera's pictures are {size}, the ball is at ({ball.x:.0f}, {ball.y:.0f}): {RESIZED}")
 
 
 def _checked(markers: Iterable[Track[Circle] | Lost[Circle]]) -> tuple[Track[Circle] | Lost[Circle], ...]:

@@ -101,5 +101,5 @@ if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every miss
 
 
 def __dir__() -> list[str]:
-    """List the public names too that are not loaded yet."""
-    return sorted({*globals(), *__all__})
+    """List what is public, loaded yet or not, and what every module has."""
+    return sorted({*(name for name in globals() if name.startswith("__")), *__all__})

@@ -1,6 +1,7 @@
 """Initialization where somebody said roughly where a shape is: there, or at what stands out there."""
 
 import math
+import warnings
 from collections.abc import Iterator
 from typing import TypeVar
 
@@ -19,6 +20,8 @@ from matchset.shapes.shape import Shape, from_hull, nearest, outline
 S = TypeVar("S", bound=Shape)
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
+
+EXCHANGED = "blue and red seem to be exchanged: pictures are BGR, image[..., ::-1] makes them of RGB"  # format: words
 
 
 class InitializationParameters(msgspec.Struct, frozen=True):
@@ -88,6 +91,40 @@ def noise_in(image: Image, box: tuple[float, float, float, float], limits: Initi
     if pixels.shape[0] < 1 or pixels.shape[1] <= 2:
         return 0.0
     return float(np.abs(np.diff(pixels, 2, axis=1)).mean()) / SECOND_DIFFERENCE
+
+
+def check_start(image: Image, color: ColorModel, start: tuple[float, float] | None) -> None:
+    """Check the picture in which a search begins at a point: whether that is in it, and what its color is there.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    color : ColorModel
+        That of the target.
+    start : tuple of 2 floats or None
+        The point, px; None: no check.
+
+    Raises
+    ------
+    ValueError
+        If the point is outside of the picture.
+
+    Warns
+    -----
+    UserWarning
+        If the pixels around the point would have the target's color with blue and red exchanged, and do not have it.
+    """
+    if start is None:
+        return
+    (x, y), (height, width) = start, image.shape[:2]
+    if not (-0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5):
+        raise ValueError(f"start {start} does not lie in the {width} x {height} picture")
+    if color.gray or color.channels != 3:
+        return
+    row, column = round(y), round(x)
+    around = image[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
+    if (color.scores(around) <= 0).all() and (color.scores(around[..., ::-1]) > 0).all():
+        warnings.warn(f"at the start {start} {EXCHANGED}", stacklevel=4)
 
 
 def initialize_near(

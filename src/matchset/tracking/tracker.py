@@ -20,7 +20,7 @@ from matchset.tracking.ball.lost_ball import LostBall
 from matchset.tracking.compiled_step import tracking_fitter
 from matchset.tracking.detector import Detector, track_of
 from matchset.tracking.detectors import Detectors
-from matchset.tracking.initialization import initialize_near, model_for_image
+from matchset.tracking.initialization import check_start, initialize_near, model_for_image
 from matchset.tracking.motion import forget_motion, gate_of, initialize, predict_state
 from matchset.tracking.parameters import TrackerParameters
 from matchset.tracking.too_near import TOO_NEAR, fills_picture
@@ -56,8 +56,7 @@ class Tracker(Copied, Generic[S]):
     Raises
     ------
     ValueError
-        If there are fewer than 16 or more than 4096 points or no whole number of them, the start is no finite point,
-        or the rate is not positive.
+        If the points are no whole number, 16 to 4096, the start is no finite point, or the rate is not positive.
     TypeError
         If the color is no `ColorModel`, or the parameters are none.
 
@@ -87,8 +86,8 @@ class Tracker(Copied, Generic[S]):
         check_kind("parameters", parameters, (TrackerParameters, type(None)))
         points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
         self.parameters = parameters or TrackerParameters()
-        self._given, self._arrays = color.copy(), ArrayFrames(fps)
-        self._family, self._hint = family, start if start is None else checked_point("start", start)
+        self._family, self._given, self._arrays = family, color.copy(), ArrayFrames(fps)
+        self._hint = start if start is None else checked_point("start", start)
         self._fitter: Fitter[S] = tracking_fitter(family, points, self.parameters, color.gray != "edges")
         self._step = TrackStep(self._fitter, self.parameters)
         self._adapting = ColorAdapting(self.parameters.adaptation, self.parameters.relighting)
@@ -99,13 +98,13 @@ class Tracker(Copied, Generic[S]):
         self._last: S | None
         self._time: float
         self._forget_frames()
+        self._start = self._hint
         self._make_derived()
 
     def _derive(self) -> None:
-        color = self._given
-        precompile(self._family, self._fitter.points, color.table.size, color.channels)
+        precompile(self._family, self._fitter.points, self._given.table.size, self._given.channels)
         if self.parameters.search.whole_frame:
-            precompile_search(self._family, color.table.size, color.channels)
+            precompile_search(self._family, self._given.table.size, self._given.channels)
 
     @one_line
     def __repr__(self) -> str:
@@ -169,7 +168,7 @@ class Tracker(Copied, Generic[S]):
         self.color, self.mode = self._given.copy(), Mode.SEARCHING
         self._adapting.begin(self.color)
         self._detectors.forget()
-        self._format = self._initial = self._last = None
+        self._format = self._initial = self._last = self._start = None
         self._time, self._interval = -math.inf, 1.0 / 30.0
         self._frames = self._arrays.count = 0
         self._step.forget()
@@ -193,8 +192,8 @@ class Tracker(Copied, Generic[S]):
         Raises
         ------
         ValueError
-            If the time does not run forward, the size or the channels of the picture changed on the way, frames and
-            arrays alternate, or the color was learned on another kind of picture.
+            If the time does not run forward, size or channels of the picture changed on the way, frames and arrays
+            alternate, the color was learned on another kind of picture, or the constructor's start is not in it.
         TypeError
             If it is neither a `Frame` nor an array.
         """
@@ -246,6 +245,7 @@ class Tracker(Copied, Generic[S]):
         if image.shape != self._format or not time > self._time:
             check_follows(frame, self._format, self._time)
             self.color.check(image)
+            check_start(image, self.color, self._start)
             self._format = image.shape
         if self._frames:
             self._interval = min(time - self._time, 1.0)

@@ -178,6 +178,19 @@ def test_tables_of_a_part_say_which_part(feed: FileFeed, monkeypatch: pytest.Mon
     wait(lambda: "tracks-1.csv" in feed.panel.downloads())
 
 
+def test_two_targets_on_one_ball_are_told_with_the_first_frame(feed: FileFeed) -> None:
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    wait(lambda: feed.tracking.targets and not feed.tracking.busy)
+    assert feed.panel.state().same == ""  # type: ignore[union-attr]
+    feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
+    wait(lambda: 2 in feed.tracking.targets and not feed.tracking.busy)
+    words = f"circle 1 and circle 2 are on one ball in {FRAMES} frames, first in frame 0: correct one of them there"
+    assert feed.panel.state().same == words  # type: ignore[union-attr]
+    feed.ask(Drop(2))
+    wait(lambda: list(feed.tracking.targets) == [1])
+    assert feed.panel.state().same == ""  # type: ignore[union-attr]
+
+
 def test_a_part_with_gaps_says_so() -> None:
     assert Part(np.array([3, 4, 9]), 3, 9, False).words == "frames 3 to 9, with gaps"
 

@@ -200,6 +200,7 @@ def test_texts_are_not_offered_whatever_their_names(tmp_path: Path) -> None:
         assert is_text(tmp_path / name)
     (tmp_path / "d.mp4").write_bytes(b"\0\0\0\x18ftypmp42")
     (tmp_path / "e.mpg").write_bytes(b"\xff\xd8\xff\xe0 a picture")
+    (tmp_path / "empty.mp4").touch()
     names = {each.name for each in find_sources(tmp_path, devices=tmp_path).entries if each.kind == "file"}
     assert names == {"ball.avi", "d.mp4", "e.mpg"}
 

@@ -13,10 +13,12 @@ import pytest
 from benchmarks.clicks.scenes import draw
 from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
-from matchset.app.track.loop import UNDECODED
-from matchset.app.track.rows import read_tracks
+from matchset.app.track.loop import UNDECODED, RunStatistics, TrackedFrame
+from matchset.app.track.rows import read_tracks, track_row
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Lost
 
 FOUR = re.compile(
     r"tracking took [\d.]+ ms of computing a frame \(median\)\n"
@@ -244,3 +246,12 @@ def test_force_never_overwrites_the_video_that_is_read(
         assert matchset("track", own, "--pick", "50,60", "--video", name, "--force") == 2
         assert one_error(capsys).startswith(f"{name} is what is read")
         assert own.read_bytes() == ball_video.read_bytes()
+
+
+def test_reasons_that_differ_by_their_numbers_are_one_with_its_range() -> None:
+    said = RunStatistics()
+    for reason in ("only 41 % of 3 px", "it left", "only 5 % of 3 px", "only 7.5 % of 3 px"):
+        lost = Lost[Circle](reason, 0.0)
+        said.count(TrackedFrame(None, lost, track_row(0, lost)))
+    assert said.reasons(5) == [("only 5 to 41 % of 3 px", 3), ("it left", 1)]
+    assert said.reasons(1) == [("only 5 to 41 % of 3 px", 3)]

@@ -43,6 +43,7 @@ TARGETS = (
     (178, 114, 0),
 )  # format: BGR, those of the live page in its order (Okabe & Ito, told apart by the color-blind)
 
+GIVEN = "Tracker.update(frame) gives one"  # format: where what is drawn comes from
 OUTLINE_TURNS = 2.0 * math.pi * np.arange(90) / 90  # geometry: points of a drawn ball's outline
 ARM = 0.07  # geometry: stands for the ball's radius where that is not known, in its distance: 4 degrees
 
@@ -93,9 +94,7 @@ def draw(
     TypeError
         If there is something else among the tracks or in a trail.
     """
-    given = [track] if isinstance(track, Track | Lost) else list(track)
-    for each in given:
-        check_kind("what is drawn", each, (Track, Lost), "Tracker.update(frame) gives one")
+    given = answers_of(track)
     drawn = as_color(image_of(image))
     chosen = _chosen(colors, len(given))
     for way, answer, color in zip(_ways(trail, track, len(given)), given, chosen, strict=True):
@@ -107,6 +106,26 @@ def draw(
         text = describe(track_row(0, given[0])) if len(given) == 1 else f"{count} found"
         write_captions(drawn, Caption(text, bad=not count))
     return drawn.view(Drawing)
+
+
+def answers_of(track: Found | Iterable[Found]) -> list[Found]:
+    """Return the answers for a frame: one alone, or those of an iterable.
+
+    Parameters
+    ----------
+    track : Track or Lost, or an iterable of them
+
+    Raises
+    ------
+    TypeError
+        If it is, or holds, something else.
+    """
+    one: Any = track
+    given = list(one) if isinstance(one, Iterable) and not isinstance(one, str | bytes) else [one]
+    instead = "draw_pose draws a pose" if any(isinstance(each, Pose) for each in given) else GIVEN
+    for each in given:
+        check_kind("what is drawn", each, (Track, Lost), instead)
+    return given
 
 
 def _chosen(colors: Sequence[Color] | None, count: int) -> list[Color | None]:
@@ -141,7 +160,7 @@ def _ways(trail: Any, track: Found | Iterable[Found], count: int) -> list[list[F
     if len(ways) != count:
         raise ValueError(f"there must be one trail for each of {count} tracks, got {len(ways) or 'one for all'}")
     for each in itertools.chain(*ways):
-        check_kind("what a trail holds", each, (Track, Lost), "Tracker.update(frame) gives one")
+        check_kind("what a trail holds", each, (Track, Lost), GIVEN)
     return ways
 
 

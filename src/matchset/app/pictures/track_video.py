@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from matchset.app.drawing.annotate import Color
-from matchset.app.drawing.draw import Found, draw
+from matchset.app.drawing.draw import Found, answers_of, draw
 from matchset.app.drawing.trail import TrailParameters
 from matchset.app.films.codecs import codecs_for
 from matchset.app.films.video_writer import Recorder
 from matchset.app.pictures.run_pictures import DEFAULT_FPS
 from matchset.image.frame import Frame, Picture
 from matchset.numeric.arguments import check_number
-from matchset.tracking.track import Lost, Track
 
 FIRST = 9  # format: frames from whose times the rate is taken: a median of eight intervals
 
@@ -101,8 +100,7 @@ def _drawn(
             raise ValueError(
                 f"there must be a track for each frame: there are more {more} than the {number} of the others"
             )
-        one: Any = answers
-        given = [one] if isinstance(one, Track | Lost) else list(one)
+        given = answers_of(answers)
         ways = ways or [deque(maxlen=TrailParameters().frames) for _ in given]
         if len(ways) != len(given):
             raise ValueError(

@@ -1,5 +1,6 @@
 """The loop of `matchset track`: which tracker runs (`trackers_for`), each frame through it (`follow`), the summary."""
 
+import itertools
 import re
 import sys
 import time
@@ -81,7 +82,8 @@ class RunStatistics:
 
     def __init__(self) -> None:
         self.frames = self.found = 0
-        self.reasons: Counter[str] = Counter()
+        self._reasons: Counter[str] = Counter()
+        self._numbers: dict[str, list[tuple[str, str]]] = {}
         self.durations = Durations()
 
     def count(self, counted: CountedFrame) -> None:
@@ -91,7 +93,24 @@ class RunStatistics:
         if counted.frame is not None:
             self.durations.add(counted.seconds)
         if not counted.row.found:
-            self.reasons[_NUMBER.sub("…", counted.row.reason)] += 1
+            words, numbers = _NUMBER.sub("…", counted.row.reason), _NUMBER.findall(counted.row.reason)
+            self._reasons[words] += 1
+            known = self._numbers.get(words, [(each, each) for each in numbers])
+            self._numbers[words] = [
+                (min(low, each, key=float), max(high, each, key=float))
+                for (low, high), each in zip(known, numbers, strict=True)
+            ]
+
+    def reasons(self, most: int) -> list[tuple[str, int]]:
+        """Return the most frequent reasons of frames without an answer, with how many those are.
+
+        What differs by its numbers alone is one reason: it says from which to which they go.
+        """
+        return [(self._in_words(words), count) for words, count in self._reasons.most_common(most)]
+
+    def _in_words(self, words: str) -> str:
+        texts = [low if low == high else f"{low} to {high}" for low, high in self._numbers[words]]
+        return "".join(itertools.chain(*itertools.zip_longest(words.split("…"), texts, fillvalue="")))
 
 
 def trackers_for(
@@ -221,7 +240,7 @@ def print_summary(video: Video, statistics: RunStatistics, words: str, files: It
         return
     share = 100.0 * statistics.found / statistics.frames
     print(f"found in {statistics.found} of {statistics.frames} frames ({share:.1f} %)", file=out)
-    for reason, count in statistics.reasons.most_common(5):
+    for reason, count in statistics.reasons(5):
         print(f"  {count:6d}  {reason}", file=out)
     for line in computing_lines(statistics.durations, words):
         print(line, file=out)

@@ -1,5 +1,6 @@
 """The panel of a recorded video: its buttons, its time line, its downloads (`FilePanel`)."""
 
+import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,10 @@ from matchset.app.live.files.exports import Working, Written, part_of
 from matchset.app.live.files.file_target import FileTarget
 from matchset.app.live.files.frame_list import FrameList
 from matchset.app.live.files.messages import MESSAGES, Correct, Export, Pause, Play, Seek, Speed, Step, StopExport
+from matchset.app.live.targets.crossing import are_one
 from matchset.app.live.wire.messages import Up
+from matchset.shapes.circle import Circle
+from matchset.tracking.track import Track
 
 if TYPE_CHECKING:
     from matchset.app.live.files.file_feed import FileFeed
@@ -89,6 +93,8 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
         What is being written.
     written : list of Written
         What can be downloaded.
+    same : str
+        Which targets were found on one ball, and where, in words.
     """
 
     index: int
@@ -106,6 +112,7 @@ class FileState(msgspec.Struct, frozen=True, omit_defaults=True):
     left: float | None = None
     working: Working | None = None
     written: list[Written] = []
+    same: str = ""
 
 
 class FilePanel(Panel):
@@ -123,6 +130,7 @@ class FilePanel(Panel):
     def __init__(self, feed: "FileFeed", parameters: TimeLineParameters | None = None) -> None:
         self._feed, self._columns = feed, (parameters or TimeLineParameters()).columns
         self._lines: dict[int, tuple[tuple[int, int, bool], TargetLine]] = {}
+        self._same: tuple[list[tuple[int, int]], str] = [], ""
 
     def take(self, message: Up, page: str) -> None:  # noqa: ARG002
         """Do what a button says."""
@@ -170,11 +178,26 @@ class FilePanel(Panel):
             left=open_frames / rate if rate and open_frames else None,
             working=feed.exports.working,
             written=feed.exports.written,
+            same="" if feed.tracking.busy else self._on_one_ball(targets),
         )
 
     def downloads(self) -> dict[str, Path]:
         """Return what was written."""
         return self._feed.exports.paths
+
+    def _on_one_ball(self, targets: list[FileTarget]) -> str:
+        """Say which targets were found on one ball; looked at again when something else is known."""
+        key = [(target.number, target.version) for target in targets]
+        if self._same[0] != key:
+            said = []
+            for one, other in itertools.combinations(targets, 2):
+                places = same_places(one, other)
+                if places:
+                    first, count = self._feed.frames[places[0]].index, len(places)
+                    frames = f"{count} {'frame' if count == 1 else 'frames'}, first in frame {first}"
+                    said.append(f"{one.name} and {other.name} are on one ball in {frames}: correct one of them there")
+            self._same = key, "; ".join(said)
+        return self._same[1]
 
     def _line(self, target: FileTarget, end: int) -> TargetLine:
         key = target.version, end, self._feed.frames.complete
@@ -195,6 +218,19 @@ class FilePanel(Panel):
             }
             self._lines[target.number] = kept
         return kept[1]
+
+
+def same_places(one: FileTarget, other: FileTarget) -> list[int]:
+    """Return the places of the frames in which two targets were found as one ball."""
+    places = []
+    for place, answer in one.found(range(min(len(one.codes), len(other.codes)))):
+        twin = other.answer(place)
+        if isinstance(answer, Track) and isinstance(twin, Track):
+            a, b = answer.shape, twin.shape
+            round_ones = isinstance(a, Circle) and isinstance(b, Circle)
+            if round_ones and are_one((a.x, a.y, a.radius), (b.x, b.y, b.radius)):
+                places.append(place)
+    return places
 
 
 def by_index(codes: bytes, frames: FrameList, end: int) -> np.ndarray[tuple[int], np.dtype[np.uint8]]:

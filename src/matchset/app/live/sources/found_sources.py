@@ -131,8 +131,7 @@ def _videos(folder: Path, parameters: MenuParameters) -> tuple[list[Source], int
     try:
         with os.scandir(folder) as entries:
             for entry, _ in zip(entries, range(parameters.entries), strict=False):
-                if Path(entry.name).suffix.lower() in ENDINGS and entry.is_file():
-                    about = entry.stat()
+                if Path(entry.name).suffix.lower() in ENDINGS and entry.is_file() and (about := entry.stat()).st_size:
                     found.append((about.st_mtime, entry.name, about.st_size))
     except OSError:
         return [], 0

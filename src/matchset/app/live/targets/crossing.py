@@ -32,6 +32,10 @@ class CrossingParameters(msgspec.Struct, frozen=True, kw_only=True):
     past: float = 0.3
 
 
+CROSSING = CrossingParameters()
+Ball = tuple[float, float, float]
+
+
 class _Seen(NamedTuple):
     time: float
     x: float
@@ -51,6 +55,12 @@ class Meeting(NamedTuple):
 
     hidden: dict[int, int]
     exchanged: list[tuple[int, int]]
+
+
+def are_one(a: Ball, b: Ball, parameters: CrossingParameters = CROSSING) -> bool:
+    """Whether two circles, x, y and radius in px, are one ball."""
+    near, far = sorted((a[2], b[2]))
+    return math.dist(a[:2], b[:2]) < parameters.apart * near and far < parameters.alike * near
 
 
 class Crossing:
@@ -83,7 +93,7 @@ class Crossing:
             one, other = pair
             a, b = balls[one], balls[other]
             apart = math.dist(_circle(a)[:2], _circle(b)[:2]) > _circle(a)[2] + _circle(b)[2]
-            if self._is_one(a, b):
+            if are_one(_circle(a), _circle(b), self._parameters):
                 self._twins.add(pair)
                 lost, stays = sorted(pair, key=lambda number: -self._error(number, balls[number], time))
                 meeting.hidden[lost] = stays
@@ -98,11 +108,6 @@ class Crossing:
         for number in balls.keys() - met - {each for pair in meeting.exchanged for each in pair}:
             self._note(number, balls[number], time)
         return meeting
-
-    def _is_one(self, a: TargetState, b: TargetState) -> bool:
-        near, far = sorted((_circle(a)[2], _circle(b)[2]))
-        distance = math.dist(_circle(a)[:2], _circle(b)[:2])
-        return distance < self._parameters.apart * near and far < self._parameters.alike * near
 
     def expected(self, number: int, time: float) -> tuple[float, float] | None:
         """Return where a target should be by its motion before it met another one, px; None if that is not known."""

@@ -122,6 +122,7 @@ export class FilePanel {
       if (times(state.computing)) parts.push(`computing a frame: ${times(state.computing)}`);
       if (state.left) parts.push(`${duration(state.left)} left`);
     } else if (state.complete) parts.push("Click the ball in any frame: it is followed from there to the end and back to the beginning.");
+    if (state.same) parts.push(state.same);
     this.work.textContent = parts.join(" · ");
     this.work.dataset.percent = line ? line.percent || 0 : "";
   }

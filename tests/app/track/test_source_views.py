@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blue_ball import CENTERS, RADIUS, SIZE, Matchset
+from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
+import shown_clips
 from matchset.app.cli_options import TurnOptions, ViewOptions
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.sources.found_sources import Source
@@ -15,7 +16,8 @@ from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
 from matchset.camera.camera_model import CameraModel
-from shown_clips import ball_picture, write_clip
+from mjpeg_server import MjpegServer
+from shown_clips import write_clip
 
 WIDTH, HEIGHT = SIZE
 
@@ -53,6 +55,24 @@ def test_the_next_command_has_them_too(
     assert all(row.shape is not None for row in read_tracks("out/tracks.csv"))
     assert matchset("track", ball_video, "--turn", 90) == 2
     assert "--turn 90' shows where the ball is" in capsys.readouterr().err
+
+
+def test_the_next_command_of_a_camera_has_them_too(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
+    with MjpegServer(lambda number: ball_picture(CENTERS[number % len(CENTERS)])) as server:
+        assert matchset("learn", server.url, "--turn", 90, "--mirror") == 0
+        url = server.url
+    printed = [line for line in capsys.readouterr().out.splitlines() if " track " in line]
+    assert f"track {url} --turn 90 --mirror --color" in printed[0]
+
+
+def test_learn_says_what_is_done_to_the_pictures(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = shown_clips.ball_picture((240, 180), (80.0, 90.0, 30.0), 4 / 3)
+    clip = write_clip(tmp_path / "hdv.mp4", [[picture] * 6], ratio=Fraction(4, 3))
+    for words in (("--frame", "0"), (), ("--pick", "107,90", "-o", "ball.npz")):
+        assert matchset("learn", clip, *words) == 0
+        assert capsys.readouterr().err.count("note: pixels are not square, 4:3: pictures of 240 x 180 px are made") == 1
 
 
 @pytest.mark.parametrize(("turn", "mirror"), [(90, False), (180, False), (0, True)])
@@ -101,7 +121,7 @@ def test_nothing_is_located_in_pixels_that_are_not_square(
 ) -> None:
     clip = write_clip(
         tmp_path / "hdv.mp4",
-        [[ball_picture((240, 180), (80.0 + 2 * k, 90.0, 30.0), 4 / 3) for k in range(6)]],
+        [[shown_clips.ball_picture((240, 180), (80.0 + 2 * k, 90.0, 30.0), 4 / 3) for k in range(6)]],
         ratio=Fraction(4, 3),
     )
     known = "locate", clip, "--fov", "60", "--diameter", "0.28", "--no-video"

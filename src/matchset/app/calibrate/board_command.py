@@ -12,7 +12,7 @@ from matchset.app.calibrate.command import BoardOptions, CalibrateOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
 from matchset.app.cli_options import TurnOptions
 from matchset.app.drawing.picture_file import write_picture
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
 from matchset.app.run_folder import output_file, output_folder
 from matchset.camera.board import Board
 from matchset.camera.calibrate import Calibration, calibrate
@@ -74,8 +74,7 @@ def calibrate_board(source: str, board: Board, options: CalibrateOptions) -> int
         path = camera_file(options.out, options.force, source)
         picture = output_file(path.with_name(path.stem + "-coverage.png"), options.force, source)
         seen = look_for_board(video, board, stop)
-        for warning in video.warnings:
-            print("note: " + warning, file=sys.stderr)
+        print_warnings(video.warnings)
     if stop and not video.live:
         print("note: stopped; nothing was calibrated", file=sys.stderr)
         return stop.code

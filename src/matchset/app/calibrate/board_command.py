@@ -14,7 +14,7 @@ from matchset.app.cli_options import TurnOptions
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
 from matchset.app.run_folder import output_file, output_folder
-from matchset.camera.board import Board
+from matchset.camera.board import Board, markers_seen
 from matchset.camera.calibrate import Calibration, calibrate
 from matchset.camera.calibration_report import CalibrationReport, grade_calibration
 from matchset.camera.view_selection import select_views
@@ -79,12 +79,21 @@ def calibrate_board(source: str, board: Board, options: CalibrateOptions) -> int
         print("note: stopped; nothing was calibrated", file=sys.stderr)
         return stop.code
     if seen.picture is None:
-        print_error(
-            f"no {board} in {seen.frames} frames. Inner corners are counted, not squares: a board of 10 x 7 "
-            "squares is --board 9x6; all of a chessboard must be in the picture, with a white margin"
-        )
+        print_error(f"no {board} in {seen.frames} frames. {_hint(board, seen)}")
         return NOT_FOUND
     return _finish(seen, board, (video.width, video.height), (path, picture), mounted.undone)
+
+
+def _hint(board: Board, seen: BoardViews) -> str:
+    """Say what may be wrong where no board was found: markers of another dictionary, or the number of corners."""
+    name = next(filter(None, map(markers_seen, seen.without)), "")
+    if name and (board.marker is None or name.rpartition("_")[0] != board.dictionary.rpartition("_")[0]):
+        words = f"--charuco MARKER --dictionary {name}" if board.marker is None else f"--dictionary {name}"
+        return f"Markers of {name} are in the pictures: {words}"
+    return (
+        "Inner corners are counted, not squares: a board of 10 x 7 squares is --board 9x6; all of a chessboard must be "
+        "in the picture, with a white margin"
+    )
 
 
 def _finish(

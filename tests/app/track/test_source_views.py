@@ -16,10 +16,12 @@ from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
 from matchset.camera.camera_model import CameraModel
+from matchset.image.color import ColorModel
 from mjpeg_server import MjpegServer
 from shown_clips import write_clip
 
 WIDTH, HEIGHT = SIZE
+FLOWN = "--link", "serial:///dev/null", "--fov", "60", "--camera"  # its source follows
 
 
 def moved(turn: int, mirror: bool, x: float, y: float) -> tuple[float, float]:
@@ -105,12 +107,17 @@ def test_a_camera_file_is_turned_with_the_pictures(
         ("locate", "--fov", "60", "--diameter", "0.28", "--pick", "50,60"),
         ("calibrate", "--board", "9x6", "--square", "0.025"),
         ("live", "--no-browser", "--port", "0"),
+        ("fly", *FLOWN),
+        ("preflight", *FLOWN),
     ],
 )
 def test_a_turn_by_45_is_one_line(
     matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
 ) -> None:
-    assert matchset(*words, ball_video, "--turn", 45) == 2
+    color = ball_video.with_name("color.npz")
+    ColorModel.hsv((100, 100, 60), (130, 255, 255)).save(color)
+    colors = ("--color", color, "--marker-color", color) if "--camera" in words else ()
+    assert matchset(*words, ball_video, *colors, "--turn", 45) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "turn must be 0, 90, 180 or 270 degrees, clockwise, got 45" in line
     assert not list(Path().iterdir())
@@ -152,6 +159,16 @@ def test_the_page_turns_pictures_and_the_camera_beside_them(ball_video: Path, tm
     with open_feed(Source("file", str(path), "of the menu"), opening) as feed:
         assert isinstance(feed, FileFeed)
         assert feed.tracking.size == (WIDTH, HEIGHT)
+
+
+def test_the_page_shows_square_pictures_and_no_others(matchset: Matchset, tmp_path: Path) -> None:
+    picture = shown_clips.ball_picture((240, 180), (80.0, 90.0, 30.0), 4 / 3)
+    clip = write_clip(tmp_path / "hdv.mp4", [[picture] * 6], ratio=Fraction(4, 3))
+    with open_feed(Source("given", str(clip), "a clip"), Opening(lambda _: None, lambda _: None)) as feed:
+        assert isinstance(feed, FileFeed)
+        assert feed.tracking.size == (320, 180)
+    for option in ("--stored-pixels", "--damaged"):
+        assert matchset("live", clip, "--no-browser", "--port", 0, option) == 2
 
 
 @pytest.mark.parametrize("turn", [0, 90, 180, 270])

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from benchmarks.machine import Machine
 from benchmarks.options import UNSEEN, Options, parse_seeds
-from benchmarks.readme import update
+from benchmarks.readme import fill
 from benchmarks.report import json_line, page, show
 from benchmarks.results import Section
 from benchmarks.workers import one_thread
@@ -99,7 +99,7 @@ def main(
         target.write_text(page(sections, machine), encoding="utf-8")
         typer.echo(f"written: {target}")
     if target == HERE / "RESULTS.md":
-        update(HERE.parent / "README.md", target)
+        typer.echo(fill(HERE.parent / "README.md", target))
     typer.echo(json_line(sections, machine))
 
 

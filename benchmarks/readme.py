@@ -46,6 +46,25 @@ def update(readme: Path, results: Path) -> None:
     readme.write_text(changed, encoding="utf-8")
 
 
+def fill(readme: Path, results: Path) -> str:
+    """Do the same, and say so; where the results lack something, as without the real clips, the README stays.
+
+    Parameters
+    ----------
+    readme, results : Path
+
+    Returns
+    -------
+    str
+        What became of it, in one line.
+    """
+    try:
+        update(readme, results)
+    except ValueError as error:
+        return f"note: {readme.name} stays as it was: {error}"
+    return f"written: {readme}"
+
+
 def block(results: str) -> str:
     """Write the README's table and its caption from the text of the page of results.
 

@@ -103,8 +103,13 @@ def with_ratio(path: Path, wide: int, high: int) -> Path:
     return result
 
 
-def access_units(pictures: Iterable[Picture], codec: str = "libx264", key: int = 10) -> list[bytes]:
-    """Code pictures as messages hold them: one packet each, its headers before every key picture."""
+def access_units(
+    pictures: Iterable[Picture], codec: str = "libx264", key: int = 10, own: str = "sliced-threads=0"
+) -> list[bytes]:
+    """Code pictures as messages hold them: one packet each, its headers before every key picture.
+
+    `own` are more settings of x264, such as "intra-refresh=1": no key pictures, but a part of each made anew.
+    """
     av = need_av()
     encoder: Any = None
     packets: list[Any] = []
@@ -113,8 +118,8 @@ def access_units(pictures: Iterable[Picture], codec: str = "libx264", key: int =
             encoder = av.CodecContext.create(codec, "w")
             encoder.height, encoder.width = picture.shape[:2]
             encoder.pix_fmt, encoder.time_base, encoder.framerate = "yuv420p", Fraction(1, 25), Fraction(25)
-            own = "repeat-headers=1:scenecut=0:sliced-threads=0:slices=1"
-            encoder.options = {"tune": "zerolatency", "g": str(key), "bf": "0", "x264-params": own}
+            more = f"repeat-headers=1:scenecut=0:sliced-threads=0:slices=1:{own}"
+            encoder.options = {"tune": "zerolatency", "g": str(key), "bf": "0", "x264-params": more}
         frame = av.VideoFrame.from_ndarray(picture, format="bgr24")
         frame.pts = index
         packets += encoder.encode(frame)

@@ -212,6 +212,15 @@ def test_every_page_with_commands_that_can_run_is_run() -> None:
     assert pages == set(PREPARED)
 
 
+def test_what_is_installed_takes_the_place_of_no_checkout() -> None:
+    """In the environment that `make demo` made matchset is editable: an installed copy would hide every change."""
+    for page in PAGES:
+        for paragraph in page.read_text(encoding="utf-8").split("\n\n"):
+            for editable, what in re.findall(r"pip install\s+(-e\s+)?('[^']*'|[^\s`]+)", paragraph):
+                own = "matchset" in what and "environment" in paragraph
+                assert editable or own, (page.name, what)
+
+
 def test_no_reason_is_left_over() -> None:
     lines = [line for page in PAGES for line in lines_of(page)]
     assert all(any(re.match(pattern, line) for line in lines) for pattern in NOT_RUN)

@@ -113,6 +113,7 @@ def test_the_tables_are_read_with_pandas(
     assert np.nanmedian(names["tracks"]["speed"]) == pytest.approx(np.median(ways), rel=0.1)
     assert names["slope"] == pytest.approx(np.polyfit(np.arange(30) / 30.0, [x for x, _ in seen[:30]], 1)[0], rel=0.05)
     assert len(names["both"]) == 40
+    assert names["made"]["x"].tolist() == pytest.approx(names["tracks"]["x"].tolist(), abs=0.5)
     assert Path("curves.png").stat().st_size > 10_000
     with Path("run/tracks.csv").open(encoding="utf-8") as file:
         assert list(csv.DictReader(file).fieldnames or []) == described("pandas.md")

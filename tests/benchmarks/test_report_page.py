@@ -2,6 +2,7 @@ import json
 import math
 from pathlib import Path
 
+import benchmarks.__main__ as bench
 import pytest
 from benchmarks.machine import Machine
 from benchmarks.readme import BEGIN, END, REAL, RENDERED, ROWS, block, update
@@ -78,6 +79,24 @@ def test_the_readme_gets_its_table_from_the_results(tmp_path: Path) -> None:
     readme.write_text("# Title\n", encoding="utf-8")
     with pytest.raises(ValueError, match="README"):
         update(readme, results)
+
+
+def test_without_the_real_clips_a_run_ends_well_and_the_readme_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    skipped = Section(REAL, [Finding(name="contest_real", what="no clips", figures=())], "Skipped: they are not here.")
+    cells = {"time": "141 µs", "× ours": "1.0", "valid, all sequences": "99.8 %"}
+    rendered = table(["", *cells], [[name, *cells.values()] for name in ROWS])
+    (tmp_path / "benchmarks").mkdir()
+    monkeypatch.setattr(bench, "HERE", tmp_path / "benchmarks")
+    monkeypatch.setattr(bench, "measure", lambda *_: [*SECTIONS, Section(RENDERED, [], rendered), skipped])
+    readme = tmp_path / "README.md"
+    readme.write_text(f"# Title\n\n{BEGIN}\nold\n{END}\n", encoding="utf-8")
+    bench.main("", False, "", tmp_path / "none", 1, None, None, None)
+    assert "old" in readme.read_text(encoding="utf-8")
+    *_, note, last = capsys.readouterr().out.splitlines()
+    assert note == f"note: README.md stays as it was: the chapter {REAL!r} of the results has no table"
+    assert json.loads(last)["machine"]
 
 
 @pytest.mark.parametrize(

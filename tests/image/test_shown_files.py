@@ -20,6 +20,7 @@ from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
+from matchset.tracking.detection import detect
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker
 from matroska_clips import write_posed
@@ -111,6 +112,26 @@ def test_stored_pixels_on_demand(tmp_path: Path) -> None:
     with Video(path, square=False, turn=90) as video:
         assert (video.width, video.height) == (360, 480)
         assert video.pixel_aspect == pytest.approx(3 / 4)
+
+
+def test_what_is_tracked_in_stored_pixels_is_not_located(tmp_path: Path) -> None:
+    path = write_clip(tmp_path / "clip.mp4", [anamorphic(HDV)], ratio=HDV)
+    for square, aspect in ((False, 4 / 3), (True, 1.0)):
+        with Video(path, square=square) as video:
+            frame = next(video)
+            localizer = Localizer(CameraModel.from_fov(video.width, video.height, 1.0), BallTarget(diameter=0.2))
+        assert frame.pixel_aspect == pytest.approx(aspect)
+        x, y, _ = middle_of(frame.image)
+        color = ColorModel.pick(frame.image, x, y)
+        tracker = Tracker(Circle, color, start=(x, y))
+        for track in (tracker.update(frame), detect(frame, Circle, color)[0]):
+            assert isinstance(track, Track)
+            assert track.pixel_aspect == frame.pixel_aspect
+            if square:
+                assert isinstance(localizer.update(track), Pose)
+                continue
+            with pytest.raises(ValueError, match=r"pixels are 1\.333 times as wide .* leave out square=False"):
+                localizer.update(track)
 
 
 @pytest.mark.parametrize("ratio", [(0, 1), (1, 0), (10_000, 1), (1, 10_000)])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cameras import PATIENCE, Camera
-from matchset.image.camera_stream import REOPENING
+from matchset.image.camera_stream import REOPENING, StreamParameters
 from matchset.image.errors import LinkError
 from matchset.image.streams.silence import Pauses, ReopeningParameters
 from matchset.image.video import Video
@@ -133,6 +133,22 @@ def test_one_that_stays_away_is_a_broken_link_in_the_end(device: Device) -> None
         video.newest(0.01)
     assert len(notes) == 1
     video.close()
+
+
+def test_one_of_which_every_picture_is_damaged_says_so(device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+    hasty = StreamParameters(first_picture_s=0.05)
+    monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", hasty)
+    damaged = [True]
+    monkeypatch.setattr("matchset.image.camera_stream.reports_damage", lambda _: damaged[0])
+    device.add(1)
+    words = f"^{NAME} has delivered no whole picture for .* damaged ones were left out .--damaged"
+    with pytest.raises(LinkError, match=words) as caught:
+        Video(URL, timeout=0.05, reconnect=0.0)
+    assert not isinstance(caught.value, ValueError)
+    damaged[0] = False
+    device.add(1)
+    with Video(URL, timeout=PATIENCE, reconnect=0.0) as video:
+        assert gray(video) == 1
 
 
 def _threads() -> list[threading.Thread]:

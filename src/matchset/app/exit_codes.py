@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from types import FrameType, TracebackType
 from typing import Self
 
@@ -37,6 +37,12 @@ def print_error(problem: object) -> None:
 def print_note(words: str) -> None:
     """Write ``note: ...`` in one line to stderr, at once."""
     print("note: " + " ".join(words.split()), file=sys.stderr, flush=True)
+
+
+def print_warnings(warnings: Iterable[str]) -> None:
+    """Write what is not as it should be, such as `Video.warnings`, one line each, to stderr."""
+    for words in warnings:
+        print_note(words)
 
 
 @contextlib.contextmanager

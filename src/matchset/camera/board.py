@@ -105,6 +105,8 @@ class BoardParameters(msgspec.Struct, frozen=True, kw_only=True):
     iterations : int, default 50
     tolerance_px : float, default 1e-4
         The refinement ends after so many steps, or with a step as short as this.
+    min_markers : int, default 4
+        With fewer different ones no dictionary is named: single markers are seen in much that is black and white.
     """
 
     min_corners: int = 8
@@ -112,6 +114,7 @@ class BoardParameters(msgspec.Struct, frozen=True, kw_only=True):
     min_window_px: float = 2.0
     iterations: int = 50
     tolerance_px: float = 1e-4
+    min_markers: int = 4
 
 
 class View(msgspec.Struct, frozen=True):
@@ -236,6 +239,22 @@ def blur_at(image: Image, pixels: Floats) -> float:
         steepest = float(np.hypot(*np.gradient(patch)).max())
         values.append(float(patch.max() - patch.min()) / max(steepest * np.sqrt(2.0 * np.pi), 1e-3))
     return float(np.median(values))
+
+
+def markers_seen(image: Image, parameters: BoardParameters | None = None) -> str:
+    """Return the dictionary of most markers in a picture, of those that hold them the smallest; empty if there are few.
+
+    Parameters
+    ----------
+    image : ndarray of shape (h, w, 3) or (h, w), uint8
+    parameters : BoardParameters, optional
+    """
+    seen: dict[str, int] = {}
+    for name in sorted(DICTIONARIES, key=lambda each: len(_markers(each).bytesList)):
+        _, numbers, _ = cv2.aruco.ArucoDetector(_markers(name)).detectMarkers(image)
+        seen[name] = 0 if numbers is None else len(set(np.ravel(numbers).tolist()))
+    name = max(seen, key=lambda each: seen[each])
+    return name if seen[name] >= (parameters or BoardParameters()).min_markers else ""
 
 
 def _markers(dictionary: str) -> Any:

@@ -123,7 +123,7 @@ class Live:
         self._device, self._note, self._pauses = device, silence.note or (lambda _: None), Pauses(REOPENING)
         self._is_file = isinstance(device, str) and re.search(r"^https?://[^?]*\.\w{3,4}($|\?)", device) is not None
         self._is_stream = isinstance(device, str) and "://" in device
-        self._keeps_damaged = damaged
+        self._keeps_damaged, self._is_left_out = damaged, False  # the last picture that came
         own = REOPENING.stream_s if self._is_stream else REOPENING.device_s
         self.reconnect = own if silence.reconnect is None else silence.reconnect
         self.settings: Settings = {setting: (value, None) for setting, value in wishes.items()}
@@ -150,7 +150,7 @@ class Live:
                 raise self._silent(first)
         except BaseException as error:
             self.close()
-            if isinstance(error, LinkError):
+            if isinstance(error, LinkError) and not self._is_left_out:
                 raise self._without_pictures(str(error)) from None
             raise
         self.shape = frame.image.shape
@@ -230,6 +230,9 @@ class Live:
                 self.settings, self.controls = others, read_controls(self._capture)
 
     def _silent(self, limit: float) -> LinkError:
+        if self._is_left_out:
+            left_out = f"{self.damaged} damaged ones were left out (--damaged, or damaged=True, uses them)"
+            return LinkError(f"{self.name} has delivered no whole picture for {limit:g} s; {left_out}")
         hint = ": if it is a file, not a stream, download it" if self._is_file and not self.reconnect else ""
         return LinkError(f"{self.name} has delivered no picture for {limit:g} s{hint}")
 
@@ -313,9 +316,7 @@ class Live:
         if self._is_spent or not self._capture.grab():
             return False
         if self._is_live and monotonic() - begin >= self._reading:
-            self._is_spent = (
-                True  # it was waited for in vain: this is what the decoder still held, as old as the silence
-            )
+            self._is_spent = True  # waited for in vain: this is what the decoder still held, as old as the silence
             return False
         moment = self._moment()
         if self._is_live and self._backlog.holds(self._arrived, self._arrived - begin, self.fps):
@@ -336,13 +337,13 @@ class Live:
 
     def _keep(self, moment: float) -> None:
         damaged = reports_damage(self._capture)
-        left_out = damaged and not self._keeps_damaged
-        image = None if left_out else unpack(self._capture)
+        self._is_left_out = damaged and not self._keeps_damaged
+        image = None if self._is_left_out else unpack(self._capture)
         with self._news:
             index, self._captured = self._captured, self._captured + 1
             self.damaged += damaged
             if image is None:
-                self.broken += not left_out
+                self.broken += not self._is_left_out
                 return
             self.dropped += self._newest is not None
             self._newest = Frame(image, moment, index, damaged)

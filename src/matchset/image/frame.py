@@ -29,6 +29,8 @@ class Frame(msgspec.Struct, frozen=True):
         Its place in the video, from 0, in decode order.
     damaged : bool
         Whether the decoder reported errors in it, or in a picture that it was made from: parts may be smeared or old.
+    pixel_aspect : float
+        Width of a pixel in its heights, as `Video.pixel_aspect`: where it is not 1 a ball is no circle.
 
     Raises
     ------
@@ -42,6 +44,7 @@ class Frame(msgspec.Struct, frozen=True):
     time: float = 0.0
     index: int = 0
     damaged: bool = False
+    pixel_aspect: float = 1.0
 
     def __post_init__(self) -> None:
         check_image(self.image)

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import msgspec
+from msgspec.structs import replace
 
 from matchset.image.bags.bag import Bag, is_bag
 from matchset.image.camera_stream import Live
@@ -58,7 +58,7 @@ class Video(NotCopied):
         Which topic of a bag to read, if several have pictures.
     square : bool, default True
         Whether pictures whose pixels are not square, by the header of their file, are resampled so that they are.
-        Otherwise they come as they are stored: nothing can be located in them.
+        Otherwise they come as they are stored: `Localizer` refuses what is tracked in them.
     turn : int, default 0
         Degrees by which all pictures are turned, clockwise: 0, 90, 180 or 270, for a camera that hangs upside down.
         A camera model goes with it: `CameraModel.turned`.
@@ -275,8 +275,8 @@ class Video(NotCopied):
 
     def _checked(self, frame: Frame) -> Frame:
         """Return a frame in the view of this video; one of another shape than those before is refused (ValueError)."""
-        if self._view.changes:
-            frame = msgspec.structs.replace(frame, image=self._view.apply(frame.image))
+        if self._view.changes or self.pixel_aspect != 1.0:
+            frame = replace(frame, image=self._view.apply(frame.image), pixel_aspect=self.pixel_aspect)
         if frame.image.shape != self._shape:
             found, before = _described(frame.image.shape), _described(self._shape)
             raise ValueError(f"{self._name}: frame {frame.index} is {found}, those before it are {before}")

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.fitting.fit_quality import add_field_covariance
+from matchset.image.upright.square_pixels import check_square
 from matchset.localization.attitude import ATTITUDE, AttitudeParameters, marker_direction
 from matchset.localization.ball_target import MOST_MARKERS, BallTarget
 from matchset.localization.cone import BallParameters, ConeFailure
@@ -140,12 +141,15 @@ class Localizer(Copied):
         ------
         TypeError
             If the ball or a marker is no `Track` or `Lost`, whether it would have been looked at or not.
+        ValueError
+            If the ball was tracked in a picture whose pixels are not square.
         """
         check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
         seen = _checked(markers)
         if isinstance(ball, Lost):
             return Lost(ball.reason, ball.time)
         _check_picture(self.camera, ball.shape)
+        check_square(ball.pixel_aspect)
         count = self._take_markers(seen)
         self._last_known[0] = 0.0 <= ball.time - self._rotation_time <= self.parameters.memory
         ways = assignments(max(count, 1), len(self.target.markers))

@@ -85,7 +85,7 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
     found: list[tuple[float, Track[S]]] = []
     sure = False
     for estimate, merit in detector.detections(image, color, Prior.ASKED):
-        track = track_of(detector.fitter, last, frame.time)
+        track = track_of(detector.fitter, last, frame.time, pixel_aspect=frame.pixel_aspect)
         last = track.shape
         sure = _is_sure(estimate) if merit > max((pair[0] for pair in found), default=0.0) else sure
         found.append((merit, track))
@@ -93,7 +93,7 @@ def detect(frame: Picture, family: type[S], color: ColorModel, limit: int = 10) 
     if not sure and family is Circle and color.sample is not None and detector.fitter.weighs(color):
         spread = DiscDetector(detector.fitter, color, CHOICE.discs).find(image)
         if spread is not None:
-            best = track_of(detector.fitter, None, frame.time, spread)
+            best = track_of(detector.fitter, None, frame.time, spread, pixel_aspect=frame.pixel_aspect)
             found = [(1.0, best), *(each for each in found if not _is_around(best, each[1]))]
     return [track for _, track in found[:limit]]
 

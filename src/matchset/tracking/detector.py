@@ -306,6 +306,7 @@ def track_of(
     time: float,
     spread: Floats | None = None,
     acquired: Acquisition | None = None,
+    pixel_aspect: float = 1.0,
 ) -> Track[S]:
     """Answer with the last fit of a fitter.
 
@@ -320,6 +321,8 @@ def track_of(
         Covariance between the outlines that it may be: what the covariance of its edge points does not know of.
     acquired : Acquisition, optional
         When it was found.
+    pixel_aspect : float
+        Width of a pixel of the frame, in its heights.
     """
     support, covariance, points = fitter.answer()
     if spread is not None:
@@ -328,4 +331,4 @@ def track_of(
     if fitter.moves_covariance and (by := slopes(shape)) is not None:
         covariance = by @ covariance @ by.T
     x, y = fitter.work.field_offset.fitted.tolist()
-    return Track(shape, covariance, support, points, time, acquired, (x, y))
+    return Track(shape, covariance, support, points, time, acquired, (x, y), pixel_aspect)

@@ -73,6 +73,8 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
     field_offset : tuple of float
         In a picture of two interlaced fields, from where the odd rows show the shape to where the even rows do, px; the
         shape is midway. Near 0 in other pictures, and of a shape at rest.
+    pixel_aspect : float
+        Width of a pixel of the frame in its heights, `Frame.pixel_aspect`: only where it is 1 can a ball be located.
     """
 
     shape: S
@@ -82,6 +84,7 @@ class Track(msgspec.Struct, Generic[S], frozen=True):
     time: float
     acquired: Acquisition | None = None
     field_offset: tuple[float, float] = (0.0, 0.0)
+    pixel_aspect: float = 1.0
 
     def measured(self) -> dict[str, tuple[float, float | None]]:
         """Return the shape's parameters by name, px and rad, with their standard deviations; None if not finite."""

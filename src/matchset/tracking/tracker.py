@@ -211,7 +211,9 @@ class Tracker(Copied, Generic[S]):
         elif self.mode is Mode.COASTING:
             self._step.note_acquired(image, self.color, self._time)
         self.mode = Mode.TRACKING
-        track = track_of(self._fitter, self._last, self._time, self._step.outlines.spread, self._step.acquired)
+        track = track_of(
+            self._fitter, self._last, self._time, self._step.outlines.spread, self._step.acquired, self._aspect
+        )
         self._last = track.shape
         if self._step.without_outline:
             return track
@@ -231,8 +233,7 @@ class Tracker(Copied, Generic[S]):
 
     def _relight(self, image: Image) -> bool:
         """Take the color, and what else is remembered of the target, in the light of a picture, if that has changed."""
-        changed = self._adapting.relight(image, self.color)
-        if changed is not None:
+        if (changed := self._adapting.relight(image, self.color)) is not None:
             self.color, gains = changed
             self._ball.relight(gains)
         return changed is not None
@@ -241,7 +242,7 @@ class Tracker(Copied, Generic[S]):
         """Check a picture against those before it; return it as (h, w, channels)."""
         if type(frame) is not Frame or self._arrays.count:
             frame = self._arrays.next(frame, self._frames)
-        image, time = frame.image, frame.time
+        image, time, self._aspect = frame.image, frame.time, frame.pixel_aspect
         if image.shape != self._format or not time > self._time:
             check_follows(frame, self._format, self._time)
             self.color.check(image)
@@ -249,8 +250,7 @@ class Tracker(Copied, Generic[S]):
             self._format = image.shape
         if self._frames:
             self._interval = min(time - self._time, 1.0)
-        self._time = time
-        self._frames += 1
+        self._time, self._frames = time, self._frames + 1
         return channels_last(image)
 
     def _prepare(self, image: Image) -> None:

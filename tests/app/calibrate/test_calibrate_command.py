@@ -86,6 +86,23 @@ def test_no_board_is_said_with_a_hint(matchset: Matchset, pictures: Path, capsys
     assert "Inner corners are counted, not squares" in capsys.readouterr().err
 
 
+def test_markers_of_another_dictionary_are_named(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    board = Board(columns=7, rows=5, square=0.03, marker=0.022)
+    before = BoardCamera(CAMERA, board)
+    for index, pose in enumerate(poses(CAMERA, board, 2, seed=5)):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), before.picture(*pose, seed=index))
+    for words, said in (
+        (("--charuco", 0.022, "--dictionary", "4X4_50"), "Markers of 5X5_50 are in the pictures: --dictionary 5X5_50"),
+        (("--board", "9x6"), "Markers of 5X5_50 are in the pictures: --charuco MARKER --dictionary 5X5_50"),
+    ):
+        assert matchset("calibrate", tmp_path, *WORDS, *words, "-o", "camera.toml") == 1
+        assert said in capsys.readouterr().err
+    assert matchset("calibrate", tmp_path, *WORDS, "--charuco", 0.022, "--dictionary", "5X5_50") == 1
+    assert "different view" in capsys.readouterr().err  # it is found: two pictures are too few
+
+
 def test_a_board_to_print(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     assert matchset("calibrate", *WORDS, "--charuco", "0.022", "--board-picture", "board.png") == 0
     assert "300 x 240 mm" in capsys.readouterr().out

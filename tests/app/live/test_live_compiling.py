@@ -1,13 +1,13 @@
-"""The page says when it waits for the compiler, and a click then is told to wait."""
+"""The page says when it waits for the compiler, and a click then is kept and answered after that."""
 
 import sys
 import time
 
-import pytest
-
 from matchset.app.live.compiling import CompilingPanel
+from matchset.app.live.feed import Panel
 from matchset.app.live.session import Session
-from matchset.app.live.targets.messages import Drop, Marker, Pick
+from matchset.app.live.targets.clicks import Clicks
+from matchset.app.live.targets.messages import Drop, Hold, Marker, Pick
 from matchset.app.live.targets.panel import TargetsPanel
 from matchset.app.live.wire.messages import Kernels
 
@@ -20,13 +20,17 @@ def test_kernels_are_counted_until_the_first_click_can_be_answered() -> None:
     while panel.state().kernels < 3:
         time.sleep(0.01)
     assert not panel.state().done
-    with pytest.raises(ValueError, match="the first click waits for the compiler"):
-        session.take(Pick(1, 2.0, 3.0), "page")
+    panel.ready = session.go_on
+    session.take(Pick(1, 2.0, 3.0), "page")
+    assert session.state().notes == [
+        "the first click waits for the compiler, only once on this machine: it is answered after that"
+    ]
     session.take(Drop(1), "page")
+    assert asked == [Hold(1), Drop(1)]
     panel._thread.join(60.0)
     assert (panel.state().kernels, panel.state().done, panel.refusal()) == (3, True, "")
-    session.take(Pick(1, 2.0, 3.0), "page")
-    assert asked == [Drop(1), Pick(1, 2.0, 3.0)]
+    session.take(Pick(2, 2.0, 3.0), "page")
+    assert asked == [Hold(1), Drop(1), Pick(1, 2.0, 3.0), Pick(2, 2.0, 3.0)]
 
 
 def test_other_shapes_and_markers_wait_longer_than_the_first_click() -> None:
@@ -37,14 +41,43 @@ def test_other_shapes_and_markers_wait_longer_than_the_first_click() -> None:
     while not panel.state().done:
         time.sleep(0.01)
     session.take(Pick(1, 2.0, 3.0), "page")
+    panel.ready = session.go_on
     for message in (box, marker):
-        with pytest.raises(ValueError, match="other shapes and markers wait for the compiler"):
-            session.take(message, "page")
+        session.take(message, "page")
+    (note,) = session.state().notes
+    assert note.startswith("other shapes and markers wait for the compiler")
     panel._thread.join(120.0)
-    session.take(box, "page")
-    session.take(marker, "page")
-    assert asked == [Pick(1, 2.0, 3.0), box, marker]
+    assert asked == [Pick(1, 2.0, 3.0), Hold(1), Hold(1), box, marker]
     assert panel.state().kernels == 1
+
+
+def waiting_session(*panels: Panel) -> tuple[Session, list[str]]:
+    """A session whose compiler is done as soon as the list is empty."""
+    words = ["the compiler"]
+    return Session(panels, refusal=lambda needs: words[0] if words and needs else ""), words
+
+
+def test_of_many_clicks_that_wait_the_oldest_are_given_up() -> None:
+    asked, clicks = list[object](), Clicks(lambda _: None)
+    session, words = waiting_session(TargetsPanel(asked.append, clicks))
+    picks = [Pick(number, 2.0, 3.0) for number in range(10)]
+    for pick in picks:
+        session.take(pick, "page")
+    assert [each.sequence for each in clicks.state.answered] == [0, 1]
+    words.clear()
+    session.go_on()
+    session.go_on()
+    assert [each for each in asked if isinstance(each, Pick)] == picks[2:]
+
+
+def test_a_click_that_waits_is_forgotten_with_its_pictures() -> None:
+    asked = list[object]()
+    session, words = waiting_session(TargetsPanel(asked.append))
+    session.take(Pick(1, 2.0, 3.0), "page")
+    session.show(None)
+    words.clear()
+    session.go_on()
+    assert asked == [Hold(1)]
 
 
 def test_what_is_kept_on_the_disk_is_no_reason_to_wait() -> None:

@@ -9,9 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+import bad_servers
+from bad_servers import BadServer
 from matchset.app.live.targets.messages import Diameter, FieldOfView, Pick
 from matchset.app.live.vision.vision import Vision, VisionParameters
 from matchset.camera.camera_model import CameraModel
+from matchset.image.camera_stream import StreamParameters
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.image.video import Video
@@ -202,3 +205,22 @@ def test_closing_does_not_wait_for_a_stream_that_is_away() -> None:
         wait_for(lambda: vision.seen.state.fault)
         vision.close()
         assert not vision._thread.is_alive()
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (bad_servers.page, "answers with a page (text/html)"),
+        (bad_servers.circle, "redirects in a circle"),
+        (bad_servers.drips, "but no picture comes"),
+    ],
+)
+def test_an_address_that_is_no_stream_is_said_on_the_page_and_tried_again(
+    monkeypatch: pytest.MonkeyPatch, answer: bad_servers.Answer, words: str
+) -> None:
+    monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", StreamParameters(first_picture_s=0.3, answer_s=2.0))
+    with BadServer(answer) as server, Vision(lambda: Video(server.url, timeout=0.3), parameters=SOON) as vision:
+        wait_for(lambda: words in vision.seen.state.fault)
+        before = vision.seen.state.sequence
+        wait_for(lambda: vision.seen.state.sequence > before)
+        assert vision.seen.state.fault.endswith("? It is tried again every 0.02 s")

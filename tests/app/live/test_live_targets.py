@@ -325,6 +325,17 @@ def test_a_rim_drawn_for_longer_than_pictures_are_kept_is_followed() -> None:
     loop.followed.close()
 
 
+def test_a_click_that_was_held_for_longer_than_pictures_are_kept_is_followed() -> None:
+    loop = Loop()
+    loop.followed.do(Hold(1))
+    for _ in range(KeepingParameters().frames + 10):
+        loop.step()
+    loop.followed.do(Pick(1, *BLUE[:2]))
+    loop.until(lambda: loop.states and loop.states[0].found)
+    assert loop.states[0].values["radius"][0] == pytest.approx(BLUE[2], abs=1.0)
+    loop.followed.close()
+
+
 @pytest.mark.parametrize(
     ("x", "passed", "beside"),
     [(100.0, 0.0, False), (119.0, 0.0, False), (121.0, 0.0, True), (160.0, 0.1, False), (190.0, 0.1, True)],

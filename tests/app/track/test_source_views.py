@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blue_ball import CENTERS, RADIUS, SIZE, Matchset
+from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
+import shown_clips
 from matchset.app.cli_options import TurnOptions, ViewOptions
 from matchset.app.live.files.file_feed import FileFeed
 from matchset.app.live.sources.found_sources import Source
@@ -15,9 +16,12 @@ from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
 from matchset.camera.camera_model import CameraModel
-from shown_clips import ball_picture, write_clip
+from matchset.image.color import ColorModel
+from mjpeg_server import MjpegServer
+from shown_clips import write_clip
 
 WIDTH, HEIGHT = SIZE
+FLOWN = "--link", "serial:///dev/null", "--fov", "60", "--camera"  # its source follows
 
 
 def moved(turn: int, mirror: bool, x: float, y: float) -> tuple[float, float]:
@@ -55,6 +59,24 @@ def test_the_next_command_has_them_too(
     assert "--turn 90' shows where the ball is" in capsys.readouterr().err
 
 
+def test_the_next_command_of_a_camera_has_them_too(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
+    with MjpegServer(lambda number: ball_picture(CENTERS[number % len(CENTERS)])) as server:
+        assert matchset("learn", server.url, "--turn", 90, "--mirror") == 0
+        url = server.url
+    printed = [line for line in capsys.readouterr().out.splitlines() if " track " in line]
+    assert f"track {url} --turn 90 --mirror --color" in printed[0]
+
+
+def test_learn_says_what_is_done_to_the_pictures(
+    matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = shown_clips.ball_picture((240, 180), (80.0, 90.0, 30.0), 4 / 3)
+    clip = write_clip(tmp_path / "hdv.mp4", [[picture] * 6], ratio=Fraction(4, 3))
+    for words in (("--frame", "0"), (), ("--pick", "107,90", "-o", "ball.npz")):
+        assert matchset("learn", clip, *words) == 0
+        assert capsys.readouterr().err.count("note: pixels are not square, 4:3: pictures of 240 x 180 px are made") == 1
+
+
 @pytest.mark.parametrize(("turn", "mirror"), [(90, False), (180, False), (0, True)])
 def test_a_camera_file_is_turned_with_the_pictures(
     matchset: Matchset, ball_video: Path, turn: int, mirror: bool
@@ -85,12 +107,17 @@ def test_a_camera_file_is_turned_with_the_pictures(
         ("locate", "--fov", "60", "--diameter", "0.28", "--pick", "50,60"),
         ("calibrate", "--board", "9x6", "--square", "0.025"),
         ("live", "--no-browser", "--port", "0"),
+        ("fly", *FLOWN),
+        ("preflight", *FLOWN),
     ],
 )
 def test_a_turn_by_45_is_one_line(
     matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
 ) -> None:
-    assert matchset(*words, ball_video, "--turn", 45) == 2
+    color = ball_video.with_name("color.npz")
+    ColorModel.hsv((100, 100, 60), (130, 255, 255)).save(color)
+    colors = ("--color", color, "--marker-color", color) if "--camera" in words else ()
+    assert matchset(*words, ball_video, *colors, "--turn", 45) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "turn must be 0, 90, 180 or 270 degrees, clockwise, got 45" in line
     assert not list(Path().iterdir())
@@ -101,7 +128,7 @@ def test_nothing_is_located_in_pixels_that_are_not_square(
 ) -> None:
     clip = write_clip(
         tmp_path / "hdv.mp4",
-        [[ball_picture((240, 180), (80.0 + 2 * k, 90.0, 30.0), 4 / 3) for k in range(6)]],
+        [[shown_clips.ball_picture((240, 180), (80.0 + 2 * k, 90.0, 30.0), 4 / 3) for k in range(6)]],
         ratio=Fraction(4, 3),
     )
     known = "locate", clip, "--fov", "60", "--diameter", "0.28", "--no-video"
@@ -132,6 +159,16 @@ def test_the_page_turns_pictures_and_the_camera_beside_them(ball_video: Path, tm
     with open_feed(Source("file", str(path), "of the menu"), opening) as feed:
         assert isinstance(feed, FileFeed)
         assert feed.tracking.size == (WIDTH, HEIGHT)
+
+
+def test_the_page_shows_square_pictures_and_no_others(matchset: Matchset, tmp_path: Path) -> None:
+    picture = shown_clips.ball_picture((240, 180), (80.0, 90.0, 30.0), 4 / 3)
+    clip = write_clip(tmp_path / "hdv.mp4", [[picture] * 6], ratio=Fraction(4, 3))
+    with open_feed(Source("given", str(clip), "a clip"), Opening(lambda _: None, lambda _: None)) as feed:
+        assert isinstance(feed, FileFeed)
+        assert feed.tracking.size == (320, 180)
+    for option in ("--stored-pixels", "--damaged"):
+        assert matchset("live", clip, "--no-browser", "--port", 0, option) == 2
 
 
 @pytest.mark.parametrize("turn", [0, 90, 180, 270])

@@ -2,13 +2,15 @@
 
 import random
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from matchset.image.bags.video_messages import VideoMessages
 from matchset.image.damaged.damage import DEFAULT, Damage
 from matchset.image.damaged.frame_numbers import FrameNumbers
-from shown_clips import access_units, ball_picture
+from shown_clips import Picture, access_units, ball_picture
 
 PICTURES = [ball_picture((160, 120), (40.0 + 2 * k, 60.0, 20.0)) for k in range(40)]
 
@@ -44,6 +46,43 @@ def test_every_picture_that_is_missing_is_noticed(key: int) -> None:
     expected = [number for number in kept if number - 1 in lost and number % key]
     assert noticed == expected
     assert not any(map(FrameNumbers().is_gap, units))
+
+
+def decoded(units: list[bytes], kept: list[int]) -> dict[int, tuple[Picture, bool]]:
+    """Each picture of those that are kept, and whether it is damaged."""
+    video = VideoMessages("h264")
+    seen = [each for number in kept for each in video.decode(number, units[number])]
+    return {each.number: (each.image, each.damaged) for each in (*seen, *video.finish())}
+
+
+def test_pictures_that_are_made_anew_piece_by_piece_are_whole_when_all_is_new() -> None:
+    units = access_units(PICTURES, own="intra-refresh=1", key=15)
+    every = list(range(len(units)))
+    whole = decoded(units, every)
+    assert not any(damaged for _, damaged in whole.values())
+    for lost in (8, 11, 16):
+        seen = decoded(units, [number for number in every if number != lost])
+        believed = [number for number, (_, is_damaged) in seen.items() if not is_damaged]
+        assert believed == [*range(lost), *range(believed[lost], len(units))]
+        assert believed[lost] - lost < 25  # what is left of a refresh, and a whole one
+        for number in believed:
+            np.testing.assert_array_equal(seen[number][0], whole[number][0])
+
+
+def test_a_refresh_with_an_error_in_it_makes_no_picture_whole() -> None:
+    units = access_units(PICTURES, own="intra-refresh=1", key=15)
+
+    def first_whole(error: int | None) -> int:
+        damage = Damage(FrameNumbers())
+        seen = {}
+        for number, unit in enumerate(units):
+            if number != 8:
+                damage.note_packet(unit)
+                seen[number] = damage.of(number == error, number == 0)
+        return max(number for number, damaged in seen.items() if damaged) + 1
+
+    end = first_whole(None)
+    assert first_whole(end - 3) == end + 15
 
 
 def test_headers_may_come_before() -> None:

@@ -38,7 +38,7 @@ class MirroredTracker:
         """Track the shape into a frame that is earlier than the one before; the answer has the frame's own time."""
         if self._twice is None:
             self._twice = 2.0 * frame.time
-        answer = self._tracker.update(Frame(frame.image, self._twice - frame.time, frame.index))
+        answer = self._tracker.update(msgspec.structs.replace(frame, time=self._twice - frame.time))
         if isinstance(answer, Lost) or answer.acquired is None:
             return msgspec.structs.replace(answer, time=frame.time)
         mirrored = self._twice - answer.acquired.time

@@ -13,7 +13,7 @@ from matchset.app.calibrate.board_command import camera_file
 from matchset.app.calibrate.command import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
 from matchset.app.progress import InstructionLine, progress_bar
 from matchset.app.track.target_options import (
     LearnedTarget,
@@ -118,6 +118,7 @@ def _track_sources(
             elif tracks:  # the click was in the first source
                 target = msgspec.structs.replace(target, start=None)
             tracks.append(_track(video, itertools.chain(taken, video), target, distances, stop))
+            print_warnings(video.warnings)
         if stop and not video.live:
             return tracks[:-1]
     return tracks

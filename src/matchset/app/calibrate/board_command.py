@@ -12,9 +12,9 @@ from matchset.app.calibrate.command import BoardOptions, CalibrateOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
 from matchset.app.cli_options import TurnOptions
 from matchset.app.drawing.picture_file import write_picture
-from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
+from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
 from matchset.app.run_folder import output_file, output_folder
-from matchset.camera.board import Board
+from matchset.camera.board import Board, markers_seen
 from matchset.camera.calibrate import Calibration, calibrate
 from matchset.camera.calibration_report import CalibrationReport, grade_calibration
 from matchset.camera.view_selection import select_views
@@ -74,18 +74,26 @@ def calibrate_board(source: str, board: Board, options: CalibrateOptions) -> int
         path = camera_file(options.out, options.force, source)
         picture = output_file(path.with_name(path.stem + "-coverage.png"), options.force, source)
         seen = look_for_board(video, board, stop)
-        for warning in video.warnings:
-            print("note: " + warning, file=sys.stderr)
+        print_warnings(video.warnings)
     if stop and not video.live:
         print("note: stopped; nothing was calibrated", file=sys.stderr)
         return stop.code
     if seen.picture is None:
-        print_error(
-            f"no {board} in {seen.frames} frames. Inner corners are counted, not squares: a board of 10 x 7 "
-            "squares is --board 9x6; all of a chessboard must be in the picture, with a white margin"
-        )
+        print_error(f"no {board} in {seen.frames} frames. {_hint(board, seen)}")
         return NOT_FOUND
     return _finish(seen, board, (video.width, video.height), (path, picture), mounted.undone)
+
+
+def _hint(board: Board, seen: BoardViews) -> str:
+    """Say what may be wrong where no board was found: markers of another dictionary, or the number of corners."""
+    name = next(filter(None, map(markers_seen, seen.without)), "")
+    if name and (board.marker is None or name.rpartition("_")[0] != board.dictionary.rpartition("_")[0]):
+        words = f"--charuco MARKER --dictionary {name}" if board.marker is None else f"--dictionary {name}"
+        return f"Markers of {name} are in the pictures: {words}"
+    return (
+        "Inner corners are counted, not squares: a board of 10 x 7 squares is --board 9x6; all of a chessboard must be "
+        "in the picture, with a white margin"
+    )
 
 
 def _finish(

@@ -1,6 +1,7 @@
 """Views of the board in a video, a folder of pictures or from a camera, until there are enough: `look_for_board`."""
 
 import math
+from collections import deque
 from typing import NamedTuple
 
 import msgspec
@@ -13,6 +14,7 @@ from matchset.camera.board import Board, BoardFinder, View
 from matchset.camera.calibration_report import covered_cells, unseen_corners
 from matchset.camera.view_selection import select_views
 from matchset.image.video import Video
+from matchset.tracking.track import Lost
 
 
 class ViewParameters(msgspec.Struct, frozen=True):
@@ -27,14 +29,18 @@ class ViewParameters(msgspec.Struct, frozen=True):
         Different views after which a camera may stop. Chosen by hand, above the 12 of the report's grade "good".
     min_coverage : float
         Share of the picture that they must cover by then, 0 ... 1: the report's limit of the grade "good".
+    kept_each : int
+        Of so many frames without the board one is kept, and of these the last few, to see what is there in its place.
     """
 
     max_frames: int = 240
     min_views: int = 20
     min_coverage: float = 0.6
+    kept_each: int = 60
 
 
 PARAMETERS = ViewParameters()
+KEPT = 4  # format: frames without the board, for the memory that they take
 
 
 class BoardViews(msgspec.Struct):
@@ -48,11 +54,14 @@ class BoardViews(msgspec.Struct):
         The board in those that show it.
     picture : ndarray of shape (h, w, 3) or (h, w), uint8, or None
         The last of these frames.
+    without : deque of ndarray
+        Some of the others.
     """
 
     frames: int = 0
     views: list[View] = msgspec.field(default_factory=list)
     picture: npt.NDArray[np.uint8] | None = None
+    without: deque[npt.NDArray[np.uint8]] = msgspec.field(default_factory=lambda: deque(maxlen=KEPT))
 
 
 def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = False) -> BoardViews:
@@ -79,6 +88,8 @@ def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = 
         for frame in video:
             if frame.index % step == 0 or video.live:
                 view = finder.find(frame)
+                if isinstance(view, Lost) and seen.frames % PARAMETERS.kept_each == 0:
+                    seen.without.append(frame.image)
                 seen.frames += 1
                 if isinstance(view, View):
                     seen.views.append(view)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 
 import msgspec
 
@@ -24,8 +25,8 @@ OTHERS = (*(name for name in FAMILIES if name not in CIRCLES), "markers")
 READY = b"the first click"  # format: what the process writes between the two
 PROGRAM = "from matchset.app.live.compiling import compile_aloud; compile_aloud()"
 WAITS = {
-    Kernels.CIRCLE: "the first click waits for the compiler, only once on this machine: click again when it is done",
-    Kernels.ALL: "other shapes and markers wait for the compiler, only once on this machine: try again in a minute",
+    Kernels.CIRCLE: "the first click waits for the compiler, only once on this machine: it is answered after that",
+    Kernels.ALL: "other shapes and markers wait for the compiler, only once on this machine: answered after that",
 }
 
 
@@ -57,6 +58,11 @@ class CompilingPanel(Panel, Closing):
     ----------
     command : sequence of str
         The process that compiles; writes a line for each kernel.
+
+    Attributes
+    ----------
+    ready : callable
+        Called in its thread when more can be done than before.
     """
 
     name = "compiling"
@@ -66,6 +72,7 @@ class CompilingPanel(Panel, Closing):
         self._counts, self._ready = {Kernels.CIRCLE: 0, Kernels.ALL: 0}, Kernels.NONE
         self._closed, self._starting = threading.Event(), threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
+        self.ready: Callable[[], None] = lambda: None
         self._thread = threading.Thread(target=self._run, name="matchset compiler", daemon=True)
         self._thread.start()
 
@@ -94,6 +101,7 @@ class CompilingPanel(Panel, Closing):
             self._compile()
         except OSError:  # no process can be started: the first click compiles
             self._ready = Kernels.ALL
+            self.ready()
             return
         if not self._ready:  # it broke off
             self._load(Kernels.CIRCLE, CIRCLES)
@@ -119,6 +127,7 @@ class CompilingPanel(Panel, Closing):
         self._ready = kernels
         if kernels is Kernels.CIRCLE:
             self._spent = time.monotonic() - self._begin
+        self.ready()
 
 
 def compile_needed(names: tuple[str, ...] = CIRCLES + OTHERS) -> None:

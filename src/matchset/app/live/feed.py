@@ -137,8 +137,11 @@ class Panel:
         """
         raise NotImplementedError
 
+    def waits(self, message: Any) -> None:
+        """Note that one of its messages is done later, when the code that it needs has been compiled."""
+
     def refused(self, message: Any, words: str) -> None:
-        """Note that one of its messages may not be done now, and why."""
+        """Note that one of its messages will not be done, and why."""
 
     def put(self, upload: str, name: str, data: bytes) -> None:
         """Take a file that a page sends.

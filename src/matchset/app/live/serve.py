@@ -54,6 +54,7 @@ def serve(options: LiveOptions) -> int:
     guard = Guard([address, name, f"{name}.local"], port, token=options.lan)
     compiling, recorder = CompilingPanel(), Recorder()
     session = Session((compiling, RecordPanel(recorder)), (recorder,), compiling.refusal)
+    compiling.ready = session.go_on
     view = ViewOptions(mounted=options.mounted, stream=options.stream)
     desk, viewers = Desk(session, Pictures(), READER, SessionReport(session)), Viewers()
     with contextlib.ExitStack() as opened:

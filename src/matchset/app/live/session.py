@@ -9,6 +9,8 @@ import msgspec
 
 from matchset.app.closing import Closing
 from matchset.app.live.feed import Feed, Listener, Panel, Pictured, Receiver, Seen, Stream
+from matchset.app.live.late_wishes import LateWishes
+from matchset.app.live.targets.clicks import CROWDED
 from matchset.app.live.wire.messages import Kernels, Up
 from matchset.app.live.wire.state import SessionState
 
@@ -20,9 +22,12 @@ class SessionParameters(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     notes : int
         Notes that are kept for the page. Chosen by hand: what a phone shows without scrolling.
+    late : int
+        Clicks that wait for the compiler at most. Chosen by hand: as many targets as are followed.
     """
 
     notes: int = 5
+    late: int = 8
 
 
 class Session(Closing):
@@ -35,7 +40,7 @@ class Session(Closing):
     listeners : sequence of Listener, optional
         Told of each picture that is shown.
     refusal : callable, optional
-        Returns why what needs compiled code cannot be done yet; empty if it can.
+        Returns why what needs compiled code cannot be done yet; empty if it can. Whoever compiles calls `go_on`.
     parameters : SessionParameters, optional
     """
 
@@ -46,8 +51,10 @@ class Session(Closing):
         refusal: Callable[[Kernels], str] | None = None,
         parameters: SessionParameters | None = None,
     ) -> None:
-        self._own, self._listeners, self._refusal = panels, listeners, refusal or (lambda _: "")
-        self._notes: deque[tuple[str, int]] = deque(maxlen=(parameters or SessionParameters()).notes)
+        limits = parameters or SessionParameters()
+        self._own, self._listeners = panels, listeners
+        self._late = LateWishes(refusal or (lambda _: ""), limits.late)
+        self._notes: deque[tuple[str, int]] = deque(maxlen=limits.notes)
         self._feed: Feed | None = None
         self._lock = threading.Lock()
 
@@ -61,6 +68,7 @@ class Session(Closing):
             listener.changed(feed)
         with self._lock:
             before, self._feed = self._feed, feed
+        self._late.forget()
         if before is not None:
             before.close()
 
@@ -106,24 +114,39 @@ class Session(Closing):
         self._notes.append((words, count))
 
     def take(self, message: Up, page: str) -> None:
-        """Do what a page asks for.
+        """Do what a page asks for, or keep it until the code that it needs has been compiled: see `go_on`.
 
         Raises
         ------
         ValueError
             If it cannot be done; says why.
         """
-        words = self._refusal(message.needs) or (self.busy if message.replaces else "")
-        takers = (panel for panel in self.panels if isinstance(message, panel.messages))
-        panel = next(takers, None)
+        if message.replaces and self.busy:
+            raise ValueError(self.busy)
+        panel = self._taker(message)
+        words, given_up = self._late.keep(message, page)
+        if given_up is not None:
+            self._taker(given_up[0]).refused(given_up[0], CROWDED)
         if words:
-            if panel is not None:
-                panel.refused(message, words)
-            raise ValueError(words)
-        if panel is not None:
+            self.note(words)
+            panel.waits(message)
+        else:
             panel.take(message, page)
-            return
-        raise ValueError(f"{type(message).__name__.lower()}: there is nothing here that could do this")
+
+    def go_on(self) -> None:
+        """Do what has waited for code that is there now."""
+        for message, page in self._late.take():
+            try:
+                self._taker(message).take(message, page)
+            except ValueError as error:
+                self.note(str(error))
+
+    def _taker(self, message: Up) -> Panel:
+        """Return the panel that takes a message; ValueError if there is none."""
+        panel = next((panel for panel in self.panels if isinstance(message, panel.messages)), None)
+        if panel is None:
+            raise ValueError(f"{type(message).__name__.lower()}: there is nothing here that could do this")
+        return panel
 
     def put(self, upload: str, name: str, data: bytes) -> None:
         """Take a file that a page sends.

@@ -20,7 +20,7 @@ from matchset.image.color import ColorModel
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_text
 from matchset.image.frame import Frame
-from matchset.image.upright.square_pixels import is_square
+from matchset.image.upright.square_pixels import check_square
 from matchset.image.video import Video
 from matchset.localization.ball_target import BALLOON, BallTarget
 from matchset.localization.localizer import Localizer
@@ -214,11 +214,7 @@ def camera_for(video: Video, options: LocateOptions, loaded: CameraModel | None)
     ValueError
         If it is for pictures of another size, or their pixels are not square.
     """
-    if not is_square(video.pixel_aspect):
-        raise ValueError(
-            f"pixels are {video.pixel_aspect:.4g} times as wide as high: a ball is no circle in such pictures, and "
-            "nothing can be located; leave out --stored-pixels, they are made square then"
-        )
+    check_square(video.pixel_aspect, "--stored-pixels")
     if loaded is None:
         camera = CameraModel.from_fov(video.width, video.height, math.radians(options.fov or 0.0))
     else:

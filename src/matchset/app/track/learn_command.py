@@ -8,7 +8,7 @@ import numpy as np
 
 from matchset.app.cli_options import source_words
 from matchset.app.drawing.picture_file import write_picture
-from matchset.app.exit_codes import FOUND, NOT_FOUND
+from matchset.app.exit_codes import FOUND, NOT_FOUND, print_warnings
 from matchset.app.guidance.candidate_tiles import candidate_tiles, mask_picture
 from matchset.app.guidance.choice import Choice, choose
 from matchset.app.guidance.explain import PARAMETERS, explain_refused_click
@@ -44,6 +44,7 @@ def learn_color(options: LearnOptions) -> int:
     with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
         frame = lit_frame_at(video, options.frame or at or 0)
         live = video.live
+        print_warnings(video.warnings)
     try:
         color = color_at(frame, x, y, options.reading, family is Circle, options.marker)
     except RefusedClickError as refused:
@@ -124,9 +125,13 @@ def _choose(options: LearnOptions) -> tuple[Choice, bool]:
         if options.frame is not None:
             given = lit_frame_at(video, options.frame)
         if given is None or video.live:
-            return choose(video, given), video.live
+            choice = choose(video, given)
+            print_warnings(video.warnings)
+            return choice, video.live
     with options.silence.open(options.source, topic=options.topic, view=options.view) as video:
-        return choose(video, given), False
+        choice = choose(video, given)
+        print_warnings(video.warnings)
+    return choice, False
 
 
 def _color_of(frame: Frame, candidate: Candidate) -> ColorModel | None:
@@ -178,7 +183,8 @@ def _print_commands_for_camera(
         others = ", ".join(str(each) for each, _ in saved[1:])
         beside = f" (saved beside it: the colors of {others})" if others else ""
         print(f"\nIf the ball is number {number}, type{beside}:\n")
-        print(f"  {shell_command('track', options.source, '--color', str(file))}")
+        source = source_words(options.source, options.topic, options.view)
+        print(f"  {shell_command('track', *source, '--color', str(file))}")
     missing = ", ".join(str(number) for number, color in enumerate(colors, start=1) if color is None)
     if missing:
         print(f"\nNo color could be learned of: {missing}")

@@ -2,7 +2,6 @@
 
 import itertools
 import re
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -11,7 +10,7 @@ from typing import Any, Protocol, TextIO
 
 import msgspec
 
-from matchset.app.exit_codes import StopRequest
+from matchset.app.exit_codes import StopRequest, print_warnings
 from matchset.app.timing.durations import Durations, ms_text
 from matchset.app.track.rows import TrackRow, track_row
 from matchset.app.track.target_options import LearnedTarget
@@ -234,8 +233,7 @@ def print_summary(video: Video, statistics: RunStatistics, words: str, files: It
     out : file
         stdout, or stderr if stdout carries JSON.
     """
-    for warning in video.warnings:
-        print("note: " + warning, file=sys.stderr)
+    print_warnings(video.warnings)
     if not statistics.frames:
         return
     share = 100.0 * statistics.found / statistics.frames

@@ -59,15 +59,13 @@ class VideoMessages:
         except ImportError:
             raise ValueError(f"its pictures are a video ({codec}), which PyAV decodes: {advice('av')}") from None
         self._errors = OSError, ValueError, av.FFmpegError
-        self._packet, self._damage = av.Packet, Damage()
-        self._numbers = FrameNumbers() if codec == "h264" else None
+        self._packet, self._damage = av.Packet, Damage(FrameNumbers() if codec == "h264" else None)
         self._decoder: Any = av.CodecContext.create(codec, "r")
         self._decoder.thread_count = 1  # more of them hand out each picture some messages later
 
     def decode(self, number: int, data: bytes) -> Iterator[DecodedPicture]:
         """Yield the pictures that are complete with the data of a message; often this one's alone."""
-        if self._numbers is not None and self._numbers.is_gap(data):
-            self._damage.note_loss()
+        self._damage.note_packet(data)
         packet = self._packet(data)
         packet.pts = packet.dts = number
         return self._pictures(packet, number)

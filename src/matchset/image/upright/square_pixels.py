@@ -1,4 +1,4 @@
-"""Pixels that are not square, made square: `square_size`, `squared`.
+"""Pixels that are not square, made square: `square_size`, `squared`; refused where they stay: `check_square`.
 
 DV, HDV, DVDs and many analog cameras store pictures whose pixels are wider or narrower than they are high. A ball is an
 ellipse there, and its distance wrong. Pictures are resampled once, along their rows: these stay as they are, so the two
@@ -39,6 +39,28 @@ DEFAULT = PixelParameters()
 def is_square(aspect: float, parameters: PixelParameters = DEFAULT) -> bool:
     """Whether pixels of this width, in heights, are as good as square."""
     return abs(aspect - 1.0) <= parameters.even
+
+
+def check_square(aspect: float, how: str = "square=False") -> None:
+    """Refuse to locate in pictures whose pixels are not square.
+
+    Parameters
+    ----------
+    aspect : float
+        Width of a pixel, in its heights.
+    how : str
+        What the user said, so that pictures come as they are stored.
+
+    Raises
+    ------
+    ValueError
+        If they are not square.
+    """
+    if not is_square(aspect):
+        raise ValueError(
+            f"pixels are {aspect:.4g} times as wide as high: a ball is no circle in such pictures, and nothing can be "
+            f"located; leave out {how}, they are made square then"
+        )
 
 
 def is_credible(aspect: float, parameters: PixelParameters = DEFAULT) -> bool:

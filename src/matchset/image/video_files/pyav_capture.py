@@ -158,11 +158,12 @@ class PyavCapture:
 
         self._errors = OSError, ValueError, FFmpegError  # what is silent for too long is an FFmpegError alone
         self._container, self._frame, self._ahead = container, None, None
-        self.damaged, self._damage, self._looks = False, Damage(), looks
+        self.damaged, self._looks = False, looks
         if container is not None:
             self._stream = _videos(container)[stream]
             self._stream.thread_type = "SLICE" if looks else "AUTO"
-            self._frames: Iterator[Any] = self._decoded()
+            self._frames: Iterator[Any]
+            self._begin()
 
     def isOpened(self) -> bool:  # noqa: N802 - OpenCV's name
         """Whether the file was opened."""
@@ -172,13 +173,17 @@ class PyavCapture:
         """Name of what decodes."""
         return "PyAV"
 
+    def _begin(self) -> None:
+        """Know nothing of the pictures before the next one."""
+        codec = self._stream.codec_context
+        self._damage = Damage(FrameNumbers(bytes(codec.extradata or b"")) if codec.name == "h264" else None)
+        self._frame, self._ahead, self._frames = None, None, self._decoded()
+
     def _decoded(self) -> Iterator[Any]:
         """Yield every frame; None for a packet that does not decode."""
-        codec = self._stream.codec_context
-        numbers = FrameNumbers(bytes(codec.extradata or b"")) if codec.name == "h264" and self._looks else None
         for packet in self._container.demux(self._stream):
-            if numbers is not None and packet.size and numbers.is_gap(bytes(packet)):
-                self._damage.note_loss()
+            if self._looks and packet.size:
+                self._damage.note_packet(bytes(packet))
             try:
                 yield from packet.decode()
             except self._errors:
@@ -246,7 +251,7 @@ class PyavCapture:
             self._container.seek(ticks, stream=self._stream)
         except self._errors:
             return False
-        self._frame, self._ahead, self._frames, self._damage = None, None, self._decoded(), Damage()
+        self._begin()
         return True
 
     def release(self) -> None:

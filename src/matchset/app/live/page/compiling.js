@@ -7,6 +7,6 @@ export class CompilingPanel {
 
   update({ kernels, seconds, done }) {
     this.root.hidden = done || !kernels;
-    this.root.textContent = `Compiling, only once on this machine: ${kernels} pieces in ${seconds} s. Click when this is done.`;
+    this.root.textContent = `Compiling, only once on this machine: ${kernels} pieces in ${seconds} s. A click is answered after that.`;
   }
 }

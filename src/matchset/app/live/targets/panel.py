@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from matchset.app.live.feed import Panel
 from matchset.app.live.targets.clicks import Clicks, TargetsState
-from matchset.app.live.targets.messages import MESSAGES, Outline, Pick, Wish
+from matchset.app.live.targets.messages import MESSAGES, Hold, Marker, Outline, Pick, Wish
 
 
 class TargetsPanel(Panel):
@@ -28,8 +28,13 @@ class TargetsPanel(Panel):
         """Hand it on."""
         self._ask(message)
 
+    def waits(self, message: Wish) -> None:
+        """Have the picture kept in which somebody clicked, since the click is answered later."""
+        if isinstance(message, Pick | Outline | Marker):
+            self._ask(Hold(message.sequence))
+
     def refused(self, message: Wish, words: str) -> None:
-        """Tell pages what became of a click that may not be done now; it is noted by whoever refused it."""
+        """Tell pages that a click is given up."""
         if isinstance(message, Pick | Outline):
             self._clicks.turn_away(message, words)
 

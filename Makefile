@@ -26,7 +26,7 @@ demo: $(PACKAGE)  ## render a clip, track the ball in it, compare with the truth
 	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
 test: $(READY) $(TOOLCHAIN) $(RTSP)  ## run the tests (ARGS="-k video" for some of them)
-	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --ignore tests/browser $(ARGS)
+	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist worksteal --ignore tests/browser $(ARGS)
 
 browser-test: $(READY) $(BROWSER)  ## click through the live page in Chromium, one test after the other (five minutes)
 	$(ONE_THREAD) $(BIN)/python -m pytest tests/browser $(ARGS)
@@ -73,7 +73,7 @@ fly-betaflight: $(READY) $(BETAFLIGHT)  ## build Betaflight and fly a follower o
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.betaflight.fly $(ARGS)
 
 bench-radio: $(READY) $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
-	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
+	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 MATCHSET_HOVER_SECONDS=30 $(ONE_THREAD) \
 	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)
 
 fuzz: $(READY) $(TOOLCHAIN)  ## a thousand million bytes of noise through the firmware (2 min; ARGS="SEEDS BYTES MODE")

@@ -54,7 +54,16 @@ def words_of(before: str) -> tuple[str, ...]:
     return ("-c", PROGRAM.format(before=before))
 
 
-MOTORS = ("-m", "matchset.app.cli", "radio", "test-sticks", "--arm", "--countdown", "3")
+MOTORS = """
+import functools
+import sys
+from matchset.app import cli
+from matchset.app.radio import stick_test
+
+stick_test.MotorTestParameters = functools.partial(stick_test.MotorTestParameters, min_countdown=1)
+sys.argv[1:] = ["radio", "test-sticks", "--arm", "--countdown", "1", sys.argv[1]]
+cli.main()
+"""
 PROGRAMS: dict[str, tuple[tuple[str, ...], int, tuple[int, ...]]] = {
     **{
         f"own {number.name}": (
@@ -70,7 +79,7 @@ PROGRAMS: dict[str, tuple[tuple[str, ...], int, tuple[int, ...]]] = {
         HOVER,
         (signal.SIGHUP, signal.SIGTERM),
     ),
-    **{f"motors {number.name}": (MOTORS, 20, (number,)) for number in NUMBERS[:2]},
+    **{f"motors {number.name}": (("-c", MOTORS), 20, (number,)) for number in NUMBERS[:2]},
 }
 """Of each: how it is started, how high its throttle is when it gets its first signal, and its signals."""
 

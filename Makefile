@@ -15,6 +15,9 @@ BROWSER := .venv/browser
 RTSP := .venv/rtsp
 ARGS ?=
 
+# The programs that tests start by the hundred would compile every source again.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Tests and figures must not depend on how many cores the machine has.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1 \
     OPENCV_FOR_THREADS_NUM=1

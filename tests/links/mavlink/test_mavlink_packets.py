@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from matchset.links.mavlink.checksum import accumulate
@@ -86,6 +86,7 @@ def value(field: Field) -> st.SearchStrategy[Any]:
     return element(field)
 
 
+@settings(max_examples=25)  # of each of so many messages
 @given(st.data())
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda each: each.name)
 def test_values_come_back(message: Message, data: st.DataObject) -> None:

@@ -206,6 +206,7 @@ def fill_disk(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def full(path: Path, *more: Any, **named: Any) -> Any:
         if ".tmp." in path.name:
+            real(path, *more, **named).close()  # a name still fits
             raise OSError(errno.ENOSPC, "No space left on device", str(path))
         return real(path, *more, **named)
 

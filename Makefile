@@ -15,6 +15,9 @@ BROWSER := .venv/browser
 RTSP := .venv/rtsp
 ARGS ?=
 
+# The programs that tests start by the hundred would compile every source again.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Tests and figures must not depend on how many cores the machine has.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1 \
     OPENCV_FOR_THREADS_NUM=1
@@ -26,7 +29,7 @@ demo: $(PACKAGE)  ## render a clip, track the ball in it, compare with the truth
 	$(BIN)/matchset demo $(or $(ARGS),--frames 150)
 
 test: $(READY) $(TOOLCHAIN) $(RTSP)  ## run the tests (ARGS="-k video" for some of them)
-	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --ignore tests/browser $(ARGS)
+	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist worksteal --ignore tests/browser $(ARGS)
 
 browser-test: $(READY) $(BROWSER)  ## click through the live page in Chromium, one test after the other (five minutes)
 	$(ONE_THREAD) $(BIN)/python -m pytest tests/browser $(ARGS)
@@ -73,7 +76,7 @@ fly-betaflight: $(READY) $(BETAFLIGHT)  ## build Betaflight and fly a follower o
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.flight.betaflight.fly $(ARGS)
 
 bench-radio: $(READY) $(TOOLCHAIN)  ## the radio's tests at full length, with their figures (2 min)
-	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 $(ONE_THREAD) \
+	MATCHSET_NOISE_BYTES=1000000 MATCHSET_CABLE_SECONDS=60 MATCHSET_REAL_SECONDS=60 MATCHSET_HOVER_SECONDS=30 $(ONE_THREAD) \
 	    $(BIN)/python -m pytest tests/emu -rP $(ARGS)
 
 fuzz: $(READY) $(TOOLCHAIN)  ## a thousand million bytes of noise through the firmware (2 min; ARGS="SEEDS BYTES MODE")

@@ -203,6 +203,13 @@ class PtyModule:
             assert time.monotonic() < end, f"not armed={armed} within {timeout} s"
             time.sleep(0.002)
 
+    def wait_for_throttle(self, throttle: int, timeout: float = 20.0) -> None:
+        """Wait until the motors get so much."""
+        end = time.monotonic() + timeout
+        while self.module.throttle != throttle:
+            assert time.monotonic() < end, f"no throttle of {throttle} within {timeout} s"
+            time.sleep(0.002)
+
     def _run(self) -> None:
         while not self._stop.is_set():
             ready = select.select([self._end], [], [], 0.001)[0]

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterable
 from typing import Protocol, TypeVar
 
+from matchset.numeric.jit import collection_paused
+
 Situation = TypeVar("Situation")
 Reached = TypeVar("Reached", covariant=True)
 Happening = TypeVar("Happening")
@@ -23,12 +25,13 @@ def walk_all(
 ) -> list[Taken]:
     """Take every step from a situation on, and from all situations to which steps lead."""
     every, taken, new, known = tuple(happenings), list[Taken](), [begin], {begin}
-    while new:
-        before = new.pop()
-        for happening in every:
-            each = step(before, happening)
-            taken.append(each)
-            if each.after not in known:
-                known.add(each.after)  # type: ignore[arg-type]
-                new.append(each.after)  # type: ignore[arg-type]
+    with collection_paused():
+        while new:
+            before = new.pop()
+            for happening in every:
+                each = step(before, happening)
+                taken.append(each)
+                if each.after not in known:
+                    known.add(each.after)  # type: ignore[arg-type]
+                    new.append(each.after)  # type: ignore[arg-type]
     return taken

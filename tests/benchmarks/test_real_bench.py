@@ -41,7 +41,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as `--data` takes it: one rendered clip that is labelled, one that is not."""
     folder = tmp_path_factory.mktemp("data")
     (folder / "rendered").mkdir()
-    clip = RenderedClip(preset="clean", seed=3, frames=FRAMES, away=(AWAY,))
+    clip = RenderedClip(preset="clean", seed=3, width=320, height=240, radii=(10.0, 40.0), frames=FRAMES, away=(AWAY,))
     write_clip(clip, folder / "rendered" / "video.avi", folder / "rendered" / "truth.csv")
     (folder / "unlabelled").mkdir()
     (folder / "unlabelled" / "other.mp4").write_bytes(b"never read")
@@ -65,7 +65,7 @@ def run_of(answers: dict[int, Circle3 | None], click: int = 0, refusal: str = ""
 def test_clips_are_found_and_what_is_missing_is_said(data: Path) -> None:
     clips, skipped = find_clips(data, data / "labels")
     assert [clip.name for clip in clips] == ["rendered"]
-    assert (clips[0].width, clips[0].height) == (640, 480)
+    assert (clips[0].width, clips[0].height) == (320, 240)
     assert "`green_ball_hand`: skipped, not found" in skipped
     assert "`other`: skipped, it has no labels" in skipped
 

@@ -25,7 +25,8 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("data")
     (folder / "rendered").mkdir()
     truth = folder / "rendered" / "truth.csv"
-    write_clip(RenderedClip(preset="clean", seed=3, frames=FRAMES), folder / "rendered" / "video.avi", truth)
+    clip = RenderedClip(preset="clean", seed=3, width=320, height=240, radii=(10.0, 40.0), frames=FRAMES)
+    write_clip(clip, folder / "rendered" / "video.avi", truth)
     with truth.open(newline="") as file:
         head, *rows = csv.reader(file)
     frame = head.index("frame")
@@ -41,9 +42,9 @@ def original(data: Path) -> Clip:
 
 def test_a_copy_is_smaller_and_its_truth_goes_along(data: Path, tmp_path: Path) -> None:
     clip = original(data)
-    copy = write_copy(Copy("rendered", 320, 20, every=3), clip, tmp_path)
-    assert (copy.width, copy.height) == (320, 240)
-    assert copy.name == "rendered, 320 px, crf 20, 1 of 3"
+    copy = write_copy(Copy("rendered", 160, 20, every=3), clip, tmp_path)
+    assert (copy.width, copy.height) == (160, 120)
+    assert copy.name == "rendered, 160 px, crf 20, 1 of 3"
     kept = sorted({*range(0, FRAMES, 3), *LABELLED})
     assert [row.frame for row in copy.truths] == [kept.index(frame) for frame in LABELLED]
     with ms.Video(copy.video) as video:
@@ -56,7 +57,7 @@ def test_a_copy_is_smaller_and_its_truth_goes_along(data: Path, tmp_path: Path) 
 
 
 def test_the_ball_of_a_good_copy_is_where_its_truth_says(data: Path, tmp_path: Path) -> None:
-    copy = write_copy(Copy("rendered", 480, 12), original(data), tmp_path)
+    copy = write_copy(Copy("rendered", 240, 12), original(data), tmp_path)
     x, y, radius = copy.tight[0].circle or (0.0, 0.0, 0.0)
     with ms.Video(copy.video) as video:
         first = next(iter(video))
@@ -68,13 +69,13 @@ def test_the_ball_of_a_good_copy_is_where_its_truth_says(data: Path, tmp_path: P
 
 def test_the_same_copy_has_the_same_bytes(data: Path, tmp_path: Path) -> None:
     clip, films = original(data), set[bytes]()
-    for name in ("first", "second", "third"):
+    for name in ("first", "second"):
         (tmp_path / name).mkdir()
-        films.add(write_copy(Copy("rendered", 240, 34), clip, tmp_path / name).video.read_bytes())
+        films.add(write_copy(Copy("rendered", 160, 34, jumps=True), clip, tmp_path / name).video.read_bytes())
     assert len(films) == 1
 
 
-def test_light_jumps_only_where_that_is_asked_for_and_always_in_the_same_way(data: Path, tmp_path: Path) -> None:
+def test_light_jumps_only_where_that_is_asked_for(data: Path, tmp_path: Path) -> None:
     def brightness(copy: Copy) -> list[float]:
         with ms.Video(write_copy(copy, original(data), tmp_path).video) as video:
             return [float(frame.image.mean()) for frame in video]
@@ -82,11 +83,10 @@ def test_light_jumps_only_where_that_is_asked_for_and_always_in_the_same_way(dat
     even, jumping = brightness(Copy("rendered", 160, 20)), brightness(Copy("rendered", 160, 20, jumps=True))
     assert np.ptp(even) < 10.0
     assert np.abs(np.diff(jumping))[6::7].max() > 15.0
-    assert jumping == brightness(Copy("rendered", 160, 20, jumps=True))
 
 
 def test_the_section_measures_copies_and_says_what_is_missing(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(section, "CODED", (Copy("rendered", 320, 28), Copy("not_there", 320, 28)))
+    monkeypatch.setattr(section, "CODED", (Copy("rendered", 240, 28), Copy("not_there", 240, 28)))
     monkeypatch.setattr(section, "LIT", ())
     found = section.run(Options(data=data, quick=True, jobs=1))
     starts, searched = found.findings
@@ -94,6 +94,6 @@ def test_the_section_measures_copies_and_says_what_is_missing(data: Path, monkey
     figures = {figure.name: figure.value for figure in starts.figures}
     assert figures["mean valid by copy"] == 100.0
     assert figures["nothing"] == 0.0
-    assert "rendered, 320 px, crf 28" in found.text
+    assert "rendered, 240 px, crf 28" in found.text
     (nothing,) = section.run(Options(data=None)).findings
     assert nothing.verdict == "-"

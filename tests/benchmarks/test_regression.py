@@ -35,8 +35,9 @@ def figure(name: str, value: float | None) -> Figure:
 @pytest.fixture(scope="module")
 def clip(tmp_path_factory: pytest.TempPathFactory) -> Clip:
     folder = tmp_path_factory.mktemp("clip")
-    write_clip(RenderedClip(preset="clean", seed=3, frames=FRAMES, away=(AWAY,)), folder / "a.avi", folder / "a.csv")
-    return Clip("drawn", folder / "a.avi", read_truth(folder / "a.csv"), 640, 480)
+    made = RenderedClip(preset="clean", seed=3, width=320, height=240, radii=(10.0, 40.0), frames=FRAMES, away=(AWAY,))
+    write_clip(made, folder / "a.avi", folder / "a.csv")
+    return Clip("drawn", folder / "a.avi", read_truth(folder / "a.csv"), 320, 240)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +163,7 @@ def test_a_ball_that_leaves_for_good_is_cut_from_a_clip(clip: Clip) -> None:
     assert len(task.pictures) == times.PICTURES
     assert set(task.pictures[times.SHOWN :]) == absent
     with pytest.raises(ValueError, match="drawn has no row without the ball"):
-        times.gone(Clip("drawn", clip.video, clip.tight, 640, 480))
+        times.gone(Clip("drawn", clip.video, clip.tight, 320, 240))
 
 
 def test_a_clip_is_clocked(clip: Clip) -> None:

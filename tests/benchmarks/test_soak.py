@@ -263,20 +263,20 @@ def test_quantiles() -> None:
     assert math.isnan(quantiles(array("d"))[0])
 
 
-def test_twenty_seconds_hold(tmp_path: Path) -> None:
-    small = SimulationParameters(vehicles=2, width=320, height=240, silent=6.0, silent_for=0.5)
+def test_some_seconds_hold(tmp_path: Path) -> None:
+    small = SimulationParameters(vehicles=2, width=320, height=240, silent=3.0, silent_for=0.5)
     noisy = Plan(
         seed=1,
         number=0,
-        flight=FlightParameters(duration=10.0, world=small),
-        faults=(Fault("noise", 2.0, 0.3), Fault("gust", 3.0, 0.3, (1.0, 0.0, 0.5)), Fault("dropped", 4.0, 0.2)),
+        flight=FlightParameters(duration=5.0, world=small),
+        faults=(Fault("noise", 1.0, 0.3), Fault("gust", 1.5, 0.3, (1.0, 0.0, 0.5)), Fault("dropped", 2.3, 0.2)),
         armings=1,
     )
     recorded = Plan(
         seed=1,
         number=1,
-        flight=FlightParameters(duration=5.0, world=msgspec.structs.replace(small, silent=3.0)),
-        faults=(Fault("frozen", 1.0, 0.6), Fault("stale", 2.0, 0.1, (0.3, 0.0, 0.0))),
+        flight=FlightParameters(duration=3.0, world=msgspec.structs.replace(small, silent=2.0)),
+        faults=(Fault("frozen", 0.6, 0.6), Fault("stale", 1.5, 0.1, (0.3, 0.0, 0.0))),
         recorded=True,
     )
     full = msgspec.structs.replace(recorded, number=2, room=5.0)
@@ -285,9 +285,9 @@ def test_twenty_seconds_hold(tmp_path: Path) -> None:
     assert totals.violation is None, totals.violation
     assert len(lines) == totals.flights == 3
     assert totals.flown.full == 1
-    assert totals.flown.simulated > 15.0
+    assert totals.flown.simulated > 10.0
     assert totals.flown.replayed > 100
-    assert len(totals.flown.elapsed) > 400
+    assert len(totals.flown.elapsed) > 250
 
 
 def test_a_violation_ends_a_flight_and_says_where(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

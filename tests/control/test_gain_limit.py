@@ -154,8 +154,8 @@ def test_parameters_that_make_no_sense_are_refused(changes: dict[str, float]) ->
 
 
 def flown(factor: float, used: bool = True) -> list[ChainStep]:
-    """A chain whose vehicles tilt a quarter more than told, its level gains times a factor: 25 s without pictures."""
-    flight, replace = with_world(FlightParameters(duration=25.0), seed=145, quick=True), msgspec.structs.replace
+    """A chain whose vehicles tilt a quarter more than told, its level gains times a factor: 15 s without pictures."""
+    flight, replace = with_world(FlightParameters(duration=15.0), seed=145, quick=True), msgspec.structs.replace
     follower = flight.pilot.follower
     level, schedule = follower.horizontal, follower.schedule
     follower = replace(

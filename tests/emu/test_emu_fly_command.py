@@ -20,7 +20,7 @@ from served_neighbor import SETTINGS, ServedNeighbor
 PACE = 0.25  # of the board's clock: its failsafe has tests of its own, and this computer may be busy
 SHORT = f"""
 [flight]
-duration = 6.0
+duration = 3.0
 [flight.linked]
 countdown = 0.5
 {SETTINGS}"""
@@ -53,20 +53,11 @@ def flown(folder: Path, *words: str) -> tuple[int, str, str, list[Packet]]:
             check=False,
         )
         before = board.time
-        while board.time < before + 0.5:  # what it does when nobody speaks to it any more
+        while board.time < before + 0.3:  # what it does when nobody speaks to it any more
             time.sleep(0.01)
         packets = [packet for packet in board.packets if packet.address != BIND_ADDRESS]
     assert "Traceback" not in done.stderr, done.stderr
     return done.returncode, done.stdout, done.stderr, packets
-
-
-def test_a_dry_run_leaves_the_firmware_disarmed(tmp_path: Path) -> None:
-    code, out, err, packets = flown(tmp_path, "--dry-run")
-    assert code == 0, out + err
-    assert len(packets) > 100
-    assert set(throttles(packets)) == {0}
-    assert "would send roll" in err
-    assert "no throttle was sent; everybody would have taken off" in out
 
 
 def test_pictures_become_sticks_on_the_air_and_it_lands(tmp_path: Path) -> None:
@@ -81,13 +72,3 @@ def test_pictures_become_sticks_on_the_air_and_it_lands(tmp_path: Path) -> None:
     assert any(each.pitch for each in moved)
     assert "THE MOTORS TURN in 0.5 s" in err
     assert all((tmp_path / name).stat().st_size > 1000 for name in files[1::2])
-    again = subprocess.run(
-        [sys.executable, "-m", "matchset.app.cli", "replay", "flight.mcap"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=500,
-        check=False,
-    )
-    assert again.returncode == 0, again.stdout + again.stderr
-    assert "every one came out bit for bit as recorded" in again.stdout

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -167,13 +167,11 @@ def test_the_covariance_tells_the_spread_of_the_answers() -> None:
     assert (ratio < 1.6).all()
 
 
-@settings(deadline=None)  # the first call compiles
 @given(arrays(np.float64, st.integers(1, 40), elements=st.floats(0.0, 9.0)))
 def test_the_median_is_the_upper_one(values: Floats) -> None:
     assert median(values) == sorted(values.astype(np.float32))[len(values) // 2]
 
 
-@settings(deadline=None)  # the first call compiles
 @given(st.integers(0, 10_000), st.sampled_from((16, 64, 129)), st.floats(0.3, 3.0))
 def test_the_review_is_its_slow_twin(seed: int, n: int, tolerance: float) -> None:
     rng = np.random.default_rng(seed)

@@ -1,5 +1,6 @@
 """From one click to the pixels of the target, on rendered things before textured backgrounds."""
 
+import functools
 import math
 from pathlib import Path
 
@@ -22,6 +23,7 @@ RADII = [4, 7, 14, 40, 120]
 X, Y = 330.4, 241.7
 
 
+@functools.cache
 def textured(seed: int = 0, size: tuple[int, int] = (480, 640), spread: float = 10.0) -> Picture:
     """A wall with large and small spots and with noise."""
     rng = np.random.default_rng(seed)
@@ -31,6 +33,7 @@ def textured(seed: int = 0, size: tuple[int, int] = (480, 640), spread: float = 
         image += 0.5 * spread * spots / spots.std()
     image += rng.normal(0.0, 2.0, image.shape)
     rounded: Picture = np.rint(image).clip(0, 255).astype(np.uint8)
+    rounded.flags.writeable = False
     return rounded
 
 

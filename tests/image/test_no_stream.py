@@ -10,23 +10,24 @@ from matchset.image.streams.answer import _request, answer_of
 from matchset.image.video import Video
 
 HASTY = StreamParameters(first_picture_s=0.5, answer_s=2.0)
+HASTIER = StreamParameters(first_picture_s=0.5, answer_s=0.2)  # for what never answers
 
 
 @pytest.mark.parametrize(
-    ("answer", "words"),
+    ("answer", "hasty", "words"),
     [
-        (bad_servers.page, r"answers with a page \(text/html\), not with pictures"),
-        (bad_servers.circle, "redirects in a circle"),
-        (bad_servers.missing, "answers 404 Not Found"),
-        (bad_servers.drips, "answers with multipart/x-mixed-replace, but no picture comes"),
-        (bad_servers.drips_at_once, "takes connections, but does not answer"),
-        (bad_servers.silent, "takes connections, but does not answer"),
+        (bad_servers.page, HASTY, r"answers with a page \(text/html\), not with pictures"),
+        (bad_servers.circle, HASTY, "redirects in a circle"),
+        (bad_servers.missing, HASTY, "answers 404 Not Found"),
+        (bad_servers.drips, HASTY, "answers with multipart/x-mixed-replace, but no picture comes"),
+        (bad_servers.drips_at_once, HASTIER, "takes connections, but does not answer"),
+        (bad_servers.silent, HASTIER, "takes connections, but does not answer"),
     ],
 )
 def test_what_is_there_in_place_of_a_stream_is_said(
-    monkeypatch: pytest.MonkeyPatch, answer: bad_servers.Answer, words: str
+    monkeypatch: pytest.MonkeyPatch, answer: bad_servers.Answer, hasty: StreamParameters, words: str
 ) -> None:
-    monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", HASTY)
+    monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", hasty)
     with BadServer(answer) as server:
         with pytest.raises(NoStreamError, match=f"^{server.url} {words}") as caught:
             Video(server.url, timeout=0.5)

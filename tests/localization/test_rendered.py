@@ -15,7 +15,7 @@ from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 @pytest.mark.parametrize(("camera", "degrees"), [("pinhole", 0), ("pinhole", 35), ("barrel", 0), ("barrel", 25)])
 def test_the_range_is_not_biased_on_or_off_the_axis(camera: str, degrees: int) -> None:
-    errors = [e for seed in (200, 201) for e in measure(Task(camera, "clean", (40.0, 60.0), degrees, seed, 3))]
+    errors = list(measure(Task(camera, "clean", (40.0, 60.0), degrees, 200, 4)))
     assert abs(np.mean(errors)) < 0.005
 
 
@@ -36,7 +36,7 @@ def resting(place: Floats, seed: int, preset: str) -> list[float]:
 @pytest.mark.parametrize("preset", ["clean", "typical"])
 def test_positions_are_as_certain_as_they_say(preset: str) -> None:
     squares = []
-    for seed in range(220, 228):
+    for seed in range(220, 225):
         rng = np.random.default_rng(seed)
         place = None
         while place is None:

@@ -25,7 +25,7 @@ def frame(index: int, cut: float, seed: int) -> tuple[Picture, float, float]:
     return np.clip(soft + rng.normal(0.0, 3.0, image.shape), 0, 255).astype(np.uint8), x + 0.5, y + 0.5
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("cut", [0.3, 0.4, 0.55])
 def test_a_ball_that_is_cut_below_keeps_its_size(cut: float, seed: int) -> None:
     image, x, y = frame(0, cut, seed)

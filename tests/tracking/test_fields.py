@@ -15,7 +15,7 @@ from matchset.image.disc_network.network import Disc
 from matchset.sim.clips.clip import Clip
 from matchset.tracking.outlines.outline_choice import of_both_fields
 
-SEEDS = 260, 261
+SEED = 260
 
 
 def errors(clip: Clip, wanted: Callable[[int], bool] = lambda _: True) -> list[float]:
@@ -29,23 +29,21 @@ def errors(clip: Clip, wanted: Callable[[int], bool] = lambda _: True) -> list[f
     ]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_twenty_pixels_a_frame_are_followed_to_a_pixel(seed: int) -> None:
-    found = errors(sequence("fast", seed, 90))
+def test_twenty_pixels_a_frame_are_followed_to_a_pixel() -> None:
+    found = errors(sequence("fast", SEED, 90))
     assert max(found) < 5.0
     assert np.mean(found) < 1.0
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("wanted", [lambda k: k % 2 == 0, lambda k: k % 3 != 1], ids=["every second", "two of three"])
-def test_frames_that_are_left_out_do_not_part_the_fields(seed: int, wanted: Callable[[int], bool]) -> None:
-    found = errors(sequence("typical", seed, 90), wanted)
+def test_frames_that_are_left_out_do_not_part_the_fields(wanted: Callable[[int], bool]) -> None:
+    found = errors(sequence("typical", SEED, 90), wanted)
     assert max(found) < 5.0
     assert np.mean(found) < 0.6
 
 
 def test_a_fast_ball_in_whole_frames_has_no_fields() -> None:
-    found = errors(sequence("clean", SEEDS[0], 90, speed=2.0))
+    found = errors(sequence("clean", SEED, 90, speed=2.0))
     assert max(found) < 1.0
     assert np.mean(found) < 0.25
 
@@ -53,7 +51,7 @@ def test_a_fast_ball_in_whole_frames_has_no_fields() -> None:
 @pytest.mark.parametrize(("name", "share"), [("fast", 0.5), ("clean", 0.0)])
 def test_a_track_tells_how_far_its_fields_lie_apart(name: str, share: float) -> None:
     changes = {} if share else {"speed": 2.0}
-    clip = sequence(name, SEEDS[0], 60, **changes)
+    clip = sequence(name, SEED, 60, **changes)
     tracker, errors, before = None, [], None
     for frame, truth in clip:
         assert truth.circle is not None

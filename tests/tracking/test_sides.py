@@ -54,9 +54,8 @@ def test_the_velocity_of_what_is_not_seen_stops(known: float, kept: float) -> No
     np.testing.assert_allclose(motion.velocity[:5], [3.0, 3.0, *[3.0 * kept] * 3], atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", [210, 211])
-def test_a_quadrilateral_with_a_third_hidden_is_not_lost(seed: int) -> None:
-    trial = follow_shape(ShapeTask("quadrilateral", "typical", seed, 30, THIRD))
+def test_a_quadrilateral_with_a_third_hidden_is_not_lost() -> None:
+    trial = follow_shape(ShapeTask("quadrilateral", "typical", 210, 30, THIRD))
     assert None not in trial.ours
     assert np.median([each["corners"] for each in trial.ours if each is not None]) <= 1.4
 

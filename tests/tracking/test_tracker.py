@@ -192,7 +192,7 @@ def test_the_color_adapts_in_a_copy_of_its_own() -> None:
         np.testing.assert_array_equal(fixed.color.log_odds, log_odds)
 
 
-@pytest.mark.parametrize("stick", [(110, 140, 200), (40, 200, 220), (20, 20, 20)], ids=["skin", "yellow", "black"])
+@pytest.mark.parametrize("stick", [(110, 140, 200), (20, 20, 20)], ids=["skin", "black"])
 def test_what_is_in_front_never_becomes_target(tracker: ms.Tracker[ms.Circle], stick: tuple[int, ...]) -> None:
     """A stick of a color that the first picture did not show, across an eighth of the rim."""
 

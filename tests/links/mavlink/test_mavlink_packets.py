@@ -34,7 +34,6 @@ def slow_crc(data: bytes) -> int:
     return sum(bit << k for k, bit in enumerate(bits[-16:]))
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.binary(min_size=2, max_size=300))
 def test_the_checksum_is_that_of_long_division(data: bytes) -> None:
     assert accumulate(data) == slow_crc(data)
@@ -87,7 +86,7 @@ def value(field: Field) -> st.SearchStrategy[Any]:
     return element(field)
 
 
-@settings(deadline=None)  # a busy computer
+@settings(max_examples=25)  # of each of so many messages
 @given(st.data())
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda each: each.name)
 def test_values_come_back(message: Message, data: st.DataObject) -> None:
@@ -126,7 +125,6 @@ def some_packets(count: int) -> list[bytes]:
     return [writer.write(chance.choice(MESSAGES).name, {}) for _ in range(count)]
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.integers(1, 300), st.integers(1, 64))
 def test_packets_are_found_however_they_are_cut(count: int, step: int) -> None:
     stream = b"".join(some_packets(count))
@@ -137,7 +135,6 @@ def test_packets_are_found_however_they_are_cut(count: int, step: int) -> None:
     assert parser.lost == parser.bad == parser.unknown == 0
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.binary(max_size=400))
 def test_no_bytes_upset_the_parser_and_it_finds_what_follows(noise: bytes) -> None:
     parser = Parser()
@@ -146,7 +143,6 @@ def test_no_bytes_upset_the_parser_and_it_finds_what_follows(noise: bytes) -> No
     assert any(packet.values == {**dict.fromkeys(packet.values, 0), **HEART} for packet in found)
 
 
-@settings(deadline=None)  # a busy computer
 @given(st.data())
 def test_damaged_packets_are_never_read_as_others(data: st.DataObject) -> None:
     good = bytearray(Writer(1, 1).write("ATTITUDE", {"roll": 0.5, "yawspeed": -1.0}))

@@ -11,7 +11,7 @@ from fake_tello import FakeTello, ServedTello
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.connect import connect
-from matchset.links.tello.tello_client import TelloAddress, UdpSockets, parse_tello
+from matchset.links.tello.tello_client import TelloAddress, TelloParameters, UdpSockets, parse_tello
 from matchset.links.tello.tello_link import TelloLink, speeds
 from matchset.links.tello.tello_state import parse_state
 
@@ -376,7 +376,7 @@ def served() -> Iterator[tuple[ServedTello, int]]:
 def test_over_real_sockets_it_flies_and_is_for_one_program(served: tuple[ServedTello, int]) -> None:
     there, states = served
     uri = f"tello:127.0.0.1?commands={there.port}&states={states}"
-    link = connect(uri)
+    link = TelloLink(uri, parameters=TelloParameters(silence_time=0.6))
     with pytest.raises(LinkError, match=f"cannot reach the Tello 127.0.0.1: another program uses port {states}"):
         connect(uri)
     link.arm()

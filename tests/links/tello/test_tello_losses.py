@@ -28,7 +28,7 @@ def sent(lost: float) -> Iterator[int]:
     def send() -> None:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
             number = 5  # not at a key picture
-            while not done.wait(1 / 60):
+            while not done.wait(1 / 240):
                 unit = units[number % COUNT]
                 for start in range(0, len(unit), PIECE):
                     if chance.random() >= lost:

@@ -48,6 +48,22 @@ def test_a_run_that_found_nothing_says_why_and_what_to_type(
     assert "why: " not in capsys.readouterr().out
 
 
+def test_a_color_of_much_else_is_doubted_though_something_is_found(
+    matchset: Matchset, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("frames").mkdir()
+    for index in range(5):
+        image = ball_picture((50.0 + index, 60.0))
+        image[:, 100:] = ball_picture((80.0, 60.0))[60, 80]  # a wall of the ball's color
+        cv2.imwrite(f"frames/{index}.png", image)
+    assert matchset("track", "frames", "--hsv", "100,60,60:130,255,255") == 0
+    said = capsys.readouterr().err
+    assert "note: the color covers " in said
+    assert "something else may have been followed" in said
+    assert matchset("track", "frames", "--pick", "50,60") == 0
+    assert "something else" not in capsys.readouterr().err
+
+
 def test_a_located_ball_keeps_its_other_options(
     matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -71,6 +71,7 @@ class Explainer:
     def __init__(self, run: Run, target: LearnedTarget) -> None:
         self._run, self._target = run, target
         self._lost: Frame | None = None
+        self._first: Frame | None = None
         self._reason = ""
         self._frames = self._found = 0
 
@@ -79,6 +80,7 @@ class Explainer:
         for seen in frames:
             self._frames += 1
             self._found += seen.row.found
+            self._first = seen.frame if self._first is None and seen.row.found else self._first
             lost = None if seen.row.found else seen.frame
             if self._lost is None and lost is not None and lost.index >= self._target.frame:
                 self._lost, self._reason = lost, seen.row.reason
@@ -90,8 +92,9 @@ class Explainer:
         return self._lost is not None and self._found <= PARAMETERS.few * self._frames
 
     def explain(self, folder: Path, out: TextIO) -> None:
-        """Write `why.png` into a folder, and what to do next to a terminal; nothing where enough was found."""
+        """Write `why.png` into a folder, and what to do next to a terminal; where enough was found, only a doubt."""
         if not self.is_wanted or self._lost is None:
+            self._doubt()
             return
         with announce_if_slow("looking for the reason ..."):
             image, color = self._lost.image, self._target.color
@@ -104,6 +107,16 @@ class Explainer:
             write_picture(folder / WHY, picture)
             advice = next_command(self._run, self._lost)
         _print(words, folder / WHY, advice, out)
+
+    def _doubt(self) -> None:
+        """Say so if a color that nobody clicked is that of much else: what was followed need not be the ball."""
+        if self._first is None or self._target.start is not None or self._target.color.gray:
+            return
+        share = covered(self._first.image, self._target.color)
+        if share > PARAMETERS.wide:
+            where = f"the color covers {percent(100.0 * share)} of frame {self._first.index}"
+            doubt = "unless the ball does, something else may have been followed: narrow the color, or click the ball"
+            print(f"note: {where}; {doubt} (--pick X,Y)", file=sys.stderr)
 
 
 def explain_refused_click(refused: RefusedClickError, run: Run, folder: Path) -> None:

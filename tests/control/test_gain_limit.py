@@ -28,7 +28,7 @@ def limit(follower: FollowerParameters = FOLLOWER) -> GainLimit:
 
 def high_gains(factor: float = 1.0) -> Gains:
     """The high gains, all of the level ones times a factor."""
-    low = Gains(FOLLOWER.horizontal, FOLLOWER.horizontal_speed, FOLLOWER.vertical_speed)
+    low = Gains(FOLLOWER.horizontal, FOLLOWER.horizontal_feedforward, FOLLOWER.vertical_feedforward)
     high = GainScheduleParameters(proportional=7.0 * factor, derivative=4.5 * factor)
     return interpolated(low, high, 1.0)
 
@@ -118,7 +118,7 @@ def test_a_swing_lowers_its_loop_which_slowly_recovers() -> None:
 def test_swings_lower_no_further_than_the_least_factor() -> None:
     found = limit()
     swung(found, 10.0)
-    assert found.state.factors[0] == pytest.approx(FOLLOWER.stability.least, abs=0.02)
+    assert found.state.factors[0] == pytest.approx(FOLLOWER.stability.min_factor, abs=0.02)
 
 
 @pytest.mark.parametrize(("stick", "loop", "words"), [(1, 0, "to and fro"), (2, 2, "in yaw"), (3, 1, "up and down")])
@@ -134,7 +134,7 @@ def test_nothing_is_noticed_in_the_first_seconds_nor_where_it_is_not_used() -> N
     for k in range(90):
         found.wanted(DesiredCommand(math.sin(9.0 * k * STEP), 0.0, 0.0, 0.5), 1.0, k * STEP, STEP, k * STEP)
     assert found.state.factors[0] == 1.0
-    off = msgspec.structs.replace(FOLLOWER, stability=StabilityParameters(used=False))
+    off = msgspec.structs.replace(FOLLOWER, stability=StabilityParameters(enabled=False))
     found = checked(high_gains(6.0), follower=off)
     swung(found, 2.0)
     assert found.state.factors == (1.0, 1.0, 1.0)
@@ -147,7 +147,9 @@ def test_lowering_takes_all_terms_by_the_same_factor() -> None:
     assert found.output_limit == FOLLOWER.horizontal.output_limit
 
 
-@pytest.mark.parametrize("changes", [{"swings": 1}, {"lowering": 1.5}, {"least": 0.0}, {"period": 0.0}])
+@pytest.mark.parametrize(
+    "changes", [{"swing_count": 1}, {"lowering_factor": 1.5}, {"min_factor": 0.0}, {"period": 0.0}]
+)
 def test_parameters_that_make_no_sense_are_refused(changes: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(changes))):
         msgspec.structs.replace(StabilityParameters(), **changes)
@@ -157,14 +159,14 @@ def flown(factor: float, used: bool = True) -> list[ChainStep]:
     """A chain whose vehicles tilt a quarter more than told, its level gains times a factor: 25 s without pictures."""
     flight, replace = with_world(FlightParameters(duration=25.0), seed=145, quick=True), msgspec.structs.replace
     follower = flight.pilot.follower
-    level, schedule = follower.horizontal, follower.schedule
+    level, schedule = follower.horizontal, follower.gain_schedule
     follower = replace(
         follower,
         horizontal=replace(level, proportional=factor * level.proportional, derivative=factor * level.derivative),
-        schedule=replace(
+        gain_schedule=replace(
             schedule, proportional=factor * schedule.proportional, derivative=factor * schedule.derivative
         ),
-        stability=replace(follower.stability, used=used),
+        stability=replace(follower.stability, enabled=used),
     )
     flight = replace(flight, pilot=replace(flight.pilot, follower=follower))
     with Flight(changed(flight, {"full_tilt": 1.25})) as chain:

@@ -25,7 +25,7 @@ from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]
 FPS = 30
-MODEL = EgoMotionParameters(told_speeds=True)
+MODEL = EgoMotionParameters(speed_commands=True)
 FOLLOWER = FollowerParameters(commands="speeds")
 PLACE = RelativeSetpoint(heading=1.5)
 
@@ -140,12 +140,12 @@ def test_parameters_in_use_are_those_of_speeds_and_stay_so() -> None:
     used = FOLLOWER.in_use
     assert used.horizontal == FOLLOWER.speeds.horizontal
     assert used.vertical == FOLLOWER.speeds.vertical
-    assert (used.hover_throttle, used.schedule.weight, used.ego_motion.told_speeds) == (HOLD, 0.0, True)
+    assert (used.hover_throttle, used.gain_schedule.weight, used.ego_motion.speed_commands) == (HOLD, 0.0, True)
     assert used.in_use == used
     assert FollowerParameters().in_use is not used
     assert FollowerParameters().in_use == FollowerParameters()
     with pytest.raises(ValueError, match="takeoff"):
-        SpeedParameters(takeoff=-1.0)
+        SpeedParameters(takeoff_duration=-1.0)
     with pytest.raises(ValueError, match="ahead"):
         SpeedParameters(oscillation_feedforward=1.5)
 
@@ -206,7 +206,7 @@ def test_a_speed_flown_with_sticks_in_the_middle_is_flown_against_as_if_it_were_
 
 def steady_filter_gains() -> Floats:
     """Return the gains of a neighbor filter that has seen a ball for 10 s."""
-    motion = NeighborFilter(FOLLOWER.neighbor)
+    motion = NeighborFilter(FOLLOWER.neighbor_filter)
     still = EgoMotion(MODEL).at(0.0)
     for k in range(300):
         motion.update(seen((0.0, 0.0, 1.5), k / FPS), still)
@@ -218,7 +218,7 @@ def steady_filter_gains() -> Floats:
 def test_the_loops_keep_their_margins(name: str, latency: float) -> None:
     used = FOLLOWER.in_use
     loops = FollowerLoops(LoopParameters(*(getattr(used, each) for each in LoopParameters._fields)))
-    gains = Gains(used.horizontal, used.horizontal_speed, used.vertical_speed)
+    gains = Gains(used.horizontal, used.horizontal_feedforward, used.vertical_feedforward)
     timing = Timing(1.0 / FPS, latency, used.ego_motion.delay, used.stability.delay_doubt)
     loop = loops.loop(name, LoopConditions(gains, timing, steady_filter_gains()))
     margins = margins_of(loop.frequencies, loop.at_gains)
@@ -229,7 +229,7 @@ def test_the_loops_keep_their_margins(name: str, latency: float) -> None:
 def test_the_vehicle_of_the_loops_is_that_of_dead_reckoning() -> None:
     used = msgspec.structs.replace(FOLLOWER.in_use, ego_motion=msgspec.structs.replace(MODEL, integration_step=1e-3))
     loops = FollowerLoops(LoopParameters(*(getattr(used, each) for each in LoopParameters._fields)))
-    gains = Gains(used.horizontal, used.horizontal_speed, used.vertical_speed)
+    gains = Gains(used.horizontal, used.horizontal_feedforward, used.vertical_feedforward)
     conditions = LoopConditions(gains, Timing(1.0 / FPS, 0.067, 0.03), steady_filter_gains())
     for name, axis, told in (("level", 2, SpeedCommand(forward=0.01)), ("rise", 1, SpeedCommand(up=-0.01))):
         _, vehicle = loops._axis(name, conditions)

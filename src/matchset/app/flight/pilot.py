@@ -319,7 +319,7 @@ class Pilot:
         ball, markers = self._outlines(frame, stamps)
         pose = self._localizer.update(ball, markers)
         self._distances = (self._distances[1], distance_seen(pose, self._distances[1]))
-        if self.parameters.follower.beyond.share and frame.index % self.parameters.next_ball.every == 0:
+        if self.parameters.follower.next_but_one.share and frame.index % self.parameters.next_ball.every == 0:
             self._look_beyond(frame, ball)
         stamps.append(time.perf_counter())
         self._frame_time = frame.time

@@ -1,0 +1,1 @@
+"""Keys of files as they were: `older_keys` reads them."""

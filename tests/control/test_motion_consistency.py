@@ -173,7 +173,8 @@ def test_zero_is_one_of_the_small_delays() -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        "max_duration", "noise", "max_evidence", "settling_time", "window", "min_latency_count", "min_evidence_count", "min_changed_count", "stride",
+        "max_duration", "noise", "max_evidence", "settling_time", "window", "min_latency_count",
+        "min_evidence_count", "min_changed_count", "stride",
         "delay_spacing", "min_delay", "max_delay", "min_old_delay", "max_old_delay", "moving_average",
     ],
 )  # fmt: skip

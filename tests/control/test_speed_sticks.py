@@ -219,7 +219,7 @@ def test_the_loops_keep_their_margins(name: str, latency: float) -> None:
     used = FOLLOWER.in_use
     loops = FollowerLoops(LoopParameters(*(getattr(used, each) for each in LoopParameters._fields)))
     gains = Gains(used.horizontal, used.horizontal_feedforward, used.vertical_feedforward)
-    timing = Timing(1.0 / FPS, latency, used.ego_motion.delay, used.stability.delay_doubt)
+    timing = Timing(1.0 / FPS, latency, used.ego_motion.delay, used.stability.delay_uncertainty)
     loop = loops.loop(name, LoopConditions(gains, timing, steady_filter_gains()))
     margins = margins_of(loop.frequencies, loop.at_gains)
     assert margins.gain_db >= 6.0

@@ -18,7 +18,7 @@ SHORT = """
 [flight.linked]
 countdown = 0.5
 [flight.pilot.safety]
-fresh = 1.0
+max_frame_age = 1.0
 """
 
 

@@ -37,7 +37,7 @@ class EgoMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unkn
         Time constant D in which drag slows the vehicle down, s. It keeps the dead reckoning from running away. Chosen
         on the simulated flights of seeds 0 to 9.
     effective_mass_ratio : float
-        Moved mass over carried mass (``heft`` in a file): the air in a balloon weighs nothing in air and is moved all
+        Moved mass over carried mass: the air in a balloon weighs nothing in air and is moved all
         the same, with half as much around it (added mass). Derived for 100 g and a balloon of 28 cm.
     speed_commands : bool
         Whether sticks are speeds that the vehicle holds by itself, instead of angles and thrust. Set by

@@ -48,7 +48,7 @@ def test_high_gains_hold_in_full_where_delay_and_chain_are_short() -> None:
 def test_the_share_falls_with_the_delay_and_grows_after_lift_off(delay: float, lifted: float, weight: float) -> None:
     high = msgspec.structs.replace(HIGH, weight=weight)
     quick = min(max((high.longest_delay - delay) / (high.longest_delay - high.delay), 0.0), 1.0)
-    known = min(max((lifted - high.begin) / (high.full - high.begin), 0.0), 1.0)
+    known = min(max((lifted - high.start_time) / (high.full_time - high.start_time), 0.0), 1.0)
     expected = 4.0 + weight * quick * known * (HIGH.proportional - 4.0)
     found = GainSchedule(LOW, high).update(delay, STEP, lifted).horizontal.proportional
     assert found == pytest.approx(expected, abs=(HIGH.proportional - 4.0) * 0.51 / (ENTRIES - 1))
@@ -105,14 +105,14 @@ def test_a_flight_gives_its_followers_the_gains_of_its_length() -> None:
     assert msgspec.structs.replace(ten.loop, follower=ten.pilot.follower) == ten.pilot
 
 
-@pytest.mark.parametrize("bad", [{"short": -1}, {"long": 2}, {"elsewhere": -1}])
+@pytest.mark.parametrize("bad", [{"short_followers": -1}, {"long_followers": 2}, {"remote_followers": -1}])
 def test_lengths_that_are_none_are_refused(bad: dict[str, int]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
         LongChainParameters(**bad)
 
 
 def test_a_tilt_that_is_none_is_refused() -> None:
-    with pytest.raises(ValueError, match="tilt"):
+    with pytest.raises(ValueError, match="tilt_sigma"):
         LongChainParameters(tilt_sigma=0.0)
 
 

@@ -90,7 +90,7 @@ def test_what_is_slow_counts_for_nothing() -> None:
 
 
 def test_a_ball_that_nobody_follows_is_expected_where_the_neighbor_would_be_right() -> None:
-    beyond, own = NextButOne(NextButOneParameters(share=1.0, rise=0.05)), NOBODY_MOVES.at(2.0)
+    beyond, own = NextButOne(NextButOneParameters(share=1.0, height_difference=0.05)), NOBODY_MOVES.at(2.0)
     neighbor = flown(beyond, turn=0.3, hidden=0.0)
     yaw = neighbor.at_times((2.0,), 0.4)[0].yaw.value
     should = (-1.55 * math.sin(yaw), -0.15, 1.5 - 1.55 * math.cos(yaw))

@@ -144,9 +144,9 @@ def test_parameters_in_use_are_those_of_speeds_and_stay_so() -> None:
     assert used.in_use == used
     assert FollowerParameters().in_use is not used
     assert FollowerParameters().in_use == FollowerParameters()
-    with pytest.raises(ValueError, match="takeoff"):
+    with pytest.raises(ValueError, match="takeoff_duration"):
         SpeedParameters(takeoff_duration=-1.0)
-    with pytest.raises(ValueError, match="ahead"):
+    with pytest.raises(ValueError, match="oscillation_feedforward"):
         SpeedParameters(oscillation_feedforward=1.5)
 
 

@@ -13,8 +13,8 @@ still, its trim, is no tilt and is subtracted before. The position drifts; it se
 second apart.
 
 A vehicle that is told speeds u (`EgoMotionParameters.speed_commands`) holds them by a controller of its own, which
-tilts: its stick s is that of the acceleration ``(u - v) / T_v`` in the level frame that turns with its yaw, within its largest
-tilt, and its lift ``(u - v) / T_r``; it makes up for drag by itself. Its speed does not drift away.
+tilts: its stick s is that of the acceleration ``(u - v) / T_v`` in the level frame that turns with its yaw, within its
+largest tilt, and its lift ``(u - v) / T_r``; it makes up for drag by itself. Its speed does not drift away.
 """
 
 import math

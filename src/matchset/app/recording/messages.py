@@ -117,8 +117,8 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     """What a step makes of the picture, the clock and the steps before, and a replay must reproduce: of `PilotStep`.
 
-    Up to format 3 `control` was called ``answer``, `safety` ``memory``, and the rotation of a pose ``turn``. In format 2
-    the first lacks its last fields, `gains` and `doubt`.
+    Up to format 3 `control` was called ``answer``, `safety` ``memory``, and the rotation of a pose ``turn``. In format
+    2 the first lacks its last fields, `gains` and `doubt`.
     """
 
     ball: Any

@@ -1,4 +1,4 @@
-"""Keys that settings and recordings had before 2026-11-28, when each became the name of its parameter: `with_newer_keys`.
+"""Keys that files had before 2026-11-28, when each became the name of its parameter: `with_newer_keys`.
 
 A key of now is never an older one of the same table, so a file may have both kinds, but not both of one parameter.
 """

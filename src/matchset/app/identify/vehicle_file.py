@@ -59,4 +59,4 @@ def _setting(finding: Finding, day: date, parameters: IdentifyParameters) -> str
     if finding.name == "delay" and value < parameters.least_delay:
         value, note = parameters.least_delay, f"; found {finding.value:.4f}: pictures are stamped too late"
     setting = f"{finding.name} = {value:.6g}"
-    return f"{setting:<24}# {unit}, +- {finding.sigma:.2g}, {day}; {finding.meaning}{note}"
+    return f"{setting:<23} # {unit}, +- {finding.sigma:.2g}, {day}; {finding.meaning}{note}"

@@ -37,8 +37,8 @@ def checked(gains: Gains, age: float = 0.067, follower: FollowerParameters = FOL
     """Fly straight for 5 s with these gains."""
     found = limit(follower)
     for _ in range(150):
-        found.seen(FILTER_GAINS, age, STEP)
-        found.wanted(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 0.0, STEP, 10.0)
+        found.note_filter(FILTER_GAINS, age, STEP)
+        found.note_sticks(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 0.0, STEP, 10.0)
         found.check(gains, 0.03, 0.02, STEP)
     return found
 
@@ -48,7 +48,7 @@ def swung(found: GainLimit, seconds: float, stick: int = 0, size: float = 1.0) -
     for k in range(round(seconds / STEP)):
         sticks = [0.0] * 4
         sticks[stick] = size * math.sin(9.0 * k * STEP)
-        found.wanted(DesiredCommand(*sticks), 1.0, k * STEP, STEP, 10.0)
+        found.note_sticks(DesiredCommand(*sticks), 1.0, k * STEP, STEP, 10.0)
 
 
 def margins_known(found: GainLimit) -> list[tuple[float, float]]:
@@ -62,7 +62,7 @@ def test_gains_that_keep_their_margins_are_the_same_object() -> None:
     found = checked(high_gains())
     assert found.state.factors == (1.0, 1.0, 1.0)
     assert found.state.words == ""
-    assert found.level(FOLLOWER.horizontal) is FOLLOWER.horizontal
+    assert found.horizontal(FOLLOWER.horizontal) is FOLLOWER.horizontal
     (level, phase), (_, rise), (yaw, _) = margins_known(found)
     assert level > 6.0
     assert yaw > 6.0
@@ -77,7 +77,7 @@ def test_gains_without_margin_are_lowered_until_they_have_it() -> None:
     assert gain >= 6.0
     assert phase >= 40.0
     assert found.state.words == f"too little margin of the level loop: gains lowered to {100.0 * factor:.0f} %"
-    assert found.level(FOLLOWER.horizontal).derivative == pytest.approx(factor * FOLLOWER.horizontal.derivative)
+    assert found.horizontal(FOLLOWER.horizontal).derivative == pytest.approx(factor * FOLLOWER.horizontal.derivative)
     assert checked(high_gains(4.0), age=0.067).state.factors[0] > factor  # more delay, less gain
 
 
@@ -85,7 +85,7 @@ def test_pictures_after_a_gap_do_not_count() -> None:
     found, again = checked(high_gains()), checked(high_gains())
     for _ in range(30):
         found.check(high_gains(), 0.03, 0.02, STEP)
-        found.seen(3.0 * FILTER_GAINS, 0.067, 0.2)
+        found.note_filter(3.0 * FILTER_GAINS, 0.067, 0.2)
         again.check(high_gains(), 0.03, 0.02, STEP)
     assert found.state == again.state
 
@@ -110,7 +110,7 @@ def test_a_swing_lowers_its_loop_which_slowly_recovers() -> None:
     assert found.state.factors[1:] == (1.0, 1.0)
     assert found.state.words == "swings to the side: gains lowered to 70 %"
     for k in range(round(50.0 / STEP)):
-        found.wanted(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 1.0 + k * STEP, STEP, 10.0)
+        found.note_sticks(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 1.0 + k * STEP, STEP, 10.0)
     assert found.state.factors[0] == 1.0
     assert found.state.words == ""
 
@@ -132,7 +132,7 @@ def test_every_stick_has_its_loop_and_its_words(stick: int, loop: int, words: st
 def test_nothing_is_noticed_in_the_first_seconds_nor_where_it_is_not_used() -> None:
     found = limit()
     for k in range(90):
-        found.wanted(DesiredCommand(math.sin(9.0 * k * STEP), 0.0, 0.0, 0.5), 1.0, k * STEP, STEP, k * STEP)
+        found.note_sticks(DesiredCommand(math.sin(9.0 * k * STEP), 0.0, 0.0, 0.5), 1.0, k * STEP, STEP, k * STEP)
     assert found.state.factors[0] == 1.0
     off = msgspec.structs.replace(FOLLOWER, stability=StabilityParameters(enabled=False))
     found = checked(high_gains(6.0), follower=off)

@@ -16,7 +16,7 @@ from matchset.control.follower import FollowerParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.pid import Pid
 from matchset.control.stability.follower_loops import LOOPS, FollowerLoops, LoopConditions, LoopParameters
-from matchset.control.stability.loop import FilterGains, Loop, Timing, _going_on, _transition, level_vehicle
+from matchset.control.stability.loop import FilterGains, Loop, Timing, _going_on, _transition, horizontal_vehicle
 from matchset.control.stability.margins import margins_of, robustness_of
 from matchset.localization.pose import Pose
 from matchset.numeric.record import new_block
@@ -105,7 +105,7 @@ def exponential(matrix: Floats) -> Floats:
 
 
 def test_a_vehicle_goes_on_by_its_matrix_exponential() -> None:
-    vehicle = level_vehicle(FOLLOWER.ego_motion)
+    vehicle = horizontal_vehicle(FOLLOWER.ego_motion)
     order = len(vehicle.input)
     block = np.zeros((order + 1, order + 1))
     block[:order, :order], block[:order, order] = vehicle.system, vehicle.input

@@ -17,7 +17,7 @@ from matchset.control.safety import DesiredCommand
 from matchset.control.stability.follower_loops import LOOPS, FollowerLoops, LoopConditions, LoopParameters
 from matchset.control.stability.loop import Timing
 from matchset.control.stability.margins import margins_of
-from matchset.control.sticks.angle_sticks import AngleSticks, Wanted
+from matchset.control.sticks.angle_sticks import AngleSticks, WantedMotion
 from matchset.control.sticks.ego_parameters import GRAVITY, EgoMotionParameters, SpeedCommand
 from matchset.control.sticks.speed_parameters import SpeedParameters
 from matchset.control.sticks.speed_sticks import SpeedSticks, TakeOff
@@ -96,28 +96,32 @@ def test_a_tilt_never_exceeds_the_largest_one() -> None:
 def test_sticks_are_shares_of_the_full_speeds() -> None:
     model = msgspec.structs.replace(MODEL, full_speed=2.0, full_rise=0.8, full_yaw_rate=1.6)
     sticks = SpeedSticks(model)
-    desired = sticks.desired(Wanted(0.5, -1.0, 0.4, 0.4), HOLD, 1.0, (0.0, 0.0))
+    desired = sticks.command(WantedMotion(0.5, -1.0, 0.4, 0.4), HOLD, 1.0, (0.0, 0.0))
     assert desired == pytest.approx((0.25, -0.5, 0.25, 0.75))
-    assert sticks.told(Command(*desired), Wanted(0.1, 0.0, 0.0, 0.1), HOLD) == pytest.approx((0.4, -1.0, 0.3, 0.4))
-    assert sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0))[:2] == (0.8, -0.8)
+    assert sticks.modeled_command(Command(*desired), WantedMotion(0.1, 0.0, 0.0, 0.1), HOLD) == pytest.approx(
+        (0.4, -1.0, 0.3, 0.4)
+    )
+    assert sticks.command(WantedMotion(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0))[:2] == (0.8, -0.8)
     assert (
-        sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0)).throttle < 1.0
+        sticks.command(WantedMotion(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0)).throttle < 1.0
     )  # all means: no thrust left
 
 
 def test_before_lift_off_they_stand_still_and_without_throttle_nothing_is_told() -> None:
     sticks = SpeedSticks(MODEL)
-    assert sticks.desired(Wanted(0.5, -1.0, 0.4, 0.4), HOLD, 0.0, (0.0, 0.0)) == DesiredCommand(0.0, 0.0, 0.0, HOLD)
-    assert sticks.told(Command(), Wanted(0.1, 0.1, 0.1, 0.1), HOLD) == SpeedCommand()
-    assert sticks.holds == HOLD
-    assert math.isnan(AngleSticks(EgoMotionParameters(), 0.5).holds)
+    assert sticks.command(WantedMotion(0.5, -1.0, 0.4, 0.4), HOLD, 0.0, (0.0, 0.0)) == DesiredCommand(
+        0.0, 0.0, 0.0, HOLD
+    )
+    assert sticks.modeled_command(Command(), WantedMotion(0.1, 0.1, 0.1, 0.1), HOLD) == SpeedCommand()
+    assert sticks.hold_throttle == HOLD
+    assert math.isnan(AngleSticks(EgoMotionParameters(), 0.5).hold_throttle)
 
 
 def test_the_lag_is_made_up_for() -> None:
     sticks = SpeedSticks(MODEL)
-    assert sticks.ahead(0.2, 0.5) == pytest.approx(0.2 + 0.5 * MODEL.speed_time)
-    assert sticks.ahead(0.2, 0.5, upward=True) == pytest.approx(0.2 + 0.5 * MODEL.rise_time)
-    assert AngleSticks(EgoMotionParameters(), 0.5).ahead(0.2, 0.5) == 0.5
+    assert sticks.feedforward(0.2, 0.5) == pytest.approx(0.2 + 0.5 * MODEL.speed_time)
+    assert sticks.feedforward(0.2, 0.5, upward=True) == pytest.approx(0.2 + 0.5 * MODEL.rise_time)
+    assert AngleSticks(EgoMotionParameters(), 0.5).feedforward(0.2, 0.5) == 0.5
 
 
 def test_it_flies_when_its_own_take_off_is_over() -> None:
@@ -177,7 +181,7 @@ class Flown:
             desired = control.desired if control else DesiredCommand(0.0, 0.0, 0.0, HOLD)
             self.desired.append(desired)
             self.follower.sent(Command(*desired), now)
-            told = self.follower.sticks.told(Command(*desired), Wanted(0.0, 0.0, 0.0, 0.0), HOLD)
+            told = self.follower.sticks.modeled_command(Command(*desired), WantedMotion(0.0, 0.0, 0.0, 0.0), HOLD)
             self.motion.update(told, now)
         return self.motion.at(len(self.desired) / FPS)
 

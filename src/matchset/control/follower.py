@@ -29,7 +29,7 @@ from matchset.control.parameter_checks import require, require_not_negative, req
 from matchset.control.pid import Pid, PidParameters
 from matchset.control.stability.follower_loops import LoopParameters
 from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
-from matchset.control.sticks.angle_sticks import Wanted
+from matchset.control.sticks.angle_sticks import WantedMotion
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.sticks.kinds import kind_of
 from matchset.control.sticks.speed_parameters import SpeedParameters
@@ -201,7 +201,7 @@ class Follower:
         self.setpoint = setpoint or RelativeSetpoint()
         self.parameters = known = (parameters or FollowerParameters()).in_use
         self.ego_motion, self.consistency = EgoMotion(known.ego_motion), MotionConsistency(known.motion_consistency)
-        self.neighbor, self.beyond = (
+        self.neighbor, self.next_but_one = (
             NeighborFilter(known.neighbor_filter),
             NextButOne(known.next_but_one, known.neighbor_filter),
         )
@@ -236,11 +236,15 @@ class Follower:
             since, self._pose_time = pose.time - self._pose_time, pose.time
             own, seen, pose = self.ego_motion.at(pose.time), pose, self.mount.turn(pose)
             if self.neighbor.update(pose, own):
-                self.limit.seen(self.neighbor.gains, now - pose.time, since)
-                lifted = pose.time - self.thrust.lift_time
+                self.limit.note_filter(self.neighbor.gains, now - pose.time, since)
+                airborne_time = pose.time - self.thrust.lift_time
                 if not parameters.ego_motion.speed_commands:  # which know their speed better than a picture
                     hand_over(
-                        self.ego_motion, (self.neighbor, self.beyond.ball), lifted, since, parameters.common_motion
+                        self.ego_motion,
+                        (self.neighbor, self.next_but_one.ball),
+                        airborne_time,
+                        since,
+                        parameters.common_motion,
                     )
                 self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
                 self.thrust.delay = self.ego_motion.delay
@@ -271,8 +275,8 @@ class Follower:
         if now + self.ego_motion.delay < self.thrust.lift_time:  # what they integrate in a hand is no trim
             for pid in (self._right, self._forward, self._yaw):
                 pid.reset()
-        trim = Wanted(*(pid.terms.integral for pid in (self._right, self._forward, self._up, self._yaw)))
-        self.ego_motion.update(self.sticks.told(command, trim, self.hover_throttle), now)
+        trim = WantedMotion(*(pid.terms.integral for pid in (self._right, self._forward, self._up, self._yaw)))
+        self.ego_motion.update(self.sticks.modeled_command(command, trim, self.hover_throttle), now)
 
     @property
     def hover_throttle(self) -> float:
@@ -298,7 +302,11 @@ class Follower:
         if not time - self.neighbor.time <= self.parameters.pose_timeout:
             return None
         own, reach = self.ego_motion.at(time), self.parameters.max_extrapolation if reach is None else reach
-        ball = self.beyond.expected(self.neighbor, own, time, reach) if beyond else self.neighbor.at(time, reach).place
+        ball = (
+            self.next_but_one.expected(self.neighbor, own, time, reach)
+            if beyond
+            else self.neighbor.at(time, reach).place
+        )
         position: Floats = (own.rotation @ self.mount.from_camera).T @ (ball - own.position)
         return position
 
@@ -306,13 +314,16 @@ class Follower:
         """Run the controllers for a command that begins to act at a time."""
         parameters = self.parameters
         gains = self._schedule.update(acts - self.neighbor.time, step, acts - self.thrust.lift_time)
-        self._right.parameters = self._forward.parameters = self.limit.level(gains.horizontal)
-        self._up.parameters, self._yaw.parameters = self.limit.rise(parameters.vertical), self.limit.yaw(parameters.yaw)
+        self._right.parameters = self._forward.parameters = self.limit.horizontal(gains.horizontal)
+        self._up.parameters, self._yaw.parameters = (
+            self.limit.vertical(parameters.vertical),
+            self.limit.yaw(parameters.yaw),
+        )
         self._speed_x.parameters = self._speed_z.parameters = gains.horizontal_feedforward
         self._speed_y.parameters = gains.vertical_feedforward
         times = acts, acts + parameters.horizontal_lead, acts + parameters.vertical_lead
         own, own_level, own_vertical = self.ego_motion.at_times(times)
-        ball, ball_level, ball_vertical = self.beyond.at_times(self.neighbor, times, parameters.max_extrapolation)
+        ball, ball_level, ball_vertical = self.next_but_one.at_times(self.neighbor, times, parameters.max_extrapolation)
         doubt = self._yaw_doubt(acts)
         if doubt:
             ball, ball_level = self._turned(ball, own), self._turned(ball_level, own_level)
@@ -323,9 +334,9 @@ class Follower:
         x, y, z = (ball.place - own.position).tolist()  # from the vehicle to the ball
         bearing = math.remainder(math.atan2(x, z) - own.yaw, 2.0 * math.pi)
         most = gains.max_stick if acts >= self.thrust.lift_time else 0.0  # in a hand integrals wind up
-        wanted = Wanted(right, forward, up, self._yaw.update(0.0, -bearing, step))
-        desired = self.sticks.desired(wanted, self.hover_throttle, most, (own.roll, own.pitch))
-        self.limit.wanted(desired, most, acts, step, acts - self.thrust.lift_time)
+        wanted = WantedMotion(right, forward, up, self._yaw.update(0.0, -bearing, step))
+        desired = self.sticks.command(wanted, self.hover_throttle, most, (own.roll, own.pitch))
+        self.limit.note_sticks(desired, most, acts, step, acts - self.thrust.lift_time)
         self.limit.check(gains, self.ego_motion.delay, self.thrust.sigma, step)
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
         terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
@@ -347,7 +358,7 @@ class Follower:
         error = own.position.item(1) - ball.y.value + self.setpoint.height
         speed = self._speed_y.output(ball.y.speed)
         drift = -self._schedule.gains.vertical_drift_feedforward * ball.y.drift_acceleration
-        ahead = self.sticks.ahead(-speed, drift, upward=True)
+        ahead = self.sticks.feedforward(-speed, drift, upward=True)
         return ahead + self._up.update(0.0, -error, step, speed - own.velocity.item(1))
 
     def _go_level(self, own: EgoState, ball: Forecast, yaw: float, step: float) -> tuple[float, float]:
@@ -357,7 +368,7 @@ class Follower:
         position, velocity = own.position.tolist(), own.velocity.tolist()
         x, z = place[0] - position[0], place[1] - position[2]
         vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
-        ax, az = self.sticks.ahead(speed[0], ax), self.sticks.ahead(speed[1], az)
+        ax, az = self.sticks.feedforward(speed[0], ax), self.sticks.feedforward(speed[1], az)
         right, forward = x * cos - z * sin, x * sin + z * cos
         right_speed, forward_speed = vx * cos - vz * sin, vx * sin + vz * cos
         right = self._right.update(0.0, -right, step, -right_speed) + ax * cos - az * sin

@@ -170,7 +170,7 @@ class MotionConsistency:
         self._measure(told.window + 1)
 
     @property
-    def holds(self) -> bool:
+    def is_current(self) -> bool:
         """Whether the pictures may be those of now."""
         return self._against < self.parameters.confirmations
 

@@ -145,7 +145,7 @@ class SafetyInputs(NamedTuple):
     distance : float
         Of the nearest thing in the newest frame, as far as it is known, m; 0 for what fills the picture; NaN if none is
         known.
-    holds : float
+    hold_throttle : float
         Throttle that stands still where the throttle is a speed up or down; NaN where it is thrust. Without an answer
         that is sent, in place of the last one, which may climb; a descent begins there.
     """
@@ -158,7 +158,7 @@ class SafetyInputs(NamedTuple):
     doubt: str = ""
     hover: float = math.nan
     distance: float = math.nan
-    holds: float = math.nan
+    hold_throttle: float = math.nan
 
 
 class SafetyState(NamedTuple):
@@ -178,7 +178,7 @@ class SafetyState(NamedTuple):
     seen_since : float
         Since when the ball is seen without a gap, s.
     initial_throttle : float
-        Throttle before the descent, or what hovers, if that is less; `SafetyInputs.holds` where that is known.
+        Throttle before the descent, or what hovers, if that is less; `SafetyInputs.hold_throttle` where that is known.
     command : Command
         The last command.
     weak_since : float
@@ -208,7 +208,7 @@ def safety_filter(
     ----------
     desired : DesiredCommand or None
         What the controller wants; None, or anything not finite, counts as no answer: neutral sticks, same throttle (or
-        `SafetyInputs.holds`), and the ball counts as not seen.
+        `SafetyInputs.hold_throttle`), and the ball counts as not seen.
     inputs : SafetyInputs
         The situation. A time that is not finite or in the future counts as too old.
     state : SafetyState
@@ -245,7 +245,7 @@ def safety_filter(
         return _descend(inputs, state, limits)
     since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
     step = min(max(since, 0.0), limits.max_step)
-    same = state.command.throttle if math.isnan(inputs.holds) else inputs.holds
+    same = state.command.throttle if math.isnan(inputs.hold_throttle) else inputs.hold_throttle
     goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, same)
     if is_near:
         goal = goal._replace(pitch=min(goal.pitch, -limits.back_off))
@@ -320,7 +320,8 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, state: SafetyStat
 def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> tuple[Command, SafetyState]:
     """Neutral sticks and less throttle, then the cut; the state has the reason already."""
     if state.phase != "descending":
-        throttle = min(state.command.throttle, inputs.hover) if math.isnan(inputs.holds) else inputs.holds
+        hold = inputs.hold_throttle
+        throttle = min(state.command.throttle, inputs.hover) if math.isnan(hold) else hold
         state = state._replace(descent_start=inputs.now, initial_throttle=throttle)
     share = (inputs.now - state.descent_start) / limits.descent_duration
     if not 0.0 <= share < 1.0:

@@ -120,7 +120,7 @@ class GainSchedule:
         self._table = [interpolated(low, self.parameters, k / (ENTRIES - 1)) for k in range(ENTRIES)]
         self.gains, self._delay = self._table[0], math.inf
 
-    def update(self, delay: float, step: float, lifted: float) -> Gains:
+    def update(self, delay: float, step: float, airborne_time: float) -> Gains:
         """Choose the gains.
 
         Parameters
@@ -129,13 +129,13 @@ class GainSchedule:
             From the exposure of the last picture to the effect of the command that is computed now, s.
         step : float
             Time since the last update, s.
-        lifted : float
+        airborne_time : float
             Time since lift-off, s; -inf before.
         """
         limits = self.parameters
         self._delay = min(self._delay + step * limits.forgetting_rate, delay)
         quick = clip((limits.longest_delay - self._delay) / (limits.longest_delay - limits.delay), 0.0, 1.0)
-        known = clip((lifted - limits.start_time) / (limits.full_time - limits.start_time), 0.0, 1.0)
+        known = clip((airborne_time - limits.start_time) / (limits.full_time - limits.start_time), 0.0, 1.0)
         self.gains = self._table[round(limits.weight * quick * known * (ENTRIES - 1))]
         return self.gains
 

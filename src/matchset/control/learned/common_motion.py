@@ -51,7 +51,11 @@ class CommonMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_u
 
 
 def hand_over(
-    own: EgoMotion, filters: Sequence[NeighborFilter], lifted: float, since: float, parameters: CommonMotionParameters
+    own: EgoMotion,
+    filters: Sequence[NeighborFilter],
+    airborne_time: float,
+    since: float,
+    parameters: CommonMotionParameters,
 ) -> None:
     """Hand the velocity of the neighbor's drift over to the vehicle, after a pose that was accepted.
 
@@ -60,15 +64,15 @@ def hand_over(
     own : EgoMotion
     filters : sequence of NeighborFilter
         The neighbor's, and those of other balls in the same frame at rest.
-    lifted : float
+    airborne_time : float
         Time from lift-off to that pose, s; -inf if there was none: nothing happens, a hand holds the vehicle.
     since : float
         Time since the pose before, s.
     parameters : CommonMotionParameters
     """
-    if not lifted >= 0.0:
+    if not airborne_time >= 0.0:
         return
-    takes_off = lifted < parameters.takeoff_duration
+    takes_off = airborne_time < parameters.takeoff_duration
     share = np.full(3, 1.0 - math.exp(-since / parameters.horizontal_time))
     share[VERTICAL] = 1.0 - math.exp(-since / (parameters.takeoff_time if takes_off else parameters.vertical_time))
     change = -filters[0].velocity * share

@@ -15,11 +15,11 @@ from matchset.control.stability.loop import (
     Loop,
     Timing,
     Vehicle,
-    level_speed_vehicle,
-    level_vehicle,
+    horizontal_speed_vehicle,
+    horizontal_vehicle,
     open_loop,
-    rise_speed_vehicle,
-    rise_vehicle,
+    vertical_speed_vehicle,
+    vertical_vehicle,
     yaw_vehicle,
 )
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
@@ -119,9 +119,9 @@ class FollowerLoops:
             time, lead = model.speed_time if told else 1.0, known.horizontal_lead
             swing, drift = time * known.oscillation_feedforward, time * known.drift_feedforward
             control = AxisControl(gains.horizontal, lead, gains.horizontal_feedforward, swing, drift, float(told))
-            return control, (level_speed_vehicle if told else level_vehicle)(model, conditions.tilt)
+            return control, (horizontal_speed_vehicle if told else horizontal_vehicle)(model, conditions.tilt)
         if name == RISE:
             drift, lead = (model.rise_time if told else 1.0) * gains.vertical_drift_feedforward, known.vertical_lead
             control = AxisControl(known.vertical, lead, gains.vertical_feedforward, 0.0, drift, float(told))
-            return control, (rise_speed_vehicle if told else rise_vehicle)(model, conditions.thrust)
+            return control, (vertical_speed_vehicle if told else vertical_vehicle)(model, conditions.thrust)
         return AxisControl(known.yaw), yaw_vehicle(model, conditions.tilt)

@@ -179,11 +179,11 @@ class GainLimit:
         self._age = self._step = self._known = self._waited = 0.0
         self._turn, self._flies = 0, False
 
-    def level(self, pid: PidParameters) -> PidParameters:
+    def horizontal(self, pid: PidParameters) -> PidParameters:
         """Return the gains of the level loop as they are in use; the same object while they are not lowered."""
         return lowered(pid, self._states[LEVEL].factor)
 
-    def rise(self, pid: PidParameters) -> PidParameters:
+    def vertical(self, pid: PidParameters) -> PidParameters:
         """Return the same of the height loop."""
         return lowered(pid, self._states[RISE].factor)
 
@@ -191,7 +191,7 @@ class GainLimit:
         """Return the same of the yaw loop."""
         return lowered(pid, self._states[YAW].factor)
 
-    def seen(self, filter_gains: Floats, age: float, step: float) -> None:
+    def note_filter(self, filter_gains: Floats, age: float, step: float) -> None:
         """Note an accepted picture.
 
         Parameters
@@ -210,7 +210,7 @@ class GainLimit:
         self._filter_gains += share * (filter_gains - self._filter_gains)
         self._age += share * (age - self._age)
 
-    def wanted(self, sticks: DesiredCommand, most: float, now: float, step: float, lifted: float) -> None:
+    def note_sticks(self, sticks: DesiredCommand, most: float, now: float, step: float, airborne_time: float) -> None:
         """Note what the controllers want, and lower the gains of a loop that swings.
 
         Parameters
@@ -222,13 +222,13 @@ class GainLimit:
             When it acts, s.
         step : float
             Time since the last ones, s.
-        lifted : float
+        airborne_time : float
             Time since lift-off, s.
         """
         limits = self.parameters
         if not limits.enabled:
             return
-        self._flies = lifted >= limits.settling_time
+        self._flies = airborne_time >= limits.settling_time
         for state in self._states.values():
             state.left = min(state.left + step / limits.recovery_time, 1.0)
         values = sticks.roll / most if most else 0.0, sticks.pitch / most if most else 0.0, sticks.yaw, sticks.throttle

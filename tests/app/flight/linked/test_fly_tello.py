@@ -148,8 +148,8 @@ class Flown:
         for _ in range(round(30 * seconds)):
             now = self.clock()
             control = self.follower.update(seen(ball, now, turned), now)
-            holds = self.follower.sticks.holds
-            inputs = SafetyInputs(now, now, now, True, fault, hover=self.follower.hover_throttle, holds=holds)
+            holds = self.follower.sticks.hold_throttle
+            inputs = SafetyInputs(now, now, now, True, fault, hover=self.follower.hover_throttle, hold_throttle=holds)
             wanted, self.safety = safety_filter(control and control.desired, inputs, self.safety)
             self.command = self.link.send(wanted)
             self.follower.sent(self.command, now)

@@ -319,8 +319,8 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, state: SafetyStat
 
 def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> tuple[Command, SafetyState]:
     """Neutral sticks and less throttle, then the cut; the state has the reason already."""
+    hold = inputs.hold_throttle
     if state.phase != "descending":
-        hold = inputs.hold_throttle
         throttle = min(state.command.throttle, inputs.hover) if math.isnan(hold) else hold
         state = state._replace(descent_start=inputs.now, initial_throttle=throttle)
     share = (inputs.now - state.descent_start) / limits.descent_duration

@@ -21,9 +21,9 @@ SWAY = 0.01  # m
 UP, AHEAD = 0.19, 1.5  # m, from the camera to the ball
 SETTINGS = """
 [flight.pilot.safety]
-fresh = 1.0
-[flight.pilot.follower.answer]
-limit = 100.0
+max_frame_age = 1.0
+[flight.pilot.follower.motion_consistency]
+max_evidence = 100.0
 """
 """Pictures come late beside other tests, and this camera does not answer to the sticks, which a flight knows soon."""
 

@@ -85,19 +85,19 @@ def truth(flight: Flight, now: float) -> dict[str, float]:
     untold = 0.0 if conditions.told_latency_ms is None else parameters.latency_ms - conditions.told_latency_ms
     return {
         "delay": (round(vehicle.radio_delay * RATE) - 1) / RATE + 1e-3 * untold,
-        "hover": vehicle.mass / (conditions.full_thrust(told) * left),
+        "hover_throttle": vehicle.mass / (conditions.full_thrust(told) * left),
         "full_tilt": float(electronics.full_tilt),
         "full_yaw_rate": float(electronics.full_yaw_rate),
         "yaw_lag": 1.0 / float(motion.vehicle.yaw_gain),
         "yaw_trim": float(electronics.yaw_trim),
-        "heft": vehicle.moved_mass / vehicle.mass,
+        "effective_mass_ratio": vehicle.moved_mass / vehicle.mass,
         "sag": (electronics.battery_sag / electronics.flight_time + electronics.battery_loss) / left,
         "roll_trim": float(motion.level_bias[0, 0]),
         "pitch_trim": float(motion.level_bias[0, 1]),
     }
 
 
-RELATIVE = ("hover", "full_yaw_rate", "full_tilt", "yaw_lag", "heft")
+RELATIVE = ("hover_throttle", "full_yaw_rate", "full_tilt", "yaw_lag", "effective_mass_ratio")
 SHOWN = (*RELATIVE, "delay", "yaw_trim", "roll_trim", "pitch_trim", "sag")
 
 
@@ -160,12 +160,12 @@ def main(
         parameters = drawn_flight(seed, duration=duration)
         flight = flown(with_world(parameters, quick=not rendered))
         if flight.ended:
-            print(f"seed {seed}: hover {flight.truth['hover']:.2f}, came down: {flight.ended}", flush=True)
+            print(f"seed {seed}: hover {flight.truth['hover_throttle']:.2f}, came down: {flight.ended}", flush=True)
             continue
         result = estimate(flight.log)
         found.append(result)
         truths.append(flight.truth)
-        words = f"seed {seed}: latency {parameters.world.latency_ms:.0f} ms, hover {flight.truth['hover']:.2f}"
+        words = f"seed {seed}: latency {parameters.world.latency_ms:.0f} ms, hover {flight.truth['hover_throttle']:.2f}"
         off = ", ".join(f"{name} {100.0 * error(name, result, flight.truth):+.2f} %" for name in RELATIVE[:3])
         words += f": {off}, delay {1e3 * error('delay', result, flight.truth):+.1f} ms"
         if fly > 0.0:

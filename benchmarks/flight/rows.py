@@ -123,11 +123,11 @@ class Listed(NamedTuple):
 
 def with_level_gains(follower: FollowerParameters, factor: float) -> FollowerParameters:
     """Multiply proportional and derivative of the level loop, high and low ones, by a factor."""
-    level, schedule, replace = follower.horizontal, follower.schedule, msgspec.structs.replace
+    level, schedule, replace = follower.horizontal, follower.gain_schedule, msgspec.structs.replace
     return replace(
         follower,
         horizontal=replace(level, proportional=factor * level.proportional, derivative=factor * level.derivative),
-        schedule=replace(
+        gain_schedule=replace(
             schedule, proportional=factor * schedule.proportional, derivative=factor * schedule.derivative
         ),
     )

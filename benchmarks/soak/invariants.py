@@ -131,7 +131,7 @@ def not_a_number(seen: Seen, _rules: Rules) -> str:
     """Find NaN anywhere in what a step answers, and infinity in a track, a pose or a command."""
     outcome = msgspec.msgpack.decode(outcome_of(seen.step))
     for name, value in outcome.items():
-        place = _strange(value, name, infinite=name in ("memory", "age", "answer"))
+        place = _strange(value, name, infinite=name in ("safety", "age", "control"))
         if place:
             return f"{place} is no number"
     return ""

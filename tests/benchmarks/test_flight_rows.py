@@ -49,7 +49,7 @@ def test_gains_set_too_high_are_those_of_the_level_loop_high_and_low() -> None:
     row = next(row for row in rows() if row.level_gains != 1.0)
     found, nominal = row.flight(1000).pilot.follower, FlightParameters().pilot.follower
     assert found.horizontal.proportional == pytest.approx(1.5 * nominal.horizontal.proportional)
-    assert found.schedule.derivative == pytest.approx(1.5 * nominal.schedule.derivative)
+    assert found.gain_schedule.derivative == pytest.approx(1.5 * nominal.gain_schedule.derivative)
     assert found.vertical == nominal.vertical
 
 

@@ -115,11 +115,11 @@ def test_sticks_stay_in_the_middle_until_the_thrust_suffices() -> None:
 @pytest.mark.parametrize(
     ("bad", "name"),
     [
-        ({"takeoff_duration": -1.0}, "takeoff_lasts"),
-        ({"takeoff_duration": math.nan}, "takeoff_lasts"),
-        ({"takeoff_time": 0.0}, "takeoff"),
-        ({"horizontal_time": 0.0}, "level"),
-        ({"vertical_time": math.inf}, "rise"),
+        ({"takeoff_duration": -1.0}, "takeoff_duration"),
+        ({"takeoff_duration": math.nan}, "takeoff_duration"),
+        ({"takeoff_time": 0.0}, "takeoff_time"),
+        ({"horizontal_time": 0.0}, "horizontal_time"),
+        ({"vertical_time": math.inf}, "vertical_time"),
     ],
 )
 def test_times_that_are_none_are_refused(bad: dict[str, float], name: str) -> None:

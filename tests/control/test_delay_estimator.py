@@ -80,7 +80,7 @@ def parabola(at: float) -> np.ndarray:
 
 
 def test_between_the_delays_lies_a_parabola() -> None:
-    estimator = DelayEstimator(DELAYS, DelayEstimatorParameters(last_time=0.15))
+    estimator = DelayEstimator(DELAYS, DelayEstimatorParameters(max_time=0.15))
     for _ in range(200):
         estimator.update(parabola(0.081), STEP)
     assert estimator.extra == pytest.approx(0.081, abs=1e-4)
@@ -105,7 +105,7 @@ def test_whatever_is_left_the_delay_is_within_its_limits(left: list[list[float]]
 
 
 def test_bad_numbers_are_refused() -> None:
-    for name in ("noise", "contrast", "first_time", "last_time", "max_rate"):
+    for name in ("noise", "contrast", "min_time", "max_time", "max_rate"):
         with pytest.raises(ValueError, match=name):
             DelayEstimatorParameters(**{name: -1.0})
 

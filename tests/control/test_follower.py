@@ -148,9 +148,9 @@ def test_before_the_first_sight_and_without_a_marker_it_has_no_answer() -> None:
 
 
 def test_bad_numbers_are_refused() -> None:
-    with pytest.raises(ValueError, match="hover"):
+    with pytest.raises(ValueError, match="hover_throttle"):
         FollowerParameters(hover_throttle=1.5)
-    with pytest.raises(ValueError, match="reach"):
+    with pytest.raises(ValueError, match="max_extrapolation"):
         FollowerParameters(max_extrapolation=math.nan)
 
 

@@ -28,7 +28,7 @@ def limit(follower: FollowerParameters = FOLLOWER) -> GainLimit:
 
 def high_gains(factor: float = 1.0) -> Gains:
     """The high gains, all of the level ones times a factor."""
-    low = Gains(FOLLOWER.horizontal, FOLLOWER.horizontal_speed, FOLLOWER.vertical_speed)
+    low = Gains(FOLLOWER.horizontal, FOLLOWER.horizontal_feedforward, FOLLOWER.vertical_feedforward)
     high = GainScheduleParameters(proportional=7.0 * factor, derivative=4.5 * factor)
     return interpolated(low, high, 1.0)
 
@@ -37,8 +37,8 @@ def checked(gains: Gains, age: float = 0.067, follower: FollowerParameters = FOL
     """Fly straight for 5 s with these gains."""
     found = limit(follower)
     for _ in range(150):
-        found.seen(FILTER_GAINS, age, STEP)
-        found.wanted(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 0.0, STEP, 10.0)
+        found.note_filter(FILTER_GAINS, age, STEP)
+        found.note_sticks(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 0.0, STEP, 10.0)
         found.check(gains, 0.03, 0.02, STEP)
     return found
 
@@ -48,7 +48,7 @@ def swung(found: GainLimit, seconds: float, stick: int = 0, size: float = 1.0) -
     for k in range(round(seconds / STEP)):
         sticks = [0.0] * 4
         sticks[stick] = size * math.sin(9.0 * k * STEP)
-        found.wanted(DesiredCommand(*sticks), 1.0, k * STEP, STEP, 10.0)
+        found.note_sticks(DesiredCommand(*sticks), 1.0, k * STEP, STEP, 10.0)
 
 
 def margins_known(found: GainLimit) -> list[tuple[float, float]]:
@@ -62,7 +62,7 @@ def test_gains_that_keep_their_margins_are_the_same_object() -> None:
     found = checked(high_gains())
     assert found.state.factors == (1.0, 1.0, 1.0)
     assert found.state.words == ""
-    assert found.level(FOLLOWER.horizontal) is FOLLOWER.horizontal
+    assert found.horizontal(FOLLOWER.horizontal) is FOLLOWER.horizontal
     (level, phase), (_, rise), (yaw, _) = margins_known(found)
     assert level > 6.0
     assert yaw > 6.0
@@ -77,7 +77,7 @@ def test_gains_without_margin_are_lowered_until_they_have_it() -> None:
     assert gain >= 6.0
     assert phase >= 40.0
     assert found.state.words == f"too little margin of the level loop: gains lowered to {100.0 * factor:.0f} %"
-    assert found.level(FOLLOWER.horizontal).derivative == pytest.approx(factor * FOLLOWER.horizontal.derivative)
+    assert found.horizontal(FOLLOWER.horizontal).derivative == pytest.approx(factor * FOLLOWER.horizontal.derivative)
     assert checked(high_gains(4.0), age=0.067).state.factors[0] > factor  # more delay, less gain
 
 
@@ -85,7 +85,7 @@ def test_pictures_after_a_gap_do_not_count() -> None:
     found, again = checked(high_gains()), checked(high_gains())
     for _ in range(30):
         found.check(high_gains(), 0.03, 0.02, STEP)
-        found.seen(3.0 * FILTER_GAINS, 0.067, 0.2)
+        found.note_filter(3.0 * FILTER_GAINS, 0.067, 0.2)
         again.check(high_gains(), 0.03, 0.02, STEP)
     assert found.state == again.state
 
@@ -110,7 +110,7 @@ def test_a_swing_lowers_its_loop_which_slowly_recovers() -> None:
     assert found.state.factors[1:] == (1.0, 1.0)
     assert found.state.words == "swings to the side: gains lowered to 70 %"
     for k in range(round(50.0 / STEP)):
-        found.wanted(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 1.0 + k * STEP, STEP, 10.0)
+        found.note_sticks(DesiredCommand(0.0, 0.0, 0.0, 0.5), 1.0, 1.0 + k * STEP, STEP, 10.0)
     assert found.state.factors[0] == 1.0
     assert found.state.words == ""
 
@@ -118,7 +118,7 @@ def test_a_swing_lowers_its_loop_which_slowly_recovers() -> None:
 def test_swings_lower_no_further_than_the_least_factor() -> None:
     found = limit()
     swung(found, 10.0)
-    assert found.state.factors[0] == pytest.approx(FOLLOWER.stability.least, abs=0.02)
+    assert found.state.factors[0] == pytest.approx(FOLLOWER.stability.min_factor, abs=0.02)
 
 
 @pytest.mark.parametrize(("stick", "loop", "words"), [(1, 0, "to and fro"), (2, 2, "in yaw"), (3, 1, "up and down")])
@@ -132,9 +132,9 @@ def test_every_stick_has_its_loop_and_its_words(stick: int, loop: int, words: st
 def test_nothing_is_noticed_in_the_first_seconds_nor_where_it_is_not_used() -> None:
     found = limit()
     for k in range(90):
-        found.wanted(DesiredCommand(math.sin(9.0 * k * STEP), 0.0, 0.0, 0.5), 1.0, k * STEP, STEP, k * STEP)
+        found.note_sticks(DesiredCommand(math.sin(9.0 * k * STEP), 0.0, 0.0, 0.5), 1.0, k * STEP, STEP, k * STEP)
     assert found.state.factors[0] == 1.0
-    off = msgspec.structs.replace(FOLLOWER, stability=StabilityParameters(used=False))
+    off = msgspec.structs.replace(FOLLOWER, stability=StabilityParameters(enabled=False))
     found = checked(high_gains(6.0), follower=off)
     swung(found, 2.0)
     assert found.state.factors == (1.0, 1.0, 1.0)
@@ -147,7 +147,9 @@ def test_lowering_takes_all_terms_by_the_same_factor() -> None:
     assert found.output_limit == FOLLOWER.horizontal.output_limit
 
 
-@pytest.mark.parametrize("changes", [{"swings": 1}, {"lowering": 1.5}, {"least": 0.0}, {"period": 0.0}])
+@pytest.mark.parametrize(
+    "changes", [{"swing_count": 1}, {"lowering_factor": 1.5}, {"min_factor": 0.0}, {"period": 0.0}]
+)
 def test_parameters_that_make_no_sense_are_refused(changes: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(changes))):
         msgspec.structs.replace(StabilityParameters(), **changes)
@@ -157,14 +159,14 @@ def flown(factor: float, used: bool = True) -> list[ChainStep]:
     """A chain whose vehicles tilt a quarter more than told, its level gains times a factor: 15 s without pictures."""
     flight, replace = with_world(FlightParameters(duration=15.0), seed=145, quick=True), msgspec.structs.replace
     follower = flight.pilot.follower
-    level, schedule = follower.horizontal, follower.schedule
+    level, schedule = follower.horizontal, follower.gain_schedule
     follower = replace(
         follower,
         horizontal=replace(level, proportional=factor * level.proportional, derivative=factor * level.derivative),
-        schedule=replace(
+        gain_schedule=replace(
             schedule, proportional=factor * schedule.proportional, derivative=factor * schedule.derivative
         ),
-        stability=replace(follower.stability, used=used),
+        stability=replace(follower.stability, enabled=used),
     )
     flight = replace(flight, pilot=replace(flight.pilot, follower=follower))
     with Flight(changed(flight, {"full_tilt": 1.25})) as chain:

@@ -16,7 +16,7 @@ from matchset.control.follower import FollowerParameters
 from matchset.control.neighbor_filter import NeighborFilter
 from matchset.control.pid import Pid
 from matchset.control.stability.follower_loops import LOOPS, FollowerLoops, LoopConditions, LoopParameters
-from matchset.control.stability.loop import FilterGains, Loop, Timing, _going_on, _transition, level_vehicle
+from matchset.control.stability.loop import FilterGains, Loop, Timing, _going_on, _transition, horizontal_vehicle
 from matchset.control.stability.margins import margins_of, robustness_of
 from matchset.localization.pose import Pose
 from matchset.numeric.record import new_block
@@ -39,7 +39,7 @@ def seen(place: tuple[float, float, float], time: float) -> Pose:
 
 def steady_filter_gains() -> Floats:
     """Return the gains of a neighbor filter that has seen a ball for 10 s."""
-    motion = NeighborFilter(FOLLOWER.neighbor)
+    motion = NeighborFilter(FOLLOWER.neighbor_filter)
     for k in range(300):
         motion.update(seen((0.0, 0.0, 1.5), k * STEP), STILL)
     return motion.gains
@@ -54,7 +54,7 @@ def loops(follower: FollowerParameters = FOLLOWER) -> FollowerLoops:
 
 def gains(share: float) -> Gains:
     """The gains of the schedule, of which there is a share of the high ones."""
-    low = Gains(FOLLOWER.horizontal, FOLLOWER.horizontal_speed, FOLLOWER.vertical_speed)
+    low = Gains(FOLLOWER.horizontal, FOLLOWER.horizontal_feedforward, FOLLOWER.vertical_feedforward)
     return interpolated(low, GainScheduleParameters(), share)
 
 
@@ -105,7 +105,7 @@ def exponential(matrix: Floats) -> Floats:
 
 
 def test_a_vehicle_goes_on_by_its_matrix_exponential() -> None:
-    vehicle = level_vehicle(FOLLOWER.ego_motion)
+    vehicle = horizontal_vehicle(FOLLOWER.ego_motion)
     order = len(vehicle.input)
     block = np.zeros((order + 1, order + 1))
     block[:order, :order], block[:order, order] = vehicle.system, vehicle.input
@@ -117,7 +117,7 @@ def test_a_vehicle_goes_on_by_its_matrix_exponential() -> None:
 
 
 def test_the_neighbor_goes_on_by_its_matrix_exponential() -> None:
-    model = FOLLOWER.neighbor
+    model = FOLLOWER.neighbor_filter
     w, decay, lasting = 2.0 * math.pi / model.oscillation_period, model.oscillation_damping, model.acceleration_time
     system = np.zeros((5, 5))
     system[0, 1] = system[1, 2] = 0.2  # s, of the drift
@@ -131,10 +131,10 @@ def test_the_neighbor_goes_on_by_its_matrix_exponential() -> None:
 @pytest.mark.parametrize("latency", LATENCIES)
 @pytest.mark.parametrize("name", LOOPS)
 def test_the_default_gains_keep_their_margins_at_every_latency(name: str, latency: float) -> None:
-    follower, schedule = FOLLOWER, FOLLOWER.schedule
+    follower, schedule = FOLLOWER, FOLLOWER.gain_schedule
     delay = latency + follower.ego_motion.delay
     share = min(max((schedule.longest_delay - delay) / (schedule.longest_delay - schedule.delay), 0.0), 1.0)
-    loop = loops().loop(name, conditions(latency, share, follower.stability.delay_doubt))
+    loop = loops().loop(name, conditions(latency, share, follower.stability.delay_uncertainty))
     found = margins_of(loop.frequencies, loop.at_gains)
     assert found.gain_db >= follower.stability.gain_margin_db
     assert found.phase_deg >= follower.stability.phase_margin_deg
@@ -167,8 +167,8 @@ class SlowTwin:
     ) -> None:
         known = gains(share)
         level = msgspec.structs.replace(known.horizontal, max_error=math.inf, output_limit=math.inf, integral=0.0)
-        self.pid, self.speed = Pid(level), SpeedFeedforward(known.horizontal_speed)
-        self.filter = NeighborFilter(FOLLOWER.neighbor)
+        self.pid, self.speed = Pid(level), SpeedFeedforward(known.horizontal_feedforward)
+        self.filter = NeighborFilter(FOLLOWER.neighbor_filter)
         self.shown = [self.steps(latency + DELAY), self.steps(latency + DELAY + error)]
         self.latency, self.factor, self.tilt = latency, factor, tilt
         self.moved, self.added = self.solved(STEP / self.FINE)

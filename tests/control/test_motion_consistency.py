@@ -114,7 +114,7 @@ def test_one_outlier_is_left_out() -> None:
             away[1] += 0.1 * (step == 60)
             pose = Pose(position=away, rotation_matrix=None, covariance=np.eye(6), observed="position", time=time)
             consistency.update(pose, model)
-            assert consistency.holds
+            assert consistency.is_current
             command = AttitudeCommand(pitch=0.1 * math.sin(8.0 * time + rng.uniform(0.0, 0.3)))
             for each in (ego, model):
                 each.update(command, time + LATENCY)
@@ -136,7 +136,7 @@ def watched(parameters: MotionConsistencyParameters, steps: int) -> tuple[Motion
         away = there.rotation.T @ (BALL - there.position)
         pose = Pose(position=away, rotation_matrix=None, covariance=np.eye(6), observed="position", time=time)
         consistency.update(pose, model)
-        said.append((consistency.evidence, consistency.holds))
+        said.append((consistency.evidence, consistency.is_current))
         for each in (ego, model):
             each.update(AttitudeCommand(pitch=0.1 * math.sin(8.0 * time)), time + LATENCY)
     return consistency, said
@@ -156,9 +156,9 @@ def test_so_many_poses_in_a_row_must_give_too_much_evidence(confirmations: int) 
 
 def test_after_a_reset_it_begins_anew() -> None:
     consistency = watched(MotionConsistencyParameters(), 120)[0]
-    assert not consistency.holds
+    assert not consistency.is_current
     consistency.reset()
-    assert consistency.holds
+    assert consistency.is_current
 
 
 def test_zero_is_one_of_the_small_delays() -> None:
@@ -173,8 +173,9 @@ def test_zero_is_one_of_the_small_delays() -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        "max_duration", "noise", "max_evidence", "settling_time", "window", "few", "least", "after", "stride",
-        "spacing", "earliest", "latest", "far", "oldest", "memory",
+        "max_duration", "noise", "max_evidence", "settling_time", "window", "min_latency_count",
+        "min_evidence_count", "min_changed_count", "stride",
+        "delay_spacing", "min_delay", "max_delay", "min_old_delay", "max_old_delay", "moving_average",
     ],
 )  # fmt: skip
 def test_numbers_out_of_range_are_refused(name: str) -> None:

@@ -57,22 +57,22 @@ def swung(beyond: NextButOne, period: float, amplitude: float = 0.1, seconds: fl
 
 
 def test_a_share_of_the_fast_motion_of_the_next_but_one_ball_is_followed() -> None:
-    moved, _ = swung(NextButOne(NextButOneParameters(share=0.5, slow=4.0, longest=4.0)), period=2.2)
+    moved, _ = swung(NextButOne(NextButOneParameters(share=0.5, time_constant=4.0, max_time_constant=4.0)), period=2.2)
     assert moved == pytest.approx(0.05, rel=0.15)  # 0.5 of 10 cm, at the period that the filter expects
 
 
 def test_more_of_it_is_followed_where_the_delay_is_longer() -> None:
-    told = NextButOneParameters(share=1.0, slow=0.3, longest=3.0)
+    told = NextButOneParameters(share=1.0, time_constant=0.3, max_time_constant=3.0)
     quick, late = (
-        swung(NextButOne(msgspec.structs.replace(told, delay=delay)), 2.2)[0] for delay in (DELAY, DELAY / 2)
+        swung(NextButOne(msgspec.structs.replace(told, reference_delay=delay)), 2.2)[0] for delay in (DELAY, DELAY / 2)
     )
     assert late > 2.0 * quick
 
 
 def test_where_that_would_be_slower_than_is_useful_less_of_it_is_followed() -> None:
-    told = NextButOneParameters(share=1.0, slow=0.5, power=1.0)
+    told = NextButOneParameters(share=1.0, time_constant=0.5, delay_exponent=1.0)
     whole, half = (
-        swung(NextButOne(msgspec.structs.replace(told, longest=0.5, delay=delay)), 2.2)[0]
+        swung(NextButOne(msgspec.structs.replace(told, max_time_constant=0.5, reference_delay=delay)), 2.2)[0]
         for delay in (DELAY, DELAY / 2)
     )
     assert half == pytest.approx(0.5 * whole, rel=0.1)
@@ -80,7 +80,7 @@ def test_where_that_would_be_slower_than_is_useful_less_of_it_is_followed() -> N
 
 def test_what_is_slow_counts_for_nothing() -> None:
     for period, most in ((16.0, 0.02), (6.0, 0.15)):
-        moved, _ = swung(NextButOne(NextButOneParameters(share=1.0, slow=0.3)), period, seconds=4.0 * period)
+        moved, _ = swung(NextButOne(NextButOneParameters(share=1.0, time_constant=0.3)), period, seconds=4.0 * period)
         assert moved < most * 0.1
     beyond = NextButOne(NextButOneParameters(share=1.0))
     neighbor = flown(beyond)  # not at its place, but at rest
@@ -90,7 +90,7 @@ def test_what_is_slow_counts_for_nothing() -> None:
 
 
 def test_a_ball_that_nobody_follows_is_expected_where_the_neighbor_would_be_right() -> None:
-    beyond, own = NextButOne(NextButOneParameters(share=1.0, rise=0.05)), NOBODY_MOVES.at(2.0)
+    beyond, own = NextButOne(NextButOneParameters(share=1.0, height_difference=0.05)), NOBODY_MOVES.at(2.0)
     neighbor = flown(beyond, turn=0.3, hidden=0.0)
     yaw = neighbor.at_times((2.0,), 0.4)[0].yaw.value
     should = (-1.55 * math.sin(yaw), -0.15, 1.5 - 1.55 * math.cos(yaw))
@@ -129,7 +129,7 @@ def test_forecasts_are_mixed_number_by_number() -> None:
 
 
 def test_the_share_comes_and_goes_with_that_ball_in_its_time() -> None:
-    beyond = NextButOne(NextButOneParameters(share=0.5, fade=0.4))
+    beyond = NextButOne(NextButOneParameters(share=0.5, fade_time=0.4))
     flown(beyond, seconds=0.2 + 0.5 * STEP)
     assert 0.3 < beyond.weight < 0.6
     flown(other := NextButOne(NextButOneParameters(share=0.5)), seconds=3.0, hidden=1.0)
@@ -151,7 +151,8 @@ def test_a_copy_goes_on_by_itself() -> None:
 
 
 @pytest.mark.parametrize(
-    ("field", "value"), [("share", 1.1), ("share", -0.1), ("spacing", 0.0), ("slow", 0.0), ("rise", math.inf)]
+    ("field", "value"),
+    [("share", 1.1), ("share", -0.1), ("spacing", 0.0), ("time_constant", 0.0), ("height_difference", math.inf)],
 )
 def test_what_cannot_be_is_refused(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):

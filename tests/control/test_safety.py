@@ -309,7 +309,7 @@ def test_shares_of_a_full_stick_above_1_are_refused(field: str) -> None:
 
 @pytest.mark.parametrize("least", [0.6, 0.7])
 def test_the_least_throttle_is_below_the_most(least: float) -> None:
-    with pytest.raises(ValueError, match="below most_throttle"):
+    with pytest.raises(ValueError, match="below max_throttle"):
         SafetyParameters(min_throttle=least, max_throttle=0.6)
 
 

@@ -94,7 +94,7 @@ def step(before: Situation, happening: Happening, holds: float = math.nan) -> Ta
     frame_time = before.frame_time if happening.picture == "none" else now
     seen_time = now if happening.picture == "ball" else before.seen_time
     inputs = SafetyInputs(
-        now, frame_time, seen_time, happening.armed, happening.fault, distance=happening.distance, holds=holds
+        now, frame_time, seen_time, happening.armed, happening.fault, distance=happening.distance, hold_throttle=holds
     )
     command, state = safety_filter(happening.desired, inputs, before.state, LIMITS)
     state = SafetyState(

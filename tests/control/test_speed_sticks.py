@@ -17,7 +17,7 @@ from matchset.control.safety import DesiredCommand
 from matchset.control.stability.follower_loops import LOOPS, FollowerLoops, LoopConditions, LoopParameters
 from matchset.control.stability.loop import Timing
 from matchset.control.stability.margins import margins_of
-from matchset.control.sticks.angle_sticks import AngleSticks, Wanted
+from matchset.control.sticks.angle_sticks import AngleSticks, WantedMotion
 from matchset.control.sticks.ego_parameters import GRAVITY, EgoMotionParameters, SpeedCommand
 from matchset.control.sticks.speed_parameters import SpeedParameters
 from matchset.control.sticks.speed_sticks import SpeedSticks, TakeOff
@@ -25,7 +25,7 @@ from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]
 FPS = 30
-MODEL = EgoMotionParameters(told_speeds=True)
+MODEL = EgoMotionParameters(speed_commands=True)
 FOLLOWER = FollowerParameters(commands="speeds")
 PLACE = RelativeSetpoint(heading=1.5)
 
@@ -96,28 +96,32 @@ def test_a_tilt_never_exceeds_the_largest_one() -> None:
 def test_sticks_are_shares_of_the_full_speeds() -> None:
     model = msgspec.structs.replace(MODEL, full_speed=2.0, full_rise=0.8, full_yaw_rate=1.6)
     sticks = SpeedSticks(model)
-    desired = sticks.desired(Wanted(0.5, -1.0, 0.4, 0.4), HOLD, 1.0, (0.0, 0.0))
+    desired = sticks.command(WantedMotion(0.5, -1.0, 0.4, 0.4), HOLD, 1.0, (0.0, 0.0))
     assert desired == pytest.approx((0.25, -0.5, 0.25, 0.75))
-    assert sticks.told(Command(*desired), Wanted(0.1, 0.0, 0.0, 0.1), HOLD) == pytest.approx((0.4, -1.0, 0.3, 0.4))
-    assert sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0))[:2] == (0.8, -0.8)
+    assert sticks.modeled_command(Command(*desired), WantedMotion(0.1, 0.0, 0.0, 0.1), HOLD) == pytest.approx(
+        (0.4, -1.0, 0.3, 0.4)
+    )
+    assert sticks.command(WantedMotion(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0))[:2] == (0.8, -0.8)
     assert (
-        sticks.desired(Wanted(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0)).throttle < 1.0
+        sticks.command(WantedMotion(9.0, -9.0, 9.0, 0.0), HOLD, 0.8, (0.0, 0.0)).throttle < 1.0
     )  # all means: no thrust left
 
 
 def test_before_lift_off_they_stand_still_and_without_throttle_nothing_is_told() -> None:
     sticks = SpeedSticks(MODEL)
-    assert sticks.desired(Wanted(0.5, -1.0, 0.4, 0.4), HOLD, 0.0, (0.0, 0.0)) == DesiredCommand(0.0, 0.0, 0.0, HOLD)
-    assert sticks.told(Command(), Wanted(0.1, 0.1, 0.1, 0.1), HOLD) == SpeedCommand()
-    assert sticks.holds == HOLD
-    assert math.isnan(AngleSticks(EgoMotionParameters(), 0.5).holds)
+    assert sticks.command(WantedMotion(0.5, -1.0, 0.4, 0.4), HOLD, 0.0, (0.0, 0.0)) == DesiredCommand(
+        0.0, 0.0, 0.0, HOLD
+    )
+    assert sticks.modeled_command(Command(), WantedMotion(0.1, 0.1, 0.1, 0.1), HOLD) == SpeedCommand()
+    assert sticks.hold_throttle == HOLD
+    assert math.isnan(AngleSticks(EgoMotionParameters(), 0.5).hold_throttle)
 
 
 def test_the_lag_is_made_up_for() -> None:
     sticks = SpeedSticks(MODEL)
-    assert sticks.ahead(0.2, 0.5) == pytest.approx(0.2 + 0.5 * MODEL.speed_time)
-    assert sticks.ahead(0.2, 0.5, upward=True) == pytest.approx(0.2 + 0.5 * MODEL.rise_time)
-    assert AngleSticks(EgoMotionParameters(), 0.5).ahead(0.2, 0.5) == 0.5
+    assert sticks.feedforward(0.2, 0.5) == pytest.approx(0.2 + 0.5 * MODEL.speed_time)
+    assert sticks.feedforward(0.2, 0.5, upward=True) == pytest.approx(0.2 + 0.5 * MODEL.rise_time)
+    assert AngleSticks(EgoMotionParameters(), 0.5).feedforward(0.2, 0.5) == 0.5
 
 
 def test_it_flies_when_its_own_take_off_is_over() -> None:
@@ -140,13 +144,13 @@ def test_parameters_in_use_are_those_of_speeds_and_stay_so() -> None:
     used = FOLLOWER.in_use
     assert used.horizontal == FOLLOWER.speeds.horizontal
     assert used.vertical == FOLLOWER.speeds.vertical
-    assert (used.hover_throttle, used.schedule.weight, used.ego_motion.told_speeds) == (HOLD, 0.0, True)
+    assert (used.hover_throttle, used.gain_schedule.weight, used.ego_motion.speed_commands) == (HOLD, 0.0, True)
     assert used.in_use == used
     assert FollowerParameters().in_use is not used
     assert FollowerParameters().in_use == FollowerParameters()
-    with pytest.raises(ValueError, match="takeoff"):
-        SpeedParameters(takeoff=-1.0)
-    with pytest.raises(ValueError, match="ahead"):
+    with pytest.raises(ValueError, match="takeoff_duration"):
+        SpeedParameters(takeoff_duration=-1.0)
+    with pytest.raises(ValueError, match="oscillation_feedforward"):
         SpeedParameters(oscillation_feedforward=1.5)
 
 
@@ -177,7 +181,7 @@ class Flown:
             desired = control.desired if control else DesiredCommand(0.0, 0.0, 0.0, HOLD)
             self.desired.append(desired)
             self.follower.sent(Command(*desired), now)
-            told = self.follower.sticks.told(Command(*desired), Wanted(0.0, 0.0, 0.0, 0.0), HOLD)
+            told = self.follower.sticks.modeled_command(Command(*desired), WantedMotion(0.0, 0.0, 0.0, 0.0), HOLD)
             self.motion.update(told, now)
         return self.motion.at(len(self.desired) / FPS)
 
@@ -206,7 +210,7 @@ def test_a_speed_flown_with_sticks_in_the_middle_is_flown_against_as_if_it_were_
 
 def steady_filter_gains() -> Floats:
     """Return the gains of a neighbor filter that has seen a ball for 10 s."""
-    motion = NeighborFilter(FOLLOWER.neighbor)
+    motion = NeighborFilter(FOLLOWER.neighbor_filter)
     still = EgoMotion(MODEL).at(0.0)
     for k in range(300):
         motion.update(seen((0.0, 0.0, 1.5), k / FPS), still)
@@ -218,8 +222,8 @@ def steady_filter_gains() -> Floats:
 def test_the_loops_keep_their_margins(name: str, latency: float) -> None:
     used = FOLLOWER.in_use
     loops = FollowerLoops(LoopParameters(*(getattr(used, each) for each in LoopParameters._fields)))
-    gains = Gains(used.horizontal, used.horizontal_speed, used.vertical_speed)
-    timing = Timing(1.0 / FPS, latency, used.ego_motion.delay, used.stability.delay_doubt)
+    gains = Gains(used.horizontal, used.horizontal_feedforward, used.vertical_feedforward)
+    timing = Timing(1.0 / FPS, latency, used.ego_motion.delay, used.stability.delay_uncertainty)
     loop = loops.loop(name, LoopConditions(gains, timing, steady_filter_gains()))
     margins = margins_of(loop.frequencies, loop.at_gains)
     assert margins.gain_db >= 6.0
@@ -229,7 +233,7 @@ def test_the_loops_keep_their_margins(name: str, latency: float) -> None:
 def test_the_vehicle_of_the_loops_is_that_of_dead_reckoning() -> None:
     used = msgspec.structs.replace(FOLLOWER.in_use, ego_motion=msgspec.structs.replace(MODEL, integration_step=1e-3))
     loops = FollowerLoops(LoopParameters(*(getattr(used, each) for each in LoopParameters._fields)))
-    gains = Gains(used.horizontal, used.horizontal_speed, used.vertical_speed)
+    gains = Gains(used.horizontal, used.horizontal_feedforward, used.vertical_feedforward)
     conditions = LoopConditions(gains, Timing(1.0 / FPS, 0.067, 0.03), steady_filter_gains())
     for name, axis, told in (("level", 2, SpeedCommand(forward=0.01)), ("rise", 1, SpeedCommand(up=-0.01))):
         _, vehicle = loops._axis(name, conditions)

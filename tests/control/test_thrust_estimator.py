@@ -84,14 +84,14 @@ def test_whatever_it_sees_the_gain_is_finite_and_within_its_limits(
         now += step
         estimator.sent(throttle, now)
         estimator.update(height, upright, now)
-        assert limits.smallest <= estimator.gain <= limits.largest
+        assert limits.min_gain <= estimator.gain <= limits.max_gain
         assert math.isfinite(estimator.sigma)
 
 
 def test_limits_that_leave_out_what_was_told_are_refused() -> None:
-    with pytest.raises(ValueError, match="smallest"):
-        ThrustEstimatorParameters(smallest=1.1)
-    with pytest.raises(ValueError, match="largest"):
-        ThrustEstimatorParameters(largest=0.9)
-    with pytest.raises(ValueError, match="shaking"):
+    with pytest.raises(ValueError, match="min_gain"):
+        ThrustEstimatorParameters(min_gain=1.1)
+    with pytest.raises(ValueError, match="max_gain"):
+        ThrustEstimatorParameters(max_gain=0.9)
+    with pytest.raises(ValueError, match="acceleration_noise"):
         ThrustEstimatorParameters(acceleration_noise=0.0)

@@ -83,7 +83,7 @@ def test_without_throttle_or_commands_it_sinks_level(silent: bool) -> None:
 
 
 def test_dead_reckoning_knows_it() -> None:
-    chain, model = world(), EgoMotionParameters(told_speeds=True)
+    chain, model = world(), EgoMotionParameters(speed_commands=True)
     own, rng = EgoMotion(model), np.random.default_rng(1)
     yaw, told = chain.rope.yaw(0.0), Command(throttle=HOLD)
     worst = 0.0

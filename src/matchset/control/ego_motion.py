@@ -12,9 +12,9 @@ p)``, ten degrees in a third of a second where both change at once. The constant
 still, its trim, is no tilt and is subtracted before. The position drifts; it serves to compare moments less than a
 second apart.
 
-A vehicle that is told speeds u (`EgoMotionParameters.told_speeds`) holds them by a controller of its own, which tilts:
-its stick s is that of the acceleration ``(u - v) / T_v`` in the level frame that turns with its yaw, within its largest
-tilt, and its lift ``(u - v) / T_r``; it makes up for drag by itself. Its speed does not drift away.
+A vehicle that is told speeds u (`EgoMotionParameters.speed_commands`) holds them by a controller of its own, which
+tilts: its stick s is that of the acceleration ``(u - v) / T_v`` in the level frame that turns with its yaw, within its
+largest tilt, and its lift ``(u - v) / T_r``; it makes up for drag by itself. Its speed does not drift away.
 """
 
 import math
@@ -215,7 +215,7 @@ def propagate(work: Any, before: Block, step: float, after: Block) -> None:
     new.time = old.time + step
     begin, frequency = step / (model.tilt_lag + step), 1.0 / model.tilt_time
     told, lift, drag = (command.tilt[0], command.tilt[1]), command.lift, max(1.0 - step / model.drag_time, 0.0)
-    if model.told_speeds != 0:
+    if model.speed_commands != 0:
         told, lift, drag = tilts_of_speeds(work, old), (command.lift + old.velocity[1]) / model.rise_time, 1.0
     for k in range(2):  # roll, pitch
         new.motor_tilt[k] = old.motor_tilt[k] + (told[k] - old.motor_tilt[k]) * begin

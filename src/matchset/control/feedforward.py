@@ -14,14 +14,8 @@ import msgspec
 from matchset.control.parameter_checks import require_positive, require_share
 
 
-class FeedforwardParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={"high_frequency_gain": "share", "crossover_time": "calm"},
-):
-    """Parameters of a `SpeedFeedforward`. Their keys in a file are ``share`` and ``calm``.
+class FeedforwardParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a `SpeedFeedforward`.
 
     Parameters
     ----------

@@ -29,10 +29,10 @@ from matchset.control.parameter_checks import require, require_not_negative, req
 from matchset.control.pid import Pid, PidParameters
 from matchset.control.stability.follower_loops import LoopParameters
 from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
-from matchset.control.sticks.angle_sticks import Wanted
+from matchset.control.sticks.angle_sticks import WantedMotion
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
 from matchset.control.sticks.kinds import kind_of
-from matchset.control.sticks.speed_parameters import KEYS, SpeedParameters
+from matchset.control.sticks.speed_parameters import SpeedParameters
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -54,25 +54,8 @@ class RelativeSetpoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     heading: float = 1.5
 
 
-class FollowerParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        **KEYS,
-        "hover_throttle": "hover",
-        "ego_motion": "own",
-        "neighbor": "motion",
-        "motion_consistency": "answer",
-        "thrust_estimator": "thrust",
-        "max_extrapolation": "reach",
-        "pose_timeout": "memory",
-        "max_yaw_sigma": "alone",
-        "stability": "steady",
-    },
-):
-    """Parameters of a `Follower`; the key in a file is in parentheses where it is another one.
+class FollowerParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a `Follower`.
 
     All gains were searched for (decision 074, seeds 0 to 9), then changed by hand for robustness to thrust, tilt and
     motors that differ. `python -m benchmarks.flight.fly` shows a change.
@@ -83,49 +66,48 @@ class FollowerParameters(
         What the sticks of the vehicle are: "angles", and thrust; or "speeds", which it holds by itself. The link of a
         real flight and the world of a simulated one decide it, so a file need not name it.
     horizontal : PidParameters
-        From m to m/s^2, for both level axes (``level``).
+        From m to m/s^2, for both level axes.
     vertical : PidParameters
-        From m to m/s^2, upward (``rise``).
+        From m to m/s^2, upward.
     yaw : PidParameters
         From the bearing of the ball, rad, to a yaw rate, rad/s. Slow: a ball that turns fast disturbs who watches it.
         Its integral learns a trim; its lead is the lag of this loop and more: an answered turn is no trim.
     hover_throttle : float
-        Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate (``hover``).
+        Throttle that hovers, roughly; `thrust_estimator` finds the rest. Estimate.
     horizontal_lead, vertical_lead : float
         Time from the first to the full effect of a command, s, for which level axes and height are predicted. More is
-        calmer, until the prediction fails. Decision 074; about tilt_lag + tilt_time, and lift_lag (``lead``,
-        ``rise_lead``).
+        calmer, until the prediction fails. Decision 074; about tilt_lag + tilt_time, and lift_lag.
     oscillation_feedforward, drift_feedforward : float
         Shares of the setpoint's oscillating acceleration, and of its other one, that are flown at once, 0 ... 1. More
-        follows closer, and passes it on to the next of the chain. Chosen by: decision 074 (``ahead``, ``drift``).
-    horizontal_speed, vertical_speed : FeedforwardParameters
-        Feedforward of the neighbor's speed, level and upward (``pace``, ``rise_pace``).
+        follows closer, and passes it on to the next of the chain. Chosen by: decision 074.
+    horizontal_feedforward, vertical_feedforward : FeedforwardParameters
+        Feedforward of the neighbor's speed, level and upward.
     ego_motion : EgoMotionParameters
-        The vehicle's answer to its sticks (``own``).
-    neighbor : NeighborFilterParameters
-        Filter of the neighbor's poses (``motion``).
+        The vehicle's answer to its sticks.
+    neighbor_filter : NeighborFilterParameters
+        Filter of the neighbor's poses.
     motion_consistency : MotionConsistencyParameters
-        When the motion of the ball does not answer to the commands (``answer``).
+        When the motion of the ball does not answer to the commands.
     thrust_estimator : ThrustEstimatorParameters
-        Estimate of the throttle that hovers (``thrust``).
-    common, mount, beyond : CommonMotionParameters, MountParameters, NextButOneParameters
+        Estimate of the throttle that hovers.
+    common_motion, mount, next_but_one : CommonMotionParameters, MountParameters, NextButOneParameters
         Whose velocity the pictures show; how camera and marker are mounted; how the next-but-one ball counts.
-    schedule : GainScheduleParameters
+    gain_schedule : GainScheduleParameters
         The gains that hold where chain and delay are short; those above hold where one of them is long.
     stability : StabilityParameters
-        When gains are lowered (``steady``).
+        When gains are lowered.
     speeds : SpeedParameters
         What is otherwise where the vehicle is told speeds.
     max_stick : float
         Largest roll and pitch stick of the low gains, 0 ... 1; with all of it long chains fall in their start.
     max_extrapolation : float
-        How long the neighbor's drift goes on after its last pose, s; then it stands still. Estimate (``reach``).
+        How long the neighbor's drift goes on after its last pose, s; then it stands still. Estimate.
     pose_timeout : float
-        How long after the last pose there is an output, s; longer than `SafetyParameters.hold_time` (``memory``).
+        How long after the last pose there is an output, s; longer than `SafetyParameters.hold_time`.
     max_yaw_sigma : float
         Standard deviation of the direction of the neighbor's marker from which that is not known, and the place is held
         by the ball alone, rad. Less keeps to the ball sooner, and drifts around it; more flies to where the marker may
-        long have turned away from. Chosen by hand: half a meter at 1.5 m (``alone``).
+        long have turned away from. Chosen by hand: half a meter at 1.5 m.
     min_step, max_step, min_tilt_cosine : float
         Limits of the time between updates, s, for a clock that jumps, and of the cosine of the tilt over which the
         throttle is divided. Chosen by hand: 60 degrees.
@@ -159,16 +141,16 @@ class FollowerParameters(
     vertical_lead: float = 0.038
     oscillation_feedforward: float = 0.85
     drift_feedforward: float = 0.45
-    horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.7, crossover_time=0.23)
-    vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.42, crossover_time=0.75)
+    horizontal_feedforward: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.7, crossover_time=0.23)
+    vertical_feedforward: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.42, crossover_time=0.75)
     ego_motion: EgoMotionParameters = EgoMotionParameters()
-    neighbor: NeighborFilterParameters = NeighborFilterParameters()
+    neighbor_filter: NeighborFilterParameters = NeighborFilterParameters()
     motion_consistency: MotionConsistencyParameters = MotionConsistencyParameters()
     thrust_estimator: ThrustEstimatorParameters = ThrustEstimatorParameters()
-    common: CommonMotionParameters = CommonMotionParameters()
+    common_motion: CommonMotionParameters = CommonMotionParameters()
     mount: MountParameters = MountParameters()
-    beyond: NextButOneParameters = NextButOneParameters()
-    schedule: GainScheduleParameters = GainScheduleParameters()
+    next_but_one: NextButOneParameters = NextButOneParameters()
+    gain_schedule: GainScheduleParameters = GainScheduleParameters()
     stability: StabilityParameters = StabilityParameters()
     speeds: SpeedParameters = SpeedParameters()
     max_stick: float = 0.8
@@ -219,14 +201,17 @@ class Follower:
         self.setpoint = setpoint or RelativeSetpoint()
         self.parameters = known = (parameters or FollowerParameters()).in_use
         self.ego_motion, self.consistency = EgoMotion(known.ego_motion), MotionConsistency(known.motion_consistency)
-        self.neighbor, self.beyond = NeighborFilter(known.neighbor), NextButOne(known.beyond, known.neighbor)
+        self.neighbor, self.next_but_one = (
+            NeighborFilter(known.neighbor_filter),
+            NextButOne(known.next_but_one, known.neighbor_filter),
+        )
         self.sticks, self.thrust = kind_of(known)
         self._right, self._forward = Pid(known.horizontal), Pid(known.horizontal)
         self._up, self._yaw = Pid(known.vertical), Pid(known.yaw)
-        level, vertical = known.horizontal_speed, known.vertical_speed
+        level, vertical = known.horizontal_feedforward, known.vertical_feedforward
         self._speed_x, self._speed_y, self._speed_z = map(SpeedFeedforward, (level, vertical, level))
         low = Gains(known.horizontal, level, vertical, max_stick=known.max_stick)
-        self.mount, self._schedule = CameraMount(known.mount), GainSchedule(low, known.schedule)
+        self.mount, self._schedule = CameraMount(known.mount), GainSchedule(low, known.gain_schedule)
         loops = LoopParameters(*(getattr(known, name) for name in LoopParameters._fields))
         self.limit = GainLimit(loops, known.stability)
         self._pose_time = self._time = -math.inf
@@ -251,10 +236,16 @@ class Follower:
             since, self._pose_time = pose.time - self._pose_time, pose.time
             own, seen, pose = self.ego_motion.at(pose.time), pose, self.mount.turn(pose)
             if self.neighbor.update(pose, own):
-                self.limit.seen(self.neighbor.gains, now - pose.time, since)
-                lifted = pose.time - self.thrust.lift_time
-                if not parameters.ego_motion.told_speeds:  # which know their speed better than a picture
-                    hand_over(self.ego_motion, (self.neighbor, self.beyond.ball), lifted, since, parameters.common)
+                self.limit.note_filter(self.neighbor.gains, now - pose.time, since)
+                airborne_time = pose.time - self.thrust.lift_time
+                if not parameters.ego_motion.speed_commands:  # which know their speed better than a picture
+                    hand_over(
+                        self.ego_motion,
+                        (self.neighbor, self.next_but_one.ball),
+                        airborne_time,
+                        since,
+                        parameters.common_motion,
+                    )
                 self.consistency.update(pose, self.ego_motion, self.thrust.airborne)
                 self.thrust.delay = self.ego_motion.delay
                 upright = math.cos(own.roll) * math.cos(own.pitch)
@@ -284,8 +275,8 @@ class Follower:
         if now + self.ego_motion.delay < self.thrust.lift_time:  # what they integrate in a hand is no trim
             for pid in (self._right, self._forward, self._yaw):
                 pid.reset()
-        trim = Wanted(*(pid.terms.integral for pid in (self._right, self._forward, self._up, self._yaw)))
-        self.ego_motion.update(self.sticks.told(command, trim, self.hover_throttle), now)
+        trim = WantedMotion(*(pid.terms.integral for pid in (self._right, self._forward, self._up, self._yaw)))
+        self.ego_motion.update(self.sticks.modeled_command(command, trim, self.hover_throttle), now)
 
     @property
     def hover_throttle(self) -> float:
@@ -311,7 +302,11 @@ class Follower:
         if not time - self.neighbor.time <= self.parameters.pose_timeout:
             return None
         own, reach = self.ego_motion.at(time), self.parameters.max_extrapolation if reach is None else reach
-        ball = self.beyond.expected(self.neighbor, own, time, reach) if beyond else self.neighbor.at(time, reach).place
+        ball = (
+            self.next_but_one.expected(self.neighbor, own, time, reach)
+            if beyond
+            else self.neighbor.at(time, reach).place
+        )
         position: Floats = (own.rotation @ self.mount.from_camera).T @ (ball - own.position)
         return position
 
@@ -319,13 +314,16 @@ class Follower:
         """Run the controllers for a command that begins to act at a time."""
         parameters = self.parameters
         gains = self._schedule.update(acts - self.neighbor.time, step, acts - self.thrust.lift_time)
-        self._right.parameters = self._forward.parameters = self.limit.level(gains.horizontal)
-        self._up.parameters, self._yaw.parameters = self.limit.rise(parameters.vertical), self.limit.yaw(parameters.yaw)
-        self._speed_x.parameters = self._speed_z.parameters = gains.horizontal_speed
-        self._speed_y.parameters = gains.vertical_speed
+        self._right.parameters = self._forward.parameters = self.limit.horizontal(gains.horizontal)
+        self._up.parameters, self._yaw.parameters = (
+            self.limit.vertical(parameters.vertical),
+            self.limit.yaw(parameters.yaw),
+        )
+        self._speed_x.parameters = self._speed_z.parameters = gains.horizontal_feedforward
+        self._speed_y.parameters = gains.vertical_feedforward
         times = acts, acts + parameters.horizontal_lead, acts + parameters.vertical_lead
         own, own_level, own_vertical = self.ego_motion.at_times(times)
-        ball, ball_level, ball_vertical = self.beyond.at_times(self.neighbor, times, parameters.max_extrapolation)
+        ball, ball_level, ball_vertical = self.next_but_one.at_times(self.neighbor, times, parameters.max_extrapolation)
         doubt = self._yaw_doubt(acts)
         if doubt:
             ball, ball_level = self._turned(ball, own), self._turned(ball_level, own_level)
@@ -336,9 +334,9 @@ class Follower:
         x, y, z = (ball.place - own.position).tolist()  # from the vehicle to the ball
         bearing = math.remainder(math.atan2(x, z) - own.yaw, 2.0 * math.pi)
         most = gains.max_stick if acts >= self.thrust.lift_time else 0.0  # in a hand integrals wind up
-        wanted = Wanted(right, forward, up, self._yaw.update(0.0, -bearing, step))
-        desired = self.sticks.desired(wanted, self.hover_throttle, most, (own.roll, own.pitch))
-        self.limit.wanted(desired, most, acts, step, acts - self.thrust.lift_time)
+        wanted = WantedMotion(right, forward, up, self._yaw.update(0.0, -bearing, step))
+        desired = self.sticks.command(wanted, self.hover_throttle, most, (own.roll, own.pitch))
+        self.limit.note_sticks(desired, most, acts, step, acts - self.thrust.lift_time)
         self.limit.check(gains, self.ego_motion.delay, self.thrust.sigma, step)
         sin, cos = math.sin(ball.yaw.value), math.cos(ball.yaw.value)
         terms = self._right.terms, self._forward.terms, self._up.terms, self._yaw.terms
@@ -360,7 +358,7 @@ class Follower:
         error = own.position.item(1) - ball.y.value + self.setpoint.height
         speed = self._speed_y.output(ball.y.speed)
         drift = -self._schedule.gains.vertical_drift_feedforward * ball.y.drift_acceleration
-        ahead = self.sticks.ahead(-speed, drift, upward=True)
+        ahead = self.sticks.feedforward(-speed, drift, upward=True)
         return ahead + self._up.update(0.0, -error, step, speed - own.velocity.item(1))
 
     def _go_level(self, own: EgoState, ball: Forecast, yaw: float, step: float) -> tuple[float, float]:
@@ -370,7 +368,7 @@ class Follower:
         position, velocity = own.position.tolist(), own.velocity.tolist()
         x, z = place[0] - position[0], place[1] - position[2]
         vx, vz = speed[0] - velocity[0], speed[1] - velocity[2]
-        ax, az = self.sticks.ahead(speed[0], ax), self.sticks.ahead(speed[1], az)
+        ax, az = self.sticks.feedforward(speed[0], ax), self.sticks.feedforward(speed[1], az)
         right, forward = x * cos - z * sin, x * sin + z * cos
         right_speed, forward_speed = vx * cos - vz * sin, vx * sin + vz * cos
         right = self._right.update(0.0, -right, step, -right_speed) + ax * cos - az * sin

@@ -38,19 +38,8 @@ TIME, DISTANCE, DIRECTION, DELAYS = 0, 1, 2, 5  # format: first columns of a pos
 ROW, LEVEL, HEIGHT, EACH = 0, 3, 4, 5  # format: for each delay the row e, e u, h; how many these are
 
 
-class MotionConsistencyParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "max_evidence": "limit",
-        "confirmations": "agreeing",
-        "settling_time": "begin",
-        "delay_estimator": "latency",
-    },
-):
-    """When pictures are taken to be old; the key in a file is in parentheses if another one.
+class MotionConsistencyParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When pictures are taken to be old.
 
     Chosen on flights without pictures of seeds 0 to 35 and 100 to 102, with and without pictures that are 0.4 to 0.8 s
     old, with gusts, latencies told wrong and vehicles that differ, and on one of Betaflight: docs/log.md, 2026-11-23;
@@ -60,53 +49,52 @@ class MotionConsistencyParameters(
     ----------
     window : int
         Differences of poses, one after the other, that are looked at. More tells old pictures from gusts, later.
-    few, least : int
+    min_latency_count, min_evidence_count : int
         Of these, so many suffice after the start to learn a latency, and to know old pictures; their evidence counts as
         their share of `window`.
-    after : int
+    min_changed_count : int
         Differences after the change to old pictures, at least: one outlier is none.
     stride : int
         A change is tried at one of so many poses. More is faster (2: 35 us a pose, 4: 15 us), and a little later.
     max_duration : float
         Largest time from the first to the last pose, s; over a longer one nothing is said. Chosen by hand: twice that
         of a full window, so half of the pictures may be missing.
-    spacing : float
+    delay_spacing : float
         From one delay to the next, s. Chosen by hand: one picture.
-    earliest, latest : float
+    min_delay, max_delay : float
         Range of the small delays beyond what was told, s: a latency that was not told is none. More is slower to know
         old pictures.
-    far, oldest : float
-        Range of the large ones, s. What is between `latest` and `far` is neither.
-    memory : float
+    min_old_delay, max_old_delay : float
+        Range of the large ones, s. What is between `max_delay` and `min_old_delay` is neither.
+    moving_average : float
         Coefficient of the moving average, 0 to 1. Less forgives gusts and poor models, more knows old pictures in calm
         flights sooner.
     noise : float
         Standard deviation of what a perfect model leaves, rad: that of a picture.
     max_evidence : float
         Largest evidence with which a vehicle flies on. In flights without fault 1.9 was the largest, in a gust of wind,
-        1.5 with Betaflight, and 1.2 in all others (``limit``).
+        1.5 with Betaflight, and 1.2 in all others.
     confirmations : int
-        So many poses in a row must give more than that: in gusts one alone did. More is a picture later each
-        (``agreeing``).
+        So many poses in a row must give more than that: in gusts one alone did. More is a picture later each.
     settling_time : float
         Time after the start in which nothing is said of old pictures, s: the vehicle is in a hand or on the ground,
-        which its dead reckoning does not know (``begin``).
+        which its dead reckoning does not know.
     delay_estimator : DelayEstimatorParameters
-        Which of the small delays is that of camera and radio (``latency``).
+        Which of the small delays is that of camera and radio.
     """
 
     window: int = 40
-    few: int = 8
-    least: int = 16
-    after: int = 3
+    min_latency_count: int = 8
+    min_evidence_count: int = 16
+    min_changed_count: int = 3
     stride: int = 4
     max_duration: float = 2.67
-    spacing: float = 1.0 / 30.0
-    earliest: float = -1.0 / 30.0
-    latest: float = 0.2
-    far: float = 0.4
-    oldest: float = 0.8
-    memory: float = 0.5
+    delay_spacing: float = 1.0 / 30.0
+    min_delay: float = -1.0 / 30.0
+    max_delay: float = 0.2
+    min_old_delay: float = 0.4
+    max_old_delay: float = 0.8
+    moving_average: float = 0.5
     noise: float = 0.001
     max_evidence: float = 1.85
     confirmations: int = 2
@@ -114,24 +102,38 @@ class MotionConsistencyParameters(
     delay_estimator: DelayEstimatorParameters = DelayEstimatorParameters()
 
     def __post_init__(self) -> None:
-        require(self, ("window", "few", "least"), lambda value: value >= 4, "4 or more")
-        require(self, ("few",), lambda value: value <= self.least, "at most least")
-        require(self, ("least",), lambda value: value <= self.window, "at most window")
-        require(self, ("after",), lambda value: 1 <= value <= self.least, "within 1 ... least")
+        require(self, ("window", "min_latency_count", "min_evidence_count"), lambda value: value >= 4, "4 or more")
+        require(
+            self, ("min_latency_count",), lambda value: value <= self.min_evidence_count, "at most min_evidence_count"
+        )
+        require(self, ("min_evidence_count",), lambda value: value <= self.window, "at most window")
+        require(
+            self,
+            ("min_changed_count",),
+            lambda value: 1 <= value <= self.min_evidence_count,
+            "within 1 ... min_evidence_count",
+        )
         require(self, ("stride", "confirmations"), lambda value: value >= 1, "1 or more")
-        require_positive(self, ("max_duration", "spacing", "noise", "max_evidence", "settling_time"))
-        require_not_negative(self, ("memory", "latest"))
-        require(self, ("memory",), lambda value: value < 1.0, "below 1")
-        require(self, ("earliest",), lambda value: -0.2 <= value <= 0.0, "within -0.2 ... 0")
-        require(self, ("far",), lambda value: value > self.latest, "more than latest")
-        require(self, ("oldest",), lambda value: self.far <= value <= 1.0, "within far ... 1")
+        require_positive(self, ("max_duration", "delay_spacing", "noise", "max_evidence", "settling_time"))
+        require_not_negative(self, ("moving_average", "max_delay"))
+        require(self, ("moving_average",), lambda value: value < 1.0, "below 1")
+        require(self, ("min_delay",), lambda value: -0.2 <= value <= 0.0, "within -0.2 ... 0")
+        require(self, ("min_old_delay",), lambda value: value > self.max_delay, "more than max_delay")
+        require(
+            self, ("max_old_delay",), lambda value: self.min_old_delay <= value <= 1.0, "within min_old_delay ... 1"
+        )
 
     @property
     def delays(self) -> tuple[Floats, Floats]:
         """The small and the large delays, s; 0 is one of the small ones."""
-        first, last = math.ceil(self.earliest / self.spacing - TINY), math.floor(self.latest / self.spacing + TINY)
-        small = self.spacing * np.arange(first, last + 1, dtype=np.float64)
-        far = np.arange(self.far, self.oldest + 0.5 * self.spacing, self.spacing, dtype=np.float64)
+        first, last = (
+            math.ceil(self.min_delay / self.delay_spacing - TINY),
+            math.floor(self.max_delay / self.delay_spacing + TINY),
+        )
+        small = self.delay_spacing * np.arange(first, last + 1, dtype=np.float64)
+        far = np.arange(
+            self.min_old_delay, self.max_old_delay + 0.5 * self.delay_spacing, self.delay_spacing, dtype=np.float64
+        )
         return small, far
 
 
@@ -157,7 +159,7 @@ class MotionConsistency:
         small, far = self.parameters.delays
         self.delays = np.concatenate((small, far))
         told = self.parameters
-        self._settings = np.array((told.memory, told.noise, told.after, told.stride))
+        self._settings = np.array((told.moving_average, told.noise, told.min_changed_count, told.stride))
         self._window = np.zeros((told.window + 1, DELAYS + EACH * len(self.delays)))
         self._scratch = np.zeros((len(self.delays) + 6, told.window + 1))
         self._position, self._left = np.zeros(3), np.zeros(len(small))
@@ -168,7 +170,7 @@ class MotionConsistency:
         self._measure(told.window + 1)
 
     @property
-    def holds(self) -> bool:
+    def is_current(self) -> bool:
         """Whether the pictures may be those of now."""
         return self._against < self.parameters.confirmations
 
@@ -199,9 +201,12 @@ class MotionConsistency:
         self._count = min(self._count + 1, parameters.window + 1)
         if time - self._begin >= parameters.settling_time:
             self._settled = min(self._settled + 1, parameters.window + 1)
-        settled = self._settled > parameters.least
+        settled = self._settled > parameters.min_evidence_count
         count = self._settled if settled else self._count
-        known = count > parameters.few and 0.0 < time - self._window.item(-count, TIME) <= parameters.max_duration
+        known = (
+            count > parameters.min_latency_count
+            and 0.0 < time - self._window.item(-count, TIME) <= parameters.max_duration
+        )
         evidence = self._measure(count) if known else 0.0
         self.evidence = evidence if settled else 0.0
         self._against = self._against + 1 if self.evidence > parameters.max_evidence else 0

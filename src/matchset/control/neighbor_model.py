@@ -26,28 +26,8 @@ ORDER = 5  # format: numbers of an axis: drift, its speed and acceleration, osci
 WHITE_JERK = np.array(((20.0, 8.0, 6.0), (8.0, 3.0, 2.0), (6.0, 2.0, 1.0)))
 
 
-class NeighborFilterParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "acceleration_sigma": "acceleration",
-        "yaw_acceleration_sigma": "turning",
-        "acceleration_time": "lasting",
-        "yaw_acceleration_time": "turn_lasting",
-        "oscillation_period": "period",
-        "oscillation_damping": "damping",
-        "oscillation_sigma": "sway",
-        "yaw_oscillation_sigma": "turn_sway",
-        "tilt_sigma": "tilt",
-        "yaw_sigma": "yaw",
-        "systematic_sigma": "shared",
-        "max_jump": "jump",
-        "max_rejected": "patience",
-    },
-):
-    """Parameters of a `NeighborFilter`; the key in a file is in parentheses where it is another one.
+class NeighborFilterParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a `NeighborFilter`.
 
     Where it says "flights", the value was chosen on the simulated flights of seeds 0 to 9; `python -m
     benchmarks.flight.fly` shows a change.
@@ -56,41 +36,38 @@ class NeighborFilterParameters(
     ----------
     acceleration_sigma : float
         Standard deviation of the neighbor's acceleration and of what dead reckoning misses, m/s^2. More follows sooner
-        and smooths less. Chosen by: flights (``acceleration``).
+        and smooths less. Chosen by: flights.
     yaw_acceleration_sigma : float
-        The same for its yaw, rad/s^2. Chosen by: flights (``turning``).
+        The same for its yaw, rad/s^2. Chosen by: flights.
     acceleration_time, yaw_acceleration_time : float
-        Correlation time T of these accelerations, s. More extrapolates farther. Chosen by: flights (``lasting``,
-        ``turn_lasting``).
+        Correlation time T of these accelerations, s. More extrapolates farther. Chosen by: flights.
     oscillation_period : float
         Period 2 pi / w of the oscillation, s. Derived: 2 pi sqrt(L / g) of a rope of 1.2 m; a neighbor that follows
-        something that swings, swings with it (``period``).
+        something that swings, swings with it.
     oscillation_damping : float
-        Damping ratio z of the oscillation: more forgives a wrong period, and predicts less. Chosen by: flights
-        (``damping``).
+        Damping ratio z of the oscillation: more forgives a wrong period, and predicts less. Chosen by: flights.
     oscillation_sigma : float
-        Standard deviation of the oscillation, m. Chosen by: flights; about 0.1 m over root 2 (``sway``).
+        Standard deviation of the oscillation, m. Chosen by: flights; about 0.1 m over root 2.
     yaw_oscillation_sigma : float
-        The same for the yaw, rad. Estimate (``turn_sway``).
+        The same for the yaw, rad. Estimate.
     tilt_sigma : float
         Standard deviation of the vehicle's tilt about its dead reckoning, rad. Less lets the height follow every tilt.
-        Chosen by: flights (``tilt``).
+        Chosen by: flights.
     yaw_sigma : float
-        The same for its yaw, rad. Chosen by: flights (``yaw``).
+        The same for its yaw, rad. Chosen by: flights.
     systematic_sigma : float
         Standard deviation of the errors that frames share, m: shading and lens. Chosen by: the accuracy of positions at
-        1.5 m (``shared``).
+        1.5 m.
     gate : float
         Largest innovation that is accepted, standard deviations. More accepts outliers, less rejects a neighbor that
         moves off. Usual value.
     max_jump : float
         Largest difference from the last accepted pose in the distance from the camera, m: half of the way from one ball
-        to the next, which looks the same. It is not compared with the prediction, since dead reckoning drifts
-        (``jump``).
+        to the next, which looks the same. It is not compared with the prediction, since dead reckoning drifts.
     max_rejected : int
         After so many rejected poses that agree with each other the next one initializes the filter anew. More waits
         longer for a neighbor that is in plain view; fewer believes something else of its size. Chosen by hand: a third
-        of a second, a third of `SafetyParameters.hold_time` (``patience``).
+        of a second, a third of `SafetyParameters.hold_time`.
     agreement : float
         Largest distance between two rejected poses, one after the other, that agree, in the camera frame, m. More also
         believes poses that jump. Chosen by hand: 3 m/s for three pictures.

@@ -1,4 +1,4 @@
-"""Checks of parameters: a value out of range is refused with its name and the key that it has in a file."""
+"""Checks of parameters: a value out of range is refused with its name, which is its key in a file."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -22,15 +22,12 @@ def require(parameters: msgspec.Struct, names: Iterable[str], holds: Callable[[f
     Raises
     ------
     ValueError
-        For the first field that is not allowed. The text begins with the key in a file; the name of the field
-        follows in parentheses where it is another one.
+        For the first field that is not allowed; the text begins with its name.
     """
-    keys = dict(zip(parameters.__struct_fields__, parameters.__struct_encode_fields__, strict=True))
     for name in names:
         value = getattr(parameters, name)
         if not holds(value):
-            label = name if keys[name] == name else f"{keys[name]} ({name})"
-            raise ValueError(f"{label} must be {rule}, got {value}")
+            raise ValueError(f"{name} must be {rule}, got {value}")
 
 
 def require_positive(parameters: msgspec.Struct, names: Iterable[str]) -> None:

@@ -9,22 +9,7 @@ from matchset.control.command import clip
 from matchset.control.parameter_checks import require, require_not_negative, require_share
 
 
-class PidParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "derivative_filter_time": "smoothing",
-        "max_error": "stride",
-        "output_limit": "most",
-        "integral_limit": "most_integral",
-        "integral_zone": "within",
-        "integral_lead": "foresight",
-        "integral_decay_time": "learning",
-        "integral_floor": "settled",
-    },
-):
+class PidParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Gains and limits of a `Pid`; units are those of its output per unit of its input.
 
     Defaults switch a part off. The values that are flown, and what chose them, are in `FollowerParameters`. The key in
@@ -39,24 +24,23 @@ class PidParameters(
     derivative : float
         Gain D, per unit of error per s. More damps, and amplifies noise.
     derivative_filter_time : float
-        Time constant of the low-pass filter of the derivative, s; 0 for none (``smoothing``).
+        Time constant of the low-pass filter of the derivative, s; 0 for none.
     max_error : float
-        Limit of the error. From farther away the goal is approached at the speed ``P max_error / D`` (``stride``).
+        Limit of the error. From farther away the goal is approached at the speed ``P max_error / D``.
     output_limit : float
-        Limit of the output (``most``).
+        Limit of the output.
     integral_limit : float
-        Limit of the integral term (``most_integral``).
+        Limit of the integral term.
     integral_zone : float
-        Largest error for which the integral changes: the error of a long approach says nothing about a bias
-        (``within``).
+        Largest error for which the integral changes: the error of a long approach says nothing about a bias.
     integral_lead : float
         The integral adds up the error predicted so far ahead, s. With D/P an approach as P and D want it adds nothing,
-        so that it is not mistaken for a bias (``foresight``).
+        so that it is not mistaken for a bias.
     integral_decay_time : float
-        The integral's gain decays with this time constant while the error is in the zone, s (``learning``).
+        The integral's gain decays with this time constant while the error is in the zone, s.
     integral_floor : float
         Share of the integral's gain that remains at the end, 0 ... 1. Less leaves slow motion to the other terms, more
-        follows a bias that changes (``settled``).
+        follows a bias that changes.
     """
 
     proportional: float

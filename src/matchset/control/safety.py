@@ -20,80 +20,56 @@ AIRBORNE: tuple[Phase, ...] = ("flying", "holding", "descending")
 """Phases in which motors turn."""
 
 
-class SafetyParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "max_tilt": "tilt",
-        "max_yaw": "yaw",
-        "min_throttle": "least_throttle",
-        "max_throttle": "most_throttle",
-        "throttle_reserve": "reserve",
-        "max_hover": "most_hover",
-        "max_hover_time": "most_hover_time",
-        "max_stick_rate": "slew",
-        "max_throttle_rate": "throttle_slew",
-        "max_frame_age": "fresh",
-        "hold_time": "hold",
-        "reacquisition_time": "seen_again",
-        "min_distance": "nearest",
-        "max_near_time": "near",
-        "descent_duration": "descent",
-        "final_throttle_ratio": "descent_throttle",
-    },
-):
-    """Limits of what is sent; the key in a file is in parentheses where it is another one.
+class SafetyParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Limits of what is sent.
 
     Parameters
     ----------
     max_tilt : float
         Largest roll and pitch stick, 0 ... 1. More follows faster, and falls farther when it goes wrong. Chosen by
-        hand: leaves the flight controller a margin (``tilt``).
+        hand: leaves the flight controller a margin.
     max_yaw : float
-        Largest yaw stick, 0 ... 1. Chosen by hand: all (``yaw``).
+        Largest yaw stick, 0 ... 1. Chosen by hand: all.
     min_throttle, max_throttle : float
-        Range of the throttle in flight, 0 ... 1. Chosen by hand: it neither falls like a stone nor hits the ceiling
-        (``least_throttle``, ``most_throttle``).
+        Range of the throttle in flight, 0 ... 1. Chosen by hand: it neither falls like a stone nor hits the ceiling.
     throttle_reserve : float
         Largest throttle as a multiple of what hovers, for a vehicle so weak that this is above `max_throttle`; never
         above 1. Less lets it sink, more gives it all it has sooner. Chosen by: a battery that loses 40 % in 60 s,
-        docs/log.md, 2026-11-23 (``reserve``).
+        docs/log.md, 2026-11-23.
     max_hover, max_hover_time : float
         Largest throttle that hovers, and how long it may be more, or all of it be desired, s: the battery is nearly
         empty, and the vehicle lands while it still can. Less lands sooner. Chosen by: the same; one whose thrust sinks
-        to 1.05 weights and stays there is to fly (``most_hover``, ``most_hover_time``).
+        to 1.05 weights and stays there is to fly.
     max_stick_rate : float
-        Largest change of roll, pitch and yaw, full sticks/s. Chosen by hand: full stick within 1/8 s (``slew``).
+        Largest change of roll, pitch and yaw, full sticks/s. Chosen by hand: full stick within 1/8 s.
     max_throttle_rate : float
         Largest change of the throttle, 1/s, up or down; stopping the motors is not limited. Chosen by hand: all of it
-        within 1/3 s (``throttle_slew``).
+        within 1/3 s.
     max_frame_age : float
         Largest age of the newest frame, s; an older one means that no frames come. Chosen by: the project's safety
-        rules (``fresh``).
+        rules.
     hold_time : float
         How long the ball may be unseen, or the controller without an answer, while frames come, s. Chosen by: the
-        project's safety rules (``hold``).
+        project's safety rules.
     reacquisition_time : float
         How long the ball must be seen again without a gap until a descent is called off, s. Chosen by hand: three
-        frames (``seen_again``).
+        frames.
     min_distance : float
         Distance below which whatever is seen is too near, m: the vehicle goes back. Less lets others come nearer, more
         goes back from a neighbor that only swings. Chosen by hand: two vehicles of 20 cm, and what one goes on while it
-        turns back (``nearest``).
+        turns back.
     back_off : float
         Pitch stick by which it goes back at least, 0 ... 1. More goes back faster, and nearer to whoever is behind.
         Chosen by hand: 1.5 m/s^2 of a vehicle whose largest tilt is 30 degrees.
     max_near_time : float
-        How long something may be too near until the vehicle lands, s: it may have been held or caught (``near``).
-        Chosen by hand: half a meter is gone back in less.
+        How long something may be too near until the vehicle lands, s: it may have been held or caught. Chosen by hand:
+        half a meter is gone back in less.
     descent_duration : float
-        Time from the first command of a descent to the cut, s. Chosen by hand: down from 1 to 2 m (``descent``).
+        Time from the first command of a descent to the cut, s. Chosen by hand: down from 1 to 2 m.
     initial_throttle_ratio, final_throttle_ratio : float
         Throttle at the beginning and the end of a descent as a share of that before it, or of what hovers if that is
         less; in between a straight line. The first is below 1, so that the first command lowers it. Chosen by hand:
-        sinks at about 1 m/s (``descent_throttle`` is the final one).
+        sinks at about 1 m/s.
     min_step, max_step : float
         Limits of the time between commands that the rates are computed with, s. Chosen by hand: a clock that jumps must
         not allow a jump of the sticks.
@@ -134,7 +110,7 @@ class SafetyParameters(
         )
         require(self, shares, lambda value: value <= 1.0, "within 0 ... 1")
         require(self, ("throttle_reserve",), lambda value: value >= 1.0, "at least 1")
-        require(self, ("min_throttle",), lambda value: value < self.max_throttle, "below most_throttle (max_throttle)")
+        require(self, ("min_throttle",), lambda value: value < self.max_throttle, "below max_throttle")
 
 
 class DesiredCommand(NamedTuple):
@@ -169,7 +145,7 @@ class SafetyInputs(NamedTuple):
     distance : float
         Of the nearest thing in the newest frame, as far as it is known, m; 0 for what fills the picture; NaN if none is
         known.
-    holds : float
+    hold_throttle : float
         Throttle that stands still where the throttle is a speed up or down; NaN where it is thrust. Without an answer
         that is sent, in place of the last one, which may climb; a descent begins there.
     """
@@ -182,7 +158,7 @@ class SafetyInputs(NamedTuple):
     doubt: str = ""
     hover: float = math.nan
     distance: float = math.nan
-    holds: float = math.nan
+    hold_throttle: float = math.nan
 
 
 class SafetyState(NamedTuple):
@@ -202,7 +178,7 @@ class SafetyState(NamedTuple):
     seen_since : float
         Since when the ball is seen without a gap, s.
     initial_throttle : float
-        Throttle before the descent, or what hovers, if that is less; `SafetyInputs.holds` where that is known.
+        Throttle before the descent, or what hovers, if that is less; `SafetyInputs.hold_throttle` where that is known.
     command : Command
         The last command.
     weak_since : float
@@ -232,7 +208,7 @@ def safety_filter(
     ----------
     desired : DesiredCommand or None
         What the controller wants; None, or anything not finite, counts as no answer: neutral sticks, same throttle (or
-        `SafetyInputs.holds`), and the ball counts as not seen.
+        `SafetyInputs.hold_throttle`), and the ball counts as not seen.
     inputs : SafetyInputs
         The situation. A time that is not finite or in the future counts as too old.
     state : SafetyState
@@ -269,7 +245,7 @@ def safety_filter(
         return _descend(inputs, state, limits)
     since = inputs.now - state.time if math.isfinite(state.time) else limits.min_step  # nothing was sent before
     step = min(max(since, 0.0), limits.max_step)
-    same = state.command.throttle if math.isnan(inputs.holds) else inputs.holds
+    same = state.command.throttle if math.isnan(inputs.hold_throttle) else inputs.hold_throttle
     goal = desired if usable and desired is not None else DesiredCommand(0.0, 0.0, 0.0, same)
     if is_near:
         goal = goal._replace(pitch=min(goal.pitch, -limits.back_off))
@@ -343,8 +319,9 @@ def _reason_to_descend(inputs: SafetyInputs, seen_time: float, state: SafetyStat
 
 def _descend(inputs: SafetyInputs, state: SafetyState, limits: SafetyParameters) -> tuple[Command, SafetyState]:
     """Neutral sticks and less throttle, then the cut; the state has the reason already."""
+    hold = inputs.hold_throttle
     if state.phase != "descending":
-        throttle = min(state.command.throttle, inputs.hover) if math.isnan(inputs.holds) else inputs.holds
+        throttle = min(state.command.throttle, inputs.hover) if math.isnan(hold) else hold
         state = state._replace(descent_start=inputs.now, initial_throttle=throttle)
     share = (inputs.now - state.descent_start) / limits.descent_duration
     if not 0.0 <= share < 1.0:

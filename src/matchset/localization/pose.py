@@ -22,10 +22,8 @@ LEFT_OUT = "± leaves out camera and diameter"
 """What the words of a pose add where camera and diameter are taken as exact."""
 
 
-# format: a recording calls the rotation "turn", and leaves out what is not known of systematic errors
-class Pose(
-    msgspec.Struct, frozen=True, kw_only=True, dict=True, rename={"rotation_matrix": "turn"}, omit_defaults=True
-):  # fmt: skip
+# format: a recording leaves out what is not known of systematic errors
+class Pose(msgspec.Struct, frozen=True, kw_only=True, dict=True, omit_defaults=True):
     """Position and rotation of the ball, with their covariance.
 
     Camera frame: x right, y down, z forward. Ball frame: z out of the ball through marker 0, y down, x = y cross z.

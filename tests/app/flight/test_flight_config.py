@@ -36,7 +36,7 @@ def test_what_a_file_leaves_out_is_as_it_was(tmp_path: Path) -> None:
         ("swing = 0.1 ", "swimg = 0.1 "),
         ("proportional = 0.3 ", "proportional = -0.3 "),
         ("seed = 0 ", 'seed = "x" '),
-        ("hold = 1.0 ", "hold = -1.0 "),
+        ("hold_time = 1.0 ", "hold_time = -1.0 "),
         ("latency_ms = 67.0", "latency_ms = 9999.0"),
         ("gate = 5.0", "gate = 0.0"),
         ("duration = 60.0", "duration = nan"),

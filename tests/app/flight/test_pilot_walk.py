@@ -103,7 +103,7 @@ class Watch:
     """A camera that has the time, and a follower that always answers."""
 
     desired = DesiredCommand(0.0, 0.0, 0.0, 0.9)
-    holds = True
+    is_current = True
     hover_throttle = 0.8
     sticks = AngleSticks(EgoMotionParameters(), 0.5)
 
@@ -134,7 +134,7 @@ class Walked(Pilot):
         self.parameters, self.link, self._happening = PARAMETERS, Stick(), happening
         self.link.state = happening.link
         watch = Watch()
-        watch.holds = happening.answers
+        watch.is_current = happening.answers
         self.camera, self._follower = cast("Any", watch), cast(Follower, watch)
         self._safety, self._frame_time, self._seen_time = at.safety, at.frame_time, at.seen_time
         self._pictures, self._fault, self.armed = at.pictures, at.fault, at.armed

@@ -44,8 +44,8 @@ def test_a_ball_that_is_hidden_for_a_while_is_flown_on_without() -> None:
 def test_the_world_decides_what_a_follower_tells() -> None:
     flight = with_uri("sim://chain?commands=speeds", FlightParameters())
     assert flight.loop.follower.commands == "speeds"
-    assert flight.loop.follower.ego_motion.told_speeds
-    assert not FlightParameters().loop.follower.ego_motion.told_speeds
+    assert flight.loop.follower.ego_motion.speed_commands
+    assert not FlightParameters().loop.follower.ego_motion.speed_commands
     assert flight.loop.follower.in_use == flight.loop.follower
     with pytest.raises(ValueError, match="commands"):
         with_uri("sim://chain?commands=rates", FlightParameters())

@@ -197,7 +197,7 @@ def test_every_parameter_has_a_unit_or_a_meaning(flown: Flown) -> None:
     rows = {row.key: row for row in parameter_rows(flown.setup.parameters)}
     assert rows["world.latency_ms"].unit == "ms"
     assert rows["world.vehicle.mass"].unit == "kg"
-    assert rows["pilot.follower.level.most"].meaning == "limit of the output"
+    assert rows["pilot.follower.horizontal.output_limit"].meaning == "limit of the output"
     assert rows["world.seed"].changed
     assert not rows["world.vehicles"].changed
     silent = [key for key, row in rows.items() if not row.meaning]

@@ -27,7 +27,7 @@ SHORT = """
 [flight.linked]
 countdown = 0.5
 [flight.pilot.safety]
-fresh = 1.0
+max_frame_age = 1.0
 """
 
 
@@ -36,7 +36,7 @@ def test_a_simulated_vehicle_is_identified_and_flown_by_its_file(
 ) -> None:
     assert matchset("identify", WORLD, "--quick", "--duration", 6) == 0
     out = capsys.readouterr().out
-    assert "hover" in out
+    assert "hover_throttle" in out
     assert "67 of them its age" in out
     own = read_flight(tmp_path / "vehicle.toml").pilot.follower
     assert own.hover_throttle == pytest.approx(0.70, abs=0.03)

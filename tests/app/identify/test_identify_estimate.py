@@ -16,7 +16,7 @@ from matchset.app.identify.vehicle_model import VehicleModel, VehicleValues
 from matchset.app.identify.verdict import SHOWN, findings
 
 PARAMETERS = IdentifyParameters()
-BARS = {"hover": 0.03, "full_yaw_rate": 0.05}  # as shares of the truth
+BARS = {"hover_throttle": 0.03, "full_yaw_rate": 0.05}  # as shares of the truth
 LATENCY_BAR = 0.008  # s
 
 
@@ -40,7 +40,7 @@ def made_log(
     sticks[:, 0] -= values.roll_trim / values.full_tilt
     sticks[:, 1] -= values.pitch_trim / values.full_tilt
     sticks[:, 2] -= values.yaw_trim / values.full_yaw_rate
-    sticks[:, 3] = values.hover * (1.0 + sticks[:, 3])
+    sticks[:, 3] = values.hover_throttle * (1.0 + sticks[:, 3])
     taken = sent[20:]
     covariance = np.diag((1e-6, 1e-6, 6e-5))
     log = FlightLog(
@@ -72,7 +72,7 @@ def test_sticks_that_do_not_move_tell_nothing_and_that_is_said() -> None:
     found = {each.name: each for each in findings(estimate(log), log, PARAMETERS)}
     assert "the yaw stick hardly moved" in found["full_yaw_rate"].missing
     assert "the yaw stick hardly moved" in found["yaw_lag"].missing
-    assert not found["hover"].missing
+    assert not found["hover_throttle"].missing
     assert not found["delay"].missing, "the other sticks tell it, too"
 
 
@@ -97,7 +97,7 @@ def test_another_ball_in_some_pictures_does_not_count() -> None:
     balls[[30, 90, 150]] += (0.3, 0.0, 1.5)
     found = estimate(msgspec.structs.replace(log, balls=balls))
     assert 3 <= found.left_out <= 25
-    assert found.values.hover == pytest.approx(values.hover, rel=0.01)
+    assert found.values.hover_throttle == pytest.approx(values.hover_throttle, rel=0.01)
     assert found.values.delay == pytest.approx(values.delay, abs=0.005)
 
 
@@ -127,5 +127,5 @@ def test_a_follower_that_is_not_shaken_is_found_in_part() -> None:
     still = ExcitationParameters(roll=0.0, pitch=0.0, yaw=0.0, throttle=0.0)
     flight = flown(drawn_flight(121), msgspec.structs.replace(PARAMETERS, excitation=still))
     found = {each.name: each for each in findings(estimate(flight.log), flight.log, PARAMETERS)}
-    assert found["hover"].value == pytest.approx(flight.truth["hover"], rel=0.03)
+    assert found["hover_throttle"].value == pytest.approx(flight.truth["hover_throttle"], rel=0.03)
     assert "stick hardly moved" in found["lift_lag"].missing

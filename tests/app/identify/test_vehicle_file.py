@@ -30,13 +30,16 @@ def written(folder: Path, findings: list[Finding], source: str = "sim://chain") 
 
 
 def test_a_flight_reads_what_was_found_and_keeps_its_own_number_of_what_was_not(tmp_path: Path) -> None:
-    hover, heft = Finding("hover", 0.7, 0.002, "", "throttle"), Finding("heft", 1.9, 0.3, "", "mass", "too short")
-    own = read_flight(written(tmp_path, found(hover=hover, heft=heft))).pilot.follower
+    hover, mass_ratio = (
+        Finding("hover_throttle", 0.7, 0.002, "", "throttle"),
+        Finding("effective_mass_ratio", 1.9, 0.3, "", "mass", "too short"),
+    )
+    own = read_flight(written(tmp_path, found(hover_throttle=hover, effective_mass_ratio=mass_ratio))).pilot.follower
     assert own.hover_throttle == 0.7
     assert own.ego_motion.effective_mass_ratio == FlightParameters().pilot.follower.ego_motion.effective_mass_ratio
     text = (tmp_path / "vehicle.toml").read_text()
-    assert "hover = 0.7             # no unit, +- 0.002, 2026-11-23; throttle" in text
-    assert "# heft: not found: too short" in text
+    assert "hover_throttle = 0.7    # no unit, +- 0.002, 2026-11-23; throttle" in text
+    assert "# effective_mass_ratio: not found: too short" in text
 
 
 def test_every_number_has_its_standard_deviation_unit_and_date_for_programs(tmp_path: Path) -> None:
@@ -45,7 +48,7 @@ def test_every_number_has_its_standard_deviation_unit_and_date_for_programs(tmp_
     assert set(numbers) == set(SHOWN)
     assert {each.date for each in numbers.values()} == {DAY}
     assert (numbers["sag"].sigma, numbers["sag"].unit, numbers["sag"].found) == (0.0003, "1/s", False)
-    assert numbers["hover"].found
+    assert numbers["hover_throttle"].found
 
 
 def test_a_delay_that_is_none_is_written_as_the_least(tmp_path: Path) -> None:
@@ -71,10 +74,10 @@ def test_a_file_of_another_version_is_refused_with_its_line(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("finding", "words"),
     [
-        (Finding("hover", 0.70361, 0.00091, "", ""), "70.361 +- 0.091 %"),
+        (Finding("hover_throttle", 0.70361, 0.00091, "", ""), "70.361 +- 0.091 %"),
         (Finding("delay", 0.09367, 0.00069, "s", ""), "93.67 +- 0.69 ms"),
         (Finding("yaw_trim", 0.1, 0.02, "rad/s", ""), "5.7 +- 1.1 degrees/s"),
-        (Finding("heft", 1.23, 0.4, "", ""), "1.23 +- 0.40"),
+        (Finding("effective_mass_ratio", 1.23, 0.4, "", ""), "1.23 +- 0.40"),
         (Finding("full_tilt", 0.35, 0.0, "rad", ""), "degrees"),
     ],
 )

@@ -13,24 +13,27 @@ import pytest
 from blue_ball import Matchset
 from chain_flight import Flown
 
-from matchset.app.flight.flight import ChainStep
+from matchset.app.flight.flight import ChainStep, FlightParameters
 from matchset.app.flight.output_files import FlightFiles
 from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.encoding import encode, outcome_of, step_message
 from matchset.app.recording.mcap_file import McapReader, McapWriter, Message, Topic
-from matchset.app.recording.messages import CONFIGURATION, WITHOUT_GAINS
+from matchset.app.recording.messages import CONFIGURATION, OLDER_NAMES, WITHOUT_GAINS
 from matchset.app.recording.reader import RecordingReader
 from matchset.app.recording.replay import Replay, first_difference
 from matchset.app.recording.writer import RecordingWriter
 from matchset.control.command import Command
 from matchset.links.link import REFUSALS
+from older_names import with_older_keys
 
 ROS = {"/tf"} | {
     f"/follower_{number}/{name}"
     for number in (1, 2)
     for name in ("image/compressed", "camera_info", "ball/pose", "ball/pose_stamped", "ball/detections")
 }
+OF_THEN = ("ball", "markers", "pose", "answer", "memory", "command", "age")
+"""What an outcome held up to format 3, in its order."""
 
 
 @pytest.fixture(scope="module")
@@ -82,15 +85,15 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     real = ["kind", "colors", "countdown", "fps", "devices"]
     assert list(messages["/configuration"]) == ["format", "matchset", "parameters", "cameras", *real]
     waiting = ["together", "stagger", "stagger_delays", "sight_ahead", "sight_margin"]
-    parameters = ["duration", *waiting, "world", "pilot", "long", "linked"]
+    parameters = ["duration", *waiting, "world", "pilot", "long_chain", "linked"]
     assert list(messages["/configuration"]["parameters"]) == parameters
     assert list(messages["/follower_1/sample"]) == ["index", "time", "png"]
     assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped", "landing"]
-    assert list(step["outcome"]) == ["ball", "markers", "pose", "answer", "memory", "command", "age"]
-    assert list(step["outcome"]["pose"]) == ["position", "turn", "covariance", "observed", "time"]
+    assert list(step["outcome"]) == ["ball", "markers", "pose", "control", "safety", "command", "age"]
+    assert list(step["outcome"]["pose"]) == ["position", "rotation_matrix", "covariance", "observed", "time"]
     ball = ["shape", "covariance", "support", "match_set", "time", "acquired", "field_offset"]
     assert list(step["outcome"]["ball"]) == ball
-    assert (len(step["outcome"]["answer"]), len(step["outcome"]["memory"])) == (11, 10)
+    assert (len(step["outcome"]["control"]), len(step["outcome"]["safety"])) == (11, 10)
     assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]
     assert list(truth["truth"][0]) == ["place", "turn", "ball"]
 
@@ -204,19 +207,27 @@ def test_a_missing_picture_is_named(flown: Flown, recording: Path, tmp_path: Pat
         list(RecordingReader(tmp_path / "less.mcap"))
 
 
-def test_a_recording_of_the_format_before_is_replayed_as_it_was_flown(
-    flown: Flown, recording: Path, tmp_path: Path
+@pytest.mark.parametrize("form", [WITHOUT_GAINS, OLDER_NAMES])
+def test_a_recording_of_a_format_before_is_replayed_as_it_was_flown(
+    flown: Flown, recording: Path, tmp_path: Path, form: int
 ) -> None:
     def before(each: Message) -> Message:
-        """Write a message as format 2 had it."""
-        if each.topic != CONFIGURATION and not each.topic.endswith("/step"):
-            return each
-        content = msgspec.msgpack.decode(each.data)
+        """Write a message as that format had it."""
+        content = msgspec.msgpack.decode(each.data) if each.topic not in ROS else {}
         if each.topic == CONFIGURATION:
-            content["format"] = WITHOUT_GAINS
-            del content["parameters"]["pilot"]["follower"]["steady"]
-        elif content["outcome"]["answer"] is not None:
-            content["outcome"]["answer"] = content["outcome"]["answer"][:-1]
+            content["format"] = form
+            content["parameters"] = with_older_keys(content["parameters"], FlightParameters)
+            if form == WITHOUT_GAINS:
+                del content["parameters"]["pilot"]["follower"]["steady"]
+        elif "outcome" in content:
+            pose, control, safety = (content["outcome"][name] for name in ("pose", "control", "safety"))
+            pose = {"turn" if name == "rotation_matrix" else name: value for name, value in pose.items()}
+            control = control[:-1] if control and form == WITHOUT_GAINS else control
+            others = {name: content["outcome"][name] for name in ("ball", "markers", "command", "age")}
+            of_then = {**others, "pose": pose, "answer": control, "memory": safety}
+            content["outcome"] = {name: of_then[name] for name in OF_THEN}
+        else:
+            return each
         return Message(each.topic, msgspec.msgpack.encode(content))
 
     messages = [before(each) for each in McapReader(recording)]
@@ -225,7 +236,9 @@ def test_a_recording_of_the_format_before_is_replayed_as_it_was_flown(
         for number, each in enumerate(messages):
             out.write(each, 0.0, number)
     recorded = RecordingReader(tmp_path / "old.mcap")
-    assert not recorded.setup.parameters.pilot.follower.stability.used
+    parameters = recorded.setup.parameters
+    assert parameters.pilot.follower.stability.enabled == (form == OLDER_NAMES)
+    assert form == WITHOUT_GAINS or parameters == flown.setup.parameters
     replayed = Replay(recorded)
     assert len(list(replayed)) == len(flown.chain_steps)
     assert replayed.differences == []
@@ -235,7 +248,7 @@ def test_the_first_difference_is_named(flown: Flown) -> None:
     step: PilotStep = flown.chain_steps[5].steps[0]
     other = msgspec.structs.replace(step, safety=step.safety._replace(command=Command(throttle=0.5)))
     words = first_difference(outcome_of(step), outcome_of(other))
-    assert words.startswith("memory.7.")
+    assert words.startswith("safety.7.")
     assert first_difference(outcome_of(step), outcome_of(step)) == "the bytes differ"
     minus = msgspec.structs.replace(step, age=-0.0)
     assert first_difference(outcome_of(msgspec.structs.replace(step, age=0.0)), outcome_of(minus)) == (

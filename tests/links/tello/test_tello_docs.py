@@ -53,7 +53,7 @@ def test_the_settings_of_the_page_are_read(tmp_path: Path) -> None:
     (tmp_path / "tello.toml").write_text(settings)
     flight = for_links(read_flight(tmp_path / "tello.toml"), ["tello:"])
     own, speeds = flight.loop.follower.ego_motion, flight.loop.follower.speeds
-    assert (own.delay, own.full_yaw_rate, own.told_speeds) == (0.1, 1.75, True)
+    assert (own.delay, own.full_yaw_rate, own.speed_commands) == (0.1, 1.75, True)
     assert f"{speeds.horizontal.proportional:g} times the error; so for the height" in PAGE
     assert f"with {speeds.vertical.proportional:g}" in PAGE
     assert f"1 m up, {TelloParameters().takeoff_time:g} s" in PAGE

@@ -243,10 +243,10 @@ def mount_toml(mount: FittedMount, marker: MarkerPlace | None) -> str:
         f"# How camera and marker are mounted: matchset calibrate --mount, {datetime.date.today().isoformat()}",
         "[flight.pilot.follower.mount]",
         *(f"{key} = {value:.5f}  # rad, {_degrees(value, sigma)}: {words}" for key, value, sigma, words in rows),
-        f"doubt = {pitch:.5f}  # rad, standard deviation of pitch",
+        f"pitch_sigma = {pitch:.5f}  # rad, standard deviation of pitch",
     ]
     if marker is not None:
-        lines.append(f"marker_doubt = {level:.5f}  # rad, standard deviation of the marker's elevation")
+        lines.append(f"marker_sigma = {level:.5f}  # rad, standard deviation of the marker's elevation")
     return "\n".join(lines) + "\n"
 
 

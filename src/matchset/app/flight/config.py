@@ -1,6 +1,8 @@
 """The parameters of a flight from a TOML file, from a URI and from options; `flight.toml` has the defaults."""
 
 import datetime
+import functools
+import sys
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -101,7 +103,13 @@ def _read(path: Path) -> tuple[str, ConfigFile]:
         text = read_text(path, LIMITS.text)
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: not a text file: {error}") from None
-    return text, read_settings(text, ConfigFile, str(path))
+    return text, read_settings(text, ConfigFile, str(path), _note_once)
+
+
+@functools.cache
+def _note_once(words: str) -> None:
+    """Say something of a file on stderr, the first time that it is read."""
+    print(f"note: {words}; 'matchset fly --print-config' prints all names", file=sys.stderr, flush=True)
 
 
 def read_followers(path: Path) -> tuple[LinkedFollower, ...]:

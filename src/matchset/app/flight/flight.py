@@ -39,7 +39,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         The world, its cameras and its links.
     pilot : PilotParameters
         Every follower's loop, in a short chain.
-    long : LongChainParameters
+    long_chain : LongChainParameters
         What is otherwise in a long one.
     linked : LinkedParameters
         Times of a real flight.
@@ -67,7 +67,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     sight_margin: float = 2.0
     world: SimulationParameters = SimulationParameters()
     pilot: PilotParameters = PilotParameters()
-    long: LongChainParameters = LongChainParameters()
+    long_chain: LongChainParameters = LongChainParameters()
     linked: LinkedParameters = LinkedParameters()
 
     def __post_init__(self) -> None:
@@ -92,7 +92,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         follower = self.pilot.follower
         if self.world.commands == "speeds":
             follower = msgspec.structs.replace(follower, commands="speeds")
-        follower = in_chain(follower.in_use, self.world.vehicles - 1, self.long)
+        follower = in_chain(follower.in_use, self.world.vehicles - 1, self.long_chain)
         return msgspec.structs.replace(self.pilot, follower=follower)
 
     def arming_time(self, follower: int) -> float:

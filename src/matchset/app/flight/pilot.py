@@ -266,7 +266,7 @@ class Pilot:
         fault = self._picture_fault()
         doubt = self._follower.neighbor.doubt if isinstance(pose, Pose) else ""
         hover, landing, distance = self._follower.hover_throttle, self.landing or fault, max(self._distances)
-        seen, holds = self._seen_time, self._follower.sticks.holds
+        seen, holds = self._seen_time, self._follower.sticks.hold_throttle
         inputs = SafetyInputs(now, self._frame_time, seen, self.armed, landing, doubt, hover, distance, holds)
         desired = control and (self._excitation(control, self._safety, now) if self._excitation else control.desired)
         wanted, self._safety = safety_filter(desired, inputs, self._safety, self.parameters.safety)
@@ -304,7 +304,7 @@ class Pilot:
             self._fault = "pictures come that came before"
         elif self._safety.phase == "descending" and self._pictures.repeats >= self.parameters.repeated.final_repeats:
             self._fault = "the picture stood still for so long that those that come next may be old"
-        elif not self._follower.consistency.holds and not self._fault:  # what is known exactly stays said
+        elif not self._follower.consistency.is_current and not self._fault:  # what is known exactly stays said
             self._fault = "the motion seen does not answer to the commands: old pictures, or commands that got lost"
         return self._fault or ("the picture stands still" if again else "")
 
@@ -319,7 +319,7 @@ class Pilot:
         ball, markers = self._outlines(frame, stamps)
         pose = self._localizer.update(ball, markers)
         self._distances = (self._distances[1], distance_seen(pose, self._distances[1]))
-        if self.parameters.follower.beyond.share and frame.index % self.parameters.next_ball.every == 0:
+        if self.parameters.follower.next_but_one.share and frame.index % self.parameters.next_ball.every == 0:
             self._look_beyond(frame, ball)
         stamps.append(time.perf_counter())
         self._frame_time = frame.time
@@ -341,12 +341,12 @@ class Pilot:
         """Locate the next-but-one ball, and tell the follower."""
         beyond, follower = self._see_beyond(frame, ball), self._follower
         if isinstance(beyond, Pose):
-            follower.beyond.update(follower.mount.turn(beyond), follower.ego_motion.at(beyond.time))
+            follower.next_but_one.update(follower.mount.turn(beyond), follower.ego_motion.at(beyond.time))
 
     def _see_beyond(self, frame: Frame, ball: Track[Circle] | Lost[Circle]) -> Pose | Lost[Pose]:
         """Locate the next-but-one ball, beside the neighbor's in the same picture."""
         expected = self._follower.expected(frame.time, beyond=True)
-        followed = self._follower.beyond.is_followed(frame.time)
+        followed = self._follower.next_but_one.is_followed(frame.time)
         if expected is None or isinstance(ball, Lost):
             return Lost("where the neighbor is, is not known", frame.time)
         return self._next_ball.update(frame, self._tracker.color, ball.shape, expected, followed)

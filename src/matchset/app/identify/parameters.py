@@ -28,11 +28,11 @@ class IdentifyParameters(msgspec.Struct, frozen=True, kw_only=True):
     delay : float
         Delay that it reckons with, s: the middle of what is likely, so that it is never far off.
     thrust_doubt, least_thrust : float
-        `ThrustEstimatorParameters.initial_sigma` and `smallest`: nothing is known of the throttle that hovers.
+        `ThrustEstimatorParameters.initial_sigma` and `min_gain`: nothing is known of the throttle that hovers.
     most_throttle : float
         `SafetyParameters.max_throttle`: a heavy vehicle needs nearly all.
     earliest : float
-        `MotionConsistencyParameters.earliest`, s: how much less than `delay` the delay may be. Old pictures end the
+        `MotionConsistencyParameters.min_delay`, s: how much less than `delay` the delay may be. Old pictures end the
         flight as any other.
     tilt, yaw : float
         `NeighborFilterParameters.tilt_sigma` and `yaw_sigma`, rad: with a wrong delay dead reckoning is off by that
@@ -91,11 +91,11 @@ def _careful_follower(follower: FollowerParameters, parameters: IdentifyParamete
         follower,
         horizontal=replace(follower.horizontal, **dict(zip(gains, level, strict=True))),
         vertical=replace(follower.vertical, **dict(zip(gains, rise, strict=True))),
-        schedule=replace(follower.schedule, weight=0.0),
+        gain_schedule=replace(follower.gain_schedule, weight=0.0),
         ego_motion=replace(follower.ego_motion, delay=parameters.delay),
-        motion_consistency=replace(follower.motion_consistency, earliest=parameters.earliest),
-        neighbor=replace(follower.neighbor, tilt_sigma=parameters.tilt, yaw_sigma=parameters.yaw),
+        motion_consistency=replace(follower.motion_consistency, min_delay=parameters.earliest),
+        neighbor_filter=replace(follower.neighbor_filter, tilt_sigma=parameters.tilt, yaw_sigma=parameters.yaw),
         thrust_estimator=replace(
-            follower.thrust_estimator, initial_sigma=parameters.thrust_doubt, smallest=parameters.least_thrust
+            follower.thrust_estimator, initial_sigma=parameters.thrust_doubt, min_gain=parameters.least_thrust
         ),
     )

@@ -6,9 +6,19 @@ from datetime import date
 from matchset.app.identify.parameters import IdentifyParameters
 from matchset.app.identify.verdict import Finding
 
-FOLLOWER = ("hover",)
-OWN = ("full_tilt", "full_yaw_rate", "delay", "tilt_lag", "tilt_time", "tilt_damping", "yaw_lag", "lift_lag", "heft")
-"""What a flight reads, in ``[flight.pilot.follower]`` and ``[flight.pilot.follower.own]``."""
+FOLLOWER = ("hover_throttle",)
+OWN = (
+    "full_tilt",
+    "full_yaw_rate",
+    "delay",
+    "tilt_lag",
+    "tilt_time",
+    "tilt_damping",
+    "yaw_lag",
+    "lift_lag",
+    "effective_mass_ratio",
+)
+"""What a flight reads, in ``[flight.pilot.follower]`` and ``[flight.pilot.follower.ego_motion]``."""
 
 
 def vehicle_toml(found: Sequence[Finding], source: str, day: date, parameters: IdentifyParameters) -> str:
@@ -24,7 +34,7 @@ def vehicle_toml(found: Sequence[Finding], source: str, day: date, parameters: I
     """
     by_name = {each.name: each for each in found}
     lines = [f"# A vehicle, by matchset identify {' '.join(source.split())}, {day}; +- is one standard deviation.", ""]
-    for table, names in (("flight.pilot.follower", FOLLOWER), ("flight.pilot.follower.own", OWN)):
+    for table, names in (("flight.pilot.follower", FOLLOWER), ("flight.pilot.follower.ego_motion", OWN)):
         lines += [f"[{table}]", *(_setting(by_name[name], day, parameters) for name in names), ""]
     for each in found:
         lines += [
@@ -49,4 +59,4 @@ def _setting(finding: Finding, day: date, parameters: IdentifyParameters) -> str
     if finding.name == "delay" and value < parameters.least_delay:
         value, note = parameters.least_delay, f"; found {finding.value:.4f}: pictures are stamped too late"
     setting = f"{finding.name} = {value:.6g}"
-    return f"{setting:<24}# {unit}, +- {finding.sigma:.2g}, {day}; {finding.meaning}{note}"
+    return f"{setting:<23} # {unit}, +- {finding.sigma:.2g}, {day}; {finding.meaning}{note}"

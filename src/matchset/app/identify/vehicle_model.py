@@ -55,13 +55,13 @@ class VehicleValues(NamedTuple, Generic[T]):
         t0: tilts with the sticks in the middle.
     full_yaw_rate, yaw_lag, yaw_motor_lag, yaw_trim : float
         Y, a, b and y0.
-    hover : float
+    hover_throttle : float
         h at the end of the log.
     sag : float
         S: how fast that grows, 1/s.
     lift_lag : float
         l.
-    heft : float
+    effective_mass_ratio : float
         m: moved over carried mass.
     drag_time : float
         D.
@@ -82,10 +82,10 @@ class VehicleValues(NamedTuple, Generic[T]):
     yaw_lag: T
     yaw_motor_lag: T
     yaw_trim: T
-    hover: T
+    hover_throttle: T
     sag: T
     lift_lag: T
-    heft: T
+    effective_mass_ratio: T
     drag_time: T
     ahead: T
     speed_x: T
@@ -115,13 +115,13 @@ class VehicleModel:
         roll, pitch, yaw, throttle = self._sticks(values.delay)
         roll, pitch, turned = _turned(values, roll, pitch, yaw)
         times = self._edges[1:]
-        hover = values.hover * np.exp(values.sag * (times - times[-1]))
+        hover = values.hover_throttle * np.exp(values.sag * (times - times[-1]))
         thrust = lfilter(*_lag_filter(values.lift_lag), throttle) / hover
         rotations = _rotations(roll, pitch, turned)
         push = -rotations[:, :, 1] * thrust[:, np.newaxis]
         push[:, 1] += 1.0
         push[1:] = 0.5 * (push[1:] + push[:-1])
-        push *= GRAVITY / values.heft * STEP
+        push *= GRAVITY / values.effective_mass_ratio * STEP
         push[: self._first] = 0.0
         push[self._first] = values.speed_x, values.speed_y, values.speed_z
         fade = np.exp(-STEP / values.drag_time)

@@ -9,11 +9,11 @@ from matchset.app.identify.flight_log import STICKS, FlightLog
 from matchset.app.identify.parameters import IdentifyParameters
 from matchset.app.identify.unknowns import UNKNOWNS, Unknown
 
-NEEDED = ("hover", "delay", "full_yaw_rate", "full_tilt")
+NEEDED = ("hover_throttle", "delay", "full_yaw_rate", "full_tilt")
 """Without these a flight with other vehicles fails: docs/flight.md has what happens."""
 SHOWN = (
-    *("hover", "sag", "delay", "full_yaw_rate", "yaw_lag", "yaw_trim", "full_tilt", "tilt_lag", "tilt_time"),
-    *("tilt_damping", "roll_trim", "pitch_trim", "lift_lag", "heft"),
+    *("hover_throttle", "sag", "delay", "full_yaw_rate", "yaw_lag", "yaw_trim", "full_tilt", "tilt_lag", "tilt_time"),
+    *("tilt_damping", "roll_trim", "pitch_trim", "lift_lag", "effective_mass_ratio"),
 )
 """What a person or a flight wants to know, in this order; the others are there for the fit."""
 STICK_OF = {
@@ -24,7 +24,7 @@ STICK_OF = {
     "tilt_time": "pitch",
     "tilt_damping": "pitch",
     "lift_lag": "throttle",
-    "heft": "pitch",
+    "effective_mass_ratio": "pitch",
     "delay": "yaw",
 }
 
@@ -59,8 +59,8 @@ class Finding(msgspec.Struct, frozen=True):
             scale, unit = math.degrees(1.0), unit.replace("rad", "degrees")
         elif unit == "s":
             scale, unit = 1e3, "ms"
-        elif self.name in ("hover", "sag"):
-            scale, unit = 100.0, "%" if self.name == "hover" else "%/s"
+        elif self.name in ("hover_throttle", "sag"):
+            scale, unit = 100.0, "%" if self.name == "hover_throttle" else "%/s"
         value, sigma = scale * self.value, scale * self.sigma
         digits = max(1 - math.floor(math.log10(max(sigma, 1e-9))), 0)
         return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}".rstrip()

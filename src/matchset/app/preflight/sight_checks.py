@@ -178,7 +178,7 @@ def noise_of(values: Floats) -> float:
 
 def _age(steps: Sequence[PilotStep], told: Told) -> Outcome:
     follower = told.pilot.follower
-    radio, most = follower.ego_motion.delay, follower.schedule.longest_delay
+    radio, most = follower.ego_motion.delay, follower.gain_schedule.longest_delay
     ages = [step.age for step in steps if math.isfinite(step.age)]
     age = float(np.percentile(ages, MOST)) if ages else math.inf
     name = "age: picture to effect"

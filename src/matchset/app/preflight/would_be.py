@@ -44,9 +44,9 @@ def would_be(control: ControlOutput, parameters: FollowerParameters) -> WouldBe:
         What full sticks do; as in use.
     """
     sticks = sticks_for(parameters)
-    roll, pitch = (clip(sticks.level(terms.output), -1.0, 1.0) for terms in (control.right, control.forward))
+    roll, pitch = (clip(sticks.horizontal(terms.output), -1.0, 1.0) for terms in (control.right, control.forward))
     yaw = clip(control.yaw.output / parameters.ego_motion.full_yaw_rate, -1.0, 1.0)
-    return WouldBe(roll, pitch, yaw, sticks.rise(control.up.output))
+    return WouldBe(roll, pitch, yaw, sticks.vertical(control.up.output))
 
 
 def sticks_of(steps: Sequence[PilotStep], parameters: FollowerParameters) -> list[WouldBe]:

@@ -14,6 +14,7 @@ from matchset.app.flight.flight import ChainStep
 from matchset.app.flight.pilot import PilotStep
 from matchset.app.recording.messages import (
     FORMAT,
+    OLDER_NAMES,
     WITHOUT_GAINS,
     ColorsMessage,
     Outcome,
@@ -32,6 +33,9 @@ from matchset.localization.markers.ball_colors import Colors
 from matchset.sim.vehicle import VehiclePose
 
 M = TypeVar("M")
+
+OLDER = {"control": "answer", "safety": "memory", "rotation_matrix": "turn"}
+"""What was called otherwise in an outcome up to format 3."""
 
 
 def _plain(value: Any) -> Any:
@@ -72,18 +76,26 @@ def outcome_of(step: PilotStep, form: int = FORMAT) -> bytes:
     form : int
         Format of the recording with which it is compared.
     """
-    answer = step.control[:-1] if form == WITHOUT_GAINS and step.control is not None else step.control
-    return encode(
+    control = step.control[:-1] if form == WITHOUT_GAINS and step.control is not None else step.control
+    outcome = encode(
         Outcome(
             ball=step.ball,
             markers=step.markers,
             pose=step.pose,
-            answer=answer,
-            memory=step.safety,
+            control=control,
+            safety=step.safety,
             command=step.command,
             age=step.age,
         )
     )
+    return encode(_with_older_names(msgspec.msgpack.decode(outcome))) if form <= OLDER_NAMES else outcome
+
+
+def _with_older_names(value: Any) -> Any:
+    """Return an outcome with the names that it had up to format 3, all else as it is."""
+    if isinstance(value, dict):
+        return {OLDER.get(key, key): _with_older_names(each) for key, each in value.items()}
+    return [_with_older_names(each) for each in value] if isinstance(value, list) else value
 
 
 def step_message(index: int, step: PilotStep, armed: bool) -> StepMessage:

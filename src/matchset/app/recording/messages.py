@@ -11,8 +11,9 @@ from matchset.app.flight.flight import Crash, FlightKind, FlightParameters
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 
-FORMAT = 3  # format: version of a recording
-WITHOUT_GAINS = 2  # format: the one before, in which no gains were lowered; it is read, any other one is refused
+FORMAT = 4  # format: version of a recording
+OLDER_NAMES = 3  # format: before keys became the names of parameters: `control.files.older_keys`
+WITHOUT_GAINS = 2  # format: before gains were lowered; these three are read, any other one is refused
 
 Triple = tuple[float, float, float]
 Matrix = tuple[Triple, Triple, Triple]
@@ -116,15 +117,15 @@ class StepMessage(msgspec.Struct, frozen=True, kw_only=True):
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     """What a step makes of the picture, the clock and the steps before, and a replay must reproduce: of `PilotStep`.
 
-    `answer` is `PilotStep.control`, `memory` is `PilotStep.safety`. In format 2 the former lacks its last fields,
-    `gains` and `doubt`.
+    Up to format 3 `control` was called ``answer``, `safety` ``memory``, and the rotation of a pose ``turn``. In format
+    2 the first lacks its last fields, `gains` and `doubt`.
     """
 
     ball: Any
     markers: Any
     pose: Any
-    answer: Any
-    memory: Any
+    control: Any
+    safety: Any
     command: Command
     age: float
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import msgspec
 
 from matchset.app.flight.flight import FlightParameters, FlightSetup
-from matchset.app.recording.encoding import colors_of, decode, frame_of, frame_of_image
+from matchset.app.recording.encoding import colors_of, decode, encode, frame_of, frame_of_image
 from matchset.app.recording.mcap_file import McapReader, Message
 from matchset.app.recording.messages import (
     CONFIGURATION,
     FORMAT,
+    OLDER_NAMES,
     TRUTH,
     WITHOUT_GAINS,
     Configuration,
@@ -23,6 +24,7 @@ from matchset.app.recording.messages import (
     sample_topic,
     step_topic,
 )
+from matchset.control.files.older_keys import with_newer_keys
 from matchset.image.bags.mcap_records import DamagedChunk
 from matchset.image.frame import Frame
 
@@ -80,7 +82,7 @@ class RecordingReader:
             raise ValueError(f"{path} is no recording of a flight: it does not begin with {CONFIGURATION}")
         with _naming(path):
             self.form = self._format(first)
-            configuration = decode(first.data, Configuration)
+            configuration = _configuration(first.data, self.form)
         self.matchset = configuration.matchset
         parameters = configuration.parameters
         if self.form == WITHOUT_GAINS:
@@ -162,8 +164,8 @@ class RecordingReader:
 
     def _format(self, first: Message) -> int:
         head = decode(first.data, _FormatHeader)
-        if head.format not in (WITHOUT_GAINS, FORMAT):
-            raise ValueError(f"its format is {head.format}, this matchset reads {WITHOUT_GAINS} and {FORMAT}")
+        if head.format not in (WITHOUT_GAINS, OLDER_NAMES, FORMAT):
+            raise ValueError(f"its format is {head.format}, this matchset reads {WITHOUT_GAINS} to {FORMAT}")
         return head.format
 
     def _sample(self, number: int) -> Frame:
@@ -174,10 +176,19 @@ class RecordingReader:
             return frame_of(decode(message.data, Picture))
 
 
+def _configuration(data: bytes, form: int) -> Configuration:
+    """Decode the first message; up to format 3 parameters have older names."""
+    if form > OLDER_NAMES:
+        return decode(data, Configuration)
+    content = decode(data, dict)
+    content["parameters"], _ = with_newer_keys(content["parameters"], FlightParameters)
+    return decode(encode(content), Configuration)
+
+
 def _without_gains(parameters: FlightParameters) -> FlightParameters:
     """Return the parameters of a flight in which no gains were lowered."""
     replace, pilot, follower = msgspec.structs.replace, parameters.pilot, parameters.pilot.follower
-    follower = replace(follower, stability=replace(follower.stability, used=False))
+    follower = replace(follower, stability=replace(follower.stability, enabled=False))
     return replace(parameters, pilot=replace(pilot, follower=follower))
 
 

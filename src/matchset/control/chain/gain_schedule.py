@@ -24,20 +24,8 @@ from matchset.control.pid import PidParameters
 ENTRIES = 21  # format: of the table of gains, for shares from 0 to 1
 
 
-class GainScheduleParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "max_error": "stride",
-        "output_limit": "most",
-        "horizontal_share": "pace",
-        "vertical_share": "rise_pace",
-        "vertical_drift_feedforward": "rise_drift",
-    },
-):
-    """The high gains, and where they hold; the key in a file is in parentheses where it is another one.
+class GainScheduleParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The high gains, and where they hold.
 
     Chosen on flights without pictures, seeds 40 to 59: nominal, gusts of 1 m/s, 200 ms told as 67, full tilt 25 degrees
     told 20; docs/log.md, 2026-11-24.
@@ -51,19 +39,19 @@ class GainScheduleParameters(
         pictures, until the loop oscillates.
     proportional, derivative, output_limit, max_error : float
         Of `FollowerParameters.horizontal`. More is held tighter in gusts, and needs a vehicle and a delay that are
-        known better (``stride`` is max_error, ``most`` output_limit).
+        known better.
     horizontal_share, vertical_share : float
         Share of fast changes of the neighbor's speed that is flown along, level and upward, see
         `FeedforwardParameters.high_frequency_gain`. With 1 it does not matter what speed vehicle and neighbor are
-        believed to have in common (``pace``, ``rise_pace``).
+        believed to have in common.
     vertical_drift_feedforward : float
-        Share of the neighbor's vertical acceleration that is flown at once (``rise_drift``).
+        Share of the neighbor's vertical acceleration that is flown at once.
     max_stick : float
         Largest roll and pitch stick, 0 ... 1. Less leaves the flight controller a margin, and is blown away sooner.
-    begin, full : float
+    start_time, full_time : float
         Time after lift-off at which the high gains begin to count, and from which on they count in full, s. More gives
         the throttle that hovers longer to be found.
-    forgetting : float
+    forgetting_rate : float
         How fast the shortest delay of late is forgotten, s/s: pictures may be lost meanwhile. Estimate.
     """
 
@@ -78,16 +66,16 @@ class GainScheduleParameters(
     vertical_share: float = 0.9
     vertical_drift_feedforward: float = 0.9
     max_stick: float = 1.0
-    begin: float = 3.0
-    full: float = 6.0
-    forgetting: float = 0.02
+    start_time: float = 3.0
+    full_time: float = 6.0
+    forgetting_rate: float = 0.02
 
     def __post_init__(self) -> None:
         require_share(self, ("weight", "horizontal_share", "vertical_share", "max_stick"))
-        require_not_negative(self, ("proportional", "derivative", "vertical_drift_feedforward", "delay", "begin"))
-        require_positive(self, ("output_limit", "max_error", "forgetting"))
+        require_not_negative(self, ("proportional", "derivative", "vertical_drift_feedforward", "delay", "start_time"))
+        require_positive(self, ("output_limit", "max_error", "forgetting_rate"))
         require(self, ("longest_delay",), lambda value: self.delay < value < math.inf, "above delay")
-        require(self, ("full",), lambda value: self.begin < value < math.inf, "above begin")
+        require(self, ("full_time",), lambda value: self.start_time < value < math.inf, "above start_time")
 
 
 class Gains(NamedTuple):
@@ -97,7 +85,7 @@ class Gains(NamedTuple):
     ----------
     horizontal : PidParameters
         Of both level axes.
-    horizontal_speed, vertical_speed : FeedforwardParameters
+    horizontal_feedforward, vertical_feedforward : FeedforwardParameters
     vertical_drift_feedforward : float
         Share of the neighbor's vertical acceleration.
     max_stick : float
@@ -105,8 +93,8 @@ class Gains(NamedTuple):
     """
 
     horizontal: PidParameters
-    horizontal_speed: FeedforwardParameters
-    vertical_speed: FeedforwardParameters
+    horizontal_feedforward: FeedforwardParameters
+    vertical_feedforward: FeedforwardParameters
     vertical_drift_feedforward: float = 0.0
     max_stick: float = 1.0
 
@@ -132,7 +120,7 @@ class GainSchedule:
         self._table = [interpolated(low, self.parameters, k / (ENTRIES - 1)) for k in range(ENTRIES)]
         self.gains, self._delay = self._table[0], math.inf
 
-    def update(self, delay: float, step: float, lifted: float) -> Gains:
+    def update(self, delay: float, step: float, airborne_time: float) -> Gains:
         """Choose the gains.
 
         Parameters
@@ -141,13 +129,13 @@ class GainSchedule:
             From the exposure of the last picture to the effect of the command that is computed now, s.
         step : float
             Time since the last update, s.
-        lifted : float
+        airborne_time : float
             Time since lift-off, s; -inf before.
         """
         limits = self.parameters
-        self._delay = min(self._delay + step * limits.forgetting, delay)
+        self._delay = min(self._delay + step * limits.forgetting_rate, delay)
         quick = clip((limits.longest_delay - self._delay) / (limits.longest_delay - limits.delay), 0.0, 1.0)
-        known = clip((lifted - limits.begin) / (limits.full - limits.begin), 0.0, 1.0)
+        known = clip((airborne_time - limits.start_time) / (limits.full_time - limits.start_time), 0.0, 1.0)
         self.gains = self._table[round(limits.weight * quick * known * (ENTRIES - 1))]
         return self.gains
 
@@ -160,7 +148,7 @@ def interpolated(low: Gains, high: GainScheduleParameters, share: float) -> Gain
             one if share == 0.0 else other if share == 1.0 else (1.0 - share) * one + share * other
         )  # may be infinite
 
-    level, pace, rise = low.horizontal, low.horizontal_speed, low.vertical_speed
+    level, pace, rise = low.horizontal, low.horizontal_feedforward, low.vertical_feedforward
     replace = msgspec.structs.replace
     return Gains(
         replace(

@@ -6,36 +6,34 @@ from matchset.control.follower import FollowerParameters
 from matchset.control.parameter_checks import require, require_positive
 
 
-class LongChainParameters(
-    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename={"tilt_sigma": "tilt"}
-):
-    """When a chain is long, and what changes then; the key in a file is in parentheses where it is another one.
+class LongChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When a chain is long, and what changes then.
 
     Chosen on flights without pictures of three to ten vehicles, seeds 0 to 5 and 40 to 43: docs/log.md, 2026-11-24.
 
     Parameters
     ----------
-    short : int
+    short_followers : int
         Up to so many followers the chain is short: the high gains of `GainScheduleParameters` hold in full. More of
         them enlarge what the one next to the rope does wrong.
-    long : int
+    long_followers : int
         From so many followers on the low gains hold alone; in between both, in proportion.
-    elsewhere : int
+    remote_followers : int
         Followers of the same chain that another computer flies.
     tilt_sigma : float
         `NeighborFilterParameters.tilt_sigma` of a chain that is not short, rad. More makes it fall in its start at long
-        delays; the larger one of a short chain helps vehicles whose tilt is not as told (``tilt``).
+        delays; the larger one of a short chain helps vehicles whose tilt is not as told.
     """
 
-    short: int = 2
-    long: int = 6
-    elsewhere: int = 0
+    short_followers: int = 2
+    long_followers: int = 6
+    remote_followers: int = 0
     tilt_sigma: float = 0.025
 
     def __post_init__(self) -> None:
-        require(self, ("short",), lambda value: value >= 0, "0 or more")
-        require(self, ("long",), lambda value: value > self.short, "more than short")
-        require(self, ("elsewhere",), lambda value: value >= 0, "0 or more")
+        require(self, ("short_followers",), lambda value: value >= 0, "0 or more")
+        require(self, ("long_followers",), lambda value: value > self.short_followers, "more than short_followers")
+        require(self, ("remote_followers",), lambda value: value >= 0, "0 or more")
         require_positive(self, ("tilt_sigma",))
 
 
@@ -50,13 +48,15 @@ def in_chain(follower: FollowerParameters, followers: int, limits: LongChainPara
         That this computer flies.
     limits : LongChainParameters
     """
-    number = followers + limits.elsewhere
-    if number <= limits.short:
+    number = followers + limits.remote_followers
+    if number <= limits.short_followers:
         return follower
-    share = max(limits.long - number, 0) / (limits.long - limits.short)
+    share = max(limits.long_followers - number, 0) / (limits.long_followers - limits.short_followers)
     replace = msgspec.structs.replace
     return replace(
         follower,
-        schedule=replace(follower.schedule, weight=share * follower.schedule.weight),
-        neighbor=replace(follower.neighbor, tilt_sigma=min(follower.neighbor.tilt_sigma, limits.tilt_sigma)),
+        gain_schedule=replace(follower.gain_schedule, weight=share * follower.gain_schedule.weight),
+        neighbor_filter=replace(
+            follower.neighbor_filter, tilt_sigma=min(follower.neighbor_filter.tilt_sigma, limits.tilt_sigma)
+        ),
     )

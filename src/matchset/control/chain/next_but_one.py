@@ -39,53 +39,64 @@ class NextButOneParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
         Share s of the fast motion of the next-but-one ball that is followed in place of the neighbor's, 0 ... 1; 0: it
         is not looked for. More follows less of what the neighbor does wrong, and is farther from the neighbor for it.
         Chosen by: chains of ten and of three, seeds 0 to 4, docs/log.md, 2026-11-23.
-    slow : float
+    time_constant : float
         Time T of H = s^2 / (s + 1 / T)^2, s: what takes longer counts for nothing. More helps longer chains, and costs
         a follower next to the rope more, whose neighbor moves to the side as the rope's vehicle turns. Chosen by the
-        same flights. For a delay, from exposure to the effect of a command, of `delay`; it grows with that to the power
-        of `power`, up to `longest`, as slower motion is enlarged then.
-    delay : float
-        That delay, s: what `slow` was chosen with.
-    power : float
-        See `slow`. Chosen by: chains of ten at 67 and 133 ms, seeds 0 and 1.
-    longest : float
+        same flights. For a delay, from exposure to the effect of a command, of `reference_delay`; it grows with that to
+        the power of `delay_exponent`, up to `max_time_constant`, as slower motion is enlarged then.
+    reference_delay : float
+        That delay, s: what `time_constant` was chosen with.
+    delay_exponent : float
+        See `time_constant`. Chosen by: chains of ten at 67 and 133 ms, seeds 0 and 1.
+    max_time_constant : float
         Longest T, s; where it should be longer, the share is less in proportion. More costs a follower next to the rope
         more. Chosen by: three with 200 ms told as 67, and ten with 133 ms, seeds 0 to 2 and 40 to 59.
-    forgetting : float
+    forgetting_rate : float
         How fast the shortest delay of late is forgotten, s/s: pictures may be lost meanwhile. Estimate.
     spacing : float
         From the next-but-one ball back to the neighbor's when that vehicle holds its place, m: where it is looked for.
         Derived: `heading` of the set place, and 0.05 m from a ball forward to the camera below it.
-    rise : float
+    height_difference : float
         How much higher the neighbor's ball is then, m. Derived: `height` of the set place plus 0.19 m from a camera up
         to its ball.
-    fade : float
+    fade_time : float
         Time in which the share comes and goes, s, when that ball comes into sight or is hidden: the set place must not
         jump. Estimate.
-    memory : float
+    pose_timeout : float
         How long after its last pose that ball counts, s. Estimate.
-    known : float
+    local_search_time : float
         How long after its last pose it is looked for where it was seen, and not where it should be, s. Estimate.
     """
 
     share: float = 0.3
-    slow: float = 0.3
-    delay: float = 0.097
-    power: float = 3.0
-    longest: float = 1.5
-    forgetting: float = 0.02
+    time_constant: float = 0.3
+    reference_delay: float = 0.097
+    delay_exponent: float = 3.0
+    max_time_constant: float = 1.5
+    forgetting_rate: float = 0.02
     spacing: float = 1.55
-    rise: float = 0.0
-    fade: float = 0.3
-    memory: float = 0.3
-    known: float = 0.5
+    height_difference: float = 0.0
+    fade_time: float = 0.3
+    pose_timeout: float = 0.3
+    local_search_time: float = 0.5
 
     def __post_init__(self) -> None:
         require_share(self, ("share",))
         require_positive(
-            self, ("slow", "delay", "power", "longest", "forgetting", "spacing", "fade", "memory", "known")
+            self,
+            (
+                "time_constant",
+                "reference_delay",
+                "delay_exponent",
+                "max_time_constant",
+                "forgetting_rate",
+                "spacing",
+                "fade_time",
+                "pose_timeout",
+                "local_search_time",
+            ),
         )
-        require(self, ("rise",), math.isfinite, "finite")
+        require(self, ("height_difference",), math.isfinite, "finite")
 
 
 class NextButOne:
@@ -111,7 +122,7 @@ class NextButOne:
         self.parameters = parameters or NextButOneParameters()
         self.ball = NeighborFilter(motion)
         self.weight, self._time = 0.0, -math.inf
-        self._apart, self._delay = SlowPart(self.parameters.slow), math.inf
+        self._apart, self._delay = SlowPart(self.parameters.time_constant), math.inf
         self._slow = np.zeros((2, YAW))  # values and speeds of the slow part
         empty = np.zeros((1, AXES, VALUES))
         mix(empty, empty, 0.0, np.zeros(1), self._slow)  # compiles it
@@ -130,7 +141,7 @@ class NextButOne:
 
     def is_followed(self, time: float) -> bool:
         """Whether that ball was seen so lately that it is looked for where it was seen."""
-        return time - self.ball.time <= self.parameters.known
+        return time - self.ball.time <= self.parameters.local_search_time
 
     def expected(self, neighbor: NeighborFilter, own: EgoState, time: float, max_extrapolation: float) -> Floats:
         """Predict where that ball is.
@@ -156,7 +167,11 @@ class NextButOne:
         near, limits = neighbor.at(time, max_extrapolation), self.parameters
         x, z = math.sin(near.yaw.value), math.cos(near.yaw.value)  # back
         place: Floats = np.array(
-            (near.x.value - limits.spacing * x, near.y.value + limits.rise, near.z.value - limits.spacing * z)
+            (
+                near.x.value - limits.spacing * x,
+                near.y.value + limits.height_difference,
+                near.z.value - limits.spacing * z,
+            )
         )
         if not self.is_followed(time):
             return place
@@ -180,17 +195,17 @@ class NextButOne:
         first = neighbor.numbers_at(asked, max_extrapolation)
         step = max(times[0] - self._time, 0.0) if self._time > -math.inf else 0.0
         self._time = times[0]
-        seen = times[0] - self.ball.time <= self.parameters.memory + max_extrapolation
-        self.weight = min(max(self.weight + (step if seen else -step) / self.parameters.fade, 0.0), 1.0)
+        seen = times[0] - self.ball.time <= self.parameters.pose_timeout + max_extrapolation
+        self.weight = min(max(self.weight + (step if seen else -step) / self.parameters.fade_time, 0.0), 1.0)
         share = self.weight * self.parameters.share
         if share == 0.0 or self.ball.time == -math.inf:
             self._apart.forget()
             return named(first)
         second = self.ball.numbers_at(asked, max_extrapolation)
-        self._delay = min(self._delay + step * self.parameters.forgetting, times[0] - neighbor.time)
+        self._delay = min(self._delay + step * self.parameters.forgetting_rate, times[0] - neighbor.time)
         limits = self.parameters
-        wanted = limits.slow * (self._delay / limits.delay) ** limits.power
-        self._apart.time = min(wanted, limits.longest)
+        wanted = limits.time_constant * (self._delay / limits.reference_delay) ** limits.delay_exponent
+        self._apart.time = min(wanted, limits.max_time_constant)
         share *= self._apart.time / wanted
         self._apart.update((second[0, :YAW, 0] - first[0, :YAW, 0]).tolist(), step)
         self._slow[0], self._slow[1] = self._apart.values, self._apart.speeds

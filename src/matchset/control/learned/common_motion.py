@@ -24,33 +24,20 @@ from matchset.control.neighbor_model import VERTICAL
 from matchset.control.parameter_checks import require_not_negative, require_positive
 
 
-class CommonMotionParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "horizontal_time": "level",
-        "vertical_time": "rise",
-        "takeoff_duration": "takeoff_lasts",
-        "takeoff_time": "takeoff",
-    },
-):
-    """How soon a motion in common is forgotten; the key in a file is in parentheses where it is another one.
+class CommonMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How soon a motion in common is forgotten.
 
     Parameters
     ----------
     horizontal_time, vertical_time : float
         Time constant T, s. Less forgets sooner what dead reckoning did wrong, and takes more of a neighbor's slow
-        motion for the vehicle's own. Chosen by: a hidden ball, and chains of ten, docs/log.md, 2026-11-24
-        (``level``, ``rise``).
+        motion for the vehicle's own. Chosen by: a hidden ball, and chains of ten, docs/log.md, 2026-11-24.
     takeoff_duration : float
         Time from lift-off for which a vertical speed is the vehicle's own, s; 0 turns that off. More trusts that the
         neighbor keeps its height for longer; less leaves a wrong throttle that hovers to be learned with a wrong speed.
-        Chosen on starts of 10 s, seeds 0 to 39: docs/log.md, 2026-11-24 (``takeoff_lasts``).
+        Chosen on starts of 10 s, seeds 0 to 39: docs/log.md, 2026-11-24.
     takeoff_time : float
-        Time constant T of the vertical speed meanwhile, s. Less is sooner and noisier. Chosen by the same
-        (``takeoff``).
+        Time constant T of the vertical speed meanwhile, s. Less is sooner and noisier. Chosen by the same.
     """
 
     horizontal_time: float = 3.0
@@ -64,7 +51,11 @@ class CommonMotionParameters(
 
 
 def hand_over(
-    own: EgoMotion, filters: Sequence[NeighborFilter], lifted: float, since: float, parameters: CommonMotionParameters
+    own: EgoMotion,
+    filters: Sequence[NeighborFilter],
+    airborne_time: float,
+    since: float,
+    parameters: CommonMotionParameters,
 ) -> None:
     """Hand the velocity of the neighbor's drift over to the vehicle, after a pose that was accepted.
 
@@ -73,15 +64,15 @@ def hand_over(
     own : EgoMotion
     filters : sequence of NeighborFilter
         The neighbor's, and those of other balls in the same frame at rest.
-    lifted : float
+    airborne_time : float
         Time from lift-off to that pose, s; -inf if there was none: nothing happens, a hand holds the vehicle.
     since : float
         Time since the pose before, s.
     parameters : CommonMotionParameters
     """
-    if not lifted >= 0.0:
+    if not airborne_time >= 0.0:
         return
-    takes_off = lifted < parameters.takeoff_duration
+    takes_off = airborne_time < parameters.takeoff_duration
     share = np.full(3, 1.0 - math.exp(-since / parameters.horizontal_time))
     share[VERTICAL] = 1.0 - math.exp(-since / (parameters.takeoff_time if takes_off else parameters.vertical_time))
     change = -filters[0].velocity * share

@@ -17,14 +17,8 @@ Floats = npt.NDArray[np.float64]
 TINY = 1e-15  # rad^2: least curvature
 
 
-class DelayEstimatorParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={"first_time": "quick", "last_time": "slow", "max_rate": "pace"},
-):
-    """Parameters of a `DelayEstimator`; the key in a file is in parentheses where it is another one.
+class DelayEstimatorParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a `DelayEstimator`.
 
     Chosen on flights without pictures of seeds below 110 with latencies told wrong: docs/log.md, 2026-11-23. The range
     of the delay is that of the small delays of `MotionConsistencyParameters`.
@@ -36,21 +30,21 @@ class DelayEstimatorParameters(
     contrast : float
         How much more than the noise, and than what is left at the best delay, must be left at the worst one before the
         delay is changed, no unit. More waits for larger motion.
-    first_time, last_time : float
+    min_time, max_time : float
         Time constant with which the delay follows the best one at first, and at most, s; in between it is the time for
-        which there was sufficient contrast, as in a mean. More is calmer (``quick``, ``slow``).
+        which there was sufficient contrast, as in a mean. More is calmer.
     max_rate : float
-        Largest rate of the delay, s/s; faster, dead reckoning would jump (``pace``).
+        Largest rate of the delay, s/s; faster, dead reckoning would jump.
     """
 
     noise: float = 0.003
     contrast: float = 1.0
-    first_time: float = 0.15
-    last_time: float = 4.0
+    min_time: float = 0.15
+    max_time: float = 4.0
     max_rate: float = 0.5
 
     def __post_init__(self) -> None:
-        require_positive(self, ("noise", "contrast", "first_time", "last_time"))
+        require_positive(self, ("noise", "contrast", "min_time", "max_time"))
         require_not_negative(self, ("max_rate",))
 
 
@@ -103,7 +97,7 @@ class DelayEstimator:
             goal = self._delays[middle] + 0.5 * spacing * (before - after) / curvature
         goal = min(max(goal, first), last)
         self.seen += step
-        time = min(max(self.seen, parameters.first_time), parameters.last_time)
+        time = min(max(self.seen, parameters.min_time), parameters.max_time)
         limit = parameters.max_rate * step
         change = (goal - self.extra) * step / (time + step)
         self.extra += min(max(change, -limit), limit)

@@ -19,14 +19,8 @@ from matchset.control.parameter_checks import require, require_positive
 from matchset.numeric.kalman import predict, update
 
 
-class ThrustEstimatorParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={"initial_sigma": "doubt", "gain_noise": "change", "acceleration_noise": "shaking"},
-):
-    """Parameters of a `ThrustEstimator`; the key in a file is in parentheses where it is another one.
+class ThrustEstimatorParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of a `ThrustEstimator`.
 
     Chosen on flights without pictures of seeds 100 to 102 with thrust and mass 20 % off, and in chains of ten:
     docs/log.md, 2026-11-23.
@@ -35,16 +29,16 @@ class ThrustEstimatorParameters(
     ----------
     initial_sigma : float
         Standard deviation of the gain at the start, no unit. More learns a wrong hover throttle sooner, and takes more
-        of the neighbor's motion in the first second for thrust (``doubt``).
+        of the neighbor's motion in the first second for thrust.
     gain_noise : float
         How fast the gain may change, no unit per root of s. More follows a battery that sags, less is calmer in a long
-        chain (``change``).
+        chain.
     acceleration_noise : float
         Root of the spectral density of the acceleration of the neighbor and of gusts, m/s^2 per root of Hz. More trusts
-        the height less (``shaking``).
+        the height less.
     height_sigma : float
         Standard deviation of a height, m: the tilt of the vehicle is known by dead reckoning only. More is calmer.
-    airborne : float
+    airborne_ratio : float
         Share of the throttle that was told to hover, from which on the vehicle is taken to fly. Less begins in the
         hand; more falls farther before it begins.
     lift_lags : float
@@ -52,7 +46,7 @@ class ThrustEstimatorParameters(
         the thrust. Less tilts it in the hand, where the integrals of a flight controller wind up; more lets it drift.
     release_sigma : float
         Standard deviation of the speed that it then has, m/s: the hand lets go a little sooner or later.
-    smallest, largest : float
+    min_gain, max_gain : float
         Limits of the gain: 0.45 is all of the throttle where 0.45 was told. Wider limits fly vehicles that are known
         less, and know an empty battery; narrower ones bound what a wrong pose can do.
     """
@@ -61,16 +55,16 @@ class ThrustEstimatorParameters(
     gain_noise: float = 0.03
     acceleration_noise: float = 1.0
     height_sigma: float = 0.05
-    airborne: float = 0.7
+    airborne_ratio: float = 0.7
     lift_lags: float = 2.0
     release_sigma: float = 0.3
-    smallest: float = 0.45
-    largest: float = 1.7
+    min_gain: float = 0.45
+    max_gain: float = 1.7
 
     def __post_init__(self) -> None:
         require_positive(self, self.__struct_fields__)
-        require(self, ("smallest",), lambda value: value <= 1.0, "at most 1")
-        require(self, ("largest",), lambda value: value >= 1.0, "1 or more")
+        require(self, ("min_gain",), lambda value: value <= 1.0, "at most 1")
+        require(self, ("max_gain",), lambda value: value >= 1.0, "1 or more")
 
 
 class ThrustEstimator:
@@ -139,7 +133,7 @@ class ThrustEstimator:
     def sent(self, throttle: float, now: float) -> None:
         """Note a throttle that was sent, 0 ... 1, and when, s."""
         self._waiting.append((now, throttle))
-        if self.lift_time == math.inf and throttle >= self.parameters.airborne * self._hover:
+        if self.lift_time == math.inf and throttle >= self.parameters.airborne_ratio * self._hover:
             self.lift_time = now + self.delay + self.parameters.lift_lags * self._lag
 
     def update(self, height: float, upright: float, time: float) -> None:
@@ -157,7 +151,7 @@ class ThrustEstimator:
         if not time > self._time:
             return
         step, speed, way = self._pass(time)
-        if not self.airborne and self._reached >= self.parameters.airborne * self._hover:
+        if not self.airborne and self._reached >= self.parameters.airborne_ratio * self._hover:
             self._begin = time
             self._covariance[1, 1] += self.parameters.release_sigma**2
         if self.airborne:
@@ -174,7 +168,7 @@ class ThrustEstimator:
         """Correct the prediction by a height, and keep the gain within its limits."""
         self._measured[0] = height - self._state[0]
         update(self._state, self._covariance, self._measured, self._observation, self._variance, math.inf)
-        self.gain = min(max(float(self._state[2]), self.parameters.smallest), self.parameters.largest)
+        self.gain = min(max(float(self._state[2]), self.parameters.min_gain), self.parameters.max_gain)
         self._state[2] = self.gain
 
     def _predict(self, step: float, speed: float, way: float, gravity: float) -> None:

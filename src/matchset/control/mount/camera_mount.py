@@ -25,21 +25,8 @@ from matchset.localization.pose import Pose
 Floats = npt.NDArray[np.float64]
 
 
-class MountParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={
-        "pitch_sigma": "doubt",
-        "marker_sigma": "marker_doubt",
-        "settling_time": "begin",
-        "significance": "evident",
-        "max_correction": "most",
-        "max_rate": "rate",
-    },
-):
-    """How camera and marker are mounted; the key in a file is in parentheses where it is another one.
+class MountParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How camera and marker are mounted.
 
     Parameters
     ----------
@@ -53,27 +40,26 @@ class MountParameters(
         How far that marker is above the equator of its ball, rad; `matchset calibrate --mount` measures it.
     pitch_sigma : float
         Standard deviation of `pitch`, rad. More learns more of a wrong one, and takes more of a marker that is not on
-        the equator for it; 0 learns nothing (``doubt``). Estimate: 5 degrees for a mount by eye.
+        the equator for it; 0 learns nothing. Estimate: 5 degrees for a mount by eye.
     marker_sigma : float
-        Standard deviation of the elevation of the marker on its ball, rad (``marker_doubt``). Estimate: 5 mm on a ball
-        of 28 cm.
+        Standard deviation of the elevation of the marker on its ball, rad. Estimate: 5 mm on a ball of 28 cm.
     tilt_noise : float
         Root of the spectral density of both vehicles' tilts about their means, rad per root of Hz. More learns later,
         and is disturbed less. Chosen by: `python -m benchmarks.flight.fly --quick --only pitched`, seeds 0 to 9.
-    change : float
+    elevation_noise : float
         How fast the mean elevation may change, rad per root of s: a ball that was touched.
     settling_time : float
         Time in flight in which nothing is learned, s: trims are not known yet, and the neighbor may just begin to fly,
-        and lean as nobody does in the mean (``begin``). Estimate.
+        and lean as nobody does in the mean. Estimate.
     significance : float
         Standard deviations by which the mean elevation must differ from 0 before anything is corrected; from then on
-        all of it is (``evident``). Less finds a smaller pitch; more leaves a set place alone that need not move: a long
-        chain makes a larger motion of each. Chosen by: chains of ten, seeds 0 to 4.
+        all of it is. Less finds a smaller pitch; more leaves a set place alone that need not move: a long chain makes a
+        larger motion of each. Chosen by: chains of ten, seeds 0 to 4.
     max_correction : float
-        Limit of the correction, rad (``most``).
+        Limit of the correction, rad.
     max_rate : float
-        Limit of its rate, rad/s: the set place moves with it (``rate``). Estimate: 4 cm/s at 1.5 m.
-    nearest : float
+        Limit of its rate, rad/s: the set place moves with it. Estimate: 4 cm/s at 1.5 m.
+    min_marker_cosine : float
         Least cosine between the marker's direction, level, and that to the vehicle's back at which it counts.
     """
 
@@ -85,18 +71,20 @@ class MountParameters(
     pitch_sigma: float = 0.09
     marker_sigma: float = 0.03
     tilt_noise: float = 0.07
-    change: float = 0.0005
+    elevation_noise: float = 0.0005
     settling_time: float = 2.5
     significance: float = 2.5
     max_correction: float = 0.2
     max_rate: float = 0.03
-    nearest: float = 0.5
+    min_marker_cosine: float = 0.5
 
     def __post_init__(self) -> None:
         for name in ("yaw", "pitch", "roll", "marker_yaw", "marker_elevation"):
             require(self, (name,), lambda value: abs(value) < 0.5 * math.pi, "less than a quarter turn, in rad")
-        require_not_negative(self, ("pitch_sigma", "change", "settling_time", "significance", "max_correction"))
-        require_positive(self, ("marker_sigma", "tilt_noise", "max_rate", "nearest"))
+        require_not_negative(
+            self, ("pitch_sigma", "elevation_noise", "settling_time", "significance", "max_correction")
+        )
+        require_positive(self, ("marker_sigma", "tilt_noise", "max_rate", "min_marker_cosine"))
 
 
 class CameraMount:
@@ -182,9 +170,9 @@ class CameraMount:
         parameters, level = self.parameters, own.rotation
         right, down, forward = (level @ (self._told @ pose.rotation_matrix[:, 2])).tolist()
         back = -(right * math.sin(own.yaw) + forward * math.cos(own.yaw))
-        if not back >= parameters.nearest:
+        if not back >= parameters.min_marker_cosine:
             return
-        self._variance += parameters.change**2 * step
+        self._variance += parameters.elevation_noise**2 * step
         gain = self._variance / (self._variance + parameters.tilt_noise**2 / step)
         self._elevation += gain * (math.atan2(-down, back) - parameters.marker_elevation - self._elevation)
         self._variance *= 1.0 - gain

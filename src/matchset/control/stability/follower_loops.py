@@ -15,11 +15,11 @@ from matchset.control.stability.loop import (
     Loop,
     Timing,
     Vehicle,
-    level_speed_vehicle,
-    level_vehicle,
+    horizontal_speed_vehicle,
+    horizontal_vehicle,
     open_loop,
-    rise_speed_vehicle,
-    rise_vehicle,
+    vertical_speed_vehicle,
+    vertical_vehicle,
     yaw_vehicle,
 )
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
@@ -40,7 +40,7 @@ class LoopParameters(NamedTuple):
     oscillation_feedforward: float
     drift_feedforward: float
     ego_motion: EgoMotionParameters
-    neighbor: NeighborFilterParameters
+    neighbor_filter: NeighborFilterParameters
     max_extrapolation: float
 
 
@@ -104,7 +104,7 @@ class FollowerLoops:
         factor : float
             By which its gains are lowered, see `lowered`.
         """
-        neighbor, gains = self.parameters.neighbor, conditions.filter_gains
+        neighbor, gains = self.parameters.neighbor_filter, conditions.filter_gains
         level = max((gains[0], gains[2]), key=lambda each: float(each[0] + each[3]))
         seen = FilterGains(gains[VERTICAL] if name == RISE else level, neighbor, neighbor.acceleration_time)
         control, vehicle = self._axis(name, conditions)
@@ -114,14 +114,14 @@ class FollowerLoops:
     def _axis(self, name: str, conditions: LoopConditions) -> tuple[AxisControl, Vehicle]:
         """Return controllers and vehicle of a loop."""
         known, gains, model = self.parameters, conditions.gains, self.parameters.ego_motion
-        told = model.told_speeds
+        told = model.speed_commands
         if name == LEVEL:
             time, lead = model.speed_time if told else 1.0, known.horizontal_lead
             swing, drift = time * known.oscillation_feedforward, time * known.drift_feedforward
-            control = AxisControl(gains.horizontal, lead, gains.horizontal_speed, swing, drift, float(told))
-            return control, (level_speed_vehicle if told else level_vehicle)(model, conditions.tilt)
+            control = AxisControl(gains.horizontal, lead, gains.horizontal_feedforward, swing, drift, float(told))
+            return control, (horizontal_speed_vehicle if told else horizontal_vehicle)(model, conditions.tilt)
         if name == RISE:
             drift, lead = (model.rise_time if told else 1.0) * gains.vertical_drift_feedforward, known.vertical_lead
-            control = AxisControl(known.vertical, lead, gains.vertical_speed, 0.0, drift, float(told))
-            return control, (rise_speed_vehicle if told else rise_vehicle)(model, conditions.thrust)
+            control = AxisControl(known.vertical, lead, gains.vertical_feedforward, 0.0, drift, float(told))
+            return control, (vertical_speed_vehicle if told else vertical_vehicle)(model, conditions.thrust)
         return AxisControl(known.yaw), yaw_vehicle(model, conditions.tilt)

@@ -39,83 +39,80 @@ GAP = 1.5  # format: times between two pictures, over that between two commands,
 FACTORS = tuple(np.linspace(0.05, 1.0, 39).tolist())  # format: factors that are tried for the margins
 
 
-class StabilityParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={"gain_margin_db": "gain_margin", "phase_margin_deg": "phase_margin", "throttle_swing": "rise_swing"},
-):
-    """When gains are lowered, and by how much; the key in a file is in parentheses where it is another one.
+class StabilityParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When gains are lowered, and by how much.
 
     Sizes of swings were chosen on flights without pictures, seeds 110 to 137: nominal and in gusts, which swing less,
     and gains 1.5 times as high, also with a tilt 25 % larger than told, which swing more (decision 133).
 
     Parameters
     ----------
-    used : bool
+    enabled : bool
         Whether gains are lowered, and margins computed, at all.
     gain_margin_db : float
-        Least gain margin, dB. More is farther from oscillating, and follows less closely (``gain_margin``).
+        Least gain margin, dB. More is farther from oscillating, and follows less closely.
     phase_margin_deg : float
-        Least phase margin, degrees. More is calmer, and follows less closely (``phase_margin``).
-    delay_doubt : float
+        Least phase margin, degrees. More is calmer, and follows less closely.
+    delay_uncertainty : float
         How much later than believed a command may show in the margins, s: what nobody knows of a delay. More lowers
         gains sooner. Chosen by hand: half a picture.
     stick_swing : float
         Least swing of roll and pitch that counts, from one turning point to the next, as a multiple of the largest
         stick: 2 is from stop to stop. Less notices sooner, and takes gusts for it.
     throttle_swing : float
-        The same of the throttle, 0 ... 1 (``rise_swing``).
+        The same of the throttle, 0 ... 1.
     yaw_swing : float
         The same of the yaw stick.
-    again : float
+    lowered_swing_ratio : float
         Share of these swings that counts once the gains of a loop are lowered, 0 ... 1. Less damps what is left of an
         oscillation, and keeps gains low in gusts.
-    swings : int
+    swing_count : int
         So many in a row are an oscillation. More is surer, and half a period later each.
-    longest : float
+    max_half_period : float
         Longest swing, half a period, s. More also takes slow motion for it.
-    turning : float
+    turning_ratio : float
         Share of such a swing by which a stick must come back to have turned, 0 ... 1.
-    lowering : float
+    lowering_factor : float
         Factor of the gains each time, 0 ... 1. Less damps sooner, and follows less closely.
-    least : float
+    min_factor : float
         Least factor that swings lead to, 0 ... 1.
     recovery_time : float
         Time in which a factor would go from 0 to 1 again, s. Less swings again sooner, if they are still too high.
-    begin : float
+    settling_time : float
         Time after lift-off in which nothing is noticed and no margins count, s: taking off swings the sticks.
     period : float
         From one computation of all margins to the next, s; each loop has a picture of its own.
-    averaging : float
+    averaging_time : float
         Time constant of the means of age and filter, s. More is calmer.
     """
 
-    used: bool = True
+    enabled: bool = True
     gain_margin_db: float = 6.0
     phase_margin_deg: float = 40.0
-    delay_doubt: float = 1.0 / 60.0
+    delay_uncertainty: float = 1.0 / 60.0
     stick_swing: float = 1.8
     throttle_swing: float = 0.55
     yaw_swing: float = 0.8
-    again: float = 0.7
-    swings: int = 3
-    longest: float = 0.5
-    turning: float = 0.15
-    lowering: float = 0.7
-    least: float = 0.35
+    lowered_swing_ratio: float = 0.7
+    swing_count: int = 3
+    max_half_period: float = 0.5
+    turning_ratio: float = 0.15
+    lowering_factor: float = 0.7
+    min_factor: float = 0.35
     recovery_time: float = 120.0
-    begin: float = 3.0
+    settling_time: float = 3.0
     period: float = 1.0
-    averaging: float = 2.0
+    averaging_time: float = 2.0
 
     def __post_init__(self) -> None:
-        require_not_negative(self, ("gain_margin_db", "phase_margin_deg", "delay_doubt", "begin"))
-        require_positive(self, ("stick_swing", "throttle_swing", "yaw_swing", "longest", "recovery_time", "again"))
-        require_positive(self, ("period", "averaging", "lowering", "least"))
-        require_share(self, ("again", "turning", "lowering", "least"))
-        require(self, ("swings",), lambda value: value >= 2, "2 or more")
+        require_not_negative(self, ("gain_margin_db", "phase_margin_deg", "delay_uncertainty", "settling_time"))
+        require_positive(
+            self,
+            ("stick_swing", "throttle_swing", "yaw_swing", "max_half_period", "recovery_time", "lowered_swing_ratio"),
+        )
+        require_positive(self, ("period", "averaging_time", "lowering_factor", "min_factor"))
+        require_share(self, ("lowered_swing_ratio", "turning_ratio", "lowering_factor", "min_factor"))
+        require(self, ("swing_count",), lambda value: value >= 2, "2 or more")
 
 
 class GainsInUse(NamedTuple):
@@ -174,7 +171,7 @@ class GainLimit:
         self.parameters = limits = parameters or StabilityParameters()
         self.loops, self.state = FollowerLoops(loops), GainsInUse()
         sizes = limits.stick_swing, limits.stick_swing, limits.yaw_swing, limits.throttle_swing
-        swings = limits.swings, limits.longest, limits.turning
+        swings = limits.swing_count, limits.max_half_period, limits.turning_ratio
         self._limits = [SwingLimits(size, *swings) for size in sizes]
         self._sticks = [Oscillation(each) for each in self._limits]
         self._states = {name: _LoopState() for name in LOOPS}
@@ -182,11 +179,11 @@ class GainLimit:
         self._age = self._step = self._known = self._waited = 0.0
         self._turn, self._flies = 0, False
 
-    def level(self, pid: PidParameters) -> PidParameters:
+    def horizontal(self, pid: PidParameters) -> PidParameters:
         """Return the gains of the level loop as they are in use; the same object while they are not lowered."""
         return lowered(pid, self._states[LEVEL].factor)
 
-    def rise(self, pid: PidParameters) -> PidParameters:
+    def vertical(self, pid: PidParameters) -> PidParameters:
         """Return the same of the height loop."""
         return lowered(pid, self._states[RISE].factor)
 
@@ -194,7 +191,7 @@ class GainLimit:
         """Return the same of the yaw loop."""
         return lowered(pid, self._states[YAW].factor)
 
-    def seen(self, filter_gains: Floats, age: float, step: float) -> None:
+    def note_filter(self, filter_gains: Floats, age: float, step: float) -> None:
         """Note an accepted picture.
 
         Parameters
@@ -209,11 +206,11 @@ class GainLimit:
         if not step <= GAP * self._step:
             return
         self._known += step
-        share = step / min(self._known, self.parameters.averaging)
+        share = step / min(self._known, self.parameters.averaging_time)
         self._filter_gains += share * (filter_gains - self._filter_gains)
         self._age += share * (age - self._age)
 
-    def wanted(self, sticks: DesiredCommand, most: float, now: float, step: float, lifted: float) -> None:
+    def note_sticks(self, sticks: DesiredCommand, most: float, now: float, step: float, airborne_time: float) -> None:
         """Note what the controllers want, and lower the gains of a loop that swings.
 
         Parameters
@@ -225,23 +222,26 @@ class GainLimit:
             When it acts, s.
         step : float
             Time since the last ones, s.
-        lifted : float
+        airborne_time : float
             Time since lift-off, s.
         """
         limits = self.parameters
-        if not limits.used:
+        if not limits.enabled:
             return
-        self._flies = lifted >= limits.begin
+        self._flies = airborne_time >= limits.settling_time
         for state in self._states.values():
             state.left = min(state.left + step / limits.recovery_time, 1.0)
         values = sticks.roll / most if most else 0.0, sticks.pitch / most if most else 0.0, sticks.yaw, sticks.throttle
         for stick, whole, value, (words, name) in zip(self._sticks, self._limits, values, STICKS, strict=True):
             state = self._states[name]
-            stick.limits = whole if state.left == 1.0 else whole._replace(size=limits.again * whole.size)
+            stick.limits = whole if state.left == 1.0 else whole._replace(size=limits.lowered_swing_ratio * whole.size)
             if not self._flies:
                 stick.reset()
             elif stick.update(value, now):
-                state.left, state.swung = min(max(limits.lowering * state.factor, limits.least), state.left), words
+                state.left, state.swung = (
+                    min(max(limits.lowering_factor * state.factor, limits.min_factor), state.left),
+                    words,
+                )
                 stick.reset()
         self._say()
 
@@ -260,13 +260,13 @@ class GainLimit:
             Since the last call, s.
         """
         limits, self._waited = self.parameters, self._waited + step
-        self._step += (step - self._step) * step / (limits.averaging + step) if self._step else step
-        if not self._flies or self._waited < limits.period / len(LOOPS) or self._known < limits.averaging:
+        self._step += (step - self._step) * step / (limits.averaging_time + step) if self._step else step
+        if not self._flies or self._waited < limits.period / len(LOOPS) or self._known < limits.averaging_time:
             return
         self._waited, name = 0.0, LOOPS[self._turn]
         self._turn = (self._turn + 1) % len(LOOPS)
         reach = self.loops.parameters.max_extrapolation
-        timing = Timing(self._step, self._age, delay, limits.delay_doubt, reach)
+        timing = Timing(self._step, self._age, delay, limits.delay_uncertainty, reach)
         conditions = LoopConditions(gains, timing, self._filter_gains, 1.0 + thrust_sigma)
         state = self._states[name]
         state.allowed, margins = self._allowed(name, conditions)

@@ -160,7 +160,7 @@ class Loop(NamedTuple):
         return self.seen * self.vehicle / (1.0 + self.own - self.seen * self.model)
 
 
-def level_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
+def horizontal_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     """Motors, tilt, its rate, speed and place, from the acceleration that is asked for."""
     w, damping = 1.0 / model.tilt_time, model.tilt_damping
     system = np.zeros((5, 5))
@@ -172,7 +172,7 @@ def level_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     return Vehicle(system, np.array((1.0 / model.tilt_lag, 0.0, 0.0, 0.0, 0.0)), gain)
 
 
-def rise_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
+def vertical_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     """Lift, speed and height, from the acceleration that is asked for."""
     system = np.zeros((3, 3))
     system[0, 0] = -1.0 / model.lift_lag
@@ -181,16 +181,16 @@ def rise_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     return Vehicle(system, np.array((1.0 / model.lift_lag, 0.0, 0.0)), gain)
 
 
-def level_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
+def horizontal_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     """Return the same of one that is told a level speed, and asks itself for the acceleration to it."""
-    vehicle = level_vehicle(model, gain)
+    vehicle = horizontal_vehicle(model, gain)
     vehicle.system[3, 3] = 0.0
     return _held(vehicle, model.speed_time)
 
 
-def rise_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
+def vertical_speed_vehicle(model: EgoMotionParameters, gain: float = 1.0) -> Vehicle:
     """Return lift, speed and height of one that is told a rise."""
-    vehicle = rise_vehicle(model, gain)
+    vehicle = vertical_vehicle(model, gain)
     vehicle.system[1, 1] = 0.0
     return _held(vehicle, model.rise_time)
 

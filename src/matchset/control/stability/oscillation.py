@@ -16,18 +16,18 @@ class SwingLimits(NamedTuple):
     ----------
     size : float
         Least swing, from one turning point to the next, in the unit of the stick.
-    needed : int
+    swing_count : int
         So many in a row.
-    longest : float
+    max_half_period : float
         Longest swing, s.
-    turning : float
+    turning_ratio : float
         Share of `size` by which the stick must come back to have turned.
     """
 
     size: float
-    needed: int
-    longest: float
-    turning: float
+    swing_count: int
+    max_half_period: float
+    turning_ratio: float
 
 
 class Oscillation:
@@ -60,13 +60,13 @@ class Oscillation:
             self._turned, self._turned_time = stick, now
         if (stick > self._extreme) if self._rising else (stick < self._extreme):
             self._extreme, self._extreme_time = stick, now
-        elif abs(stick - self._extreme) > self.limits.turning * self.limits.size:
+        elif abs(stick - self._extreme) > self.limits.turning_ratio * self.limits.size:
             self._complete = self._complete + 1 if self._is_large(self._extreme, self._extreme_time) else 0
             self._turned, self._turned_time = self._extreme, self._extreme_time
             self._rising, self._extreme, self._extreme_time = not self._rising, stick, now
         self.swings = self._complete + self._is_large(self._extreme, self._extreme_time)
-        return self.swings >= self.limits.needed
+        return self.swings >= self.limits.swing_count
 
     def _is_large(self, until: float, time: float) -> bool:
         """Whether the swing from the last turning point is large, and quick."""
-        return abs(until - self._turned) >= self.limits.size and time - self._turned_time <= self.limits.longest
+        return abs(until - self._turned) >= self.limits.size and time - self._turned_time <= self.limits.max_half_period

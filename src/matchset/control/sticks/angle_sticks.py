@@ -8,7 +8,7 @@ from matchset.control.safety import DesiredCommand
 from matchset.control.sticks.ego_parameters import GRAVITY, AttitudeCommand, EgoMotionParameters, SpeedCommand
 
 
-class Wanted(NamedTuple):
+class WantedMotion(NamedTuple):
     """What the controllers of a follower want: accelerations, m/s^2, or speeds, m/s; of the yaw a rate, rad/s.
 
     Attributes
@@ -27,30 +27,30 @@ class Sticks(Protocol):
 
     Attributes
     ----------
-    holds : float
+    hold_throttle : float
         Throttle that holds the height by itself; NaN where the throttle is thrust.
     """
 
-    holds: float
+    hold_throttle: float
 
-    def level(self, wanted: float) -> float:
+    def horizontal(self, wanted: float) -> float:
         """Return the roll or pitch stick, without its ends, for what a level controller wants."""
         ...
 
-    def rise(self, wanted: float) -> float:
+    def vertical(self, wanted: float) -> float:
         """Return what is added to the throttle that hovers, as a share of it, for what is wanted upward."""
         ...
 
-    def ahead(self, speed: float, acceleration: float, upward: bool = False) -> float:
+    def feedforward(self, speed: float, acceleration: float, upward: bool = False) -> float:
         """Return what is flown beside the controllers' outputs, for a speed and an acceleration of the set place."""
         ...
 
-    def desired(self, wanted: Wanted, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:
+    def command(self, wanted: WantedMotion, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:
         """Return the sticks for what the controllers want.
 
         Parameters
         ----------
-        wanted : Wanted
+        wanted : WantedMotion
         hover : float
             Throttle that hovers.
         most : float
@@ -60,7 +60,7 @@ class Sticks(Protocol):
         """
         ...
 
-    def told(self, command: Command, trim: Wanted, hover: float) -> AttitudeCommand | SpeedCommand:
+    def modeled_command(self, command: Command, trim: WantedMotion, hover: float) -> AttitudeCommand | SpeedCommand:
         """Return what dead reckoning is told of a command, without what only holds the vehicle still."""
         ...
 
@@ -75,36 +75,36 @@ class AngleSticks:
         Least cosine of the tilt over which the throttle is divided.
     """
 
-    holds = math.nan
+    hold_throttle = math.nan
 
     def __init__(self, model: EgoMotionParameters, min_tilt_cosine: float) -> None:
         self._model, self._least = model, min_tilt_cosine
         self._gravity = GRAVITY / model.effective_mass_ratio
         self._upright = 1.0  # cosine of the tilt at which the last command acts
 
-    def level(self, wanted: float) -> float:
+    def horizontal(self, wanted: float) -> float:
         """Return the stick of the tilt that accelerates as wanted, m/s^2."""
         return math.atan(wanted / self._gravity) / self._model.full_tilt
 
-    def rise(self, wanted: float) -> float:
+    def vertical(self, wanted: float) -> float:
         """Return the share of the lift that accelerates as wanted, m/s^2."""
         return wanted / self._gravity
 
-    def ahead(self, speed: float, acceleration: float, upward: bool = False) -> float:  # noqa: ARG002
+    def feedforward(self, speed: float, acceleration: float, upward: bool = False) -> float:  # noqa: ARG002
         """Return the acceleration: that of the set place."""
         return acceleration
 
-    def desired(self, wanted: Wanted, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:
-        """Return the tilts and the thrust that accelerate as wanted; see `Sticks.desired`."""
+    def command(self, wanted: WantedMotion, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:
+        """Return the tilts and the thrust that accelerate as wanted; see `Sticks.command`."""
         self._upright = max(math.cos(tilt[0]) * math.cos(tilt[1]), self._least)
         return DesiredCommand(
-            clip(self.level(wanted.right), -most, most),
-            clip(self.level(wanted.forward), -most, most),
+            clip(self.horizontal(wanted.right), -most, most),
+            clip(self.horizontal(wanted.forward), -most, most),
             wanted.yaw / self._model.full_yaw_rate if most else 0.0,
-            hover * (1.0 + self.rise(wanted.up)) / self._upright,
+            hover * (1.0 + self.vertical(wanted.up)) / self._upright,
         )
 
-    def told(self, command: Command, trim: Wanted, hover: float) -> AttitudeCommand:
+    def modeled_command(self, command: Command, trim: WantedMotion, hover: float) -> AttitudeCommand:
         """Return tilt, yaw rate and lift of a command without its trim; none without thrust."""
         model, gravity = self._model, self._gravity
         if not command.throttle > 0.0:

@@ -9,13 +9,7 @@ from matchset.control.parameter_checks import require_positive
 GRAVITY = 9.81  # theorem: standard gravity, m/s^2 (ISO 80000-3: 9.80665), rounded
 
 
-class EgoMotionParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename={"effective_mass_ratio": "heft"},
-):
+class EgoMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Model of the vehicle's answer to its sticks.
 
     Defaults describe the simulated toy (`matchset/sim/vehicle.toml`); a test compares the two. Measure those of another
@@ -43,9 +37,9 @@ class EgoMotionParameters(
         Time constant D in which drag slows the vehicle down, s. It keeps the dead reckoning from running away. Chosen
         on the simulated flights of seeds 0 to 9.
     effective_mass_ratio : float
-        Moved mass over carried mass (``heft`` in a file): the air in a balloon weighs nothing in air and is moved all
+        Moved mass over carried mass: the air in a balloon weighs nothing in air and is moved all
         the same, with half as much around it (added mass). Derived for 100 g and a balloon of 28 cm.
-    told_speeds : bool
+    speed_commands : bool
         Whether sticks are speeds that the vehicle holds by itself, instead of angles and thrust. Set by
         `FollowerParameters.commands`; a file need not name it.
     speed_time, rise_time : float
@@ -69,7 +63,7 @@ class EgoMotionParameters(
     lift_lag: float = 0.05
     drag_time: float = 3.5
     effective_mass_ratio: float = 1.2
-    told_speeds: bool = False
+    speed_commands: bool = False
     speed_time: float = 0.4
     rise_time: float = 0.4
     full_speed: float = 1.0
@@ -77,7 +71,7 @@ class EgoMotionParameters(
     integration_step: float = 1.0 / 120.0
 
     def __post_init__(self) -> None:
-        require_positive(self, [name for name in self.__struct_fields__ if name != "told_speeds"])
+        require_positive(self, [name for name in self.__struct_fields__ if name != "speed_commands"])
 
 
 class AttitudeCommand(NamedTuple):

@@ -20,7 +20,7 @@ def sticks_for(follower: "FollowerParameters") -> Sticks:
         As in use.
     """
     model = follower.ego_motion
-    return SpeedSticks(model) if model.told_speeds else AngleSticks(model, follower.min_tilt_cosine)
+    return SpeedSticks(model) if model.speed_commands else AngleSticks(model, follower.min_tilt_cosine)
 
 
 def kind_of(follower: "FollowerParameters") -> tuple[Sticks, ThrustEstimator | TakeOff]:
@@ -32,8 +32,8 @@ def kind_of(follower: "FollowerParameters") -> tuple[Sticks, ThrustEstimator | T
         As in use.
     """
     model, hover = follower.ego_motion, follower.hover_throttle
-    if model.told_speeds:
-        return sticks_for(follower), TakeOff(model.delay, follower.speeds.takeoff)
+    if model.speed_commands:
+        return sticks_for(follower), TakeOff(model.delay, follower.speeds.takeoff_duration)
     gravity = GRAVITY / model.effective_mass_ratio
     thrust = ThrustEstimator(hover, gravity, model.delay, model.lift_lag, follower.thrust_estimator)
     return sticks_for(follower), thrust

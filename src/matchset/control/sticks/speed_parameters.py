@@ -9,27 +9,9 @@ from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.parameter_checks import require_not_negative, require_share
 from matchset.control.pid import PidParameters
 
-# format: keys in a file of what a follower has for either kind of sticks
-KEYS = {
-    "horizontal": "level",
-    "vertical": "rise",
-    "horizontal_lead": "lead",
-    "vertical_lead": "rise_lead",
-    "oscillation_feedforward": "ahead",
-    "drift_feedforward": "drift",
-    "horizontal_speed": "pace",
-    "vertical_speed": "rise_pace",
-}
 
-
-class SpeedParameters(
-    msgspec.Struct,
-    frozen=True,
-    kw_only=True,
-    forbid_unknown_fields=True,
-    rename=KEYS,
-):
-    """What takes the place of the parameters of the same names of a follower; the key in a file is in parentheses.
+class SpeedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What takes the place of the parameters of the same names of a follower.
 
     Chosen on flights without pictures of seeds 0 to 4, then lowered until vehicles that take 0.25 to 0.7 s to
     another speed, told 0.4, stay in the air, since nobody has measured one: docs/log.md, 2026-11-27.
@@ -37,22 +19,22 @@ class SpeedParameters(
     Parameters
     ----------
     horizontal, vertical : PidParameters
-        From m to m/s, for both level axes, and upward (``level``, ``rise``). The neighbor's speed is flown besides, so
-        the proportional gain alone comes to rest at the set place; the derivative, of the difference of the speeds, has
-        no unit and makes up for the vehicle's own lag. More of both holds tighter, until the delay makes it swing.
-        There is no integral: a speed that the vehicle flies with sticks in the middle looks like the neighbor's,
-        backward, and is flown against at once.
+        From m to m/s, for both level axes, and upward. The neighbor's speed is flown besides, so the proportional gain
+        alone comes to rest at the set place; the derivative, of the difference of the speeds, has no unit and makes up
+        for the vehicle's own lag. More of both holds tighter, until the delay makes it swing. There is no integral: a
+        speed that the vehicle flies with sticks in the middle looks like the neighbor's, backward, and is flown against
+        at once.
     horizontal_lead, vertical_lead : float
         Time from the first to the full effect of a command, s, for which places and speeds are predicted. More is
-        calmer, until the prediction fails (``lead``, ``rise_lead``).
+        calmer, until the prediction fails.
     oscillation_feedforward, drift_feedforward : float
         Shares of the setpoint's accelerations whose speed at the end of the lag is told at once, 0 ... 1. More follows
-        closer, and passes it on to the next of the chain (``ahead``, ``drift``).
-    horizontal_speed, vertical_speed : FeedforwardParameters
-        Feedforward of the neighbor's speed (``pace``, ``rise_pace``).
+        closer, and passes it on to the next of the chain.
+    horizontal_feedforward, vertical_feedforward : FeedforwardParameters
+        Feedforward of the neighbor's speed.
     max_stick : float
         Largest roll and pitch stick, 0 ... 1. Less is a slower vehicle, which a neighbor may leave behind.
-    takeoff : float
+    takeoff_duration : float
         How long the vehicle takes off by itself, s: sticks do not count before. More waits longer; less begins to learn
         trims while it still climbs. A Tello takes about 5 s; the simulated one begins in a hand and takes none.
     """
@@ -67,14 +49,14 @@ class SpeedParameters(
     vertical_lead: float = 0.1
     oscillation_feedforward: float = 0.85
     drift_feedforward: float = 0.45
-    horizontal_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.5, crossover_time=0.6)
-    vertical_speed: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.2, crossover_time=1.0)
+    horizontal_feedforward: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.5, crossover_time=0.6)
+    vertical_feedforward: FeedforwardParameters = FeedforwardParameters(high_frequency_gain=0.2, crossover_time=1.0)
     max_stick: float = 1.0
-    takeoff: float = 0.0
+    takeoff_duration: float = 0.0
 
     def __post_init__(self) -> None:
         require_share(self, ("max_stick", "oscillation_feedforward", "drift_feedforward"))
-        require_not_negative(self, ("horizontal_lead", "vertical_lead", "takeoff"))
+        require_not_negative(self, ("horizontal_lead", "vertical_lead", "takeoff_duration"))
 
     def changes(self, follower: Any) -> dict[str, Any]:
         """Return what is otherwise in the parameters of a follower whose vehicle is told speeds.
@@ -88,6 +70,6 @@ class SpeedParameters(
         }
         return changed | {
             "hover_throttle": HOLD,
-            "schedule": msgspec.structs.replace(follower.schedule, weight=0.0),
-            "ego_motion": msgspec.structs.replace(follower.ego_motion, told_speeds=True),
+            "gain_schedule": msgspec.structs.replace(follower.gain_schedule, weight=0.0),
+            "ego_motion": msgspec.structs.replace(follower.ego_motion, speed_commands=True),
         }

@@ -12,7 +12,7 @@ import math
 
 from matchset.control.command import HOLD, Command, clip
 from matchset.control.safety import DesiredCommand
-from matchset.control.sticks.angle_sticks import Wanted
+from matchset.control.sticks.angle_sticks import WantedMotion
 from matchset.control.sticks.ego_parameters import EgoMotionParameters, SpeedCommand
 
 MOST_RISE = 0.98  # format: of the throttle's way from HOLD to its ends; all of it means that a toy has no thrust left
@@ -27,36 +27,36 @@ class SpeedSticks:
     model : EgoMotionParameters
     """
 
-    holds = HOLD
+    hold_throttle = HOLD
 
     def __init__(self, model: EgoMotionParameters) -> None:
         self._model = model
 
-    def level(self, wanted: float) -> float:
+    def horizontal(self, wanted: float) -> float:
         """Return the stick of a level speed, m/s."""
         return wanted / self._model.full_speed
 
-    def rise(self, wanted: float) -> float:
+    def vertical(self, wanted: float) -> float:
         """Return the share of the throttle that gives a speed upward, m/s."""
         return wanted / self._model.full_rise
 
-    def ahead(self, speed: float, acceleration: float, upward: bool = False) -> float:
+    def feedforward(self, speed: float, acceleration: float, upward: bool = False) -> float:
         """Return the speed that leads to that of the set place in spite of the lag."""
         model = self._model
         return speed + (model.rise_time if upward else model.speed_time) * acceleration
 
-    def desired(self, wanted: Wanted, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:  # noqa: ARG002
-        """Return the sticks of speeds; before lift-off those that stand still. See `Sticks.desired`."""
+    def command(self, wanted: WantedMotion, hover: float, most: float, tilt: tuple[float, float]) -> DesiredCommand:  # noqa: ARG002
+        """Return the sticks of speeds; before lift-off those that stand still. See `Sticks.command`."""
         if not most:
             return DesiredCommand(0.0, 0.0, 0.0, HOLD)
         return DesiredCommand(
-            clip(self.level(wanted.right), -most, most),
-            clip(self.level(wanted.forward), -most, most),
+            clip(self.horizontal(wanted.right), -most, most),
+            clip(self.horizontal(wanted.forward), -most, most),
             wanted.yaw / self._model.full_yaw_rate,
-            HOLD + HOLD * clip(self.rise(wanted.up), -MOST_RISE, MOST_RISE),
+            HOLD + HOLD * clip(self.vertical(wanted.up), -MOST_RISE, MOST_RISE),
         )
 
-    def told(self, command: Command, trim: Wanted, hover: float) -> SpeedCommand:  # noqa: ARG002
+    def modeled_command(self, command: Command, trim: WantedMotion, hover: float) -> SpeedCommand:  # noqa: ARG002
         """Return the speeds of a command without their trim; none before lift-off, where it stands."""
         model = self._model
         if not command.throttle > 0.0:

@@ -47,11 +47,17 @@ def test_links_decide_what_a_vehicle_is_told() -> None:
     assert for_links(flight, ["serial:///dev/ttyUSB0"]) is flight
     told = for_links(flight, ["tello:", "tello:192.168.1.23"])
     follower = told.loop.follower
-    assert (follower.commands, follower.ego_motion.told_speeds, follower.speeds.takeoff) == ("speeds", True, TAKEOFF)
+    assert (follower.commands, follower.ego_motion.speed_commands, follower.speeds.takeoff_duration) == (
+        "speeds",
+        True,
+        TAKEOFF,
+    )
     assert follower.horizontal == follower.speeds.horizontal
-    slow = msgspec.structs.replace(flight.pilot.follower, speeds=msgspec.structs.replace(follower.speeds, takeoff=9.0))
+    slow = msgspec.structs.replace(
+        flight.pilot.follower, speeds=msgspec.structs.replace(follower.speeds, takeoff_duration=9.0)
+    )
     slower = msgspec.structs.replace(flight, pilot=msgspec.structs.replace(flight.pilot, follower=slow))
-    assert for_links(slower, ["tello:"]).loop.follower.speeds.takeoff == 9.0
+    assert for_links(slower, ["tello:"]).loop.follower.speeds.takeoff_duration == 9.0
     assert [told_to(uri) for uri in ("tello:", "crsf:///dev/ttyUSB0")] == ["speeds", "angles"]
     with pytest.raises(
         ValueError, match="tello: is told speeds, crsf:///x angles and thrust: fly them by two programs"
@@ -90,8 +96,8 @@ class Flown:
         for _ in range(round(30 * seconds)):
             now = self.clock()
             control = self.follower.update(seen(ball, now, turned), now)
-            holds = self.follower.sticks.holds
-            inputs = SafetyInputs(now, now, now, True, fault, hover=self.follower.hover_throttle, holds=holds)
+            holds = self.follower.sticks.hold_throttle
+            inputs = SafetyInputs(now, now, now, True, fault, hover=self.follower.hover_throttle, hold_throttle=holds)
             wanted, self.safety = safety_filter(control and control.desired, inputs, self.safety)
             self.command = self.link.send(wanted)
             self.follower.sent(self.command, now)

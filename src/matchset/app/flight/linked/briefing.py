@@ -41,7 +41,7 @@ def assumed(setup: FlightSetup) -> str:
     return (
         f"assumed: ball {100.0 * target.diameter:g} cm, marker {100.0 * target.marker_diameter:g} cm; place "
         f"{place.heading:g} m before the marker, {place.side:+g} m to its right, {place.height:+g} m above the ball; "
-        f"{speeds if own.told_speeds else hovers}"
+        f"{speeds if own.speed_commands else hovers}"
     )
 
 

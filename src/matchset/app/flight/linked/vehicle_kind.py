@@ -48,8 +48,8 @@ def for_links(parameters: FlightParameters, uris: Sequence[str]) -> FlightParame
                 f'commands = "speeds": --link {kinds["angles"]} tells angles and thrust; only tello: speeds'
             )
         return parameters
-    takeoff = max(follower.speeds.takeoff, TelloParameters().takeoff_time)
-    speeds = msgspec.structs.replace(follower.speeds, takeoff=takeoff)
+    takeoff = max(follower.speeds.takeoff_duration, TelloParameters().takeoff_time)
+    speeds = msgspec.structs.replace(follower.speeds, takeoff_duration=takeoff)
     follower = msgspec.structs.replace(follower, commands="speeds", speeds=speeds)
     pilot = msgspec.structs.replace(parameters.pilot, follower=follower)
     return msgspec.structs.replace(with_world(parameters, commands="speeds"), pilot=pilot)

@@ -1,6 +1,7 @@
 """The generated pages of the site, as Markdown: API and commands from their docstrings, the list of decisions."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,12 @@ def generated() -> dict[str, str]:
 def decisions() -> list[str]:
     """Paths of the decisions' pages, in their order."""
     return [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/decisions/*.md"))]
+
+
+def log() -> list[str]:
+    """Paths of the log's pages, in the order of its index."""
+    index = (ROOT / "docs" / "log" / "index.md").read_text(encoding="utf-8")
+    return [f"docs/log/{name}" for name in re.findall(r"\]\((\w+\.md)\) \|$", index, re.MULTILINE)]
 
 
 def anchor(name: str) -> str:

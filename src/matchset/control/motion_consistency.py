@@ -53,7 +53,8 @@ class MotionConsistencyParameters(
     """When pictures are taken to be old; the key in a file is in parentheses if another one.
 
     Chosen on flights without pictures of seeds 0 to 35 and 100 to 102, with and without pictures that are 0.4 to 0.8 s
-    old, with gusts, latencies told wrong and vehicles that differ, and on one of Betaflight: docs/log.md, 2026-11-23;
+    old, with gusts, latencies told wrong and vehicles that differ, and on one of Betaflight:
+    docs/log/control.md#old-pictures;
     `python -m benchmarks.flight.faults` shows a change.
 
     Parameters

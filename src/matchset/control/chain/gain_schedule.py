@@ -40,7 +40,7 @@ class GainScheduleParameters(
     """The high gains, and where they hold; the key in a file is in parentheses where it is another one.
 
     Chosen on flights without pictures, seeds 40 to 59: nominal, gusts of 1 m/s, 200 ms told as 67, full tilt 25 degrees
-    told 20; docs/log.md, 2026-11-24.
+    told 20; docs/log/control.md#gains-in-gusts.
 
     Parameters
     ----------

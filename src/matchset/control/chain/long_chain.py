@@ -11,7 +11,8 @@ class LongChainParameters(
 ):
     """When a chain is long, and what changes then; the key in a file is in parentheses where it is another one.
 
-    Chosen on flights without pictures of three to ten vehicles, seeds 0 to 5 and 40 to 43: docs/log.md, 2026-11-24.
+    Chosen on flights without pictures of three to ten vehicles, seeds 0 to 5 and 40 to 43:
+    docs/log/control.md#gains-in-gusts.
 
     Parameters
     ----------

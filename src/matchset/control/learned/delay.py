@@ -26,7 +26,8 @@ class DelayEstimatorParameters(
 ):
     """Parameters of a `DelayEstimator`; the key in a file is in parentheses where it is another one.
 
-    Chosen on flights without pictures of seeds below 110 with latencies told wrong: docs/log.md, 2026-11-23. The range
+    Chosen on flights without pictures of seeds below 110 with latencies told wrong:
+    docs/log/control.md#untold-latency. The range
     of the delay is that of the small delays of `MotionConsistencyParameters`.
 
     Parameters

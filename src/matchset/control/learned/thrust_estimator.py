@@ -29,7 +29,7 @@ class ThrustEstimatorParameters(
     """Parameters of a `ThrustEstimator`; the key in a file is in parentheses where it is another one.
 
     Chosen on flights without pictures of seeds 100 to 102 with thrust and mass 20 % off, and in chains of ten:
-    docs/log.md, 2026-11-23.
+    docs/log/control.md#nobody-measured.
 
     Parameters
     ----------

@@ -114,9 +114,17 @@ def _structs(path: Path) -> list[str]:
 def _decisions_index() -> str:
     lines = ["# Decisions", "", "Why things are as they are: half a page each, with what was measured.", ""]
     for name in decisions():
-        title = (ROOT / name).read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
-        lines.append(f"- [{title}]({Path(name).name})")
+        text = (ROOT / name).read_text(encoding="utf-8")
+        title = text.partition("\n")[0].removeprefix("# ")
+        later = "".join(f"; {how} {link}" for how, link in _superseded(text))
+        lines.append(f"- [{title}]({Path(name).name}){later}")
     return "\n".join(lines) + "\n"
+
+
+def _superseded(text: str) -> list[tuple[str, str]]:
+    """In what way, and the link of the decision that did it, as a decision says on its top."""
+    found = re.findall(r"^(Superseded(?: in part)? by) (\[\d{3}\]\([\w-]+\.md\))", text, re.MULTILINE)
+    return [(how.lower(), link) for how, link in found]
 
 
 def _commands_page() -> str:

@@ -10,10 +10,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "matchset"
-PAGES = ("ARCHITECTURE.md", "docs/finding_your_way.md")
-GUIDES = [path for path in sorted((ROOT / "docs").glob("*.md")) if path.name != "log.md"]  # the log: paths of their day
+PAGES = ("ARCHITECTURE.md", "docs/glossary.md", "docs/finding_your_way.md")
+GUIDES = sorted((ROOT / "docs").glob("*.md"))
 PATH = re.compile(r"[\w./-]+\.(?:py|c|h|md|toml)")
 NAME = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+MOST_WORDS = 30  # of a table's cell: it is read at a glance
+MOST_TERMS = 60
 WORDS = {"True", "False", "None", "blue", "purple"}
 
 
@@ -79,3 +81,35 @@ def test_every_code_name_exists(page: str) -> None:
             missing.add(word)
     assert len(words) > 10
     assert not sorted(missing)
+
+
+def cells(page: str) -> list[list[str]]:
+    """Rows of the tables of a page, without the lines below their heads."""
+    lines = (ROOT / page).read_text(encoding="utf-8").splitlines()
+    rows = [line.strip().strip("|").split(" | ") for line in lines if line.startswith("| ")]
+    return [[cell.strip() for cell in row] for row in rows if "---" not in row[0]]
+
+
+@pytest.mark.parametrize("page", ["ARCHITECTURE.md", "docs/glossary.md"])
+def test_no_cell_is_long(page: str) -> None:
+    rows = cells(page)
+    assert len(rows) > 30
+    assert not [cell for row in rows for cell in row if len(cell.split()) > MOST_WORDS]
+
+
+def test_the_three_steps_stand_first() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    first = text.split("\n## ")[1]
+    steps = re.findall(r"^(\d)\. \*\*(\w+)\*\*", first, re.MULTILINE)
+    assert steps == [("1", "Predict"), ("2", "Match"), ("3", "Fit")]
+    assert "(docs/glossary.md)" in text
+
+
+def test_the_glossary_is_short_and_says_each_term_once() -> None:
+    rows = [row for row in cells("docs/glossary.md") if row[0] != "term"]
+    assert 40 < len(rows) <= MOST_TERMS
+    assert len({row[0].lower() for row in rows}) == len(rows)
+    for term, meaning, where in rows:
+        assert 1 <= len(re.findall(r"\.(?= |$)", meaning)) <= 2, term
+        assert meaning.endswith("."), term
+        assert "`" in where, term

@@ -28,7 +28,7 @@ from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from matchset.sim.clips.clip import Clip
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name != "log.md")]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"```.*?```", re.DOTALL)
 TYPED = re.compile(r"^    (?:\$ )?((?:matchset|python|pip|make|git|cd|head|cut) .*)$", re.MULTILINE)
 

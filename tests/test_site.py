@@ -40,7 +40,7 @@ def test_the_search_weighs_tasks_before_guides_before_the_rest_and_leaves_decisi
     heaviest = max(weights.values())
     assert all(weight(page, guides()) > heaviest for page in tasks)
     assert {page for page in others if weights[page] == heaviest} == {f"docs/{name}.md" for name in guides()}
-    assert all(weights[page] == 0.0 for page in others if page.startswith("docs/decisions/") or page == "docs/log.md")
+    assert all(weights[page] == 0.0 for page in others if page.startswith(("docs/decisions/", "docs/log/")))
     assert heaviest > weight("api/tracking.md", guides()) > weight("CHANGELOG.md", guides()) > 0.0
 
 
@@ -51,7 +51,7 @@ def test_the_words_of_a_task_are_searched_as_the_page_does() -> None:
     titles = {page: " ".join(words for other, words in pages if other == page) for page, _ in pages}
     docs = [{"location": page, "title": title, "text": "", "boost": 10.0} for page, title in titles.items()]
     wordy: dict[str, Any] = {
-        "location": "docs/log.html",
+        "location": "docs/log/tracking.html",
         "title": "Two balls before a webcam",
         "text": "<p>two balls, meters</p>",
     }
@@ -59,7 +59,7 @@ def test_the_words_of_a_task_are_searched_as_the_page_does() -> None:
     assert finding["searcher"](index)("before webcam")[0] == "docs/webcam.html"
     assert "'two balls'" not in str(finding["misses"](index))
     wordy["boost"] = 1e3
-    assert "'two balls' finds ['docs/log.html'" in str(finding["misses"](index))
+    assert "'two balls' finds ['docs/log/tracking.html'" in str(finding["misses"](index))
 
 
 def test_the_tasks_are_in_the_navigation_and_the_index_is_searched_when_it_is_built() -> None:

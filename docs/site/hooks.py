@@ -9,11 +9,11 @@ from mkdocs.exceptions import PluginError
 from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
-from pages import API, FOLDERS, ROOT, anchor, decisions, generated
+from pages import API, FOLDERS, ROOT, anchor, decisions, generated, log
 
 import matchset
 
-PAGES = ("*.md", "LICENSE", "benchmarks/*.md", "docs/*.md", "docs/decisions/*.md")
+PAGES = ("*.md", "LICENSE", "benchmarks/*.md", "docs/*.md", "docs/decisions/*.md", "docs/log/*.md")
 BESIDE = ("docs/pictures/*.[pjws]*[gp]", "docs/site/*.css", "docs/*.txt", "benchmarks/pictures/*.svg")
 GUIDES = (
     "getting_started",
@@ -34,7 +34,7 @@ GUIDES = (
     "clips",
     "simulation",
 )
-INSIDE = ("ARCHITECTURE.md", "docs/finding_your_way.md", "CONTRIBUTING.md", "docs/log.md", "CHANGELOG.md")
+INSIDE = ("ARCHITECTURE.md", "docs/glossary.md", "docs/finding_your_way.md", "CONTRIBUTING.md", "CHANGELOG.md")
 RESULTS = ("docs/evidence.md", "benchmarks/RESULTS.md", "benchmarks/FLIGHT.md", "docs/limits.md")
 
 
@@ -54,6 +54,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         },
         {"Inside": list(INSIDE)},
         {"Decisions": ["docs/decisions/index.md", *decisions()]},
+        {"Log": ["docs/log/index.md", *log()]},
         {"Results": list(RESULTS)},
     ]
     return config

@@ -1,6 +1,7 @@
 """The generated pages of the site, as Markdown: API and commands from their docstrings, the list of decisions."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,12 @@ def generated() -> dict[str, str]:
 def decisions() -> list[str]:
     """Paths of the decisions' pages, in their order."""
     return [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/decisions/*.md"))]
+
+
+def log() -> list[str]:
+    """Paths of the log's pages, in the order of its index."""
+    index = (ROOT / "docs" / "log" / "index.md").read_text(encoding="utf-8")
+    return [f"docs/log/{name}" for name in re.findall(r"\]\((\w+\.md)\) \|$", index, re.MULTILINE)]
 
 
 def anchor(name: str) -> str:
@@ -107,9 +114,17 @@ def _structs(path: Path) -> list[str]:
 def _decisions_index() -> str:
     lines = ["# Decisions", "", "Why things are as they are: half a page each, with what was measured.", ""]
     for name in decisions():
-        title = (ROOT / name).read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
-        lines.append(f"- [{title}]({Path(name).name})")
+        text = (ROOT / name).read_text(encoding="utf-8")
+        title = text.partition("\n")[0].removeprefix("# ")
+        later = "".join(f"; {how} {link}" for how, link in _superseded(text))
+        lines.append(f"- [{title}]({Path(name).name}){later}")
     return "\n".join(lines) + "\n"
+
+
+def _superseded(text: str) -> list[tuple[str, str]]:
+    """In what way, and the link of the decision that did it, as a decision says on its top."""
+    found = re.findall(r"^(Superseded(?: in part)? by) (\[\d{3}\]\([\w-]+\.md\))", text, re.MULTILINE)
+    return [(how.lower(), link) for how, link in found]
 
 
 def _commands_page() -> str:

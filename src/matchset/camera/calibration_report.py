@@ -22,7 +22,8 @@ _CORNERS = "upper left", "upper right", "lower left", "lower right"
 class GradeParameters(msgspec.Struct, frozen=True, kw_only=True):
     """From what value on a calibration is good, or usable.
 
-    All were chosen by hand, after the calibrations of docs/log.md ("Calibration"); docs/camera.md has the table.
+    All were chosen by hand, after the calibrations of
+    docs/log/localization.md#calibration; docs/camera.md has the table.
 
     Parameters
     ----------

@@ -42,7 +42,8 @@ class MotionConsistencyParameters(msgspec.Struct, frozen=True, kw_only=True, for
     """When pictures are taken to be old.
 
     Chosen on flights without pictures of seeds 0 to 35 and 100 to 102, with and without pictures that are 0.4 to 0.8 s
-    old, with gusts, latencies told wrong and vehicles that differ, and on one of Betaflight: docs/log.md, 2026-11-23;
+    old, with gusts, latencies told wrong and vehicles that differ, and on one of Betaflight:
+    docs/log/control.md#old-pictures;
     `python -m benchmarks.flight.faults` shows a change.
 
     Parameters

@@ -35,7 +35,7 @@ class SafetyParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     throttle_reserve : float
         Largest throttle as a multiple of what hovers, for a vehicle so weak that this is above `max_throttle`; never
         above 1. Less lets it sink, more gives it all it has sooner. Chosen by: a battery that loses 40 % in 60 s,
-        docs/log.md, 2026-11-23.
+        docs/log/control.md#battery.
     max_hover, max_hover_time : float
         Largest throttle that hovers, and how long it may be more, or all of it be desired, s: the battery is nearly
         empty, and the vehicle lands while it still can. Less lands sooner. Chosen by: the same; one whose thrust sinks

@@ -30,8 +30,8 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     """How figures are weighed, and how much evidence a detection needs.
 
     The weights come from logistic regression over candidates of rendered sequences and of real clips, once, by hand.
-    `python -m benchmarks.evidence` does such a fit again; it finds somewhat other weights (docs/log.md), which were not
-    taken, since what is asked goes with the scale of these.
+    `python -m benchmarks.evidence` does such a fit again; it finds somewhat other weights
+    (docs/log/fitting.md#evidence-weighed), which were not taken, since what is asked goes with the scale of these.
 
     Parameters
     ----------
@@ -57,7 +57,8 @@ class EvidenceParameters(msgspec.Struct, frozen=True):
     clear : float
         Least log-odds with which a high color score may speak for a shape that may be anywhere. Less finds more, and
         more that is not there: rings of the target's color, most of them before dark things, had 1.6 to 4.4 in
-        `python -m benchmarks --only false_locks`; of half-hidden balls among clutter half have more (docs/log.md).
+        `python -m benchmarks --only false_locks`; of half-hidden balls among clutter half have more
+        (docs/log/tracking.md#false-locks-again).
     faint : float
         Log-odds below which a shape that is tracked with a low color score is seen faintly. More gives it up sooner.
     clicked : float

@@ -112,7 +112,8 @@ class FieldParameters(msgspec.Struct, frozen=True):
         Speed from which the field offset is fitted, px per frame.
     min_score : float
         MSAC score from which a fit tells how far the fields are apart. Less learns a noisy link's fields sooner, more
-        takes fewer hands and blurred rims for a second field. Chosen on a real clip and on rendered ones (docs/log.md).
+        takes fewer hands and blurred rims for a second field. Chosen on a real clip and on rendered ones
+        (docs/log/network.md#disc-as-prior).
     memory : float
         Share of what is known about the fields that one frame leaves.
     still_speed : float

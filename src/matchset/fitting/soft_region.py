@@ -32,7 +32,8 @@ Disc = tuple[float, float, float]  # center and half-width, px
 class SoftRegionParameters(msgspec.Struct, frozen=True):
     """How the region of a blurred target is found, and what it is worth.
 
-    `level`, `soft`, `softer`, `worth` and `sigma` were chosen on real clips (docs/log.md), the others by hand;
+    `level`, `soft`, `softer`, `worth` and `sigma` were chosen on real clips
+    (docs/log/fitting.md#blurred-ball), the others by hand;
     `python -m benchmarks --only real` would show a change.
 
     Parameters
@@ -73,7 +74,8 @@ class SoftRegionParameters(msgspec.Struct, frozen=True):
     sigma : float
         Standard deviation of its center and half-width there, in half-widths: less believes the region more, whose size
         is up to a tenth too large where a streak is long. It counts beside the network's covariance, inflated as
-        `NetworkParameters.inflation` says; 0.05 beside that believes streaks too little (docs/log.md). It is that of a
+        `NetworkParameters.inflation` says; 0.05 beside that believes streaks too little
+        (docs/log/network.md#disc-as-prior). It is that of a
         region with all of its worth, and grows with the inverse square of the share of it.
     round : float
         Agreement below which a region with a sharp rim is no disc: that of a square is 0.83, of other cards less.

@@ -44,7 +44,7 @@ class StreamParameters(msgspec.Struct, frozen=True):
         Time between two looks whether the reader wants to stop, while it waits for a picture, s.
     threads : int
         How many threads unpack a stream. FFmpeg holds a picture back for each but the first, by itself as many as the
-        computer has processors: with sixteen half a second of age that nobody sees (docs/log.md, 2026-11-28). One has
+        computer has processors: with sixteen half a second of age that nobody sees (docs/log/files.md#streams). One has
         the least delay, and is too slow for large pictures.
     """
 

@@ -51,16 +51,16 @@ class BallParameters(msgspec.Struct, frozen=True):
         The same in an interlaced picture, along the offset of its fields and as a share of it; that of the radius has
         half the variance. As `QualityParameters.field_share`.
     iterations : int
-        Most rounds of reweighting. Chosen by hand: 14 are typical (docs/log.md, 2026-11-21).
+        Most rounds of reweighting. Chosen by hand: 14 are typical (docs/log/speed.md#processing).
     absolute_iterations : int
         Rounds of least absolute values before the biweight. With 0, 3 and 6 rounds twelve wrong points of 64 bias the
-        range by 1.0, 0.6 and below 0.1 % (docs/log.md, "Robustness").
+        range by 1.0, 0.6 and below 0.1 % (docs/log/localization.md#meters).
     biweight_cutoff : float
         Residual, in standard deviations, from which Tukey's biweight is zero. 4.685 is 95 % efficient for normal
         errors (Huber & Ronchetti, Robust Statistics); rounded.
     tolerance : float
         Change of q, as a share of its standard deviation, that ends the iteration. 1e-3 saves 2 us and moves positions
-        by 7e-5 m (docs/log.md, 2026-11-21).
+        by 7e-5 m (docs/log/speed.md#processing).
     max_sine : float
         Largest sine of the cone's half-angle, R / distance: above it the ball all but touches the camera. Chosen by
         hand; tests/localization/test_cone.py would show a change.

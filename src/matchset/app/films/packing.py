@@ -24,8 +24,8 @@ class PackingParameters(msgspec.Struct, frozen=True, kw_only=True):
     vp8_rate : int
         Most bits per second of VP8. Chosen by: the same, with the noise of an analog link.
     h264_small : int
-        Quality of H.264 of a small film. More smooths more. Chosen by: a flight of 20 s below 5 MB, docs/log.md,
-        2026-11-23.
+        Quality of H.264 of a small film. More smooths more. Chosen by: a flight of 20 s below 5 MB,
+        docs/log/files.md#small-films.
     h264_small_rate : int
         Most bits per second of H.264 of a small film, over a second: a bad link's noise is smoothed more. Chosen by:
         less than 1 MB a second.

@@ -19,7 +19,7 @@ class ExcitationParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     Each stick goes to and fro between two values: four pulses of one length and of the signs + - - +, then four of the
     next length. The lengths are not those of another stick, so that the answers can be told apart. A follower's own
     commands go on meanwhile. Chosen on simulated flights of seeds 0 to 29 with vehicles drawn at random, by the
-    standard deviations that come out, and that the ball stays in the picture: docs/log.md, 2026-11-23.
+    standard deviations that come out, and that the ball stays in the picture: docs/log/control.md#identify.
 
     Parameters
     ----------

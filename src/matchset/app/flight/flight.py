@@ -53,7 +53,7 @@ class FlightParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         More lets it do so: with 1.2 s in all a follower is released while its neighbor still rushes to its own place,
         at 1 m/s and 0.7 m off, and chains of ten fall at 133 ms. With 2.2 s at 67 ms, and 3.2 s in general, the
         neighbor has moved out of sight of one that a hand holds. Chosen by: rendered chains of ten, 1.7 s at 67 ms and
-        2.2 s at 133 ms, docs/log.md, 2026-11-23.
+        2.2 s at 133 ms, docs/log/control.md#releases.
     sight_ahead, sight_margin : float
         One that waits is armed sooner if the middle of the ball that it watches will be so near to the border of its
         picture, in radii of the ball, in so long, s. More begins beside a neighbor that moves faster; less loses more.

@@ -99,7 +99,7 @@ class PilotParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     near : float
         Largest distance from the expected position at which a ball is taken for the neighbor's at first, m. Less than
         the distance to the next ball but one, which looks the same; more lets a follower begin farther off its place.
-        Chosen by: `python -m benchmarks.flight.fly --only start`, see docs/log.md, 2026-11-21.
+        Chosen by: `python -m benchmarks.flight.fly --only start`, see docs/log/control.md#how-well.
     association : AssociationParameters
     next_ball : NextBallParameters
     follower : FollowerParameters

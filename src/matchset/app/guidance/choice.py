@@ -26,7 +26,8 @@ from matchset.tracking.detection import detect
 class ChoiceParameters(msgspec.Struct, frozen=True):
     """How the ball is chosen among ball-like circles.
 
-    Chosen by hand on four real clips; docs/log.md has the figures of these and of five others.
+    Chosen by hand on four real clips; docs/log/search.md#learn-chooses has the figures of these
+    and of five others.
 
     Parameters
     ----------

@@ -20,7 +20,8 @@ Picture = npt.NDArray[np.uint8]
 class SeparationParameters(msgspec.Struct, frozen=True):
     """How the inside of a circle is compared with the picture around it.
 
-    Chosen by hand on four real clips; docs/log.md has the figures of these and of five others.
+    Chosen by hand on four real clips; docs/log/search.md#learn-chooses has the figures of these
+    and of five others.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ class IdentifyParameters(msgspec.Struct, frozen=True, kw_only=True):
 
     The follower's gains are low, since it knows neither the delay nor the thrust: before a ball that hangs still it
     need not be quick. Chosen on flights without pictures of seeds 0 to 29, vehicles drawn from +-20 % and latencies of
-    33 to 200 ms, told 67: docs/log.md, 2026-11-23.
+    33 to 200 ms, told 67: docs/log/control.md#identify.
 
     Parameters
     ----------

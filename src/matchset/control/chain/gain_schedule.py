@@ -28,7 +28,7 @@ class GainScheduleParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_u
     """The high gains, and where they hold.
 
     Chosen on flights without pictures, seeds 40 to 59: nominal, gusts of 1 m/s, 200 ms told as 67, full tilt 25 degrees
-    told 20; docs/log.md, 2026-11-24.
+    told 20; docs/log/control.md#gains-in-gusts.
 
     Parameters
     ----------

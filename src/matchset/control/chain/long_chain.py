@@ -9,7 +9,8 @@ from matchset.control.parameter_checks import require, require_positive
 class LongChainParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When a chain is long, and what changes then.
 
-    Chosen on flights without pictures of three to ten vehicles, seeds 0 to 5 and 40 to 43: docs/log.md, 2026-11-24.
+    Chosen on flights without pictures of three to ten vehicles, seeds 0 to 5 and 40 to 43:
+    docs/log/control.md#gains-in-gusts.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class NextButOneParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     share : float
         Share s of the fast motion of the next-but-one ball that is followed in place of the neighbor's, 0 ... 1; 0: it
         is not looked for. More follows less of what the neighbor does wrong, and is farther from the neighbor for it.
-        Chosen by: chains of ten and of three, seeds 0 to 4, docs/log.md, 2026-11-23.
+        Chosen by: chains of ten and of three, seeds 0 to 4, docs/log/control.md#next-but-one.
     time_constant : float
         Time T of H = s^2 / (s + 1 / T)^2, s: what takes longer counts for nothing. More helps longer chains, and costs
         a follower next to the rope more, whose neighbor moves to the side as the rope's vehicle turns. Chosen by the

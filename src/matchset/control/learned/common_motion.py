@@ -31,11 +31,11 @@ class CommonMotionParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_u
     ----------
     horizontal_time, vertical_time : float
         Time constant T, s. Less forgets sooner what dead reckoning did wrong, and takes more of a neighbor's slow
-        motion for the vehicle's own. Chosen by: a hidden ball, and chains of ten, docs/log.md, 2026-11-24.
+        motion for the vehicle's own. Chosen by: a hidden ball, and chains of ten, docs/log/control.md#gains-in-gusts.
     takeoff_duration : float
         Time from lift-off for which a vertical speed is the vehicle's own, s; 0 turns that off. More trusts that the
         neighbor keeps its height for longer; less leaves a wrong throttle that hovers to be learned with a wrong speed.
-        Chosen on starts of 10 s, seeds 0 to 39: docs/log.md, 2026-11-24.
+        Chosen on starts of 10 s, seeds 0 to 39: docs/log/control.md#take-off.
     takeoff_time : float
         Time constant T of the vertical speed meanwhile, s. Less is sooner and noisier. Chosen by the same.
     """

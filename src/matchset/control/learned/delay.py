@@ -20,7 +20,8 @@ TINY = 1e-15  # rad^2: least curvature
 class DelayEstimatorParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of a `DelayEstimator`.
 
-    Chosen on flights without pictures of seeds below 110 with latencies told wrong: docs/log.md, 2026-11-23. The range
+    Chosen on flights without pictures of seeds below 110 with latencies told wrong:
+    docs/log/control.md#untold-latency. The range
     of the delay is that of the small delays of `MotionConsistencyParameters`.
 
     Parameters

@@ -23,7 +23,7 @@ class ThrustEstimatorParameters(msgspec.Struct, frozen=True, kw_only=True, forbi
     """Parameters of a `ThrustEstimator`.
 
     Chosen on flights without pictures of seeds 100 to 102 with thrust and mass 20 % off, and in chains of ten:
-    docs/log.md, 2026-11-23.
+    docs/log/control.md#nobody-measured.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ class SpeedParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     """What takes the place of the parameters of the same names of a follower.
 
     Chosen on flights without pictures of seeds 0 to 4, then lowered until vehicles that take 0.25 to 0.7 s to
-    another speed, told 0.4, stay in the air, since nobody has measured one: docs/log.md, 2026-11-27.
+    another speed, told 0.4, stay in the air, since nobody has measured one: docs/log/control.md#told-speeds.
 
     Parameters
     ----------

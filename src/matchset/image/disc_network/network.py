@@ -54,7 +54,7 @@ class FollowParameters(msgspec.Struct, frozen=True):
     unrest : float
         What the logarithm of the squared step counts beside the log-odds when it is chosen from which circle the next
         look goes on: one that is far from its ball is seen faintly, and one at rest will not be seen better. Fitted by
-        logistic regression on 2,245 starts in worse copies of real clips (docs/log.md).
+        logistic regression on 2,245 starts in worse copies of real clips (docs/log/network.md#next-look).
     """
 
     rounds: int = 8

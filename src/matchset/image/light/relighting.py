@@ -28,8 +28,8 @@ class RelightingParameters(msgspec.Struct, frozen=True):
     """When the light of a picture has changed as a whole.
 
     `spread` and `least` were chosen on worse copies of real clips, `side`, `averaged`, `alike` and `plain` on random
-    videos 300-329 with steps of the light in each, the others by hand (docs/log.md); `python -m benchmarks --only
-    real_copies,false_locks` would show a change.
+    videos 300-329 with steps of the light in each, the others by hand (docs/log/network.md#light-while-moving);
+    `python -m benchmarks --only real_copies,false_locks` would show a change.
 
     Parameters
     ----------

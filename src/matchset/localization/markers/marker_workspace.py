@@ -26,7 +26,7 @@ class MarkerFitParameters(msgspec.Struct, frozen=True, kw_only=True):
     softness_px : float
         Softness of a marker's rim, 1.8 times less than the standard deviation of the image's blur. Blur that was
         assumed wrong moves only markers at the ball's rim. 2.0, 1.2 and 0.5 px give 1.37, 1.09 and 0.90 degrees rms at
-        30 degrees on `typical` (docs/log.md, "Softness of a marker's rim").
+        30 degrees on `typical` (docs/log/localization.md#meters).
     iterations : int
         Most Gauss-Newton steps.
     tolerance_px : float

@@ -34,7 +34,7 @@ NOT_THERE = "the next-but-one ball is not seen where it should be"
 class NextBallParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the next-but-one ball is found in a picture.
 
-    Chosen on pictures of three followers of a rendered chain of ten, seed 0, 14 s: docs/log.md, 2026-11-23.
+    Chosen on pictures of three followers of a rendered chain of ten, seed 0, 14 s: docs/log/control.md#start-of-ten.
 
     Parameters
     ----------

@@ -27,7 +27,8 @@ MEMORY = 2.0  # format: times `OutlineNoise.memory` after which a deviate is for
 class OutlineNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far outlines and markers are off.
 
-    Chosen by: what the tracker did in rendered nominal flights, seeds 910 to 912, 30 s each (docs/log.md, 2026-11-27).
+    Chosen by: what the tracker did in rendered nominal flights, seeds 910 to 912, 30 s each
+    (docs/log/flights.md#outline-noise).
     The *way* is that of the ball's center in the picture since the last picture, px; what is said of a way of 1 px
     grows with the root of the way. Errors of center and size have a part that lasts, and one that is new in every
     picture: that of the points. More of any of them is harsher on who flies by it; 0 leaves it out, and `EXACT` has

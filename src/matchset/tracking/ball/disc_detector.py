@@ -34,7 +34,7 @@ Image = npt.NDArray[np.uint8]
 class DiscDetectorParameters(msgspec.Struct, frozen=True):
     """Which discs of a picture are looked at, and when one is the ball.
 
-    Chosen on nine real clips and on the colors of each in the others (docs/log.md);
+    Chosen on nine real clips and on the colors of each in the others (docs/log/network.md#lost-balls);
     `python -m benchmarks --only real` would show a change.
 
     Parameters

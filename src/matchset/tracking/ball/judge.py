@@ -31,7 +31,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     """When the network is believed.
 
     Chosen on nine real clips, three starts of three clicks each; the weights of the network know none of them
-    (docs/log.md). `python -m benchmarks --only real,false_locks` would show a change.
+    (docs/log/network.md#network-of-discs). `python -m benchmarks --only real,false_locks` would show a change.
 
     Parameters
     ----------

@@ -30,7 +30,8 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
     """Which other hypotheses are tested, and how they are scored.
 
     `larger`, `smaller`, `better`, `mode_gain`, `mode_score`, `interior_weight`, `change_weight` and `prediction_px`:
-    fitted again by `make weights`; no other value was better by 1 % on both sets of seeds (docs/log.md). Where nothing
+    fitted again by `make weights`; no other value was better by 1 % on both sets of seeds
+    (docs/log/fitting.md#hypothesis-weights). Where nothing
     else is said, the others were chosen by hand; `python -m benchmarks --only false_locks` would show a change.
 
     Parameters
@@ -50,7 +51,8 @@ class HypothesisParameters(msgspec.Struct, frozen=True):
         How far beyond the outline the target must not be, in half-widths, and at least so many px.
     alike : float
         Difference of a pixel beyond from one within up to which it may be the target, as a share of the brighter one's
-        distance from black. Chosen on rectangles and quadrilaterals with a third hidden, seeds 201-204 (docs/log.md).
+        distance from black. Chosen on rectangles and quadrilaterals with a third hidden, seeds 201-204
+        (docs/log/fitting.md#sides-under-fingers).
     outside_penalty : float
         Score that is lost per share of the lines where the target is beyond the outline.
     better : float

@@ -91,7 +91,7 @@ def test_the_names_in_a_recording_are_the_format(flown: Flown, recording: Path) 
     assert list(step) == ["tick", "armed", "frame", "taken", "now", "command", "spent", "outcome", "stopped", "landing"]
     assert list(step["outcome"]) == ["ball", "markers", "pose", "control", "safety", "command", "age"]
     assert list(step["outcome"]["pose"]) == ["position", "rotation_matrix", "covariance", "observed", "time"]
-    ball = ["shape", "covariance", "support", "match_set", "time", "acquired", "field_offset"]
+    ball = ["shape", "covariance", "support", "match_set", "time", "acquired", "field_offset", "pixel_aspect"]
     assert list(step["outcome"]["ball"]) == ball
     assert (len(step["outcome"]["control"]), len(step["outcome"]["safety"])) == (11, 10)
     assert list(truth) == ["index", "time", "truth", "shown", "places", "inside", "crashes"]

@@ -92,9 +92,10 @@ def outcome_of(step: PilotStep, form: int = FORMAT) -> bytes:
 
 
 def _with_older_names(value: Any) -> Any:
-    """Return an outcome with the names that it had up to format 3, all else as it is."""
+    """Return an outcome with the names that it had up to format 3, which had no `pixel_aspect`; all else as it is."""
     if isinstance(value, dict):
-        return {OLDER.get(key, key): _with_older_names(each) for key, each in value.items()}
+        named = {key: each for key, each in value.items() if key != "pixel_aspect"}
+        return {OLDER.get(key, key): _with_older_names(each) for key, each in named.items()}
     return [_with_older_names(each) for each in value] if isinstance(value, list) else value
 
 

@@ -157,7 +157,7 @@ def test_what_is_left_out_in_words(focal: float, sigma: float, words: str) -> No
 def test_a_recorded_pose_is_as_it_was_where_nothing_is_told() -> None:
     pose = located(ms.Localizer(PINHOLE, BALLOON), sight(PINHOLE, BALLOON))
     fields = msgspec.msgpack.decode(msgspec.msgpack.encode(pose, enc_hook=lambda value: value.tolist()))
-    assert list(fields) == ["position", "turn", "covariance", "observed", "time"]
+    assert list(fields) == ["position", "rotation_matrix", "covariance", "observed", "time"]
 
 
 def noisy(localizer: ms.Localizer, real: ms.CameraModel, rng: np.random.Generator, time: float) -> ms.Pose:

@@ -63,7 +63,7 @@ def test_a_node_that_is_no_video_device_is_told(tmp_path: Path) -> None:
 def test_the_videos_of_the_folder_are_the_newest_and_a_bounded_number(tmp_path: Path) -> None:
     for number in range(6):
         path = tmp_path / f"ball {number}.mp4"
-        path.write_bytes(b"video")
+        path.write_bytes(b"\0video")
         os.utime(path, (1000 + number, 1000 + number))
     (tmp_path / "notes.txt").touch()
     (tmp_path / "folder.mp4").mkdir()
@@ -87,7 +87,7 @@ def test_an_empty_or_missing_folder_is_said(tmp_path: Path) -> None:
 
 
 def test_a_name_of_any_bytes_is_shown(tmp_path: Path) -> None:
-    (tmp_path / os.fsdecode(b"b\xffll.mp4")).write_bytes(b"video")
+    (tmp_path / os.fsdecode(b"b\xffll.mp4")).write_bytes(b"\0video")
     (found,) = [each for each in find_sources(tmp_path, devices=tmp_path).entries if each.kind == "file"]
     assert found.name == "b?ll.mp4"
 
@@ -148,7 +148,7 @@ def test_a_file_that_came_is_found_and_keys_stay(tmp_path: Path) -> None:
     wait(shown)
     with shown.stage:
         before = {each.name: each.key for each in shown.panel.state().entries}
-        (tmp_path / "new.mp4").write_bytes(b"video")
+        (tmp_path / "new.mp4").write_bytes(b"\0video")
         shown.panel.take(LookAgain(), "")
         wait(shown)
         after = {each.name: each.key for each in shown.panel.state().entries}

@@ -224,6 +224,8 @@ def test_a_recording_of_a_format_before_is_replayed_as_it_was_flown(
             pose = {"turn" if name == "rotation_matrix" else name: value for name, value in pose.items()}
             control = control[:-1] if control and form == WITHOUT_GAINS else control
             others = {name: content["outcome"][name] for name in ("ball", "markers", "command", "age")}
+            for seen in (others["ball"], *others["markers"]):
+                seen.pop("pixel_aspect", None)  # which no format before had
             of_then = {**others, "pose": pose, "answer": control, "memory": safety}
             content["outcome"] = {name: of_then[name] for name in OF_THEN}
         else:

@@ -142,7 +142,7 @@ class Localizer(Copied):
         TypeError
             If the ball or a marker is no `Track` or `Lost`, whether it would have been looked at or not.
         ValueError
-            If the ball was tracked in a picture whose pixels are not square.
+            If the ball was tracked in a picture whose pixels are not square, or is wholly outside of the camera's.
         """
         check_kind("ball", ball, (Track, Lost), "Tracker.update(frame) gives one")
         seen = _checked(markers)

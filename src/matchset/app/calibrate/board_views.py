@@ -30,17 +30,19 @@ class ViewParameters(msgspec.Struct, frozen=True):
     min_coverage : float
         Share of the picture that they must cover by then, 0 ... 1: the report's limit of the grade "good".
     kept_each : int
-        Of so many frames without the board one is kept, and of these the last few, to see what is there in its place.
+        Of so many frames without the board one is kept, to see what is there in its place.
+    kept : int
+        How many of these at most, the last ones: each is a whole picture in memory. Chosen by hand.
     """
 
     max_frames: int = 240
     min_views: int = 20
     min_coverage: float = 0.6
     kept_each: int = 60
+    kept: int = 4
 
 
 PARAMETERS = ViewParameters()
-KEPT = 4  # format: frames without the board, for the memory that they take
 
 
 class BoardViews(msgspec.Struct):
@@ -61,7 +63,7 @@ class BoardViews(msgspec.Struct):
     frames: int = 0
     views: list[View] = msgspec.field(default_factory=list)
     picture: npt.NDArray[np.uint8] | None = None
-    without: deque[npt.NDArray[np.uint8]] = msgspec.field(default_factory=lambda: deque(maxlen=KEPT))
+    without: deque[npt.NDArray[np.uint8]] = msgspec.field(default_factory=lambda: deque(maxlen=PARAMETERS.kept))
 
 
 def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = False) -> BoardViews:

@@ -2,13 +2,13 @@
 
 import datetime
 import functools
-import sys
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from matchset.app.exit_codes import print_note
 from matchset.app.flight.flight import FlightParameters
 from matchset.app.flight.linked.parameters import LinkedFollower
 from matchset.camera.camera_model import CameraModel
@@ -109,7 +109,7 @@ def _read(path: Path) -> tuple[str, ConfigFile]:
 @functools.cache
 def _note_once(words: str) -> None:
     """Say something of a file on stderr, the first time that it is read."""
-    print(f"note: {words}; 'matchset fly --print-config' prints all names", file=sys.stderr, flush=True)
+    print_note(f"{words}; 'matchset fly --print-config' prints all names")
 
 
 def read_followers(path: Path) -> tuple[LinkedFollower, ...]:

@@ -8,6 +8,7 @@ from typing import Any, Protocol, TextIO, TypeVar
 import msgspec
 
 from matchset.app.drawing.picture_file import write_picture
+from matchset.app.exit_codes import print_note
 from matchset.app.guidance.next_command import Run, next_command
 from matchset.app.guidance.rejected import RejectedOutline, best_rejected
 from matchset.app.guidance.why_picture import Shown, covered, percent, why_picture
@@ -116,7 +117,7 @@ class Explainer:
         if share > PARAMETERS.wide:
             where = f"the color covers {percent(100.0 * share)} of frame {self._first.index}"
             doubt = "unless the ball does, something else may have been followed: narrow the color, or click the ball"
-            print(f"note: {where}; {doubt} (--pick X,Y)", file=sys.stderr)
+            print_note(f"{where}; {doubt} (--pick X,Y)")
 
 
 def explain_refused_click(refused: RefusedClickError, run: Run, folder: Path) -> None:

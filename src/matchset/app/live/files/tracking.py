@@ -1,6 +1,5 @@
 """Follows targets through a whole file in the background, from their clicks forward and backward: `FileTracking`."""
 
-import queue
 import threading
 import time
 from collections import deque
@@ -20,6 +19,7 @@ from matchset.app.live.targets.clicks import AGAIN, CROWDED, NEWER, Clicks
 from matchset.app.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
 from matchset.app.live.targets.placing import ball_of, camera_of
 from matchset.app.live.targets.target import Target
+from matchset.app.live.targets.waiting import WaitingWishes
 from matchset.app.timing.durations import ShownTimes
 from matchset.camera.camera_model import CameraModel
 from matchset.image.frame import Frame
@@ -107,7 +107,7 @@ class FileTracking(Closing):
         self._runs: list[Run] = []
         self._done: deque[float] = deque()
         self._computing = ShownTimes()
-        self._wishes: queue.Queue[Asked] = queue.Queue(self._parameters.wishes)
+        self._wishes: WaitingWishes[Asked] = WaitingWishes(self._parameters.wishes)
         self._stop, self._news, self._urgent = threading.Event(), threading.Event(), threading.Event()
         reader.interrupted = self._urgent.is_set
         self._thread = threading.Thread(target=self._run, name="matchset file", daemon=True)
@@ -115,12 +115,12 @@ class FileTracking(Closing):
 
     def ask(self, wish: Asked) -> None:
         """Ask for something; done before the next frame. What cannot be done is a note on the page."""
-        try:
-            self._wishes.put_nowait(wish)
-        except queue.Full:
+        given_up = self._wishes.put(wish)
+        if given_up is not None:
             self._note(CROWDED)
-            if isinstance(wish, Pick | Outline):
-                self.clicks.turn_away(wish, CROWDED)
+            if isinstance(given_up, Pick | Outline):
+                self.clicks.turn_away(given_up, CROWDED)
+        if given_up is wish:
             return
         if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading
             self._urgent.set()
@@ -148,7 +148,7 @@ class FileTracking(Closing):
     @property
     def busy(self) -> bool:
         """Whether something is being tracked."""
-        return bool(self._runs) or not self._wishes.empty()
+        return bool(self._runs) or len(self._wishes) > 0
 
     def reach(self, place: int) -> int | None:
         """Return up to which frame all is known that is being tracked forward past a place; None: to the end.
@@ -233,7 +233,7 @@ class FileTracking(Closing):
 
     def _tell(self, found: bool) -> None:
         """Say that a click is answered, unless another one waits for that."""
-        if found or not (self._trials or self._wishes.qsize()):
+        if found or not (self._trials or len(self._wishes)):
             self.answered(found)
 
     def _grant(self) -> None:
@@ -241,9 +241,8 @@ class FileTracking(Closing):
         if not self._stop.is_set():
             self._urgent.clear()
         while not self._stop.is_set():
-            try:
-                wish = self._wishes.get_nowait()
-            except queue.Empty:
+            wish = self._wishes.take()
+            if wish is None:
                 return
             try:
                 self._do(wish)

@@ -24,12 +24,15 @@ class ClickAnswer(msgspec.Struct, frozen=True, omit_defaults=True):
         Where, px; of a drawn line its first point.
     words : str
         Why nothing is followed; empty: what was clicked is followed.
+    click : int
+        The number that the page gave it, by which it is told from others at the same place; 0: none.
     """
 
     sequence: int
     x: float
     y: float
     words: str = ""
+    click: int = 0
 
 
 class TargetsState(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -73,5 +76,5 @@ class Clicks:
 
     def _answer(self, begin: Begin, words: str) -> None:
         x, y = (begin.x, begin.y) if isinstance(begin, Pick) else begin.points[:2]
-        self._answers.append(ClickAnswer(begin.sequence, x, y, words))
+        self._answers.append(ClickAnswer(begin.sequence, x, y, words, begin.click))
         self.state = TargetsState(list(self._answers))

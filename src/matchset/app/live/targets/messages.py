@@ -11,7 +11,10 @@ Sigma = Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
 
 
 class Pick(Up, frozen=True, tag="pick"):
-    """Follow what is at a point of a picture, px: the likeliest `reading` of it; `shape` is a family of shapes."""
+    """Follow what is at a point of a picture, px: the likeliest `reading` of it; `shape` is a family of shapes.
+
+    `click` is a number that the page gives: the answer carries it.
+    """
 
     sequence: Number
     x: Px
@@ -19,6 +22,7 @@ class Pick(Up, frozen=True, tag="pick"):
     shape: Name = "circle"
     stream: Number = 0
     reading: Annotated[int, msgspec.Meta(ge=1, le=100)] = 1
+    click: Number = 0
 
     @property
     def needs(self) -> Kernels:
@@ -27,12 +31,16 @@ class Pick(Up, frozen=True, tag="pick"):
 
 
 class Outline(Up, frozen=True, tag="outline"):
-    """Follow the shape whose rim was drawn in a picture: x and y of points along it, px, one after the other."""
+    """Follow the shape whose rim was drawn in a picture: x and y of points along it, px, one after the other.
+
+    `click` is a number that the page gives: the answer carries it.
+    """
 
     sequence: Number
     points: Annotated[list[Px], msgspec.Meta(min_length=6, max_length=400)]
     shape: Name = "circle"
     stream: Number = 0
+    click: Number = 0
 
     @property
     def needs(self) -> Kernels:

@@ -1,7 +1,6 @@
 """The loop behind the page: reads a source, follows the targets, leaves the newest answer in a box (`Vision`)."""
 
 import functools
-import queue
 import threading
 import time
 from collections import deque
@@ -16,6 +15,7 @@ from matchset.app.live.feed import News, Seen
 from matchset.app.live.targets.clicks import CROWDED
 from matchset.app.live.targets.followed import Followed
 from matchset.app.live.targets.messages import Outline, Pick, Wish
+from matchset.app.live.targets.waiting import WaitingWishes
 from matchset.app.live.vision.kept_frames import KeptFrames
 from matchset.app.live.wire.state import State, TargetState
 from matchset.app.timing.durations import ShownTimes
@@ -36,7 +36,7 @@ class VisionParameters(msgspec.Struct, frozen=True, kw_only=True):
     rate_over : int
         Frames over which the rate of the loop is taken. Chosen by hand: a second.
     wishes : int
-        Clicks that wait at most; more are refused.
+        Clicks that wait at most; one more, and the oldest is given up.
     closing : float
         The longest that closing waits for a source that is stuck in its driver or in the network, s; it is closed when
         it answers. Chosen by hand: what a person waits for Ctrl-C.
@@ -88,7 +88,7 @@ class Vision(Closing):
         self.followed.locate(camera)
         self._computing = ShownTimes()
         self._done: deque[float] = deque(maxlen=self._parameters.rate_over)
-        self._wishes: queue.Queue[Callable[[], None]] = queue.Queue(self._parameters.wishes)
+        self._wishes: WaitingWishes[Wish | Callable[[], None]] = WaitingWishes(self._parameters.wishes)
         self._stop, self._again = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset live", daemon=True)
         self._thread.start()
@@ -109,29 +109,17 @@ class Vision(Closing):
         image = self.kept.since(sequence)[0].image
         return self.followed.target(target).tracker.color.for_image(image).mask(image)
 
-    def ask(self, wish: Wish) -> None:
+    def ask(self, wish: Wish | Callable[[], None]) -> None:
         """Ask for something; done before the next picture. What cannot be done is a note on the page."""
-        if not self.call(functools.partial(self.followed.do, wish)) and isinstance(wish, Pick | Outline):
-            self.followed.clicks.turn_away(wish, CROWDED)
+        given_up = self._wishes.put(wish)
+        if given_up is not None:
+            self._note(CROWDED)
+            if isinstance(given_up, Pick | Outline):
+                self.followed.clicks.turn_away(given_up, CROWDED)
 
     def use(self, camera: CameraModel | None) -> None:
         """Use another camera model from the next picture on; None: it is not known."""
-        self.call(functools.partial(self._use, camera))
-
-    def call(self, action: Callable[[], None]) -> bool:
-        """Have something done in the loop's thread, before the next picture; a ValueError is a note on the page.
-
-        Returns
-        -------
-        bool
-            Whether it will be done: False where too much waits already, which is a note, too.
-        """
-        try:
-            self._wishes.put_nowait(action)
-        except queue.Full:
-            self._note(CROWDED)
-            return False
-        return True
+        self.ask(functools.partial(self._use, camera))
 
     def reopen(self) -> None:
         """Have the source opened again, such as with other settings; does not wait."""
@@ -253,12 +241,11 @@ class Vision(Closing):
 
     def _grant(self) -> None:
         """Do what was asked for."""
-        while True:
+        while (wish := self._wishes.take()) is not None:
             try:
-                action = self._wishes.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                action()
+                if callable(wish):
+                    wish()
+                else:
+                    self.followed.do(wish)
             except ValueError as error:
                 self._note(str(error))

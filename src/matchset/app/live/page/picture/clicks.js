@@ -22,18 +22,24 @@ export class Clicks {
     this.show();
   }
 
-  // A click, or the first point of a drawn line, in the picture `sequence`; sent: whether the server can hear of it.
-  begin(sequence, x, y, sent) {
+  // The number of the next click: of this page alone, so that no answer to another one is taken for its own.
+  next() {
+    this.last = (this.last ?? Math.floor(Math.random() * 2 ** 30)) + 1;
+    return this.last;
+  }
+
+  // A click of this number, or the first point of a drawn line; sent: whether the server can hear of it.
+  begin(click, x, y, sent) {
     this.refused = null;
-    if (sent) this.waiting = [...this.waiting, { sequence, x, y, ring: this.makeRing(x, y) }].slice(-MOST);
+    if (sent) this.waiting = [...this.waiting, { click, x, y, ring: this.makeRing(x, y) }].slice(-MOST);
     else this.refused = { x, y, words: "no connection: click again when it is back" };
     this.show();
   }
 
   // What the server says of the last clicks.
   answered(answers) {
-    for (const { sequence, x, y, words } of answers || []) {
-      const index = this.waiting.findIndex((each) => each.sequence === sequence && each.x === x && each.y === y);
+    for (const { click, x, y, words } of answers || []) {
+      const index = this.waiting.findIndex((each) => each.click === click);
       if (index < 0) continue;
       this.waiting.splice(index, 1);
       if (words) this.refused = { x, y, words };

@@ -184,7 +184,8 @@ export class PictureView {
 
   // Tells the server of a click; where it was shows it at once.
   begin(tell, sequence, x, y, line) {
-    this.clicks.begin(sequence, x, y, tell(line.points ? { sequence, ...line } : { sequence, x, y }));
+    const click = this.clicks.next();
+    this.clicks.begin(click, x, y, tell(line.points ? { sequence, click, ...line } : { sequence, click, x, y }));
   }
 }
 

@@ -3,7 +3,6 @@
 import itertools
 import math
 import re
-import runpy
 import shlex
 from collections.abc import Callable
 from pathlib import Path
@@ -25,6 +24,7 @@ from matchset.app.recording.mcap_file import McapWriter, Message, Topic
 from matchset.app.recording.ros_messages import RosMessages
 from matchset.camera.board import Board
 from matchset.sim.clips.clip import Clip
+from rendered_flight import write_flight
 
 ROOT = Path(__file__).resolve().parents[1]
 # tests/shapes/families.py, tests/app/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py
@@ -47,7 +47,7 @@ def clip() -> None:
 
 
 def flight() -> None:
-    runpy.run_path(str(ROOT / "examples" / "render_flight.py"))
+    write_flight(Path())
 
 
 def flight_and_board() -> None:

@@ -8,7 +8,7 @@ import contextlib
 import re
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -20,6 +20,7 @@ from benchmarks.lost.runs import RUNS, Run, start, write_clip
 
 PAGE = 4096
 TIME_OUT = 120.0  # s
+Ended = Callable[[Run, Path, Path, Path], tuple[int, str]]
 SAID = re.compile(r"(\S+): [^;]*; it holds (\d+)")
 
 
@@ -70,28 +71,34 @@ def size_of(run: Run, clip: Path, folder: Path) -> int:
     return sum((disk / name).stat().st_size for name in run.files)
 
 
-def run_on_full_disk(run: Run, clip: Path, folder: Path, size: int) -> FullDisk:
+def ended(run: Run, clip: Path, disk: Path, other: Path) -> tuple[int, str]:
+    """Let a process run to its end; returns its exit code and what it said."""
+    process = start(run, clip, disk, other)
+    try:
+        _, err = process.communicate(timeout=TIME_OUT)
+    finally:
+        process.kill()
+    return process.returncode, err
+
+
+def run_on_full_disk(run: Run, clip: Path, folder: Path, size: int, ended: Ended = ended) -> FullDisk:
     """Let a command write to a disk of a size, bytes, and look at what is left."""
     disk, other = folder / "disk", folder / "elsewhere"
     for each in (disk, other):
         each.mkdir(exist_ok=True)
     with small_disk(disk, size):
-        process = start(run, clip, disk, other)
-        try:
-            _, err = process.communicate(timeout=TIME_OUT)
-        finally:
-            process.kill()
+        code, err = ended(run, clip, disk, other)
         lines = [line for line in err.splitlines() if not line.startswith("note:") and not line.endswith("...")]
         line = lines[-1] if lines else ""
         wrong = []
-        if process.returncode != 2:
-            wrong.append(f"exit code {process.returncode}")
+        if code != 2:
+            wrong.append(f"exit code {code}")
         if len(lines) != 1 or not line.startswith("error: "):
             wrong.append(f"{len(lines)} lines: {err!r}")
         if not any(str(disk / name) in line for name in run.files):
             wrong.append("no file is named")
         wrong += _unreadable(run, disk, line)
-    return FullDisk(size, process.returncode, line, tuple(wrong))
+    return FullDisk(size, code, line, tuple(wrong))
 
 
 def _unreadable(run: Run, disk: Path, line: str) -> list[str]:

@@ -75,15 +75,20 @@ def write_clip(path: Path, frames: int = FRAMES) -> None:
     writer.release()
 
 
-def start(run: Run, clip: Path, disk: Path, other: Path) -> "subprocess.Popen[str]":
-    """Start a command; `disk` and `other` are folders."""
+def typed(run: Run, clip: Path, disk: Path, other: Path) -> list[str]:
+    """Return what is typed; `disk` and `other` are folders."""
     names = {"CLIP": str(clip), "DISK": str(disk), "ELSE": str(other)}
     words = []
     for word in run.words:
         head, slash, tail = word.partition("/")
         words.append(names.get(head, head) + slash + tail)
+    return [*words, "--force"]
+
+
+def start(run: Run, clip: Path, disk: Path, other: Path) -> "subprocess.Popen[str]":
+    """Start a command; `disk` and `other` are folders."""
     return subprocess.Popen(
-        [sys.executable, "-m", "matchset.app.cli", *words, "--force"],
+        [sys.executable, "-m", "matchset.app.cli", *typed(run, clip, disk, other)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 from chain_flight import Flown, fly
@@ -11,6 +12,7 @@ from flight_process import PACE
 from pty_transmitter import PtyTransmitter
 
 from matchset.app import cli
+from matchset.app.locate import path_picture
 from mjpeg_server import MjpegServer
 from served_neighbor import ServedNeighbor
 
@@ -39,6 +41,12 @@ def matchset(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Matchset:
         return code
 
     return run
+
+
+@pytest.fixture
+def no_path_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave `poses.png` black, of which the tests in `locate/test_path_picture.py` are: drawing it takes a while."""
+    monkeypatch.setattr(path_picture, "path_picture", lambda *_: np.zeros((8, 8, 3), np.uint8))
 
 
 @pytest.fixture(scope="session")

@@ -62,7 +62,7 @@ def png(width: int, height: int) -> bytes:
 
 def bomb(path: Path, size: int) -> Path:
     """A color file that unpacks to so many bytes of zeros."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name in ("matchset_color", "gray"):
             scalar = io.BytesIO()
             np.save(scalar, np.int64(1))

@@ -80,7 +80,7 @@ def check_rows(path: Path, first: int = 0, end: int = FRAMES) -> None:
 def test_a_click_late_in_a_video_is_followed_back_to_its_first_frame(
     matchset: Matchset, passing: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert matchset("track", passing, "--pick", click(), "-o", "out") == 0
+    assert matchset("track", passing, "--pick", click(), "--no-video", "-o", "out") == 0
     check_rows(Path("out/tracks.csv"))
     assert f"note: followed backward from the click in frame {CLICK} to frame 0" in capsys.readouterr().err
     with Path("out/latency.csv").open() as file:
@@ -110,6 +110,7 @@ def test_a_click_in_the_first_frame_has_nothing_before_it(
     assert "followed backward" not in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("no_path_picture")
 def test_it_is_located_before_the_click_too(matchset: Matchset, passing: Path) -> None:
     ball = "--fov", 60, "--diameter", 0.2, "--pick", click()
     assert matchset("locate", passing, *ball, "--no-video", "-o", "out") == 0

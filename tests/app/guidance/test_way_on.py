@@ -64,6 +64,7 @@ def test_a_color_of_much_else_is_doubted_though_something_is_found(
     assert "something else" not in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("no_path_picture")
 def test_a_located_ball_keeps_its_other_options(
     matchset: Matchset, ball_video: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -98,6 +99,7 @@ def test_with_json_on_stdout_the_words_go_to_stderr(
     assert "why: " in err
 
 
+@pytest.mark.usefixtures("no_path_picture")
 def test_a_refused_click_leaves_a_picture_and_a_command(matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
     Path("frames").mkdir()
     flat = np.full((SIZE[1], SIZE[0], 3), 150, np.uint8)

@@ -88,12 +88,11 @@ def test_it_plays_to_the_end_shows_every_frame_and_begins_again(feed: FileFeed) 
     wait(lambda: feed.seen.state.index == 0)
     sequence = feed.seen.state.sequence
     take(feed, Play())
-    begin = time.monotonic()
+    begin = time.monotonic()  # real time is the subject: a video is not shown faster than it was taken
     while feed.player.playing:
         if feed.seen.state.sequence != sequence:
             sequence = feed.seen.state.sequence
             seen.append(shown(feed))
-        assert time.monotonic() - begin < 60.0, "not in time"
         time.sleep(0.001)  # or the player hardly runs
     assert time.monotonic() - begin > 0.9 * STAMPS[-1]
     wait(lambda: feed.seen.state.index == FRAMES - 1)
@@ -107,10 +106,11 @@ def test_a_fast_player_leaves_frames_out(feed: FileFeed) -> None:
     take(feed, Pause())
     take(feed, Seek(0))
     take(feed, Speed(8.0))
-    begin = time.monotonic()
+    wait(lambda: feed.seen.state.index == 0)
+    sequence = feed.seen.state.sequence
     take(feed, Play())
-    wait(lambda: not feed.player.playing)
-    assert time.monotonic() - begin < 1.0
+    wait(lambda: not feed.player.playing and feed.seen.state.index == FRAMES - 1)
+    assert feed.seen.state.sequence - sequence < FRAMES / 4  # of 400 in a second 60 are shown
     take(feed, Speed(1.0))
 
 

@@ -302,12 +302,12 @@ def test_the_annotated_video_has_every_frame(feed: FileFeed) -> None:
 def test_a_film_that_is_stopped_leaves_nothing(feed: FileFeed, monkeypatch: pytest.MonkeyPatch) -> None:
     feed.ask(Pick(go(feed, CLICK), *center(CLICK)))
     tracked(feed)
-    begun = threading.Event()
+    begun, stopped = threading.Event(), threading.Event()
     paint = _Painter.paint
 
     def slowly(painter: _Painter, place: int, frame: ms.Frame) -> Any:
         begun.set()
-        time.sleep(0.05)
+        assert stopped.wait(20.0)
         return paint(painter, place, frame)
 
     monkeypatch.setattr(_Painter, "paint", slowly)
@@ -316,6 +316,7 @@ def test_a_film_that_is_stopped_leaves_nothing(feed: FileFeed, monkeypatch: pyte
     working = told(feed).working
     assert working is not None
     feed.panel.take(StopExport(), "")
+    stopped.set()
     wait(lambda: feed.exports.working is None)
     assert feed.panel.downloads() == {}
     assert [path.name for path in Path("runs").glob("*/*")] == []

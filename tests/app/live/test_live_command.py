@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from benchmarks.lost.content import content_of
 from benchmarks.lost.runs import FPS, write_clip
+from blue_ball import Matchset
 from websockets.sync.client import connect
 from websockets.typing import Origin
 
@@ -57,27 +58,37 @@ class Running:
             time.sleep(0.02)
         return found
 
-    def end(self, number: signal.Signals) -> tuple[int, float]:
-        """Send a signal; returns the exit code, and how long it took, s."""
-        begin = time.monotonic()
+    def end(self, number: signal.Signals) -> int:
+        """Send a signal; returns the exit code."""
         self.process.send_signal(number)
-        code = self.process.wait(60.0)
-        return code, time.monotonic() - begin
+        return self.process.wait(60.0)
 
 
 @pytest.fixture(scope="module")
 def clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("clip") / "clip.avi"
-    write_clip(path, 1500)
+    write_clip(path, 900)
     return path
 
 
 @pytest.fixture
-def running(clip: Path, tmp_path: Path) -> Iterator[Running]:
-    made = Running(tmp_path, str(clip), "--port", "0", "--pick", PICK)
-    yield made
-    made.process.kill()
-    made.process.communicate()
+def start(tmp_path: Path) -> Iterator[Callable[..., Running]]:
+    """Start a process, in an empty folder."""
+    started: list[Running] = []
+
+    def start(*arguments: str) -> Running:
+        started.append(Running(tmp_path, *arguments))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.process.kill()
+        each.process.communicate()
+
+
+@pytest.fixture
+def running(clip: Path, start: Callable[..., Running]) -> Running:
+    return start(str(clip), "--port", "0", "--pick", PICK)
 
 
 def found(state: Any) -> Any:
@@ -102,23 +113,7 @@ def test_a_source_that_is_none_ends_with_one_line(
     assert err.count("\n") == 1
 
 
-def test_a_pick_outside_of_the_picture_is_said(clip: Path, tmp_path: Path) -> None:
-    running = Running(tmp_path, str(clip), "--port", "0", "--pick", "9000,9000")
-    try:
-        running.wait_for(
-            lambda state: any("outside of the picture" in note for note in state["session"].get("notes", []))
-        )
-        running.process.terminate()
-        _, errors = running.process.communicate(timeout=20.0)
-    finally:
-        running.process.kill()
-    assert "note: --pick: (9000, 9000) is outside of the picture of 160 x 120 px" in errors
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_pick_is_followed_and_a_signal_ends_it_at_once_with_all_files(
-    running: Running, tmp_path: Path, number: signal.Signals
-) -> None:
+def test_a_pick_is_followed_and_ctrl_c_ends_it_with_all_files(running: Running, tmp_path: Path) -> None:
     running.wait_for(found)
     running.do("record", on=True)
     host = running.url.removeprefix("http://").rstrip("/")
@@ -127,9 +122,7 @@ def test_a_pick_is_followed_and_a_signal_ends_it_at_once_with_all_files(
             stack.enter_context(connect(f"ws://{host}{address}", close_timeout=0.1))
         stack.enter_context(httpx.stream("GET", f"{running.url}events"))
         running.wait_for(lambda state: frames(state) > 20)
-        code, took = running.end(number)
-    assert code == 0
-    assert took < 10.0
+        assert running.end(signal.SIGINT) == 0  # while pages and programs look
     folder = tmp_path / "runs" / "0001-live"
     facts = json.loads((folder / "recording.json").read_text())
     assert facts["problem"] == ""
@@ -142,7 +135,7 @@ def test_kill_9_loses_half_a_second_at_most(running: Running, tmp_path: Path) ->
     pytest.importorskip("av")
     running.wait_for(found)
     running.do("record", on=True)
-    given = running.wait_for(lambda state: frames(state) > 60 and frames(state))
+    given = running.wait_for(lambda state: frames(state) > 40 and frames(state))
     running.end(signal.SIGKILL)
     folder = tmp_path / "runs" / "0001-live"
     bag = folder / "recording.mcap"
@@ -153,18 +146,25 @@ def test_kill_9_loses_half_a_second_at_most(running: Running, tmp_path: Path) ->
     assert json.loads((folder / "recording.json").read_text())["streams"][0]["targets"][0]["tracks"] == "tracks.csv"
 
 
-def test_a_port_that_is_in_use_is_said_and_the_next_one_taken(tmp_path: Path) -> None:
+def test_a_port_in_use_a_pick_outside_and_a_folder_that_is_none_are_said(
+    clip: Path, tmp_path: Path, start: Callable[..., Running]
+) -> None:
+    (tmp_path / "runs").write_text("a file in place of the folder")
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        made = Running(tmp_path, "--port", str(port))
+        made = start(str(clip), "--port", str(port), "--pick", "9000,9000")
         other = int(made.url.rstrip("/").rpartition(":")[2])
         assert port < other < port + 20
-        assert made.state()["session"]["panels"]
-        made.end(signal.SIGTERM)
-        errors = made.process.communicate()[1]
+    made.wait_for(lambda state: any("outside of the picture" in note for note in state["session"].get("notes", [])))
+    answer = httpx.post(f"{made.url}do/record", json={"on": True}, timeout=10.0)
+    assert answer.status_code == 400
+    assert "runs" in answer.json()["error"]
+    assert made.end(signal.SIGINT) == 0
+    errors = made.process.communicate()[1]
     assert f"note: port {port} is in use; this is {other}" in errors
+    assert "note: --pick: (9000, 9000) is outside of the picture of 160 x 120 px" in errors
 
 
 def test_the_last_port_has_no_next_one() -> None:
@@ -176,12 +176,10 @@ def test_the_last_port_has_no_next_one() -> None:
 
 
 @pytest.mark.parametrize("pick", ["abc", "1", "1,2@3", "1,2,3"])
-def test_a_pick_that_is_no_point_ends_in_two(pick: str, tmp_path: Path) -> None:
-    words = [sys.executable, "-m", "matchset.app.cli", "live", "--no-browser", "--pick", pick]
-    ended = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, timeout=180.0)
-    assert ended.returncode == 2
-    assert ended.stderr.startswith("error: --pick is X,Y")
-    assert len(ended.stderr.splitlines()) == 1
+def test_a_pick_that_is_no_point_ends_in_two(pick: str, matchset: Matchset, capsys: pytest.CaptureFixture[str]) -> None:
+    assert matchset("live", "--no-browser", "--port", 0, "--pick", pick) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: --pick is X,Y")
 
 
 @pytest.mark.parametrize("package", ["starlette", "uvicorn", "websockets"])
@@ -244,22 +242,11 @@ def test_without_segno_there_is_no_code(monkeypatch: pytest.MonkeyPatch) -> None
         qr_code("http://127.0.0.1/")
 
 
-def test_lan_prints_an_address_with_a_token(tmp_path: Path) -> None:
-    made = Running(tmp_path, "--port", "0", "--lan")
+def test_lan_prints_an_address_with_a_token(start: Callable[..., Running]) -> None:
+    made = start("--port", "0", "--lan")
     assert httpx.get(made.url, follow_redirects=True, timeout=10.0).status_code == 200
     assert httpx.get(made.url.partition("?")[0], timeout=10.0).status_code == 401
-    assert made.end(signal.SIGTERM)[0] == 0
+    assert made.end(signal.SIGTERM) == 0
     out, errors = made.process.communicate()
     assert "plain HTTP" in errors
     assert "█" not in out + errors  # no terminal
-
-
-def test_kept_files_are_not_begun_where_nothing_may_be_written(clip: Path, tmp_path: Path) -> None:
-    (tmp_path / "runs").write_text("a file in place of the folder")
-    made = Running(tmp_path, str(clip), "--port", "0")
-    made.wait_for(lambda state: state["streams"] and state["streams"][0].get("width"))
-    answer = httpx.post(f"{made.url}do/record", json={"on": True}, timeout=10.0)
-    assert answer.status_code == 400
-    assert "runs" in answer.json()["error"]
-    assert made.end(signal.SIGINT)[0] == 0
-    made.process.communicate()

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from pathlib import Path
 
 from matchset.app.live.compiling import CompilingPanel
 from matchset.app.live.feed import Panel
@@ -11,9 +12,12 @@ from matchset.app.live.targets.messages import Drop, Hold, Marker, Pick
 from matchset.app.live.targets.panel import TargetsPanel
 from matchset.app.live.wire.messages import Kernels
 
+UNTIL = "import pathlib, time\nwhile not pathlib.Path({!r}).exists(): time.sleep(0.01)\n"  # what a process waits for
 
-def test_kernels_are_counted_until_the_first_click_can_be_answered() -> None:
-    command = (sys.executable, "-c", "print(1); print(2); print(3, flush=True); import time; time.sleep(0.5)")
+
+def test_kernels_are_counted_until_the_first_click_can_be_answered(tmp_path: Path) -> None:
+    program = "print(1); print(2); print(3, flush=True)\n" + UNTIL.format(str(tmp_path / "go on"))
+    command = (sys.executable, "-c", program)
     asked = list[object]()
     panel = CompilingPanel(command)
     session = Session((panel, TargetsPanel(asked.append)), refusal=panel.refusal)
@@ -27,14 +31,15 @@ def test_kernels_are_counted_until_the_first_click_can_be_answered() -> None:
     ]
     session.take(Drop(1), "page")
     assert asked == [Hold(1), Drop(1)]
+    (tmp_path / "go on").touch()
     panel._thread.join(60.0)
     assert (panel.state().kernels, panel.state().done, panel.refusal()) == (3, True, "")
     session.take(Pick(2, 2.0, 3.0), "page")
     assert asked == [Hold(1), Drop(1), Pick(1, 2.0, 3.0), Pick(2, 2.0, 3.0)]
 
 
-def test_other_shapes_and_markers_wait_longer_than_the_first_click() -> None:
-    program = "print(1); print('the first click', flush=True); print(2, flush=True); import time; time.sleep(0.5)"
+def test_other_shapes_and_markers_wait_longer_than_the_first_click(tmp_path: Path) -> None:
+    program = "print(1); print('the first click', flush=True)\n" + UNTIL.format(str(tmp_path / "go on")) + "print(2)"
     asked, marker, box = list[object](), Marker(1, 1, 2.0, 3.0), Pick(1, 2.0, 3.0, shape="rectangle")
     panel = CompilingPanel((sys.executable, "-c", program))
     session = Session((panel, TargetsPanel(asked.append)), refusal=panel.refusal)
@@ -46,6 +51,7 @@ def test_other_shapes_and_markers_wait_longer_than_the_first_click() -> None:
         session.take(message, "page")
     (note,) = session.state().notes
     assert note.startswith("other shapes and markers wait for the compiler")
+    (tmp_path / "go on").touch()
     panel._thread.join(120.0)
     assert asked == [Pick(1, 2.0, 3.0), Hold(1), Hold(1), box, marker]
     assert panel.state().kernels == 1
@@ -81,7 +87,7 @@ def test_a_click_that_waits_is_forgotten_with_its_pictures() -> None:
 
 
 def test_what_is_kept_on_the_disk_is_no_reason_to_wait() -> None:
-    panel = CompilingPanel((sys.executable, "-c", "import time; time.sleep(0.2)"))
+    panel = CompilingPanel((sys.executable, "-c", "pass"))
     assert panel.refusal(Kernels.ALL) == ""
     panel._thread.join(120.0)
     assert panel.state().done

@@ -20,7 +20,9 @@ URI = "sim://chain?vehicles=2&seed=5"
 
 def chain(vehicles: int = 2) -> SimulatedFleet:
     """Make a chain that waits for no clock."""
-    return SimulatedFleet(FlightParameters(world=SimulationParameters(vehicles=vehicles, seed=5)), real_time=False)
+    return SimulatedFleet(
+        FlightParameters(world=SimulationParameters(vehicles=vehicles, seed=5, width=320, height=240)), real_time=False
+    )
 
 
 def phases(step: FleetStep) -> list[str]:
@@ -29,11 +31,11 @@ def phases(step: FleetStep) -> list[str]:
 
 def test_nobody_flies_who_was_not_armed_and_a_long_wait_does_no_harm() -> None:
     with chain() as fleet:
-        for _ in range(600):
+        for _ in range(200):
             step = fleet.step()
             assert step.steps[0].command.throttle == 0.0
         fleet.arm(fleet.pilots)
-        for _ in range(150):
+        for _ in range(100):
             step = fleet.step()
         assert phases(step) == ["flying"]
         assert not step.crashes

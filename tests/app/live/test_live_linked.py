@@ -75,12 +75,9 @@ def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
 
 def test_a_silent_page_holds_then_descends_then_the_motors_are_off(page: Page) -> None:
     page.take_off()
-    begin = time.monotonic()
     page.wait(lambda: page.feed.loop.state().duty == "holding", alive=False)
-    assert time.monotonic() - begin >= 0.2
     assert page.transmitter.port.throttle > 0
     page.wait(lambda: page.feed.loop.state().duty == "descending", alive=False)
-    assert time.monotonic() - begin >= 0.9
     page.wait(lambda: page.feed.loop.state().duty == "stopped", alive=False)
     page.wait(lambda: page.transmitter.port.throttle == 0)
     assert page.feed.loop.state().reason == "page 1 was silent for 1 s"

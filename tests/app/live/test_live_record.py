@@ -34,6 +34,7 @@ from matchset.camera.camera_model import CameraModel
 from matchset.image.video import Video
 
 NO_GUARD = SpaceParameters(keep_free=0.0)
+PATIENCE = 60.0  # s; only ever spent where a test fails
 ON, OFF = (READER.read(f'{{"type": "record", "on": {word}}}') for word in ("true", "false"))
 
 
@@ -59,7 +60,7 @@ class Recorded:
 
     def wait(self, done: Callable[[], bool]) -> None:
         """Wait for something, 20 s at most."""
-        until = time.monotonic() + 20.0
+        until = time.monotonic() + PATIENCE
         while not done():
             assert time.monotonic() < until
             time.sleep(0.002)
@@ -230,24 +231,21 @@ def test_gray_pictures_are_recorded(recorded: Recorded) -> None:
 def test_a_slow_disk_makes_no_loop_wait_and_what_is_left_out_is_counted(
     recorded: Recorded, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    held, begin_files = threading.Event(), StreamFiles._begin
+    held, begin_files, in_time = threading.Event(), StreamFiles._begin, list[bool]()
 
     def slow(*arguments: Any) -> None:
-        held.wait(10.0)
+        in_time.append(held.wait(PATIENCE))
         begin_files(*arguments)
 
     monkeypatch.setattr(StreamFiles, "_begin", slow)
     recorded.session.take(ON, "")
-    longest = 0.0
     for number in range(100):
-        begin = time.perf_counter()
         recorded.feed.show(seen_of(number))
-        longest = max(longest, time.perf_counter() - begin)
     state = recorded.panel.state()
     held.set()
     recorded.session.take(OFF, "")
     finished = recorded.finished()
-    assert longest < 1.0  # the disk was held for longer than that
+    assert all(in_time)  # all were shown while the disk was held
     assert state.dropped == pytest.approx(70, abs=1)
     assert finished.frames + finished.dropped == 100
     folder = Path("runs") / finished.folder

@@ -1,5 +1,6 @@
 """Poses sent to an autopilot: what it receives, of `PosePublisher` and of the command."""
 
+import functools
 import math
 import socket
 import threading
@@ -18,6 +19,7 @@ from matchset.app.adapters.mavlink_poses import PosePublisher, PublishParameters
 from matchset.app.locate.rows import read_poses
 from matchset.image.errors import LinkError
 from matchset.links.mavlink.axes import CameraMount
+from matchset.links.mavlink.client import MavlinkParameters
 from matchset.links.mavlink.packet import Packet, Parser, Writer
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
@@ -190,6 +192,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.usefixtures("no_path_picture")
 def test_the_command_sends_every_pose(
     matchset: Matchset, flown: Path, autopilot: tuple[int, list[Packet]], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -207,8 +210,10 @@ def test_the_command_sends_every_pose(
 
 
 def test_a_wrong_uri_and_an_autopilot_that_is_not_there_end_the_command(
-    matchset: Matchset, flown: Path, capsys: pytest.CaptureFixture[str]
+    matchset: Matchset, flown: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    hasty = functools.partial(MavlinkParameters, startup_timeout=0.3)
+    monkeypatch.setattr("matchset.app.adapters.mavlink_poses.MavlinkParameters", hasty)
     options = "--fov", f"{FOV_DEG}", "--diameter", "0.28", "--pick", BLUE, "--no-video"
     assert matchset("locate", flown, *options, "--mavlink", "udp:1") == 2
     assert "an autopilot is named like" in capsys.readouterr().err
@@ -217,4 +222,4 @@ def test_a_wrong_uri_and_an_autopilot_that_is_not_there_end_the_command(
         nobody.bind(("127.0.0.1", 0))
         where = f"mavlink:udpout:127.0.0.1:{nobody.getsockname()[1]}"
         assert matchset("locate", flown, *options, "--mavlink", where) == 3
-    assert capsys.readouterr().err == f"error: {where}: no autopilot is heard (waited 5 s)\n"
+    assert capsys.readouterr().err == f"error: {where}: no autopilot is heard (waited 0.3 s)\n"

@@ -30,6 +30,7 @@ def frames_of(path: Path) -> int:
     return next(count for count in range(100_000) if not video.grab())
 
 
+@pytest.mark.usefixtures("no_path_picture")
 @pytest.mark.parametrize(
     ("words", "name"), [(("track",), "track"), (("locate", "--fov", "60", "--diameter", "0.2"), "locate")]
 )

@@ -77,6 +77,7 @@ def test_learn_says_what_is_done_to_the_pictures(
         assert capsys.readouterr().err.count("note: pixels are not square, 4:3: pictures of 240 x 180 px are made") == 1
 
 
+@pytest.mark.usefixtures("no_path_picture")
 @pytest.mark.parametrize(("turn", "mirror"), [(90, False), (180, False), (0, True)])
 def test_a_camera_file_is_turned_with_the_pictures(
     matchset: Matchset, ball_video: Path, turn: int, mirror: bool
@@ -123,6 +124,7 @@ def test_a_turn_by_45_is_one_line(
     assert not list(Path().iterdir())
 
 
+@pytest.mark.usefixtures("no_path_picture")
 def test_nothing_is_located_in_pixels_that_are_not_square(
     matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

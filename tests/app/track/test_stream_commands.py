@@ -15,6 +15,7 @@ from bad_servers import BadServer
 from matchset.image.camera_stream import StreamParameters
 from mjpeg_server import Image, MjpegServer
 
+RATE = 120.0  # pictures per second, so that a few dozen do not take a second
 BLUE = ("--hsv", "100,100,60:130,255,255")
 
 
@@ -31,6 +32,7 @@ def table(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.usefixtures("no_path_picture")
 @pytest.mark.parametrize(
     ("words", "name"),
     [(("track", *BLUE), "tracks.csv"), (("locate", *BLUE, "--fov", "60", "--diameter", "0.3"), "poses.csv")],
@@ -46,7 +48,7 @@ def test_the_ball_is_followed_on_where_a_stream_breaks_off_again_and_again(
 ) -> None:
     assert matchset(words[0], ball_video, *words[1:], "-o", "file") == 0  # compiles what would take a while
     capsys.readouterr()
-    with MjpegServer(picture, each=40) as server:
+    with MjpegServer(picture, RATE, each=40) as server:
         assert matchset(words[0], server.url, *words[1:], "--end", 90, "--reconnect", 60, "-o", "out") == 0
         connections = server.connections
     assert connections >= 3
@@ -66,7 +68,7 @@ def test_the_ball_is_followed_on_where_a_stream_breaks_off_again_and_again(
 def test_a_color_is_learned_of_a_stream_that_breaks_off_meanwhile(
     matchset: Matchset, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with MjpegServer(picture, each=10) as server:  # fewer than are skipped until an exposure has settled
+    with MjpegServer(picture, RATE, each=10) as server:  # fewer than are skipped until an exposure has settled
         assert matchset("learn", server.url, "--reconnect", 60) == 0
     out, err = capsys.readouterr()
     assert "is back after" in err
@@ -76,7 +78,7 @@ def test_a_color_is_learned_of_a_stream_that_breaks_off_meanwhile(
 def test_without_reconnect_it_ends_as_a_device_that_broke(
     matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with MjpegServer(picture, each=20) as server:
+    with MjpegServer(picture, RATE, each=20) as server:
         assert matchset("track", server.url, *BLUE, "--timeout", 0.5, "--reconnect", 0, "-o", "out") == 3
         assert server.connections == 1
     (error,) = lines(capsys.readouterr().err)
@@ -87,12 +89,11 @@ def test_without_reconnect_it_ends_as_a_device_that_broke(
 def test_one_that_stays_away_ends_it_and_the_table_is_whole(
     matchset: Matchset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    server = MjpegServer(picture)
+    server = MjpegServer(picture, RATE)
 
     def last(number: int) -> Image:
         if number == 30:
-            server._stop.set()  # no picture any more, and none who listens
-            server._server.server_close()
+            server.stop()  # no picture any more, and none who listens
         return picture(number)
 
     server._picture = last
@@ -112,7 +113,7 @@ def test_one_that_comes_back_with_pictures_of_another_size_is_one_error(
         number = next(numbers)
         return picture(number) if number < 40 else np.repeat(np.repeat(picture(number), 2, 0), 2, 1)
 
-    with MjpegServer(growing, each=40) as server:
+    with MjpegServer(growing, RATE, each=40) as server:
         assert matchset("track", server.url, *BLUE, "--reconnect", 60, "-o", "out") == 2
     errors = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
     assert len(errors) == 1
@@ -121,24 +122,24 @@ def test_one_that_comes_back_with_pictures_of_another_size_is_one_error(
 
 
 @pytest.mark.parametrize(
-    "answer",
+    ("command", "answer"),
     [
-        bad_servers.page,
-        bad_servers.circle,
-        bad_servers.missing,
-        bad_servers.drips,
-        bad_servers.drips_at_once,
-        bad_servers.silent,
+        ("track", bad_servers.page),
+        ("track", bad_servers.drips_at_once),
+        ("learn", bad_servers.circle),
+        ("learn", bad_servers.missing),
+        ("locate", bad_servers.drips),
+        ("fly", bad_servers.silent),
+        ("fly", bad_servers.page),
     ],
 )
-@pytest.mark.parametrize("command", ["track", "learn", "locate", "fly"])
 def test_an_address_that_is_no_stream_is_one_line(
     matchset: Matchset,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
-    answer: bad_servers.Answer,
     command: str,
+    answer: bad_servers.Answer,
 ) -> None:
     hasty = StreamParameters(first_picture_s=0.3, answer_s=1.0)
     monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", hasty)

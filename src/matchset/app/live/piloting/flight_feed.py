@@ -1,5 +1,6 @@
 """A flight as a feed: `FlightFeed`; of the simulated chain: `simulated_flight`; of real vehicles: `linked_flight`."""
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,13 +22,22 @@ class FlightFeed(Feed):
         Returns a `Fleet` of so many followers, at the start; called in a thread, and again for every flight.
     news : callable
         Told of each picture.
+    clock : callable
+        By which a page is silent, s.
     """
 
     kind = "flight"
 
-    def __init__(self, title: str, followers: int, open_fleet: Callable[[], Fleet], news: News) -> None:
+    def __init__(
+        self,
+        title: str,
+        followers: int,
+        open_fleet: Callable[[], Fleet],
+        news: News,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.title = title
-        self.loop = FlightLoop(followers, open_fleet, news)
+        self.loop = FlightLoop(followers, open_fleet, news, clock=clock)
         self.streams = self.loop.streams
         self.panels = (FlightPanel(self.loop),)
 

@@ -58,6 +58,8 @@ class FlightLoop(Closing):
     news : callable, optional
         Told of each picture.
     silence : SilenceParameters, optional
+    clock : callable
+        s, never backward.
 
     Attributes
     ----------
@@ -71,14 +73,16 @@ class FlightLoop(Closing):
         open_fleet: Callable[[], Fleet],
         news: News | None = None,
         silence: SilenceParameters | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.helm, self._open, self._news = Helm(silence), open_fleet, news or (lambda _: None)
+        self.helm, self._open, self._news = Helm(silence, clock), open_fleet, news or (lambda _: None)
+        self._clock = clock
         self.streams = tuple(FollowerStream(number) for number in range(followers))
         self._fleet: Fleet | None = None
         self._sequence, self._times = 0, [math.nan] * KEPT
         self._step, self._begun = FleetStep(0.0, ()), math.nan
         self._stopping, self._state = Stopping(), FlightState()
-        self._kernels, self._preparing = 0, time.monotonic()
+        self._kernels, self._preparing = 0, self._clock()
         self._stop, self._again = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="matchset flight", daemon=True)
         self._thread.start()
@@ -151,8 +155,8 @@ class FlightLoop(Closing):
     def state(self) -> FlightState:
         """Return what there is to say, of now."""
         here, state = self.helm.look(), self._state
-        silent = time.monotonic() - here.heard if here.duty in FLYING else 0.0
-        preparing = 0.0 if state.ready or state.fault else time.monotonic() - self._preparing
+        silent = self._clock() - here.heard if here.duty in FLYING else 0.0
+        preparing = 0.0 if state.ready or state.fault else self._clock() - self._preparing
         return msgspec.structs.replace(
             state,
             duty=here.duty,
@@ -180,7 +184,7 @@ class FlightLoop(Closing):
         while not self._stop.is_set():
             self._again.clear()
             self._state = FlightState()
-            self._kernels, self._preparing = 0, time.monotonic()
+            self._kernels, self._preparing = 0, self._clock()
             self._news_of("getting ready ...")
             try:
                 with self._opened() as fleet, steady_memory():
@@ -258,7 +262,7 @@ class FlightLoop(Closing):
 
     def _show(self, fleet: Fleet, step: FleetStep, counters: list[FollowerCounters]) -> None:
         self._sequence += 1
-        self._times[self._sequence % KEPT] = time.monotonic()
+        self._times[self._sequence % KEPT] = self._clock()
         place = fleet.pilots[0].parameters.place
         for each, counter in zip(step.steps, counters, strict=True):
             counter.add(each)

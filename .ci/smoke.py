@@ -28,7 +28,7 @@ for frame, truth in clip:
 assert found == 5, found
 if "gym" in sys.argv[1:]:
     import gymnasium
-    env = gymnasium.make("matchset.app.gym:matchset/Follow-v0", width_px=160, height_px=120, observation="pose")
+    env = gymnasium.make("matchset.flight.gym:matchset/Follow-v0", width_px=160, height_px=120, observation="pose")
     env.reset(seed=1)
     env.step(env.action_space.sample())
 print("found in", found, "frames with matchset", importlib.metadata.version("matchset"))

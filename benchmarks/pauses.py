@@ -26,14 +26,16 @@ import numpy.typing as npt
 
 from benchmarks.flight.outside import DrainedTerminal, Outside
 from benchmarks.flight.standstills import Witnesses
-from matchset.app.flight.flight import ChainStep, FlightParameters, FlightSetup
-from matchset.app.flight.output_files import FlightFiles
-from matchset.app.flight.outputs import FlightOutputs
-from matchset.app.flight.pilot import STAGES, Pilot, PilotStep
-from matchset.app.flight.real_time.memory import steady_memory
-from matchset.app.flight.real_time.priority import raised_priority
+from matchset.flight.chain.chain_step import ChainStep, FlightSetup
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.pilot import STAGES, Pilot, PilotStep
+from matchset.flight.fly.output_files import FlightFiles
+from matchset.flight.fly.outputs import FlightOutputs
+from matchset.flight.real_time.memory import steady_memory
+from matchset.flight.real_time.priority import raised_priority
 from matchset.links.arduino.arduino_link import ArduinoLink
-from matchset.links.simulated import SimulatedChain, SimulationParameters
+from matchset.links.simulated import SimulatedChain
+from matchset.links.simulation_parameters import SimulationParameters
 from matchset.localization.markers.ball_colors import learn_colors
 from matchset.sim.vehicle import VehiclePose
 

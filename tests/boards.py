@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 import matchset as ms
-from matchset.camera.board import Board, View
+from matchset.camera.board import Board, BoardView
 
 Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -81,10 +81,12 @@ def poses(camera: ms.CameraModel, board: Board, count: int, seed: int) -> list[t
     return found
 
 
-def exact_view(camera: ms.CameraModel, board: Board, pose: tuple[Rotation, Floats], index: int, noise: float) -> View:
+def exact_view(
+    camera: ms.CameraModel, board: Board, pose: tuple[Rotation, Floats], index: int, noise: float
+) -> BoardView:
     """A view without a picture: the true corners with some noise, px."""
     column, row = np.meshgrid(np.arange(board.columns), np.arange(board.rows))
     places = np.asarray(np.column_stack((column.ravel(), row.ravel(), np.zeros(column.size))) * board.square, float)
     pixels = seen_corners(camera, board, *pose)
     pixels = pixels + np.random.default_rng(index).normal(0.0, noise, pixels.shape)
-    return View(np.arange(len(places)), places, pixels, 1.0, index)
+    return BoardView(np.arange(len(places)), places, pixels, 1.0, index)

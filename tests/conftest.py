@@ -1,15 +1,22 @@
-"""What tests of real processes share: a transmitter behind a pseudo-terminal, and signals as a shell leaves them."""
+"""What tests share: the command line in an empty folder, a small video, a short flight, a transmitter, signals."""
 
 import os
 import signal
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from hypothesis import settings
 from pty_transmitter import PtyTransmitter
 
-from matchset.app.flight.real_time.memory import steady_memory
+from blue_ball import CENTERS, SIZE, Matchset, ball_picture
+from chain_flight import Flown, fly
+from matchset import cli
+from matchset.app.locate import path_picture
+from matchset.flight.real_time.memory import steady_memory
 
 settings.register_profile("no clock", deadline=None)  # beside other work an example now and then takes a second
 settings.load_profile("no clock")
@@ -54,3 +61,41 @@ def signals_end_programs() -> Iterator[None]:
     yield
     signal.signal(signal.SIGHUP, hangup)
     signal.signal(signal.SIGINT, interrupt)
+
+
+@pytest.fixture(scope="session")
+def ball_video(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("ball") / "my ball.mp4"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 30.0, SIZE)
+    for center in CENTERS:
+        writer.write(ball_picture(center))
+    writer.release()
+    return path
+
+
+@pytest.fixture
+def matchset(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Matchset:
+    """Run the command line in an empty folder; returns the exit code."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: object) -> int:
+        monkeypatch.setattr("sys.argv", ["matchset", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        code = ended.value.code
+        assert isinstance(code, int)
+        return code
+
+    return run
+
+
+@pytest.fixture
+def no_path_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave `poses.png` black, of which those of `app/locate/test_path_picture.py` are: drawing it takes a while."""
+    monkeypatch.setattr(path_picture, "path_picture", lambda *_: np.zeros((8, 8, 3), np.uint8))
+
+
+@pytest.fixture(scope="session")
+def flown() -> Flown:
+    """A short flight of a chain of three."""
+    return fly()

@@ -70,8 +70,8 @@ class SettableCamera:
 
 
 def main() -> None:
-    from matchset.app import cli
-    from matchset.image import camera_stream
+    from matchset import cli
+    from matchset.media import camera_stream
 
     plug = Path(os.environ["MATCHSET_FAKE_CAMERA"])
 

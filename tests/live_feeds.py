@@ -7,9 +7,9 @@ import msgspec
 import numpy as np
 
 import matchset as ms
-from matchset.app.live.feed import Feed, Panel, Seen
-from matchset.app.live.session import Session
-from matchset.app.live.wire.state import State, TargetState
+from matchset.live.feed import Feed, Panel, Seen
+from matchset.live.session import Session
+from matchset.live.wire.state import State, TargetState
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 

@@ -7,7 +7,7 @@ import urllib.request
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from matchset.links.simulated import SimulationParameters
+from matchset.links.simulation_parameters import SimulationParameters
 
 CHAIN = "sim://chain?vehicles=2&seed=5&width=320&height=240"  # small pictures: little work for a busy computer
 RADIO = SimulationParameters().vehicle.radio_delay  # s, from a command to the motors

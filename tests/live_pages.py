@@ -11,8 +11,8 @@ from typing import Any
 
 import msgspec
 
-from matchset.app.live.wire.packet import unpack
-from matchset.app.live.wire.state import State
+from matchset.live.wire.packet import unpack
+from matchset.live.wire.state import State
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 WAIT = 60_000  # ms, at most: a busy computer is slow
@@ -78,7 +78,7 @@ class Servers:
         self.processes: list[subprocess.Popen[str]] = []
 
     def __call__(self, *arguments: str, folder: Path | None = None) -> str:
-        command = [sys.executable, "-m", "matchset.app.cli", "live", *arguments, "--no-browser"]
+        command = [sys.executable, "-m", "matchset.cli", "live", *arguments, "--no-browser"]
         command += [] if "--port" in arguments else ["--port", "0"]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=folder or self._folder)
         self.processes.append(process)

@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 from live_feeds import MadeUpFeed
 from matchset.app.exit_codes import StopRequest
-from matchset.app.live.known_messages import READER
-from matchset.app.live.session import Session
-from matchset.app.live.web.application import make_application
-from matchset.app.live.web.listening import listen
-from matchset.app.live.web.security import Guard
-from matchset.app.live.web.session_report import SessionReport
-from matchset.app.live.web.stopping import StoppableServer
-from matchset.app.live.web.viewer import Desk, Viewers
-from matchset.app.live.wire.pictures import Pictures
+from matchset.live.known_messages import READER
+from matchset.live.session import Session
+from matchset.live.web.application import make_application
+from matchset.live.web.listening import listen
+from matchset.live.web.security import Guard
+from matchset.live.web.session_report import SessionReport
+from matchset.live.web.stopping import StoppableServer
+from matchset.live.web.viewer import Desk, Viewers
+from matchset.live.wire.pictures import PictureEncoder
 
 
 class Served(NamedTuple):
@@ -41,7 +41,7 @@ class Served(NamedTuple):
 def made_desk(streams: int = 1) -> tuple[Desk, Viewers, MadeUpFeed]:
     """A session that shows a made-up feed, and who is told of it."""
     session, viewers, feed = Session(), Viewers(), MadeUpFeed(streams)
-    desk = Desk(session, Pictures(), READER, SessionReport(session))
+    desk = Desk(session, PictureEncoder(), READER, SessionReport(session))
 
     def tell(number: int) -> None:
         seen = desk.session.hear(number)

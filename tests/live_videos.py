@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 import pytest
 
-from matchset.app.live.files.file_feed import FileFeed
-from matchset.app.live.files.frame_list import StampedVideo
-from matchset.app.live.files.messages import Seek
-from matchset.app.live.files.run import Run
+from matchset.live.files.file_feed import FileFeed
+from matchset.live.files.messages import Seek
+from matchset.live.files.run import TrackingRun
+from matchset.media.frame_list import StampedVideo
 
 FRAMES, WIDTH, HEIGHT = 60, 320, 240
 CLICK = 25
@@ -70,14 +70,14 @@ class Gate:
     """
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
-        self._steps, self._step, self._open = steps, Run.step, threading.Event()
+        self._steps, self._step, self._open = steps, TrackingRun.step, threading.Event()
         gate = self
 
         def guarded(run: Any) -> None:
             gate.pass_through()
             gate._step(run)
 
-        monkeypatch.setattr(Run, "step", guarded)
+        monkeypatch.setattr(TrackingRun, "step", guarded)
 
     def pass_through(self) -> None:
         """Take a step, or wait."""

@@ -9,7 +9,7 @@ TIMEOUT = 4.0  # s, in place of `ArduinoParameters.timeout`
 
 
 def main() -> None:
-    from matchset.app import cli
+    from matchset import cli
     from matchset.links.arduino import arduino_link
     from matchset.links.arduino.protocol import ArduinoParameters
 

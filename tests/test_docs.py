@@ -17,17 +17,17 @@ from scipy.spatial.transform import Rotation
 
 import boards
 import matchset as ms
-from matchset.app.cli import app
 from matchset.app.films.clip_export import write_clip
-from matchset.app.recording.encoding import to_png
-from matchset.app.recording.mcap_file import McapWriter, Message, Topic
-from matchset.app.recording.ros_messages import RosMessages
 from matchset.camera.board import Board
+from matchset.cli import app
+from matchset.flight.recording.encoding import to_png
+from matchset.flight.recording.mcap_file import McapWriter, RecordedMessage, Topic
+from matchset.flight.recording.ros_messages import RosMessages
 from matchset.sim.clips.clip import Clip
 from rendered_flight import write_flight
 
 ROOT = Path(__file__).resolve().parents[1]
-# tests/shapes/families.py, tests/app/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py
+# tests/shapes/families.py, tests/live/test_live_docs.py, tests/links/test_radio_page.py, test_crsf_page.py
 # tests/links/mavlink/test_mavlink_docs.py, tests/links/tello/test_tello_docs.py
 CHECKED_ELSEWHERE = {"add_a_shape.md", "crsf.md", "live.md", "mavlink.md", "radio.md", "tello.md"}
 CHECKED_ELSEWHERE |= {"pandas.md", "ros2.md", "two_balls.md", "webcam.md"}  # tests/test_docs_tasks.py
@@ -66,7 +66,7 @@ def recording() -> None:
     ros = RosMessages(1, ms.CameraModel.from_fov(160, 120, 1.2))
     with McapWriter(Path("flight.mcap"), [*ros.topics, Topic("/follower_1/step", "step", b"{}")]) as out:
         out.write(ros.picture(ms.Frame(picture()), to_png(picture())), 0.0, 0)
-        out.write(Message("/follower_1/step", msgspec.msgpack.encode({"tick": 1})), 0.0, 0)
+        out.write(RecordedMessage("/follower_1/step", msgspec.msgpack.encode({"tick": 1})), 0.0, 0)
 
 
 def nothing() -> None:

@@ -23,7 +23,7 @@ import yaml
 
 import bags
 import matchset as ms
-from matchset.app import cli
+from matchset import cli
 from matchset.app.films.clip_export import write_clip
 from matchset.app.guidance import choice
 from matchset.image.candidates import Candidate, find_candidates
@@ -37,7 +37,7 @@ BLOCK = re.compile(r"```.*?```", re.DOTALL)
 TYPED = re.compile(r"^    (?:\$ )?((?:matchset|python|pip|make|git|cd|head|cut) .*)$", re.MULTILINE)
 
 HARDWARE, NETWORK, LONG = "needs a device", "needs the network, or changes what is installed", "takes minutes to hours"
-ENDLESS = "runs until Ctrl-C; tests/app/live/test_live_command.py"
+ENDLESS = "runs until Ctrl-C; tests/live/test_live_command.py"
 EXAMPLE = "tests/test_examples.py"
 NOT_RUN = {
     r"matchset (learn|track|calibrate|locate) (0\b|http:|rtsp:)": HARDWARE,
@@ -206,7 +206,7 @@ class Shell:
     """
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-        monkeypatch.setattr(choice, "PARAMETERS", choice.ChoiceParameters(samples=2, looked_at=4, tried=1))
+        monkeypatch.setattr(choice, "PARAMETERS", choice.BallChoiceParameters(samples=2, looked_at=4, tried=1))
         monkeypatch.setattr(choice, "find_candidates", lambda image: searched(len(image), image.tobytes()))
         self._monkeypatch, self._capfd = monkeypatch, capfd
 

@@ -9,6 +9,7 @@ import pytest
 
 from matchset.app.drawing.plot_style import svg_of
 from plot_layout import crossed, faults
+from test_layers import LAYERS
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 
@@ -35,6 +36,15 @@ def test_a_drawing_of_the_geometry_is_laid_out_well(name: str) -> None:
 def test_a_drawing_of_the_geometry_is_what_its_script_draws(name: str) -> None:
     kept = (PICTURES / f"geometry_{name}.svg").read_text(encoding="utf-8")
     assert pieces(kept) == pieces(svg_of(GEOMETRY[name](), f"geometry_{name}"))
+
+
+def test_the_picture_of_the_folders_shows_who_imports_from_whom() -> None:
+    floors = script("floors")
+    assert list(floors.ORDER) == LAYERS
+    kept = (PICTURES / "floors.svg").read_text(encoding="utf-8")
+    drawn = set(re.findall(r'id="floors-(\w+-\w+-0\.\d+)"', kept))
+    assert drawn == {floors.named(*place, radius) for place, radius in floors.discs().items()}, "draw it anew"
+    assert not [fault for fault in faults(floors.floors()) if "cut off" in fault]  # boxes of turned words overlap
 
 
 def pieces(svg: str) -> list[str]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from matchset.app import cli
+from matchset import cli
 from matchset.app.films.clip_export import write_clip
 from matchset.app.locate.rows import read_poses
 from matchset.sim.clips.clip import Clip

@@ -13,6 +13,7 @@ LAYERS = [
     "numeric",
     "shapes",
     "image",
+    "media",
     "fitting",
     "tracking",
     "camera",
@@ -21,29 +22,33 @@ LAYERS = [
     "sim",
     "links",
     "app",
+    "flight",
+    "live",
 ]
+PEOPLE = {"app", "flight", "live", "cli"}
+"""Floors that print and draw, and read files and clocks."""
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 
 OUTSIDE = {"datetime", "glob", "io", "os", "pathlib", "shutil", "socket", "subprocess", "tempfile", "time"}
 MAY_TOUCH_OUTSIDE = {
-    "image/capture.py",  # OpenCV's log level is set in the environment
+    "media/capture.py",  # OpenCV's log level is set in the environment
     "image/color.py",
     "image/disc_network/network.py",  # reads the weights of the package
     "image/files/color_file.py",
-    "image/camera_stream.py",
-    "image/streams/answer.py",  # asks an address that gave no pictures
+    "media/camera_stream.py",
+    "media/streams/answer.py",  # asks an address that gave no pictures
     "image/files/reading.py",
     "image/files/whole_file.py",
-    "image/video_files/image_folder.py",
-    "image/video_files/container.py",
-    "image/video_files/stream_choice.py",
-    "image/video_files/pyav_capture.py",
-    "image/video_files/video_file.py",
-    "image/video.py",
+    "media/video_files/image_folder.py",
+    "media/video_files/container.py",
+    "media/video_files/stream_choice.py",
+    "media/video_files/pyav_capture.py",
+    "media/video_files/video_file.py",
+    "media/video.py",
     "image/frame.py",  # the clock, for arrays that come without times
-    "image/bags/bag.py",
-    "image/bags/mcap_images.py",
-    "image/bags/rosbag_file.py",
+    "media/bags/bag.py",
+    "media/bags/mcap_images.py",
+    "media/bags/rosbag_file.py",
     "camera/calibrate.py",
     "camera/camera_toml.py",
     "camera/camera_model.py",
@@ -58,9 +63,9 @@ MAY_PLOT = {
     "app/course/figure.py",
     "app/drawing/curves.py",
     "app/drawing/plot_style.py",
-    "app/flight_report/plots.py",
+    "flight/report/plots.py",
     "app/locate/path_picture.py",
-    "app/simulate/picture.py",
+    "flight/simulate/picture.py",
 }
 LONGEST = 400  # lines
 
@@ -101,15 +106,15 @@ def layer(name: str) -> str:
 
 def allowed(name: str) -> set[str]:
     """Layers a file may import from."""
-    if name in ("__init__.py", "__main__.py"):
-        return {*LAYERS, "reference"}
+    if name in ("__init__.py", "__main__.py", "cli.py"):
+        return {*LAYERS, "cli", "reference"}
     if layer(name) == "reference":
         return {"shapes"}
     return set(LAYERS[: LAYERS.index(layer(name)) + 1])
 
 
 def test_there_are_only_the_layers_of_the_design() -> None:
-    assert {layer(name) for name in FILES} <= {*LAYERS, "reference", "__init__", "__main__"}
+    assert {layer(name) for name in FILES} <= {*LAYERS, "reference", "__init__", "__main__", "cli"}
 
 
 def violations(rule: Callable[[str], Any]) -> dict[str, Any]:
@@ -130,13 +135,35 @@ def test_a_layer_imports_only_from_those_above_it() -> None:
     assert not violations(foreign)
 
 
+def test_no_file_imports_itself_by_way_of_others() -> None:
+    """Also not inside a function, or for types alone: what needs each other stands in one file."""
+    modules = {"matchset." + name.removesuffix(".py").replace("/", "."): name for name in FILES}
+    modules |= {module.removesuffix(".__init__"): name for module, name in modules.items()}
+    files = {name for name in FILES if not name.endswith("__init__.py")}  # which name what is public
+    waiting = {name: {modules[each] for each in _imported_modules(name) if each in modules} & files for name in files}
+    while free := [name for name, others in waiting.items() if not others & waiting.keys() - {name}]:
+        for name in free:
+            del waiting[name]
+    assert not waiting
+
+
+def _imported_modules(name: str) -> Iterator[str]:
+    """Full names of what a file imports: of a module, or of a name in one."""
+    for node in ast.walk(tree(name)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
 def test_only_the_jit_policy_imports_numba() -> None:
     assert not violations(lambda name: name != "numeric/jit.py" and roots(name) & {"numba", "llvmlite"})
 
 
 def test_files_and_clocks_are_touched_only_where_the_design_says() -> None:
     def touched(name: str) -> set[str]:
-        if layer(name) in ("links", "app") or name in MAY_TOUCH_OUTSIDE:
+        if layer(name) in {"links", *PEOPLE} or name in MAY_TOUCH_OUTSIDE:
             return set()
         return roots(name) & OUTSIDE | set(called(name)) & READS_OR_WRITES
 
@@ -145,7 +172,7 @@ def test_files_and_clocks_are_touched_only_where_the_design_says() -> None:
 
 def test_only_the_app_prints_and_draws() -> None:
     def shown(name: str) -> set[str]:
-        return set() if layer(name) == "app" else roots(name) & FOR_PEOPLE | set(called(name)) & SHOWS
+        return set() if layer(name) in PEOPLE else roots(name) & FOR_PEOPLE | set(called(name)) & SHOWS
 
     assert not violations(shown)
 
@@ -153,17 +180,17 @@ def test_only_the_app_prints_and_draws() -> None:
 @pytest.mark.parametrize(
     ("package", "files"),
     [
-        ("serial", {"links/arduino/serial_port.py"}),
-        ("mcap", {"app/recording/mcap_file.py", "image/bags/mcap_images.py", "image/bags/mcap_records.py"}),
+        ("serial", {"links/serial_port.py"}),
+        ("mcap", {"flight/recording/mcap_file.py", "media/bags/mcap_images.py", "media/bags/mcap_records.py"}),
         ("supervision", {"app/adapters/supervision_detections.py"}),
-        ("rosbags", {"image/bags/rosbag_file.py"}),
+        ("rosbags", {"media/bags/rosbag_file.py"}),
         (
             "av",
             {
                 "app/films/pyav_encoder.py",
                 "sim/digital_camera/h264.py",
-                "image/video_files/pyav_capture.py",
-                "image/bags/video_messages.py",
+                "media/video_files/pyav_capture.py",
+                "media/bags/video_messages.py",
             },
         ),
     ],
@@ -177,10 +204,10 @@ def test_an_extra_is_imported_by_a_file_of_its_own_and_only_when_it_is_needed(pa
 
 def test_gymnasium_is_imported_by_its_folder_alone() -> None:
     """A class of an environment is one of Gymnasium's, so the files import it; nothing else loads these files."""
-    gym = {name for name in FILES if name.startswith("app/gym/")}
+    gym = {name for name in FILES if name.startswith("flight/gym/")}
     assert {name for name in FILES if "gymnasium" in roots(name)} <= gym
     assert not violations(
-        lambda name: name not in gym and any(m.startswith("matchset.app.gym.") for m in imported(name))
+        lambda name: name not in gym and any(m.startswith("matchset.flight.gym.") for m in imported(name))
     )
 
 

@@ -11,7 +11,7 @@ import pytest
 import matchset
 
 HEAVY = ("numba", "cv2", "scipy", "matplotlib", "PIL", "numpy")
-HELP = "import sys\nfrom matchset.app.cli import main\nsys.argv[1:] = {arguments}\ntry: main()\nexcept SystemExit: pass"
+HELP = "import sys\nfrom matchset.cli import main\nsys.argv[1:] = {arguments}\ntry: main()\nexcept SystemExit: pass"
 
 
 def loaded(program: str) -> list[str]:
@@ -26,7 +26,7 @@ def loaded(program: str) -> list[str]:
     [
         "import matchset",
         "import matchset; dir(matchset)",
-        "from matchset.app import cli",
+        "from matchset import cli",
         "import matchset; dir(matchset.sim)",
     ],
 )

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import matchset as ms
-from matchset.app import cli
+from matchset import cli
 
 READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "video": (ms.Video, "nope.mp4"),

@@ -19,12 +19,13 @@ from rich.console import Console
 
 from benchmarks.options import parse_seeds
 from benchmarks.workers import one_thread
-from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.pilot import PilotParameters
-from matchset.app.flight.score import LANDING_PHASES
 from matchset.control.repeated_picture import RepeatedPictureParameters
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.pilot import PilotParameters
+from matchset.flight.chain.score import LANDING_PHASES
 from matchset.image.frame import Frame
-from matchset.links.simulated import FPS, SimulationParameters
+from matchset.links.simulation_parameters import FPS, SimulationParameters
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import STATE
 from matchset.sim.world import World

@@ -13,9 +13,11 @@ import msgspec
 
 import matchset
 from benchmarks.flight.rows import Listed
-from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
-from matchset.app.flight.score import FlightScore
-from matchset.app.simulate.flights import fly_each, fly_scored
+from matchset.flight.chain.chain_step import ChainStep
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.score import FlightScore
+from matchset.flight.simulate.flights import fly_each, fly_scored
 
 DECIDING = (".py", ".toml", ".npz")
 """Endings of the package's files that decide a flight: code, settings, weights."""

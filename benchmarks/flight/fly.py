@@ -36,10 +36,11 @@ from benchmarks.machine import Machine
 from benchmarks.options import parse_seeds
 from benchmarks.workers import one_thread
 from matchset.app.exit_codes import StopRequest
-from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.score import FlightScore
-from matchset.app.simulate.table import centimeters
-from matchset.links.simulated import FPS, SimulationParameters
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.score import FlightScore
+from matchset.flight.simulate.table import centimeters
+from matchset.links.simulation_parameters import FPS, SimulationParameters
 
 PAGES = Path(__file__).resolve().parents[1]
 KEPT = PAGES / "flights.kept"

@@ -18,16 +18,17 @@ import typer
 
 from benchmarks.options import parse_seeds
 from benchmarks.workers import one_thread
-from matchset.app.flight.config import read_flight, with_world
-from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.score import FlightScore
-from matchset.app.identify.estimate import Estimate, estimate
-from matchset.app.identify.flight_log import FlightLog, LoggedStep
-from matchset.app.identify.parameters import IdentifyParameters, careful
-from matchset.app.identify.vehicle_file import vehicle_toml
-from matchset.app.identify.verdict import findings
-from matchset.app.simulate.flights import fly_once
-from matchset.app.simulate.variation import changed, parse_vary
+from matchset.flight.chain.config import read_flight, with_world
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.score import FlightScore
+from matchset.flight.identify.estimate import VehicleEstimate, estimate
+from matchset.flight.identify.flight_log import LoggedStep, StickLog
+from matchset.flight.identify.parameters import IdentifyParameters, careful
+from matchset.flight.identify.vehicle_file import vehicle_toml
+from matchset.flight.identify.verdict import findings
+from matchset.flight.simulate.flights import fly_once
+from matchset.flight.simulate.variation import changed, parse_vary
 from matchset.sim.world import RATE
 
 DRAWN = (
@@ -42,14 +43,14 @@ class Flown(NamedTuple):
 
     Attributes
     ----------
-    log : FlightLog
+    log : StickLog
     truth : dict
         Of the vehicle, by the names of `VehicleValues`.
     ended : str
         Why before its time; empty if it did not.
     """
 
-    log: FlightLog
+    log: StickLog
     truth: dict[str, float]
     ended: str
 
@@ -71,7 +72,7 @@ def flown(flight: FlightParameters, parameters: IdentifyParameters | None = None
             if step.crashes or step.down:
                 ended = step.crashes[0].description if step.crashes else step.steps[0].safety.reason
                 break
-        log = FlightLog.of(steps, parameters.airborne)
+        log = StickLog.of(steps, parameters.airborne)
         return Flown(log, truth(flying, flying.chain.now()), ended)
 
 
@@ -101,14 +102,14 @@ RELATIVE = ("hover_throttle", "full_yaw_rate", "full_tilt", "yaw_lag", "effectiv
 SHOWN = (*RELATIVE, "delay", "yaw_trim", "roll_trim", "pitch_trim", "sag")
 
 
-def error(name: str, found: Estimate, true: dict[str, float]) -> float:
+def error(name: str, found: VehicleEstimate, true: dict[str, float]) -> float:
     """Error of a number: a share of the truth, or in its unit."""
     off = float(getattr(found.values, name)) - true[name]
     return off / true[name] if name in RELATIVE else off
 
 
 def flown_by(
-    flight: FlightParameters, found: Estimate, log: FlightLog, duration: float
+    flight: FlightParameters, found: VehicleEstimate, log: StickLog, duration: float
 ) -> tuple[FlightScore, FlightScore]:
     """Fly a chain of three of such vehicles, told nothing, and by what was identified."""
     parameters = IdentifyParameters()
@@ -127,7 +128,7 @@ def scored(score: FlightScore) -> str:
     return f"{100.0 * max(map(max, score.spread)):.1f} cm" if score.survived else f"falls after {score.end:.0f} s"
 
 
-def table(errors: list[Estimate], truths: list[dict[str, float]]) -> str:
+def table(errors: list[VehicleEstimate], truths: list[dict[str, float]]) -> str:
     """Write errors and how they compare with their standard deviations, as Markdown."""
     lines = [
         "| number | rms error | largest | in standard deviations, rms | largest |",
@@ -154,7 +155,7 @@ def main(
 ) -> None:
     """Identify drawn vehicles, and fly them."""
     one_thread()
-    found: list[Estimate] = []
+    found: list[VehicleEstimate] = []
     truths: list[dict[str, float]] = []
     for seed in parse_seeds(seeds):
         parameters = drawn_flight(seed, duration=duration)

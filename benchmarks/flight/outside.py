@@ -19,7 +19,8 @@ import numpy as np
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.image.frame import Frame
-from matchset.links.simulated import FPS, STEPS_PER_FRAME, SimulatedChain, SimulationParameters
+from matchset.links.simulated import SimulatedChain
+from matchset.links.simulation_parameters import FPS, STEPS_PER_FRAME, SimulationParameters
 from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.world import RATE
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from benchmarks.flight.flown import Flown
 from benchmarks.flight.rows import WHOLE, Row
-from matchset.app.flight.score import FlightScore
-from matchset.app.simulate.table import SweepRow, centimeters
+from matchset.flight.chain.score import FlightScore
+from matchset.flight.simulate.table import SweepRow, centimeters
 
 HEADINGS = ("what", "bar", "flown", "survive", "side", "height", "heading", "worst flight", "median flight")
 HEADING = "\n".join(

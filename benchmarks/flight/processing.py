@@ -5,12 +5,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.app.flight.pilot import STAGES, Pilot
-from matchset.app.recording.devices import RecordedCamera, RecordedLink
 from matchset.control.command import Command
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.pilot import STAGES, Pilot
+from matchset.flight.recording.devices import RecordedCamera, RecordedLink
 from matchset.image.frame import Frame
-from matchset.links.simulated import FPS, SimulationParameters
+from matchset.links.simulation_parameters import FPS, SimulationParameters
 
 SECONDS = 10.0  # of flight
 BEGIN = FPS  # pictures that are left out: the ball is found, everything is loaded

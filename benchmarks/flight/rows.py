@@ -7,10 +7,10 @@ from typing import Any, Literal, NamedTuple
 
 import msgspec
 
-from matchset.app.flight.config import with_world
-from matchset.app.flight.flight import FlightParameters
-from matchset.app.simulate.variation import changed, parse_vary
 from matchset.control.follower import FollowerParameters
+from matchset.flight.chain.config import with_world
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.simulate.variation import changed, parse_vary
 
 LIST = Path(__file__).with_name("flights.toml")
 WHOLE = 60.0  # format: s, the length of a flight where a row says nothing

@@ -15,11 +15,13 @@ from scipy.stats import chi2
 from benchmarks.options import parse_seeds
 from benchmarks.results import table
 from benchmarks.tracking.covariance import FREEDOM, LEVEL
-from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
-from matchset.links.simulated import STEPS_PER_FRAME, SimulationParameters
+from matchset.flight.chain.chain_step import ChainStep
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.links.simulation_parameters import STEPS_PER_FRAME, SimulationParameters
 from matchset.localization.pose import Pose
 from matchset.sim.conditions.outline_noise import EXACT
-from matchset.sim.conditions.outlines import Outline, OutlineCameras
+from matchset.sim.conditions.outlines import BallOutline, OutlineCameras
 from matchset.tracking.track import Track
 
 Floats = npt.NDArray[np.float64]
@@ -75,7 +77,7 @@ def _seen(exact: OutlineCameras, chain_step: ChainStep, who: int) -> Seen:
     step, truth = chain_step.steps[who], chain_step.truth_at_exposure
     errors, square = np.full(len(NAMES), np.nan), np.nan
     outline = exact.outline(who, STEPS_PER_FRAME * chain_step.index)
-    if isinstance(step.ball, Track) and isinstance(outline, Outline):
+    if isinstance(step.ball, Track) and isinstance(outline, BallOutline):
         found, true = circle_through(step.ball.match_set), circle_through(outline.points)
         errors[:3] = found - true
         markers = [marker.shape for marker in step.markers if isinstance(marker, Track)]

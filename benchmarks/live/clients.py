@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 from websockets.asyncio.client import ClientConnection, connect
 
-from matchset.app.live.wire.packet import unpack
+from matchset.live.wire.packet import unpack
 
 CHUNK = 4096  # bytes that pass a slow link at once
 BUFFER = 65536  # bytes: what a socket on the way holds

@@ -16,9 +16,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import matchset.app.live
+import matchset.live
 
-PAGE = Path(matchset.app.live.__file__).parent / "page"
+PAGE = Path(matchset.live.__file__).parent / "page"
 SECONDS = 8  # of measurement
 BLANK = "<!doctype html><link rel=stylesheet href=style.css><link rel=stylesheet href=curves/curves.css>"
 SECTION = """<section id=curves><canvas></canvas><canvas></canvas><canvas></canvas><canvas></canvas><p></p></section>"""

@@ -8,12 +8,12 @@ import numpy as np
 from benchmarks.common.resident_memory import resident_mb
 from benchmarks.live.server import HEIGHT, RATE, WIDTH
 from benchmarks.tracking.memory import growth
-from matchset.app.live.vision.kept_frames import KeptFrames
-from matchset.app.live.wire.flow import Flow
-from matchset.app.live.wire.packet import Packet, pack
-from matchset.app.live.wire.pictures import Pictures
-from matchset.app.live.wire.state import State, written
 from matchset.image.frame import Frame
+from matchset.live.vision.kept_frames import KeptFrames
+from matchset.live.wire.flow import Flow
+from matchset.live.wire.packet import Packet, pack
+from matchset.live.wire.pictures import PictureEncoder
+from matchset.live.wire.state import State, written
 
 SAMPLES = 100
 ENCODED = 50  # of so many pictures one is encoded: the encoder keeps nothing, and takes nearly all of the time
@@ -36,7 +36,7 @@ def growth_mb(count: int) -> float:
 
 
 async def _sizes(count: int) -> list[float]:
-    flow, kept, pictures, sizes = Flow(), KeptFrames(), Pictures(), []
+    flow, kept, pictures, sizes = Flow(), KeptFrames(), PictureEncoder(), []
     shared: Any = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
     for index in range(1, count + 1):
         now = index / RATE

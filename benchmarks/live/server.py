@@ -18,16 +18,16 @@ import uvicorn
 
 from benchmarks.common.resident_memory import resident_mb
 from benchmarks.live.bar_code import SIDE, stamp
-from matchset.app.live.known_messages import READER
-from matchset.app.live.session import Session
-from matchset.app.live.vision.camera_feed import CameraFeed
-from matchset.app.live.web.application import make_application
-from matchset.app.live.web.listening import listen
-from matchset.app.live.web.security import Guard
-from matchset.app.live.web.session_report import SessionReport
-from matchset.app.live.web.viewer import Desk, Viewers
-from matchset.app.live.wire.pictures import Pictures
 from matchset.image.frame import Frame
+from matchset.live.known_messages import READER
+from matchset.live.session import Session
+from matchset.live.vision.camera_feed import CameraFeed
+from matchset.live.web.application import make_application
+from matchset.live.web.listening import listen
+from matchset.live.web.security import Guard
+from matchset.live.web.session_report import SessionReport
+from matchset.live.web.viewer import Desk, Viewers
+from matchset.live.wire.pictures import PictureEncoder
 
 WIDTH, HEIGHT, RATE = 640, 480, 30.0
 BALL = (320, 260, 40)  # geometry: x, y and radius of the ball, px
@@ -99,7 +99,7 @@ def main() -> None:
     """Serve until the input ends."""
     listener, port = listen("127.0.0.1", 0)
     session, viewers = Session(), Viewers()
-    desk = Desk(session, Pictures(), READER, SessionReport(session))
+    desk = Desk(session, PictureEncoder(), READER, SessionReport(session))
 
     def news(number: int) -> None:
         seen = desk.session.hear(number)

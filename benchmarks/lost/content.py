@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from matchset.app.locate.rows import read_poses
-from matchset.app.recording.reader import RecordingReader
 from matchset.app.track.rows import read_tracks
+from matchset.flight.recording.reader import RecordingReader
 from matchset.image.color import ColorModel
 
 FILMS = ".webm", ".mp4", ".avi"

@@ -20,9 +20,11 @@ import typer
 
 from benchmarks.lost.content import content_of
 from benchmarks.lost.runs import FPS, RUNS, Run, start, write_clip
-from matchset.app.flight.flight import Flight, FlightParameters, FlightSetup
-from matchset.app.recording.writer import RecordingWriter
-from matchset.links.simulated import SimulationParameters
+from matchset.flight.chain.chain_step import FlightSetup
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.recording.writer import RecordingWriter
+from matchset.links.simulation_parameters import SimulationParameters
 
 FRAMES = 1500
 MOST_LOST = 1.0  # s

@@ -88,7 +88,7 @@ def typed(run: Run, clip: Path, disk: Path, other: Path) -> list[str]:
 def start(run: Run, clip: Path, disk: Path, other: Path) -> "subprocess.Popen[str]":
     """Start a command; `disk` and `other` are folders."""
     return subprocess.Popen(
-        [sys.executable, "-m", "matchset.app.cli", *typed(run, clip, disk, other)],
+        [sys.executable, "-m", "matchset.cli", *typed(run, clip, disk, other)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from benchmarks.soak.plan import Fault
 from matchset.image.frame import Frame
 from matchset.links.camera import Camera
-from matchset.links.simulated import FPS
+from matchset.links.simulation_parameters import FPS
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import STATE
 from matchset.sim.world import World

@@ -17,10 +17,11 @@ from benchmarks.soak.invariants import InvariantParameters, Rules, Seen, violati
 from benchmarks.soak.plan import Plan
 from benchmarks.soak.replayed import replay
 from matchset.app.disk import UnfinishedFileError
-from matchset.app.flight.flight import ChainStep, Flight
-from matchset.app.flight.output_files import FlightFiles
-from matchset.app.flight.outputs import FlightOutputs
-from matchset.app.flight.pilot import Pilot, PilotStep
+from matchset.flight.chain.chain_step import ChainStep
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.pilot import Pilot, PilotStep
+from matchset.flight.fly.output_files import FlightFiles
+from matchset.flight.fly.outputs import FlightOutputs
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import STATE
 from matchset.sim.world import RATE, World

@@ -11,10 +11,10 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.flight.pilot import PilotStep
-from matchset.app.recording.encoding import outcome_of
 from matchset.control.command import Command
 from matchset.control.safety import SafetyParameters
+from matchset.flight.chain.pilot import PilotStep
+from matchset.flight.recording.encoding import outcome_of
 from matchset.image.frame import Frame
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle

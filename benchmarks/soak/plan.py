@@ -5,8 +5,8 @@ import math
 import msgspec
 import numpy as np
 
-from matchset.app.flight.flight import FlightParameters
-from matchset.links.simulated import SimulationParameters
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.links.simulation_parameters import SimulationParameters
 
 PICTURE_FAULTS = ("frozen", "stale", "dropped", "noise")
 KINDS = (*PICTURE_FAULTS, "gust", "hidden", "cable", "silent", "full recorder", "clicks", "armed again")

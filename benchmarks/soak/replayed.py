@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from matchset.app.recording.reader import RecordingReader
-from matchset.app.recording.replay import Replay
+from matchset.flight.recording.reader import RecordingReader
+from matchset.flight.recording.replay import Replay
 
 
 class Replayed(NamedTuple):

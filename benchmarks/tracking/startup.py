@@ -18,7 +18,7 @@ from benchmarks.results import Figure, Finding, Goal, Section, table
 
 LIBRARIES = "import numba, cv2, numpy"
 IMPORT = "import matchset"
-HELP = "import sys; sys.argv[1:] = ['--help']; from matchset.app.cli import main; main()"
+HELP = "import sys; sys.argv[1:] = ['--help']; from matchset.cli import main; main()"
 ANSWER = """
 import numpy as np, matchset as ms
 image = np.full((480, 640, 3), 90, np.uint8)

@@ -94,7 +94,7 @@ class LearningParameters(msgspec.Struct, frozen=True):
 
 
 class Output(NamedTuple):
-    """What the network says of patches: see `matchset.image.disc_network.network.Seen`."""
+    """What the network says of patches: see `matchset.image.disc_network.network.NetworkEvidence`."""
 
     step: torch.Tensor
     precision: torch.Tensor

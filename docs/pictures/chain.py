@@ -7,11 +7,13 @@ import numpy.typing as npt
 from PIL import Image
 
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.app.flight.flight import ChainStep, Flight, FlightParameters, FlightSetup
-from matchset.app.flight_report.picture import annotate_step
-from matchset.app.flight_report.top_view import INK, TopView
 from matchset.app.progress import progress_bar
-from matchset.links.simulated import FPS, SimulationParameters
+from matchset.flight.chain.chain_step import ChainStep, FlightSetup
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.report.picture import annotate_step
+from matchset.flight.report.top_view import INK, TopView
+from matchset.links.simulation_parameters import FPS, SimulationParameters
 
 Picture = npt.NDArray[np.uint8]
 

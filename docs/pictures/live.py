@@ -78,7 +78,7 @@ def main() -> None:
     """Write the pictures beside this file."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         film(Path(folder) / "ball.avi")
-        command = [sys.executable, "-m", "matchset.app.cli", "live", "ball.avi", "--no-browser", "--port", "0"]
+        command = [sys.executable, "-m", "matchset.cli", "live", "ball.avi", "--no-browser", "--port", "0"]
         with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True) as server:
             assert server.stdout is not None
             address = server.stdout.readline().strip()

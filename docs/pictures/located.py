@@ -18,10 +18,10 @@ from matchset.app.cli_options import TargetOptions
 from matchset.app.drawing.plot_style import write_svg
 from matchset.app.exit_codes import StopRequest
 from matchset.app.locate.annotate_pose import annotate_pose
-from matchset.app.locate.command import LocateOptions, MarkerOptions
 from matchset.app.locate.loop import PathLog, locate_frames
-from matchset.app.locate.options import ball_target, locator_for
+from matchset.app.locate.options import LocateOptions, MarkerOptions
 from matchset.app.locate.path_picture import coordinates_figure, top_figure
+from matchset.app.locate.what_options_name import ball_target, locator_for
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 
 CAMERA = ms.CameraModel(

@@ -48,7 +48,7 @@ def main() -> None:
             page = Path(sys.argv[1]).resolve()
         else:
             words = "fly", "sim://chain", "--duration", "10", "--quiet", "--report", str(page)
-            subprocess.run([sys.executable, "-m", "matchset.app.cli", *words], check=True)
+            subprocess.run([sys.executable, "-m", "matchset.cli", *words], check=True)
         cut(photograph(page, Path(name) / "page.png")).save(HERE / "report.webp", quality=80, method=6)
 
 

@@ -11,9 +11,9 @@ from typing import Any
 import msgspec
 from msgspec import inspect as kinds
 
-from matchset.app.live.known_messages import READER
-from matchset.app.live.wire.messages import Ack, Up
-from matchset.app.live.wire.state import SessionState, State, TargetState
+from matchset.live.known_messages import READER
+from matchset.live.wire.messages import Ack, Up
+from matchset.live.wire.state import SessionState, State, TargetState
 
 PAGE = Path(__file__).resolve().parents[1] / "live.md"
 STATES: tuple[type[msgspec.Struct], ...] = (State, TargetState, SessionState)

@@ -9,11 +9,14 @@ from typing import Any
 import typer
 
 import matchset
-from matchset.app.cli import app
+from matchset.cli import app
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "matchset"
-LAYERS = ("shapes", "image", "fitting", "tracking", "camera", "localization", "control", "sim", "links", "app")
+LAYERS = (
+    *("shapes", "image", "media", "fitting", "tracking", "camera", "localization", "control", "sim", "links"),
+    *("app", "flight", "live"),
+)
 
 # file -> title, the names of `matchset.__all__` that it explains
 API = {

@@ -2,8 +2,9 @@
 
 Public names are loaded when they are first used (PEP 562), so ``import matchset`` takes a millisecond and loads neither
 NumPy, OpenCV nor Numba. To read the package, begin with `tracking` (one frame after the other), then `fitting` (one
-frame); below them lie `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`, `links`
-and `app`. A folder imports only from those below it. Two folders have public names of their own:
+frame); below them lie `media`, `image`, `shapes` and `numeric`, above them `camera`, `localization`, `control`, `sim`
+and `links`. On that library stand `app` (commands for files and cameras), `flight` and `live` (the page), and on all
+of them `cli`. A folder imports only from those below it. Two folders have public names of their own:
 `sim`, a simulated world, and `gym`, an environment for Gymnasium in it.
 """
 
@@ -16,16 +17,15 @@ if TYPE_CHECKING:
     __version__: str
 
     from matchset import sim as sim
-    from matchset.app import gym as gym
     from matchset.app.adapters.supervision_detections import to_supervision
     from matchset.app.course.table import table
     from matchset.app.drawing.draw import draw, draw_pose
     from matchset.app.pictures.track_video import write_video
     from matchset.camera.camera_model import CameraModel
+    from matchset.flight import gym as gym
     from matchset.image.color import ColorModel
     from matchset.image.errors import LinkError
     from matchset.image.frame import Frame
-    from matchset.image.video import Video
     from matchset.localization.ball_target import BallTarget
     from matchset.localization.localizer import Localizer
     from matchset.localization.markers.marker_tracker import MarkerTracker
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from matchset.localization.neighbors.neighbors import Neighbors
     from matchset.localization.pose import Pose
     from matchset.localization.pose_filter import PoseFilter
+    from matchset.media.video import Video
     from matchset.shapes.circle import Circle
     from matchset.shapes.convex import Convex
     from matchset.shapes.ellipse import Ellipse
@@ -98,7 +99,7 @@ _MODULES = {
     "Track": "matchset.tracking.track",
     "Tracker": "matchset.tracking.tracker",
     "TrackerParameters": "matchset.tracking.parameters",
-    "Video": "matchset.image.video",
+    "Video": "matchset.media.video",
     "detect": "matchset.tracking.detection",
     "draw": "matchset.app.drawing.draw",
     "draw_pose": "matchset.app.drawing.draw",
@@ -108,7 +109,7 @@ _MODULES = {
 }
 
 # Public folders; what they offer is in their own `__all__`.
-_FOLDERS = {"gym": "matchset.app.gym", "sim": "matchset.sim"}
+_FOLDERS = {"gym": "matchset.flight.gym", "sim": "matchset.sim"}
 
 if not TYPE_CHECKING:  # a type checker that sees `__getattr__` takes every misspelled name for a public one
 

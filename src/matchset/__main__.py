@@ -3,7 +3,7 @@
 It is the same command; `matchset --help` lists what there is.
 """
 
-from matchset.app.cli import main
+from matchset.cli import main
 
 if __name__ == "__main__":
     main()

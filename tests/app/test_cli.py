@@ -10,14 +10,14 @@ from typing import Any
 
 import cv2
 import pytest
-from blue_ball import Matchset
 from rich.console import Console
 from typer.testing import CliRunner
 
-from matchset.app.cli import app
+from blue_ball import Matchset
 from matchset.app.progress import ComputingLine, FrameBar, FrameRate, LiveLine, announce_if_slow, live_line
 from matchset.app.timing.durations import Durations
 from matchset.app.track.rows import TrackRow
+from matchset.cli import app
 
 TRUTH = "video,frame,x,y,r,visible,method\nv,0,10,10,5,1,eye\nv,1,10,10,5,1,eye\nv,2,,,,0,eye:absent\n"
 TRACKS = "frame,time,found,x,y,radius,support,reason\n0,0,1,10,10,5,1,\n1,0.1,1,11,10,5,1,\n2,0.2,0,,,,,gone\n"
@@ -42,7 +42,7 @@ def test_the_package_is_a_command_too() -> None:
 
 def test_help_needs_no_heavy_imports() -> None:
     code = (
-        "import sys, matchset.app.cli as cli\n"
+        "import sys, matchset.cli as cli\n"
         "sys.argv = ['matchset', '--help']\n"
         "try: cli.main()\n"
         "except SystemExit: pass\n"
@@ -56,7 +56,7 @@ def test_help_needs_no_heavy_imports() -> None:
 @pytest.mark.parametrize("command", [(), ("track",), ("locate",), ("fly",), ("radio", "config")])
 def test_help_is_the_same_with_the_faster_printer(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "100")
-    run = "import sys, matchset.app.cli as cli; sys.argv[0] = 'matchset'; cli.main()"
+    run = "import sys, matchset.cli as cli; sys.argv[0] = 'matchset'; cli.main()"
     plain = "import typer.rich_utils; " + run
     pages = [
         subprocess.run([sys.executable, "-c", code, *command, "--help"], capture_output=True, text=True, check=True)

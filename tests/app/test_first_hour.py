@@ -1,25 +1,27 @@
 """What a newcomer types wrongly, or reads first: names that are no text, units, terminals, notes before long work."""
 
+import itertools
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+
 from blue_ball import Matchset
 from chain_flight import Flown
-
 from matchset.app.cli_options import LARGE_BALL, LARGE_SQUARE, unit_note
 from matchset.app.exit_codes import compiling_announced
-from matchset.app.flight.output_files import FlightFiles
-from matchset.app.flight.outputs import FlightOutputs
 from matchset.app.progress import duration_text
-from matchset.app.simulate.flights import work_text
-from matchset.image.camera_stream import _hint
-from matchset.image.video import Video
-from matchset.links.simulated import parse_uri
+from matchset.flight.fly.output_files import FlightFiles
+from matchset.flight.fly.outputs import FlightOutputs
+from matchset.flight.simulate.flights import work_text
+from matchset.links.simulation_parameters import parse_uri
+from matchset.media.camera_stream import _hint
+from matchset.media.video import Video
 from matchset.numeric.compiling import compiling
 
 PACKAGE = Path(__file__).parent.parent.parent / "src" / "matchset"
@@ -27,7 +29,7 @@ PACKAGE = Path(__file__).parent.parent.parent / "src" / "matchset"
 
 def type_it(folder: Path, *words: str | bytes, **environment: str) -> subprocess.CompletedProcess[bytes]:
     """Run the command line in a process of its own."""
-    asked = [sys.executable, "-c", "from matchset.app.cli import main; main()", *words]
+    asked = [sys.executable, "-c", "from matchset.cli import main; main()", *words]
     return subprocess.run(asked, capture_output=True, cwd=folder, env=os.environ | environment, check=False)
 
 
@@ -60,11 +62,11 @@ def test_the_answer_is_printed_of_a_folder_whose_name_is_no_text(ball_video: Pat
 
 
 def test_a_film_whose_name_opencv_cannot_take_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from matchset.app.films.video_writer import Recorder
+    from matchset.app.films.video_writer import FilmWriter
 
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(ValueError, match="not UTF-8: rename"):
-        Recorder(tmp_path / os.fsdecode(b"o\xff.avi"), 30.0, (64, 48))
+        FilmWriter(tmp_path / os.fsdecode(b"o\xff.avi"), 30.0, (64, 48))
 
 
 def test_nothing_can_be_written_where_the_package_is(tmp_path: Path) -> None:
@@ -74,12 +76,15 @@ def test_nothing_can_be_written_where_the_package_is(tmp_path: Path) -> None:
         pytest.skip("needs root, to become a user who may write nothing")
     copy = tmp_path / "root" / "matchset"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    for folder in (tmp_path, *tmp_path.parents[:2]):
+    temporary = Path(tempfile.gettempdir()).resolve()
+    for folder in itertools.takewhile(
+        lambda each: each != temporary, (tmp_path.resolve(), *tmp_path.resolve().parents)
+    ):
         folder.chmod(folder.stat().st_mode | 0o055)
     program = "import numpy; from matchset.numeric.linalg import norm; norm(numpy.ones(3)); print('fine')"
     nobody = [setpriv, "--reuid=65534", "--regid=65534", "--clear-groups"]
     kept = {"PATH": os.environ["PATH"], "PYTHONPATH": str(tmp_path / "root"), "HOME": "/nonexistent"}
-    for asked in (["-c", program], ["-c", "from matchset.app.cli import main; main()", "track", "--help"]):
+    for asked in (["-c", program], ["-c", "from matchset.cli import main; main()", "track", "--help"]):
         done = subprocess.run(
             [*nobody, sys.executable, "-B", *asked], capture_output=True, text=True, cwd="/", env=kept, check=False
         )
@@ -223,6 +228,6 @@ def test_ctrl_c_while_loading_is_answered(
     def interrupted(*_: object, **__: object) -> Video:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("matchset.image.video.Video.__init__", interrupted)
+    monkeypatch.setattr("matchset.media.video.Video.__init__", interrupted)
     assert matchset("track", ball_video, "--pick", "1,1") == 130
     assert "stopped" in capsys.readouterr().err

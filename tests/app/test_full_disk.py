@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 from benchmarks.lost.full_disk import Ended, run_on_full_disk, small_disk
 from benchmarks.lost.runs import RUNS, Run, typed, write_clip
+
 from blue_ball import Matchset
 from chain_flight import Flown
-
-from matchset.app.closing import close_all
 from matchset.app.disk import FreeSpace, SpaceParameters, UnfinishedFileError, WholeFile
 from matchset.app.exit_codes import errors_in_one_line
-from matchset.app.films.video_writer import Recorder, RecorderParameters
-from matchset.app.recording.reader import RecordingReader
-from matchset.app.recording.writer import RecordingWriter
+from matchset.app.films.video_writer import FilmWriter, FilmWriterParameters
 from matchset.app.tables import Column, RowWriter
+from matchset.flight.recording.reader import RecordingReader
+from matchset.flight.recording.writer import RecordingWriter
 from matchset.image.files.whole_file import write_whole
+from matchset.media.closing import close_all
 
 SIZE = 160, 120
 NO_GUARD = SpaceParameters(keep_free=0.0)
@@ -102,7 +102,7 @@ def test_a_film_that_does_not_fit_says_how_much_it_holds(
         monkeypatch.setitem(sys.modules, "av", None)
     rng = np.random.default_rng(0)
     path = short_of_room / f"film{suffix}"
-    film = Recorder(path, 30.0, SIZE, parameters=RecorderParameters(space=NO_GUARD))
+    film = FilmWriter(path, 30.0, SIZE, parameters=FilmWriterParameters(space=NO_GUARD))
     for _ in range(60):
         film.write(rng.integers(110, 146, (SIZE[1], SIZE[0], 3), np.uint8))
     with pytest.raises(UnfinishedFileError, match=r"it holds \d+ of 60 pictures") as raised:
@@ -154,7 +154,7 @@ def test_films_and_recordings_stop_while_there_is_room_for_the_rest(flown: Flown
     recorded = RecordingReader(tmp_path / "a.mcap")
     assert list(recorded) == []
     assert not recorded.cut_off  # stopped in time, so it has its index
-    film = Recorder(tmp_path / "a.avi", 30.0, SIZE, parameters=RecorderParameters(space=everything))
+    film = FilmWriter(tmp_path / "a.avi", 30.0, SIZE, parameters=FilmWriterParameters(space=everything))
     film.write(np.zeros((SIZE[1], SIZE[0], 3), np.uint8))
     with pytest.raises(UnfinishedFileError, match="it holds 0 of 1 pictures"):
         film.close()
@@ -200,7 +200,7 @@ def test_everything_is_closed_and_every_error_is_told(capsys: pytest.CaptureFixt
 def test_a_full_stdout_is_named(clip: Path, tmp_path: Path) -> None:
     for words in (["track", str(clip), "--pick", "50,60", "--print", "-o", str(tmp_path / "out")], ["params"]):
         with Path("/dev/full").open("w") as full:
-            command = [sys.executable, "-m", "matchset.app.cli", *words]
+            command = [sys.executable, "-m", "matchset.cli", *words]
             ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
         assert ended.returncode == 2
         assert ended.stderr.splitlines()[-1] == "error: stdout: No space left on device"

@@ -19,18 +19,19 @@ from matchset.app.exit_codes import errors_in_one_line
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
 from matchset.image.files.limits import LIMITS, InputLimits
-from matchset.image.files.picture import decode_picture, picture_size
 from matchset.image.files.reading import read_limited
+from matchset.media.picture import decode_picture, picture_size
 
 ROOM = 700_000_000  # bytes, beside what the program has when it is ready
 
 CHILD = """
 import contextlib, io, json, resource, sys
 import cv2, numpy
-from matchset.app import cli
-from matchset.app.locate import options
-from matchset.app.track import command, loop, outputs, score, shape_option, target_options
-from matchset.image.video import Video
+from matchset import cli
+from matchset.app.locate import what_options_name
+from matchset.app.target import shape_option, target_options
+from matchset.app.track import command, loop, outputs, score
+from matchset.media.video import Video
 cv2.imdecode(cv2.imencode(".png", numpy.zeros((9, 9), numpy.uint8))[1], 0)
 with open("/proc/self/statm") as file:
     now = int(file.read().split()[0]) * resource.getpagesize()

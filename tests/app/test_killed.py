@@ -14,13 +14,13 @@ import pytest
 from benchmarks.lost.content import Content, content_of
 from benchmarks.lost.killed import kill_film, record_until_killed
 from benchmarks.lost.runs import RUNS, write_clip
-from chain_flight import Flown
 
-from matchset.app.films.video_writer import Recorder
-from matchset.app.flight.output_files import FlightFiles
-from matchset.app.flight.outputs import FlightOutputs
-from matchset.app.recording.reader import RecordingReader
-from matchset.app.recording.writer import RecordingWriter
+from chain_flight import Flown
+from matchset.app.films.video_writer import FilmWriter
+from matchset.flight.fly.output_files import FlightFiles
+from matchset.flight.fly.outputs import FlightOutputs
+from matchset.flight.recording.reader import RecordingReader
+from matchset.flight.recording.writer import RecordingWriter
 
 SIZE, FPS = (160, 120), 25.0
 
@@ -37,7 +37,7 @@ def test_a_killed_run_leaves_table_and_film(tmp_path: Path) -> None:
 def test_a_film_that_is_not_finished_can_be_read_at_its_rate(tmp_path: Path, suffix: str) -> None:
     pytest.importorskip("av")
     path, given = tmp_path / f"film{suffix}", 60
-    with Recorder(path, FPS, SIZE) as film:
+    with FilmWriter(path, FPS, SIZE) as film:
         content = _copied_while_open(film, path, given)
     assert content.number >= given - FPS
     assert content.rate == pytest.approx(FPS, rel=0.05)
@@ -49,13 +49,13 @@ def test_without_pyav_a_webm_has_its_rate_as_soon_as_it_is_on_the_disk(
 ) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
     path = tmp_path / "film.webm"
-    with Recorder(path, FPS, (320, 240)) as film:
+    with FilmWriter(path, FPS, (320, 240)) as film:
         content = _copied_while_open(film, path, 60, (320, 240))
     assert content.number > 5
     assert content.rate == pytest.approx(FPS, rel=0.05)
 
 
-def _copied_while_open(film: Recorder, path: Path, count: int, size: tuple[int, int] = SIZE) -> Content:
+def _copied_while_open(film: FilmWriter, path: Path, count: int, size: tuple[int, int] = SIZE) -> Content:
     """Content of a film whose program would be killed now."""
     rng = np.random.default_rng(0)
     for _ in range(count):

@@ -7,10 +7,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from blue_ball import Matchset
 
+from blue_ball import Matchset
 from matchset.app.disk import WholeFile
-from matchset.app.films.video_writer import Recorder
+from matchset.app.films.video_writer import FilmWriter
 from matchset.app.run_folder import check_outputs, check_run
 from matchset.app.tables import Column, RowWriter
 
@@ -149,7 +149,7 @@ WRONG = {
 @pytest.mark.parametrize("words", WRONG.values(), ids=list(WRONG))
 def test_a_wrong_output_is_said_before_anything_heavy_is_loaded(folder: Path, words: tuple[str, ...]) -> None:
     program = (
-        f"import sys\nfrom matchset.app.cli import main\nsys.argv[1:] = {words!r}\n"
+        f"import sys\nfrom matchset.cli import main\nsys.argv[1:] = {words!r}\n"
         f"try: main()\nexcept SystemExit as end: print(end.code, *[n for n in {HEAVY!r} if n in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=folder, check=True)
@@ -165,7 +165,7 @@ def test_what_exists_is_there_until_the_new_one_is_finished(tmp_path: Path) -> N
         path.write_text("old")
     columns = [Column("number", lambda row: int(row))]
     rows: RowWriter[int] = RowWriter(table, columns)
-    with Recorder(film, 30.0, SIZE) as recorder, rows:
+    with FilmWriter(film, 30.0, SIZE) as recorder, rows:
         recorder.write(np.zeros((SIZE[1], SIZE[0], 3), np.uint8))
         rows.write(1)
         assert film.read_text() == table.read_text() == "old"
@@ -181,7 +181,7 @@ def test_a_film_of_nothing_leaves_no_half(tmp_path: Path) -> None:
     old, new = tmp_path / "old.webm", tmp_path / "new.webm"
     old.write_text("old")
     for path in (old, new):
-        with Recorder(path, 30.0, SIZE):
+        with FilmWriter(path, 30.0, SIZE):
             pass
     assert [path.name for path in tmp_path.iterdir()] == ["old.webm"]
     assert old.read_text() == "old"

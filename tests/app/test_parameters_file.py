@@ -7,10 +7,10 @@ import cv2
 import msgspec
 import numpy as np
 import pytest
-from blue_ball import Matchset, ball_picture
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from blue_ball import Matchset, ball_picture
 from matchset.app.parameters_file import parameters_toml, tracker_parameters
 from matchset.app.track.rows import TrackRow, read_tracks
 from matchset.tracking.parameters import TrackerParameters

@@ -32,7 +32,7 @@ def tracking(long_video: Path, tmp_path: Path) -> Iterator[subprocess.Popen[str]
     """A run that cannot end before its output is read: a pipe holds a few hundred of its 1500 lines."""
     words = ["track", str(long_video), "--pick", "40,36", "--print", "-o", "out", "--video", "out.webm"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "matchset.app.cli", *words],
+        [sys.executable, "-m", "matchset.cli", *words],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -61,7 +61,7 @@ def test_a_signal_leaves_whole_files(tracking: subprocess.Popen[str], tmp_path: 
 def test_a_signal_leaves_whole_files_of_poses_and_their_picture(long_video: Path, tmp_path: Path) -> None:
     words = ["locate", str(long_video), "--fov", "60", "--diameter", "0.28", "--pick", "40,36", "--print", "-o", "out"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "matchset.app.cli", *words],
+        [sys.executable, "-m", "matchset.cli", *words],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -97,6 +97,6 @@ def test_a_reader_that_leaves_ends_the_run_quietly(tracking: subprocess.Popen[st
 
 
 def test_head_of_a_short_output_is_quiet(long_video: Path, tmp_path: Path) -> None:
-    command = f"{sys.executable} -m matchset.app.cli learn '{long_video}' | true"
+    command = f"{sys.executable} -m matchset.cli learn '{long_video}' | true"
     done = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from blue_ball import Matchset
 
+from blue_ball import Matchset
 from matchset.app import warm
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame

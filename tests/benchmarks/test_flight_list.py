@@ -14,9 +14,9 @@ from benchmarks.flight.rows import Listed, Row, chosen, flight_list, rows
 from typer import BadParameter, Exit
 
 import matchset
-from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.score import FlightScore
-from matchset.app.simulate.flights import in_processes
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.score import FlightScore
+from matchset.flight.simulate.flights import in_processes
 
 CODE = sources()
 

@@ -8,8 +8,8 @@ from benchmarks.flight.flown import Flown
 from benchmarks.flight.page import judge, line_of, remarks
 from benchmarks.flight.rows import Row, chosen, flight_list, parse_share, rows, share_of
 
-from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.score import FlightScore
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.score import FlightScore
 
 
 def flown(seed: int, spread: float = 0.04, crash: str = "", **other: float) -> Flown:

@@ -15,8 +15,8 @@ from benchmarks.flight.vision import (
     watch,
 )
 
-from matchset.app.flight.flight import FlightParameters
-from matchset.links.simulated import SimulationParameters
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.links.simulation_parameters import SimulationParameters
 
 
 def test_quantiles_are_those_of_magnitudes_and_leave_losses_out() -> None:

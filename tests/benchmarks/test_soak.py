@@ -15,13 +15,13 @@ from benchmarks.soak.invariants import ALONE, PAIRS, InvariantParameters, Rules,
 from benchmarks.soak.plan import Fault, Plan, make_plan
 from benchmarks.soak.resources import ResourceParameters, Resources, growth, measure
 
-from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.pilot import PilotStep
 from matchset.camera.camera_model import CameraModel
 from matchset.control.command import Command
 from matchset.control.safety import SafetyParameters, SafetyState
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.pilot import PilotStep
 from matchset.image.frame import Frame
-from matchset.links.simulated import SimulationParameters
+from matchset.links.simulation_parameters import SimulationParameters
 from matchset.localization.pose import Pose
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track

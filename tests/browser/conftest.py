@@ -11,7 +11,7 @@ import pytest
 
 from live_clips import filmed, going_around, leaving
 from live_pages import WAIT, Servers, Shared
-from matchset.app.live.compiling import compile_needed
+from matchset.live.compiling import compile_needed
 from matchset.sim.clips.ball_flight_clip import BallFlightClip
 from mjpeg_server import MjpegServer
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from live_pages import WAIT, on_screen, wait_until, wait_until_compiled
-from matchset.app.live.sources.demo_clip import DemoParameters, demo_clip, place
 from matchset.camera.camera_model import CameraModel
+from matchset.live.sources.demo_clip import DemoParameters, demo_clip, place
 
 SHORT = DemoParameters(frames=300)
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from live_docs import HOST, block, showing
-from matchset.app.live.record.messages import Record
+from matchset.live.record.messages import Record
 
 
 def test_its_javascript_prints_and_records(browser: Any, monkeypatch: Any) -> None:

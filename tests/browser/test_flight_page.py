@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from live_flights import CHAIN, RADIO, WAIT, LiveFlight, again_if_silent, hold, take_off
-from matchset.app.flight.flight import Flight, FlightParameters
-from matchset.links.simulated import parse_uri
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.links.simulation_parameters import parse_uri
 
 TENTH = 0.1  # s, within which motors must have stopped
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pytest
 
 from live_pages import WAIT, on_screen, rows, state_of, wait_for_picture, wait_until
-from matchset.app.live.vision.kept_frames import KeepingParameters
+from matchset.live.vision.kept_frames import KeepingParameters
 from mjpeg_server import MjpegServer
 
 BLUE, RED, BOX = (100, 120, 30), (230, 100, 24), (190, 190, 60, 30)  # x, y, radius; x, y, width, height

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from boards import BoardCamera, poses, seen_corners
-from matchset.camera.board import Board, BoardFinder, View, blur_at
+from matchset.camera.board import Board, BoardFinder, BoardView, blur_at
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=452.0, cx=323.0, cy=236.0, distortion=(-0.3, 0.11, 0.001, -0.0005, -0.01)
@@ -17,9 +17,9 @@ CHARUCO = Board(columns=9, rows=6, square=0.025, marker=0.018)
 FACING = Rotation.identity()
 
 
-def found(board: Board, image: Any) -> View:
+def found(board: Board, image: Any) -> BoardView:
     view = BoardFinder(board).find(ms.Frame(image, 0.0, 7))
-    assert isinstance(view, View)
+    assert isinstance(view, BoardView)
     return view
 
 

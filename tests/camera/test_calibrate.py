@@ -5,10 +5,10 @@ from scipy.spatial.transform import Rotation
 
 import matchset as ms
 from boards import BoardCamera, Floats, exact_view, poses
-from matchset.camera.board import Board, BoardFinder, View
+from matchset.camera.board import Board, BoardFinder, BoardView
 from matchset.camera.calibrate import Calibration, calibrate
 from matchset.camera.calibration_report import grade_calibration
-from matchset.camera.view_selection import ViewParameters, select_views
+from matchset.camera.view_selection import ViewSelectionParameters, select_views
 
 CAMERA = ms.CameraModel(
     width=640, height=480, fx=450.0, fy=452.0, cx=323.0, cy=236.0, distortion=(-0.3, 0.11, 0.001, -0.0005, -0.01)
@@ -17,7 +17,7 @@ CHESS = Board(columns=9, rows=6, square=0.025)
 CHARUCO = Board(columns=9, rows=6, square=0.025, marker=0.018)
 
 
-def exact_views(count: int, seed: int, noise: float = 0.1) -> list[View]:
+def exact_views(count: int, seed: int, noise: float = 0.1) -> list[BoardView]:
     chosen = poses(CAMERA, CHESS, count, seed)
     return [exact_view(CAMERA, CHESS, pose, 1000 * seed + i, noise) for i, pose in enumerate(chosen)]
 
@@ -40,7 +40,7 @@ def test_a_rendered_barrel_lens_is_recovered(board: Board, focal: float, rays: f
     views = []
     for index, pose in enumerate(poses(CAMERA, board, 16, seed=101)):
         view = finder.find(ms.Frame(camera.picture(*pose, seed=index), 0.0, index))
-        if isinstance(view, View):
+        if isinstance(view, BoardView):
             views.append(view)
     assert len(views) >= 13
     calibration = calibrate(select_views(views, 640), 640, 480)
@@ -72,7 +72,7 @@ def test_a_view_that_does_not_fit_is_left_out() -> None:
     assert "1 left out" in grade_calibration(calibration).findings[1].words
 
 
-def facing(offsets: list[tuple[float, float, float]]) -> list[View]:
+def facing(offsets: list[tuple[float, float, float]]) -> list[BoardView]:
     chosen: list[tuple[Rotation, Floats]] = [(Rotation.identity(), np.array(offset)) for offset in offsets]
     return [exact_view(CAMERA, CHESS, pose, i, 0.1) for i, pose in enumerate(chosen)]
 
@@ -113,14 +113,14 @@ def test_views_of_a_video_are_thinned() -> None:
     for number, view in enumerate(exact_views(20, 5)):
         for repeat in range(4):
             pixels = view.pixels + rng.normal(0.0, 1.0, 2)
-            views.append(View(view.corners, view.points, pixels, 1.0 + 0.05 * repeat, 4 * number + repeat))
+            views.append(BoardView(view.corners, view.points, pixels, 1.0 + 0.05 * repeat, 4 * number + repeat))
     views += [msgspec.structs.replace(view, blur=4.0, index=1000 + view.index) for view in exact_views(10, 6)]
     chosen = select_views(views, 640)
     assert len(chosen) <= 20
     assert len(chosen) >= 17
     assert all(view.index < 1000 and view.index % 4 == 0 for view in chosen)
     assert [view.index for view in chosen] == sorted(view.index for view in chosen)
-    assert len(select_views(views, 640, ViewParameters(max_views=7))) == 7
+    assert len(select_views(views, 640, ViewSelectionParameters(max_views=7))) == 7
     assert select_views([], 640) == []
     around = msgspec.structs.replace(views[0], pixels=views[0].pixels[::-1], index=1)
     assert len(select_views([views[0], around], 640)) == 1

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from matchset.camera.camera_model import CameraModel
-from matchset.image.upright.orientation import Orientation
+from matchset.media.upright.orientation import Orientation
 
 COVARIANCE = tuple(map(tuple, np.diag([4.0, 5.0, 1.0, 2.0, 1e-4, 2e-4, 1e-6, 3e-6, 1e-4]).tolist()))
 CAMERA = CameraModel(

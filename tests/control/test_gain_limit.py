@@ -6,15 +6,17 @@ import msgspec
 import numpy as np
 import pytest
 
-from matchset.app.flight.config import with_world
-from matchset.app.flight.flight import ChainStep, Flight, FlightParameters
-from matchset.app.flight_report.gain_notes import GainNotes
-from matchset.app.simulate.variation import changed
 from matchset.control.chain.gain_schedule import Gains, GainScheduleParameters, interpolated
 from matchset.control.follower import FollowerParameters
 from matchset.control.safety import DesiredCommand
 from matchset.control.stability.follower_loops import LoopParameters, lowered
 from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
+from matchset.flight.chain.chain_step import ChainStep
+from matchset.flight.chain.config import with_world
+from matchset.flight.chain.flight import Flight
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.report.gain_notes import GainNotes
+from matchset.flight.simulate.variation import changed
 
 FOLLOWER = FollowerParameters()
 STEP = 1.0 / 30.0

@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.app.flight.config import with_world
-from matchset.app.flight.flight import FlightParameters
 from matchset.control.chain.gain_schedule import ENTRIES, Gains, GainSchedule, GainScheduleParameters, interpolated
 from matchset.control.chain.long_chain import LongChainParameters, in_chain
 from matchset.control.feedforward import FeedforwardParameters
 from matchset.control.follower import FollowerParameters
 from matchset.control.pid import PidParameters
+from matchset.flight.chain.config import with_world
+from matchset.flight.chain.flight_parameters import FlightParameters
 
 HIGH = GainScheduleParameters()
 LOW = Gains(

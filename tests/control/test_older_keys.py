@@ -5,9 +5,9 @@ from typing import get_args
 import msgspec
 import pytest
 
-from matchset.app.flight.config import ConfigFile
 from matchset.control.files.older_keys import OLDER_KEYS, kind_of, newer_key, with_newer_keys
 from matchset.control.pid import PidParameters
+from matchset.flight.chain.config import ConfigFile
 
 
 def structs(kind: type[msgspec.Struct]) -> dict[str, type[msgspec.Struct]]:

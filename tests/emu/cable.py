@@ -10,7 +10,7 @@ import tty
 
 from emulator import HZ, Board
 
-from matchset.links.arduino.serial_port import SerialPort
+from matchset.links.serial_port import SerialPort
 
 SLICE = HZ // 500  # cycles
 TRANSFER_TIMEOUT = 10.0  # s of real time that the kernel may take to move some bytes

@@ -5,7 +5,8 @@ from nrf24 import Packet
 from syma import BIND_ADDRESS
 
 from matchset.control.command import Command
-from matchset.links.arduino import channels, crsf
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels
 
 PERIOD = 1 / 30
 BOUND = 1.5  # s after power on

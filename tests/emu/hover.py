@@ -13,11 +13,12 @@ from emulator import Board
 from receiver import Quadcopter
 
 from flight import BOUND
-from matchset.app.flight.pilot import Pilot, PilotStep
 from matchset.control.command import Command
+from matchset.flight.chain.pilot import Pilot, PilotStep
 from matchset.image.frame import Frame
 from matchset.links.arduino.arduino_link import ArduinoLink
-from matchset.links.simulated import FPS, STEPS_PER_FRAME, SimulatedCamera, SimulatedChain, SimulationParameters
+from matchset.links.simulated import SimulatedCamera, SimulatedChain
+from matchset.links.simulation_parameters import FPS, STEPS_PER_FRAME, SimulationParameters
 from matchset.localization.markers.ball_colors import learn_colors
 from matchset.numeric.record import fields
 from matchset.sim.quadrotor import STATE

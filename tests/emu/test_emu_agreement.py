@@ -8,8 +8,8 @@ from syma import BIND_ADDRESS
 
 from flight import FULL, frame
 from matchset.control.command import Command
-from matchset.links.arduino.crsf import Parser
 from matchset.links.arduino.messages import STATUS, Config, bind_frame, read_config_frame, write_config_frame
+from matchset.links.crsf_frame import CrsfParser
 
 END = 720  # slots, 2.9 s
 
@@ -52,5 +52,5 @@ def test_the_same_packets_in_simavr_in_avr8js_and_on_this_computer() -> None:
     throttles = {payload[0] for _, address, payload in on_air(simavr) if address != BIND_ADDRESS}
     assert len(throttles) > 8  # it did fly
     assert {address for _, address, _ in on_air(simavr)} >= {BIND_ADDRESS, bytes.fromhex("9a01020304")}
-    reports = [[p for kind, p in Parser().feed(words) if kind == STATUS] for words in (said, said_there, said_here)]
+    reports = [[p for kind, p in CrsfParser().feed(words) if kind == STATUS] for words in (said, said_there, said_here)]
     assert len({report[-1] for report in reports}) == 1

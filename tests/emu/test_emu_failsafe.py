@@ -6,7 +6,6 @@ from syma import BIND_ADDRESS, data_channels
 
 from flight import BOUND, FULL, PERIOD, arm, fly, flying_board, frame, throttles
 from matchset.control.command import Command
-from matchset.links.arduino.crsf import Parser, crc8
 from matchset.links.arduino.messages import (
     CONFIG,
     STATUS,
@@ -17,6 +16,7 @@ from matchset.links.arduino.messages import (
     read_config_frame,
     write_config_frame,
 )
+from matchset.links.crsf_frame import CrsfParser, crc8
 
 ZERO = Command()
 
@@ -24,14 +24,14 @@ ZERO = Command()
 def report(board: Board) -> Report:
     board.read()
     board.run(0.15)
-    return [Report.decode(payload) for kind, payload in Parser().feed(board.read()) if kind == STATUS][-1]
+    return [Report.decode(payload) for kind, payload in CrsfParser().feed(board.read()) if kind == STATUS][-1]
 
 
 def ask(board: Board, question: bytes) -> tuple[str, Config]:
     board.read()
     board.write(question)
     board.run(0.3)
-    (answer,) = [payload for kind, payload in Parser().feed(board.read()) if kind == CONFIG]
+    (answer,) = [payload for kind, payload in CrsfParser().feed(board.read()) if kind == CONFIG]
     return decode_config(answer)
 
 

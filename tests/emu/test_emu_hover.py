@@ -9,7 +9,7 @@ from emulator import HZ
 from hover import Hover
 
 from flight import throttles
-from matchset.app.flight.pilot import PilotStep
+from matchset.flight.chain.pilot import PilotStep
 from matchset.image.errors import LinkError
 from matchset.localization.pose import Pose
 from matchset.sim.world import relative_position

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from flight import FULL, flying_board, frame
 from matchset.control.command import Command
 from matchset.control.safety import SafetyParameters
-from matchset.links.arduino import channels, crsf
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels
 
 STICK_STEP, THROTTLE_STEP, STEP_TICKS = 48, 38, 10
 NEUTRAL = [992, 992, 172, 992, 172, 172, *[992] * 10]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flight import FULL, frame
-from matchset.links.arduino import crsf
+from matchset.links import crsf_frame as crsf
 from matchset.links.arduino.messages import BIND, READ_CONFIG, WRITE_CONFIG, Config, bind_frame, write_config_frame
 
 DISARM = frame(FULL, armed=False)

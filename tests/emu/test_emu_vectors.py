@@ -9,7 +9,8 @@ from emulator import Board
 from firmware_in_c import Pilot, Sticks, hear, library, parse
 from vectors import HOPS, VECTORS, channel_lists, octets
 
-from matchset.links.arduino import channels, crsf
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels
 from matchset.links.arduino.messages import Config
 
 
@@ -64,7 +65,7 @@ def test_every_row_of_the_hop_table() -> None:
 @pytest.mark.parametrize(("values", "frame"), channel_lists())
 def test_channel_frames_are_the_known_ones_on_both_sides(values: list[int], frame: bytes) -> None:
     assert crsf.frame(crsf.CHANNELS_PACKED, crsf.pack_channels(values)) == frame
-    assert crsf.Parser().feed(frame) == [(crsf.CHANNELS_PACKED, frame[3:-1])]
+    assert crsf.CrsfParser().feed(frame) == [(crsf.CHANNELS_PACKED, frame[3:-1])]
     assert crsf.unpack_channels(frame[3:-1]) == values
     found, parser = parse(frame)
     assert found == [(crsf.CHANNELS_PACKED, frame[3:-1])]

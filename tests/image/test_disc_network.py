@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from matchset.image.disc_network.at_click import BallAtClickParameters, discs_at
 from matchset.image.disc_network.look import MOVES
-from matchset.image.disc_network.network import DiscNetwork, FollowParameters
+from matchset.image.disc_network.network import DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.patch_format import NUMBERS, PLACES, RADII, RAYS
 from matchset.image.disc_network.polar_patch import colors_of, read_patch
 
@@ -19,7 +19,7 @@ Picture = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float64]
 Circle3 = tuple[float, float, float]
 BALL = (150.0, 110.0, 30.0)
-FOLLOW = FollowParameters()
+FOLLOW = NetworkFollowParameters()
 
 
 def picture(ball: Circle3 = BALL, color: tuple[float, float, float] = (60.0, 150.0, 70.0), seed: int = 0) -> Picture:

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from ball_in_leaves import Picture, scene
 
-from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
+from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.polar_patch import read_patch
 
 Circle3 = tuple[float, float, float]
 NETWORK, RADIUS = DiscNetwork.packaged(), 22.0
-LIMITS = FollowParameters(rounds=5, still=0.3)
-HOPELESS = FollowParameters(rounds=5, still=0.3, hopeless=-2.0)
+LIMITS = NetworkFollowParameters(rounds=5, still=0.3)
+HOPELESS = NetworkFollowParameters(rounds=5, still=0.3, hopeless=-2.0)
 STARTS = [(166.0, 117.0, 19.0), (60.0, 60.0, 20.0), (150.0, 128.0, 26.0), (900.0, 50.0, 20.0), (160.0, 120.0, 22.0)]
 """Near the ball, far from it, near, outside of the picture, at it."""
 
@@ -21,12 +21,12 @@ STARTS = [(166.0, 117.0, 19.0), (60.0, 60.0, 20.0), (150.0, 128.0, 26.0), (900.0
 class Led:
     """What a start led to, in the twin."""
 
-    def __init__(self, start: Circle3, limits: FollowParameters) -> None:
+    def __init__(self, start: Circle3, limits: NetworkFollowParameters) -> None:
         self.circle, self.looks = np.array(start), 0
         self.found: Disc | None = None
         self.done, self.promise = start[2] < limits.least_radius, -math.inf
 
-    def look(self, image: Picture, limits: FollowParameters) -> None:
+    def look(self, image: Picture, limits: NetworkFollowParameters) -> None:
         """Look once and go on."""
         self.looks += 1
         patch = read_patch(image, (self.circle[0], self.circle[1], self.circle[2]))
@@ -46,7 +46,7 @@ class Led:
 
 
 def naive_lead(
-    image: Picture, starts: list[Circle3], limits: FollowParameters, looks: int
+    image: Picture, starts: list[Circle3], limits: NetworkFollowParameters, looks: int
 ) -> tuple[list[Disc | None], int]:
     """Each start once, in their order, then the most promising of those that have not arrived."""
     led, taken = [Led(start, limits) for start in starts], 0
@@ -71,7 +71,7 @@ def assert_same(one: list[Disc | None], other: list[Disc | None]) -> None:
 
 @pytest.mark.parametrize("limits", [LIMITS, HOPELESS], ids=["all", "hopeless"])
 @pytest.mark.parametrize("looks", [0, 1, 2, 4, 5, 6, 7, 9, 12, 1000])
-def test_it_is_led_as_its_slow_twin_is(looks: int, limits: FollowParameters) -> None:
+def test_it_is_led_as_its_slow_twin_is(looks: int, limits: NetworkFollowParameters) -> None:
     image = scene(RADIUS)
     discs, taken = NETWORK.lead(image, STARTS, limits, looks=looks)
     expected, expected_taken = naive_lead(image, STARTS, limits, looks)
@@ -80,7 +80,7 @@ def test_it_is_led_as_its_slow_twin_is(looks: int, limits: FollowParameters) -> 
 
 
 def test_each_start_is_looked_at_once_before_any_is_led_on() -> None:
-    image, once = scene(RADIUS), FollowParameters(rounds=1)
+    image, once = scene(RADIUS), NetworkFollowParameters(rounds=1)
     alone = [NETWORK.follow(image, start, once) for start in STARTS]
     for looks in range(len(STARTS) + 1):
         discs, taken = NETWORK.lead(image, STARTS, LIMITS, looks=looks)

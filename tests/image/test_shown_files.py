@@ -13,12 +13,12 @@ import pytest
 
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
-from matchset.image.upright.orientation import ALL
-from matchset.image.video import Video
-from matchset.image.video_files import stream_choice
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
+from matchset.media.upright.orientation import ALL
+from matchset.media.video import Video
+from matchset.media.video_files import stream_choice
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
 from matchset.tracking.track import Track

@@ -3,7 +3,8 @@
 import pytest
 
 from matchset.control.command import Command
-from matchset.links.simulated import SimulatedChain, SimulationParameters
+from matchset.links.simulated import SimulatedChain
+from matchset.links.simulation_parameters import SimulationParameters
 from matchset.sim.world import RATE
 
 FLIGHT = Command(throttle=0.6)

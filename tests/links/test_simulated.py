@@ -7,8 +7,8 @@ from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.image.frame import Frame
 from matchset.links.connect import connect
-from matchset.links.simulated import SimulatedChain, SimulationParameters, parse_uri
-from matchset.links.simulated_link import SimulatedLink
+from matchset.links.simulated import SimulatedChain, SimulatedLink
+from matchset.links.simulation_parameters import SimulationParameters, parse_uri
 
 SMALL = SimulationParameters(vehicles=2, width=160, height=120, pal="clean")
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from matchset.sim.analog_link import BAD, CLEAN, PRESETS, TYPICAL, AnalogLink, degrade, noise_gain, pole
-from matchset.sim.line_filter import Noise, Receiver, send
+from matchset.sim.line_filter import LineReceiver, Noise, send
 
 PIXEL_TIME = 81e-9
 
@@ -208,7 +208,7 @@ def slow_send(
     return np.asarray(planes + sigma * slow_noise(int(noise.counter), planes.shape), np.float32)
 
 
-def slow_receive(planes: npt.NDArray[np.float32], receiver: Receiver) -> npt.NDArray[np.uint8]:
+def slow_receive(planes: npt.NDArray[np.float32], receiver: LineReceiver) -> npt.NDArray[np.uint8]:
     """Average chroma over lines, filter forward and back, and convert to bytes of B, G and R."""
     height, _, width = planes.shape
     y, n = np.arange(height), receiver.neighbor
@@ -232,7 +232,7 @@ def test_lines_are_sent_as_the_slow_way_sends_them(size: tuple[int, int], neighb
     words = rng.integers(0, 2**32, size, dtype=np.uint32)
     gain, shift = np.array((1.1, 0.9, 1.7)), rng.normal(0.0, 20.0, size[0])
     noise = Noise(6.0, 9.0, np.uint32(2**32 - 50))
-    receiver = Receiver(0.4, 0.2, neighbor, np.zeros(size[0], np.bool_))
+    receiver = LineReceiver(0.4, 0.2, neighbor, np.zeros(size[0], np.bool_))
     out = np.empty((*size, 3), np.uint8)
     send(words, gain, shift, noise, receiver, out)
     picture = words.view(np.uint8).reshape(*size, 4)[..., :3].astype(np.float32)

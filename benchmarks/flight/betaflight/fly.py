@@ -15,10 +15,10 @@ import numpy as np
 from benchmarks.flight.betaflight.sitl import configure, is_built, settings
 from benchmarks.flight.betaflight.sticks import CRSF_SETTINGS, UdpSticks, crsf_link
 from benchmarks.flight.betaflight.world import BetaflightCamera, BetaflightWorld
-from matchset.app.flight.flight import FlightParameters
-from matchset.app.flight.pilot import Pilot
-from matchset.app.flight.score import SCORING
-from matchset.links.simulated import FPS, SimulationParameters
+from matchset.flight.chain.flight_parameters import FlightParameters
+from matchset.flight.chain.pilot import Pilot
+from matchset.flight.chain.score import SCORING
+from matchset.links.simulation_parameters import FPS, SimulationParameters
 from matchset.localization.markers.ball_colors import learn_colors
 from matchset.localization.pose import Pose
 

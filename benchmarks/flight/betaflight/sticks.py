@@ -2,7 +2,7 @@
 
 from benchmarks.flight.betaflight.world import BetaflightWorld
 from matchset.control.command import Command
-from matchset.links.arduino import crsf
+from matchset.links import crsf_frame as crsf
 from matchset.links.crsf import telemetry
 from matchset.links.crsf.crsf_link import CrsfLink
 from matchset.links.link import Link, LinkStatus
@@ -73,7 +73,7 @@ class ModulePort:
 
     def __init__(self, world: BetaflightWorld, delay: float) -> None:
         self._world, self._delay = world, delay
-        self._parser = crsf.Parser()
+        self._parser = crsf.CrsfParser()
         self._waiting: list[tuple[float, bytes]] = []
         self._next, self._sent = 0.0, 0
         world.hooks.append(self._deliver)

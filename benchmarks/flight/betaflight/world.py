@@ -11,7 +11,7 @@ from benchmarks.flight.betaflight.airframe import Airframe, quaternion, turn
 from benchmarks.flight.betaflight.sitl import BOOT, RATE, Sitl
 from matchset.control.follower import RelativeSetpoint
 from matchset.image.frame import Frame
-from matchset.links.simulated import STEPS_PER_FRAME, SimulationParameters
+from matchset.links.simulation_parameters import STEPS_PER_FRAME, SimulationParameters
 from matchset.sim.cameras import FIELD, WorldCameras
 from matchset.sim.scene.furniture import FLOOR
 from matchset.sim.scene.room import BACK, BEHIND, HALF_WIDTH

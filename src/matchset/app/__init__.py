@@ -1,9 +1,9 @@
-"""The command line, and everything that reads files, prints, draws or waits for a person.
+"""Commands for files and cameras, their tables, drawings and films; and what every command shares.
 
-Read `cli` first: it lists the commands; each is a function in the `command` module of its folder, and its options are
-a class (`cli_options`). The folders: `track` (track, learn, score, demo, params), `locate`, `calibrate`, `guidance`
-(what to do where nothing is found), `drawing` (pictures), `films` (video files), `pictures` (what a run shows),
-`flight` (fly, simulate), `flight_report`, `recording` (replay), `radio`, and `gym` (an environment for Gymnasium). The
-other modules serve all of them: `exit_codes`, `run_folder` (where output is written), `progress` (the screen), `tables`
-(CSV, JSON), `closing` (files that a `with` block closes), `timing` (what the frames took).
+`matchset/cli.py` lists all commands; each is a function in the `command` module of its folder, and its options are a
+class in `options` (types that several share: `cli_options`). The folders: `track` (track, learn, score, demo, params),
+`locate`, `calibrate`, `guidance` (what to do where nothing is found), `backward` (before the click), `drawing`
+(pictures), `films` (video files), `pictures` (what a run shows), `course` (paths, speeds, tables), `adapters` (others'
+formats). The other modules serve all of them: `exit_codes`, `run_folder` (where output is written), `progress` (the
+screen), `tables` (CSV, JSON), `timing` (what the frames took).
 """

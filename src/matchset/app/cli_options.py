@@ -14,7 +14,7 @@ import typer
 from matchset.app.exit_codes import compiling_announced, errors_in_one_line, print_note
 
 if TYPE_CHECKING:
-    from matchset.image.video import Video
+    from matchset.media.video import Video
 
 Source = Annotated[
     str,
@@ -132,7 +132,7 @@ class TurnOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """Arguments of `matchset.image.video.Video`."""
+        """Arguments of `matchset.media.video.Video`."""
         return {"turn": self.turn, "mirror": self.mirror}
 
     @property
@@ -160,7 +160,7 @@ class ViewOptions(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """Arguments of `matchset.image.video.Video`."""
+        """Arguments of `matchset.media.video.Video`."""
         own = {"square": not self.stored_pixels, "stream": self.stream, "damaged": True if self.damaged else None}
         return self.mounted.arguments | own
 
@@ -215,13 +215,13 @@ class ShownOptions(msgspec.Struct, frozen=True, kw_only=True):
     def check(self, video: Path | None) -> None:
         """Check the names of the pictures, and the part, before anything is opened (ValueError)."""
         from matchset.app.films.codecs import check_animation, codecs_for
-        from matchset.app.pictures.part import Part
+        from matchset.app.pictures.part import VideoPart
 
         if video is not None:
             codecs_for(video)
         if self.gif is not None:
             check_animation(self.gif)
-        Part.parse(self.start, self.end)
+        VideoPart.parse(self.start, self.end)
 
     def names(self, name: str, video: Path | None, to_stdout: bool) -> tuple[str, ...]:
         """Return the files that nobody asked for in the run's folder; of a live source they are not written."""
@@ -239,7 +239,7 @@ class SilenceOptions(msgspec.Struct, frozen=True, kw_only=True):
         self, source: str, fps: float | None = None, topic: str | None = None, view: ViewOptions = AS_IT_IS
     ) -> "Video":
         """Open a source; it says on stderr when it is lost and when it is back."""
-        from matchset.image.video import Video
+        from matchset.media.video import Video
 
         more = view.arguments | ({} if self.timeout is None else {"timeout": self.timeout})
         return Video(source, fps=fps, topic=topic, reconnect=self.reconnect, note=print_note, **more)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.closing import Closing
+from matchset.media.closing import Closing
 
 
 class SpaceParameters(msgspec.Struct, frozen=True, kw_only=True):

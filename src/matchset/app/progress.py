@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColum
 from rich.text import Text
 
 from matchset.app.timing.durations import Durations
-from matchset.image.video import Video
+from matchset.media.video import Video
 
 
 class ProgressParameters(msgspec.Struct, frozen=True):

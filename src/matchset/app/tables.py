@@ -9,10 +9,10 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import msgspec
 
-from matchset.app.closing import Closing, close_all
 from matchset.app.disk import UnfinishedFileError, WholeFile
 from matchset.image.files.limits import LIMITS
 from matchset.image.files.reading import read_limited
+from matchset.media.closing import Closing, close_all
 
 Cell = int | float | str | None
 Cells = Mapping[str, Cell]

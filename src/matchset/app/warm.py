@@ -134,7 +134,8 @@ def _follower() -> object:
 def _simulator() -> None:
     """Fly two simulated vehicles for a moment, as their pilot would see it."""
     from matchset.control.command import Command
-    from matchset.links.simulated import SimulatedChain, SimulationParameters
+    from matchset.links.simulated import SimulatedChain
+    from matchset.links.simulation_parameters import SimulationParameters
 
     chain = SimulatedChain(SimulationParameters(vehicles=2))
     camera, link = chain.cameras[0], chain.links[0]

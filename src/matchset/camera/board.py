@@ -117,7 +117,7 @@ class BoardParameters(msgspec.Struct, frozen=True, kw_only=True):
     min_markers: int = 4
 
 
-class View(msgspec.Struct, frozen=True):
+class BoardView(msgspec.Struct, frozen=True):
     """A board in one picture.
 
     Parameters
@@ -160,7 +160,7 @@ class BoardFinder:
             kinds = (False, True) if board.rows % 2 else (False,)
             self._detectors = [cv2.aruco.CharucoDetector(_charuco(board, legacy)) for legacy in kinds]
 
-    def find(self, frame: Frame) -> View | Lost[None]:
+    def find(self, frame: Frame) -> BoardView | Lost[None]:
         """Look for the board.
 
         Parameters
@@ -178,7 +178,7 @@ class BoardFinder:
         if found is None or len(found[0]) < self.parameters.min_corners:
             return Lost(f"no {self.board} in the picture", frame.time)
         corners, pixels = found
-        return View(corners, self._places[corners], pixels, blur_at(image, pixels), frame.index)
+        return BoardView(corners, self._places[corners], pixels, blur_at(image, pixels), frame.index)
 
     def _chessboard(self, image: Image) -> tuple[npt.NDArray[np.int64], Floats] | None:
         size = self.board.columns, self.board.rows

@@ -5,7 +5,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.camera.board import View
+from matchset.camera.board import BoardView
 from matchset.camera.camera_model import CameraModel
 
 Floats = npt.NDArray[np.float64]
@@ -54,22 +54,22 @@ class Calibration(msgspec.Struct, frozen=True):
         With the covariance of its numbers.
     error : float
         Rms distance of the corners from where the camera says they are, px.
-    views : list of View
+    views : list of BoardView
         Those that were used.
     errors : ndarray of shape (n,), float64
         Rms distance of each view, px.
     normals : ndarray of shape (n, 3), float64
         The board's direction in each view: the unit normal that points away from the camera.
-    left_out : list of View
+    left_out : list of BoardView
         Those that did not fit.
     """
 
     camera: CameraModel
     error: float
-    views: list[View]
+    views: list[BoardView]
     errors: Floats
     normals: Floats
-    left_out: list[View]
+    left_out: list[BoardView]
 
 
 class _Solution(msgspec.Struct):
@@ -81,7 +81,7 @@ class _Solution(msgspec.Struct):
 
 
 def calibrate(
-    views: list[View], width: int, height: int, parameters: CalibrationParameters | None = None
+    views: list[BoardView], width: int, height: int, parameters: CalibrationParameters | None = None
 ) -> Calibration:
     """Find the camera that explains the views.
 
@@ -91,7 +91,7 @@ def calibrate(
 
     Parameters
     ----------
-    views : list of View
+    views : list of BoardView
         Different ones, see `select_views`.
     width, height : int
         Size of the pictures, px.
@@ -153,7 +153,7 @@ def _check_tilt(normals: Floats, wanted: CalibrationParameters) -> None:
         )
 
 
-def _solve(views: list[View], width: int, height: int) -> _Solution:
+def _solve(views: list[BoardView], width: int, height: int) -> _Solution:
     points = [view.points.astype(np.float32) for view in views]
     pixels = [view.pixels.astype(np.float32) for view in views]
     until = cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-12
@@ -181,7 +181,7 @@ def _normals(solution: _Solution) -> Floats:
     return normals * np.where(normals[:, 2:] < 0.0, -1.0, 1.0)
 
 
-def _camera(views: list[View], solution: _Solution, width: int, height: int) -> CameraModel:
+def _camera(views: list[BoardView], solution: _Solution, width: int, height: int) -> CameraModel:
     matrix, lens = solution.matrix, solution.lens
     k1, k2, p1, p2, k3 = lens.tolist()
     covariance = _covariance(views, solution)
@@ -200,7 +200,7 @@ def _camera(views: list[View], solution: _Solution, width: int, height: int) -> 
         raise ValueError(f"the views are too similar or do not belong together: {error}") from error
 
 
-def _covariance(views: list[View], solution: _Solution) -> Floats:
+def _covariance(views: list[BoardView], solution: _Solution) -> Floats:
     """Covariance of fx, fy, cx, cy, k1, k2, p1, p2, k3, with the poses eliminated (Schur complement).
 
     Corners of one view err together (a board that is not quite flat, blur, light), so the noise is taken from what the

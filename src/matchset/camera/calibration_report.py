@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.camera.board import View
+from matchset.camera.board import BoardView
 from matchset.camera.calibrate import Calibration
 from matchset.camera.lens import INTRINSICS
 
@@ -99,12 +99,12 @@ def grade_calibration(calibration: Calibration, parameters: GradeParameters | No
     return CalibrationReport(max((finding.grade for finding in findings), key=_RANKS.__getitem__), findings)
 
 
-def covered_cells(views: list[View], width: int, height: int) -> npt.NDArray[np.bool_]:
+def covered_cells(views: list[BoardView], width: int, height: int) -> npt.NDArray[np.bool_]:
     """Cells of the image in which the board was seen.
 
     Parameters
     ----------
-    views : list of View
+    views : list of BoardView
     width, height : int
         Size of the picture, px.
 
@@ -121,12 +121,12 @@ def covered_cells(views: list[View], width: int, height: int) -> npt.NDArray[np.
     return cells.astype(np.bool_)
 
 
-def unseen_corners(views: list[View], width: int, height: int) -> list[str]:
+def unseen_corners(views: list[BoardView], width: int, height: int) -> list[str]:
     """Name the corners of the picture in which no corner of the board was seen.
 
     Parameters
     ----------
-    views : list of View
+    views : list of BoardView
     width, height : int
         Size of the picture, px.
 

@@ -12,7 +12,7 @@ from matchset.camera import camera_toml as camera_file
 from matchset.camera import lens
 from matchset.camera.changed_picture import ChangedPicture, in_orientation, resampled
 from matchset.image.frame import Frame, check_image
-from matchset.image.upright.orientation import Orientation, check_turn
+from matchset.media.upright.orientation import Orientation, check_turn
 from matchset.numeric.words import one_line, short
 
 Floats = npt.NDArray[np.float64]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from matchset.image.upright.orientation import Orientation
+from matchset.media.upright.orientation import Orientation
 
 Floats = npt.NDArray[np.float64]
 Size = tuple[int, int]

@@ -3,10 +3,10 @@
 import msgspec
 import numpy as np
 
-from matchset.camera.board import View
+from matchset.camera.board import BoardView
 
 
-class ViewParameters(msgspec.Struct, frozen=True, kw_only=True):
+class ViewSelectionParameters(msgspec.Struct, frozen=True, kw_only=True):
     """Which views of a board are used.
 
     All were chosen by hand; tests/camera/test_calibrate.py would show a change.
@@ -31,40 +31,42 @@ class ViewParameters(msgspec.Struct, frozen=True, kw_only=True):
     max_views: int = 40
 
 
-def select_views(views: list[View], width: int, parameters: ViewParameters | None = None) -> list[View]:
+def select_views(
+    views: list[BoardView], width: int, parameters: ViewSelectionParameters | None = None
+) -> list[BoardView]:
     """Choose the views to calibrate with.
 
     Parameters
     ----------
-    views : list of View
+    views : list of BoardView
         All that were found.
     width : int
         Of the picture, px.
-    parameters : ViewParameters, optional
+    parameters : ViewSelectionParameters, optional
 
     Returns
     -------
-    list of View
+    list of BoardView
         In the order of their frames.
     """
     if not views:
         return []
-    limits = parameters or ViewParameters()
+    limits = parameters or ViewSelectionParameters()
     sharpest = sorted(views, key=lambda view: view.blur)
     limit = limits.max_blur * max(sharpest[(len(sharpest) - 1) // 4].blur, limits.min_blur_px)
-    kept: list[View] = []
+    kept: list[BoardView] = []
     for view in sharpest:
         if view.blur <= limit and all(difference(view, other) > limits.min_difference * width for other in kept):
             kept.append(view)
     return sorted(_most_different(kept, limits.max_views), key=lambda view: view.index)
 
 
-def difference(one: View, other: View) -> float:
+def difference(one: BoardView, other: BoardView) -> float:
     """How far the corners of two views lie apart.
 
     Parameters
     ----------
-    one, other : View
+    one, other : BoardView
 
     Returns
     -------
@@ -80,7 +82,7 @@ def difference(one: View, other: View) -> float:
     return float(min(straight, turned))
 
 
-def _most_different(views: list[View], most: int) -> list[View]:
+def _most_different(views: list[BoardView], most: int) -> list[BoardView]:
     """Take the view that differs most from those taken, again and again."""
     if len(views) <= most:
         return views

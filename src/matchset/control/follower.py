@@ -31,7 +31,7 @@ from matchset.control.stability.follower_loops import LoopParameters
 from matchset.control.stability.gain_limit import GainLimit, StabilityParameters
 from matchset.control.sticks.angle_sticks import WantedMotion
 from matchset.control.sticks.ego_parameters import EgoMotionParameters
-from matchset.control.sticks.kinds import kind_of
+from matchset.control.sticks.kinds import lift_off_of, sticks_for
 from matchset.control.sticks.speed_parameters import SpeedParameters
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
@@ -205,7 +205,8 @@ class Follower:
             NeighborFilter(known.neighbor_filter),
             NextButOne(known.next_but_one, known.neighbor_filter),
         )
-        self.sticks, self.thrust = kind_of(known)
+        self.sticks, takeoff = sticks_for(known.ego_motion, known.min_tilt_cosine), known.speeds.takeoff_duration
+        self.thrust = lift_off_of(known.ego_motion, known.hover_throttle, takeoff, known.thrust_estimator)
         self._right, self._forward = Pid(known.horizontal), Pid(known.horizontal)
         self._up, self._yaw = Pid(known.vertical), Pid(known.yaw)
         level, vertical = known.horizontal_feedforward, known.vertical_feedforward

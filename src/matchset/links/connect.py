@@ -38,7 +38,8 @@ def connect(uri: str) -> Link:
 
         return CrsfLink(uri)
     if mark and scheme == "sim":
-        from matchset.links.simulated import SimulatedChain, parse_uri
+        from matchset.links.simulated import SimulatedChain
+        from matchset.links.simulation_parameters import parse_uri
 
         return SimulatedChain(parse_uri(uri)).links[0]
     forms = "serial:///dev/ttyUSB0, crsf:///dev/ttyUSB0, mavlink:udpin:0.0.0.0:14550, tello: or sim://chain"

@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from matchset.camera.camera_model import CameraModel
 from matchset.fitting.fit_quality import add_field_covariance
-from matchset.image.upright.square_pixels import check_square
 from matchset.localization.attitude import ATTITUDE, AttitudeParameters, marker_direction
 from matchset.localization.ball_target import MOST_MARKERS, BallTarget
 from matchset.localization.cone import BallParameters, ConeFailure
 from matchset.localization.marker_identification import RotationSource, assignments
 from matchset.localization.pose import Observed, Pose
 from matchset.localization.pose_estimation import POSE, estimate_pose
+from matchset.media.upright.square_pixels import check_square
 from matchset.numeric.arguments import check_kind
 from matchset.numeric.copies import Copied
 from matchset.numeric.jit import interpreted

@@ -81,7 +81,7 @@ def expose(picture: AnyPicture, gain: Array, sigma: float, counter: np.uint32, o
             bytes_[i] = _to_byte(min(line[i] * factor[i], top) + noise)
 
 
-class Receiver(NamedTuple):
+class LineReceiver(NamedTuple):
     """What a receiver does to the lines.
 
     Parameters
@@ -106,7 +106,7 @@ def send(
     gain: Array,
     shift: Array,
     noise: Noise,
-    receiver: Receiver,
+    receiver: LineReceiver,
     out: npt.NDArray[np.uint8],
 ) -> None:
     """Transmit a picture and write what is received, BGR.
@@ -120,7 +120,7 @@ def send(
     shift : (h,)
         How far each line is shifted to the right, px.
     noise : Noise
-    receiver : Receiver
+    receiver : LineReceiver
     out : (h, w, 3), written
     """
     height, width = picture.shape[0], picture.shape[1]

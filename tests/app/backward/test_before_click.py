@@ -11,22 +11,22 @@ import cv2
 import numpy as np
 import pytest
 from benchmarks.tracking.trial import sequence
-from blue_ball import Matchset
 
 import matchset as ms
+from blue_ball import Matchset
 from matchset.app.backward.before_click import NO_WAY_BACK, before_click
 from matchset.app.backward.follow_back import follow_back
 from matchset.app.backward.known_answers import STOPPED
 from matchset.app.backward.mirrored import MirroredTracker
 from matchset.app.cli_options import GrayTargetOptions, ShownOptions
 from matchset.app.exit_codes import StopRequest
-from matchset.app.live.files.frame_list import StampedVideo
 from matchset.app.locate.rows import read_poses
-from matchset.app.pictures.part import Part
-from matchset.app.track.command import TrackOptions
+from matchset.app.pictures.part import VideoPart
+from matchset.app.target.target_options import LearnedTarget
+from matchset.app.track.options import TrackOptions
 from matchset.app.track.rows import read_tracks
 from matchset.app.track.score import circles, error_px, read_truth, score
-from matchset.app.track.target_options import LearnedTarget
+from matchset.media.frame_list import StampedVideo
 from matchset.tracking.track import Acquisition
 
 SIZE = 320, 240
@@ -162,7 +162,7 @@ def test_a_stop_on_the_way_back_leaves_the_rest_unknown_in_words(passing: Path) 
     frame = ms.Frame(picture(CLICK), CLICK / 25.0, CLICK)
     color = ms.ColorModel.pick(frame.image, *place(CLICK))
     begin = functools.partial(ms.Tracker, ms.Circle, color, start=place(CLICK))
-    known = follow_back(functools.partial(StampedVideo, passing), CLICK, begin, Part(), Asked(CLICK + 12))
+    known = follow_back(functools.partial(StampedVideo, passing), CLICK, begin, VideoPart(), Asked(CLICK + 12))
     assert known is not None
     assert known.update(ms.Frame(frame.image, 1.16, CLICK - 1))
     lost = known.update(ms.Frame(frame.image, 0.0, 0))

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from blue_ball import Matchset
 
 import matchset as ms
+from blue_ball import Matchset
 from matchset.app.calibrate import ball_command
 from matchset.app.calibrate.ball_command import parse_distances
 from matchset.app.calibrate.still_ball import still_intervals

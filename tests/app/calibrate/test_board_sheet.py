@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from blue_ball import Matchset
 
+from blue_ball import Matchset
 from matchset.app.calibrate.board_sheet import EDGE, PAPERS, Sheet, as_pdf, as_svg, board_sheet
-from matchset.camera.board import Board, BoardFinder, View
+from matchset.camera.board import Board, BoardFinder, BoardView
 from matchset.image.frame import Frame
 
 BOARD = Board(columns=9, rows=6, square=0.025)
@@ -36,7 +36,7 @@ def test_a_board_fits_its_paper_and_is_found_on_it(board: Board, paper: str) -> 
     assert (np.array(sheet.size) - (boxes[:, :2] + boxes[:, 2:])).min() >= EDGE - 1e-6
     assert sheet.board.square <= board.square
     view = BoardFinder(sheet.board).find(Frame(drawn(sheet), 0.0))
-    assert isinstance(view, View)
+    assert isinstance(view, BoardView)
     assert len(view.corners) == board.columns * board.rows
     by_row = view.pixels[np.argsort(view.corners)].reshape(board.rows, board.columns, 2)
     sides = np.linalg.norm(np.diff(by_row, axis=1), axis=2) / 5.0

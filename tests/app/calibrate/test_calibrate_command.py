@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from blue_ball import Matchset
 
 import matchset as ms
+from blue_ball import Matchset
 from boards import BoardCamera, poses
 from matchset.app.calibrate import board_command
 from matchset.app.calibrate.board_command import parse_board

@@ -7,7 +7,7 @@ import pytest
 from matchset.app.calibrate import coverage_picture as module
 from matchset.app.calibrate.coverage_picture import coverage_picture
 from matchset.app.drawing.text import text_width
-from matchset.camera.board import View
+from matchset.camera.board import BoardView
 from matchset.camera.calibration_report import CalibrationReport, Finding
 
 Picture = npt.NDArray[np.uint8]
@@ -20,11 +20,11 @@ REPORT = CalibrationReport(
 )
 
 
-def view(left: float, right: float) -> View:
+def view(left: float, right: float) -> BoardView:
     x, y = np.meshgrid(np.linspace(left, right, 7), np.linspace(40.0, 300.0, 5))
     pixels = np.column_stack((x.ravel(), y.ravel()))
     points = np.column_stack((pixels, np.zeros(len(pixels))))
-    return View(np.arange(len(pixels)), points, pixels, 0.5, 0)
+    return BoardView(np.arange(len(pixels)), points, pixels, 0.5, 0)
 
 
 @pytest.mark.parametrize("size", [(480, 360), (360, 480), (1920, 1080)])

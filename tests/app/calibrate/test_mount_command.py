@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from blue_ball import Matchset
 
 import matchset as ms
+from blue_ball import Matchset
 from matchset.app.calibrate.mount_command import parse_place
-from matchset.app.flight.config import read_flight
 from matchset.control.mount.camera_mount import mounting, turn_about_down
+from matchset.flight.chain.config import read_flight
 from matchset.localization.markers.ball_colors import pick_marker
 
 CAMERA = ms.CameraModel(width=640, height=480, fx=400.0, fy=400.0, cx=319.5, cy=239.5)

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from blue_ball import Matchset
 
 import matchset as ms
+from blue_ball import Matchset
 from boards import BoardCamera, poses
 from matchset.app.locate.rows import read_poses
 from matchset.camera.board import Board

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from matchset.app.course.log import Course, found_stretches
-from matchset.app.course.speed import SpeedParameters, local_slope, speed_of
+from matchset.app.course.speed import CourseSpeedParameters, local_slope, speed_of
 
 LABELS = "x, px (right)", "y, px (down)", "radius, px"
 
@@ -65,7 +65,7 @@ def test_few_pictures_a_second_take_a_longer_window() -> None:
     noise = np.random.default_rng(2).normal(0.0, 1.0, (len(time), 1))
     five = np.array([np.polyfit(time[k - 2 : k + 3], noise[k - 2 : k + 3, 0], 2) for k in range(2, 10)])
     exact = 2.0 * five[:, 0] * time[2:10] + five[:, 1]
-    assert local_slope(time, noise, SpeedParameters(least=5))[2:10, 0] == pytest.approx(exact)
+    assert local_slope(time, noise, CourseSpeedParameters(least=5))[2:10, 0] == pytest.approx(exact)
 
 
 @pytest.mark.parametrize("time", [[0.0], [0.0, 0.0], [1.0, 0.5]])

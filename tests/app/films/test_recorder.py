@@ -9,9 +9,9 @@ import pytest
 
 from matchset.app.disk import UnfinishedFileError
 from matchset.app.films import codecs
-from matchset.app.films.codecs import Codec
+from matchset.app.films.codecs import FilmCodec
 from matchset.app.films.opencv_encoder import set_frame_rate
-from matchset.app.films.video_writer import Recorder, RecorderParameters
+from matchset.app.films.video_writer import FilmWriter, FilmWriterParameters
 
 SIZE = 64, 48
 
@@ -43,7 +43,7 @@ def pictures(count: int) -> list[np.ndarray]:
 @pytest.mark.parametrize("fps", [23.976, 60.0])
 def test_a_video_holds_every_picture_at_its_rate(tmp_path: Path, suffix: str, fps: float) -> None:
     path = tmp_path / f"out{suffix}"
-    with Recorder(path, fps, SIZE) as out:
+    with FilmWriter(path, fps, SIZE) as out:
         for picture in pictures(20):
             out.write(picture)
     video = cv2.VideoCapture(str(path))
@@ -62,7 +62,7 @@ def test_a_video_holds_every_picture_at_its_rate(tmp_path: Path, suffix: str, fp
 def test_odd_sizes_and_rates_are_packed(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"out{suffix}"
     for fps in (1.0, 29.97, 999.0):
-        with Recorder(path, fps, (161, 121)) as out:
+        with FilmWriter(path, fps, (161, 121)) as out:
             for _ in range(5):
                 out.write(np.full((121, 161, 3), 90, np.uint8))
         video = cv2.VideoCapture(str(path))
@@ -71,7 +71,7 @@ def test_odd_sizes_and_rates_are_packed(tmp_path: Path, suffix: str) -> None:
 
 @pytest.mark.usefixtures("either")
 def test_the_mp4_is_h264_where_pyav_or_ffmpeg_is(tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    with Recorder(tmp_path / "out.mp4", 30.0, SIZE) as out:
+    with FilmWriter(tmp_path / "out.mp4", 30.0, SIZE) as out:
         out.write(pictures(1)[0])
     content = (tmp_path / "out.mp4").read_bytes()
     by_opencv = "OpenCV" in request.node.name
@@ -85,7 +85,7 @@ def test_no_film_takes_a_tenth_of_a_second_a_picture(tmp_path: Path, suffix: str
     """OpenCV's VP9 took 0.8 s a picture of 640 x 480; noise, which nothing packs well, gets 0.1 s."""
     noise = [np.random.default_rng(k).integers(80, 170, (480, 640, 3), np.uint8) for k in range(4)]
     begin = os.times()
-    with Recorder(tmp_path / f"out{suffix}", 30.0, (640, 480)) as out:
+    with FilmWriter(tmp_path / f"out{suffix}", 30.0, (640, 480)) as out:
         for k in range(40):
             out.write(noise[k % 4])
     end = os.times()
@@ -101,8 +101,8 @@ def test_a_small_film_of_noise_takes_less_than_a_megabyte_a_second(tmp_path: Pat
     sizes = {}
     for small in (False, True):
         random = np.random.default_rng(0)
-        with Recorder(
-            tmp_path / f"{small}{suffix}", 30.0, (640, 480), parameters=RecorderParameters(small=small)
+        with FilmWriter(
+            tmp_path / f"{small}{suffix}", 30.0, (640, 480), parameters=FilmWriterParameters(small=small)
         ) as out:
             for k in range(30):
                 noise = cv2.GaussianBlur(random.normal(0.0, 40.0, (480, 640, 3)), (5, 1), 1.0)
@@ -119,7 +119,7 @@ def test_a_program_without_h264_is_not_used(tmp_path: Path, monkeypatch: pytest.
     program.write_text("#!/bin/sh\necho ' V....D mpeg4  MPEG-4 part 2'\n")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
-    with Recorder(tmp_path / "out.mp4", 30.0, SIZE) as out:
+    with FilmWriter(tmp_path / "out.mp4", 30.0, SIZE) as out:
         out.write(pictures(1)[0])
     assert b"mp4v" in (tmp_path / "out.mp4").read_bytes()
 
@@ -133,7 +133,7 @@ def test_what_ffmpeg_says_when_it_fails_is_in_the_error(tmp_path: Path, monkeypa
     )
     program.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
-    out = Recorder(tmp_path / "out.mp4", 30.0, SIZE)
+    out = FilmWriter(tmp_path / "out.mp4", 30.0, SIZE)
     out.write(pictures(1)[0])
     with pytest.raises(UnfinishedFileError, match=r"ffmpeg: out.mp4: something is wrong; it holds 0 of 1 pictures"):
         out.close()
@@ -141,7 +141,7 @@ def test_what_ffmpeg_says_when_it_fails_is_in_the_error(tmp_path: Path, monkeypa
 
 @pytest.mark.usefixtures("without_pyav")
 def test_without_h264_the_user_learns_it_and_what_a_killed_program_would_cost(tmp_path: Path) -> None:
-    with Recorder(tmp_path / "out.mp4", 30.0, SIZE) as out:
+    with FilmWriter(tmp_path / "out.mp4", 30.0, SIZE) as out:
         out.write(pictures(1)[0])
     assert "browsers do not" in out.note
     assert "if the program is killed" in out.note
@@ -151,19 +151,19 @@ def test_without_h264_the_user_learns_it_and_what_a_killed_program_would_cost(tm
 
 @pytest.mark.usefixtures("without_pyav")
 def test_without_any_codec_it_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(codecs.CODECS, ".mp4", (Codec("none", "none"),))
+    monkeypatch.setitem(codecs.CODECS, ".mp4", (FilmCodec("none", "none"),))
     with pytest.raises(ValueError, match="OpenCV cannot write"):
-        Recorder(tmp_path / "new.mp4", 30.0, SIZE)
+        FilmWriter(tmp_path / "new.mp4", 30.0, SIZE)
     assert not (tmp_path / "new.mp4").exists()
 
 
 def test_misuse_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"must end in \.mp4, \.webm, \.avi"):
-        Recorder(tmp_path / "out.mkv", 30.0, SIZE)
+        FilmWriter(tmp_path / "out.mkv", 30.0, SIZE)
     with pytest.raises(ValueError, match="cannot write"):
-        Recorder(tmp_path / "none" / "out.mp4", 30.0, SIZE)
+        FilmWriter(tmp_path / "none" / "out.mp4", 30.0, SIZE)
     with (
-        Recorder(tmp_path / "out.webm", 30.0, SIZE) as out,
+        FilmWriter(tmp_path / "out.webm", 30.0, SIZE) as out,
         pytest.raises(ValueError, match="must have"),
     ):
         out.write(np.zeros((10, 10, 3), np.uint8))

@@ -6,10 +6,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 
+from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 from matchset.app.guidance.rejected import best_rejected
-from matchset.app.guidance.why_picture import Shown, percent, why_picture
+from matchset.app.guidance.why_picture import DrawnEvidence, percent, why_picture
 from matchset.app.track.rows import read_tracks
 from matchset.image.color import ColorModel
 from matchset.shapes.circle import Circle
@@ -129,9 +129,9 @@ def test_the_best_rejected_outline_is_where_the_ball_is(family: type[Circle]) ->
 def test_the_picture_of_a_failure_suits_any_size(shape: tuple[int, ...]) -> None:
     image = np.full(shape, 90, np.uint8)
     color = ColorModel.light()
-    picture = why_picture("frame 7", image, color, Shown(Circle(9.0, 9.0, 5.0), (10.0, 8.0)), ["word " * 80])
+    picture = why_picture("frame 7", image, color, DrawnEvidence(Circle(9.0, 9.0, 5.0), (10.0, 8.0)), ["word " * 80])
     assert max(picture.shape) < 2000
-    alone = why_picture("frame 7", image, None, Shown(), ["word " * 80])
+    alone = why_picture("frame 7", image, None, DrawnEvidence(), ["word " * 80])
     assert alone.shape[1] < picture.shape[1]
 
 

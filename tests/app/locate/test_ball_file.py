@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from matchset.app.locate.options import ball_target, read_ball
+from matchset.app.locate.what_options_name import ball_target, read_ball
 
 
 def write(folder: Path, text: str) -> Path:

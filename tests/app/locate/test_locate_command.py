@@ -11,9 +11,9 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from blue_ball import Matchset
-from flights import BLUE, CAMERA, FOV_DEG, FRAMES, PURPLE, SIZE, flight, place, turn, write_video
 
+from blue_ball import Matchset
+from marked_balloon import BLUE, CAMERA, FOV_DEG, FRAMES, PURPLE, SIZE, flight, place, turn, write_video
 from matchset.app.locate.rows import PoseRow, read_poses
 from matchset.app.track.loop import UNDECODED
 from matchset.image.errors import LinkError
@@ -281,7 +281,7 @@ def test_a_camera_that_goes_away_leaves_whole_files(
     begin: int,
 ) -> None:
     """The marker may be clicked in a later frame than the ball; no frame is told twice."""
-    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
+    monkeypatch.setattr("matchset.media.video.Video", FakeCamera)
     options = "--pick", BLUE, "--marker-pick", PURPLE + at, "--print", "-o", "out", "--video", "out.webm"
     assert matchset("locate", "0", *BALL, *options) == 3
     captured = capsys.readouterr()

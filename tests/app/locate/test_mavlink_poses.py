@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from blue_ball import Matchset
 from fake_autopilot import PX4, FakeAutopilot
-from flights import BLUE, FOV_DEG, FRAMES, PURPLE, flight, write_video
 from scipy.spatial.transform import Rotation
 
+from blue_ball import Matchset
+from marked_balloon import BLUE, FOV_DEG, FRAMES, PURPLE, flight, write_video
 from matchset.app.adapters.mavlink_poses import PosePublisher, PublishParameters, parse_publisher
 from matchset.app.locate.rows import read_poses
 from matchset.image.errors import LinkError
-from matchset.links.mavlink.axes import CameraMount
+from matchset.links.mavlink.axes import CameraAxes
 from matchset.links.mavlink.client import MavlinkParameters
-from matchset.links.mavlink.packet import Packet, Parser, Writer
+from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, Writer
 from matchset.localization.pose import Pose
 from matchset.tracking.track import Lost
 
@@ -37,8 +37,8 @@ class Listener(FakeAutopilot):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.packets: list[Packet] = []
-        self._ears = Parser()
+        self.packets: list[MavlinkPacket] = []
+        self._ears = MavlinkParser()
 
     def write(self, data: bytes) -> None:
         super().write(data)
@@ -50,7 +50,7 @@ class Listener(FakeAutopilot):
 
 def published(kind: Any, pose: Pose, **facts: Any) -> tuple[PosePublisher, Listener]:
     pilot = Listener(**facts)
-    parameters = PublishParameters(kind=kind, mount=CameraMount(forward=0.1))
+    parameters = PublishParameters(kind=kind, mount=CameraAxes(forward=0.1))
     publisher = PosePublisher(URI, parameters, pilot, pilot.clock, pilot.clock.sleep)
     publisher.send(pose, 5.0)
     return publisher, pilot
@@ -159,9 +159,9 @@ def test_what_a_uri_cannot_say_is_refused(question: str, words: str) -> None:
 
 
 @pytest.fixture
-def autopilot() -> Iterator[tuple[int, list[Packet]]]:
+def autopilot() -> Iterator[tuple[int, list[MavlinkPacket]]]:
     """An autopilot at a UDP port, which says that it is there and keeps what it hears."""
-    done, packets, parser = threading.Event(), [], Parser()
+    done, packets, parser = threading.Event(), [], MavlinkParser()
     heart = Writer(1, 1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
         there.bind(("127.0.0.1", 0))
@@ -194,7 +194,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.usefixtures("no_path_picture")
 def test_the_command_sends_every_pose(
-    matchset: Matchset, flown: Path, autopilot: tuple[int, list[Packet]], capsys: pytest.CaptureFixture[str]
+    matchset: Matchset, flown: Path, autopilot: tuple[int, list[MavlinkPacket]], capsys: pytest.CaptureFixture[str]
 ) -> None:
     number, packets = autopilot
     where = f"mavlink:udpout:127.0.0.1:{number}?as=landing-target"

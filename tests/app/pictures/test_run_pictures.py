@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 from PIL import Image
 
+from blue_ball import CENTERS, SIZE, Matchset, ball_picture
 from matchset.app.course.log import ShapeLog
 from matchset.app.drawing.annotate import OUTLINE, PREDICTED, TrackPainter
 from matchset.app.drawing.status_strip import StatusStrip
@@ -16,7 +16,7 @@ from matchset.app.drawing.text import text_width, wrapped
 from matchset.app.films.video_writer import quick_ending
 from matchset.app.pictures.animation import Animation
 from matchset.app.pictures.film import FilmParameters, RunFilm
-from matchset.app.pictures.part import Moment, Part
+from matchset.app.pictures.part import Moment, VideoPart
 from matchset.app.pictures.summary import Summary
 from matchset.app.track.loop import TrackedFrame
 from matchset.app.track.rows import TrackRow, read_tracks, track_row
@@ -118,7 +118,7 @@ def test_a_wrong_part_is_one_line_and_leaves_nothing(
 
 def test_seconds_count_from_the_first_frame() -> None:
     frames = [Frame(np.zeros((4, 4), np.uint8), 1000.0 + 0.1 * index, index) for index in range(10)]
-    part = Part(Moment(seconds=0.2), Moment(seconds=0.5))
+    part = VideoPart(Moment(seconds=0.2), Moment(seconds=0.5))
     assert [frame.index for frame in part.of(frames)] == [2, 3, 4]
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from benchmarks.clicks.scenes import draw
-from blue_ball import Matchset, ball_picture
 
+from blue_ball import Matchset, ball_picture
 from matchset.app.guidance.large_frames import LargeFrameParameters, reduced, rescaled
 from matchset.app.track import learn_command
 from matchset.image.candidates import Candidate, find_candidates
@@ -170,7 +170,7 @@ class FakeCamera:
 def test_before_a_camera_the_candidates_colors_are_saved(
     matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
+    monkeypatch.setattr("matchset.media.video.Video", FakeCamera)
     assert matchset("learn", "0") == 0
     track, learn = commands(capsys)
     assert track == ["track", "0", "--color", "runs/0001-learn/candidate-1.npz"]
@@ -191,7 +191,7 @@ def test_before_a_camera_it_names_the_colors_that_it_saved(
             return Frame(image, 0.1, super().__next__().index)
 
     real = learn_command._color_of
-    monkeypatch.setattr("matchset.image.video.Video", ThreeBalls)
+    monkeypatch.setattr("matchset.media.video.Video", ThreeBalls)
     monkeypatch.setattr(learn_command, "_color_of", lambda frame, c: real(frame, c) if c.x < 129.0 else None)
     assert matchset("learn", "0") == 0
     out = capsys.readouterr().out

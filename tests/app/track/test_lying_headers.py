@@ -5,13 +5,13 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from blue_ball import Matchset
 
-from matchset.app.live.files.file_feed import FileFeed
-from matchset.app.live.sources.found_sources import Source
-from matchset.app.live.sources.opening import Opening, open_feed
+from blue_ball import Matchset
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
+from matchset.live.files.file_feed import FileFeed
+from matchset.live.sources.found_sources import Source
+from matchset.live.sources.opening import Opening, open_feed
 from shown_clips import access_units, ball_picture, with_matrix, with_ratio, write_clip
 
 PICTURES = [ball_picture((240, 180), (60.0 + 2 * k, 90.0, 30.0)) for k in range(6)]

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
 import shown_clips
+from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 from matchset.app.cli_options import TurnOptions, ViewOptions
-from matchset.app.live.files.file_feed import FileFeed
-from matchset.app.live.sources.found_sources import Source
-from matchset.app.live.sources.opening import Opening, open_feed
 from matchset.app.locate.rows import read_poses
 from matchset.app.track.rows import read_tracks
 from matchset.camera.camera_model import CameraModel
 from matchset.image.color import ColorModel
+from matchset.live.files.file_feed import FileFeed
+from matchset.live.sources.found_sources import Source
+from matchset.live.sources.opening import Opening, open_feed
 from mjpeg_server import MjpegServer
 from shown_clips import write_clip
 

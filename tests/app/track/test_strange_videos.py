@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from blue_ball import CENTERS, RADIUS, SIZE, Matchset, Picture, ball_picture
 
-from matchset.app.track.frame_picker import is_black
+from blue_ball import CENTERS, RADIUS, SIZE, Matchset, Picture, ball_picture
+from matchset.app.target.frame_picker import is_black
 from matchset.app.track.rows import read_tracks
 from strange_clips import needs_opencv5
 

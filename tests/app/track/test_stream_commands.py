@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blue_ball import CENTERS, Matchset, ball_picture
-from flight_process import FlightProcess
 
 import bad_servers
 from bad_servers import BadServer
-from matchset.image.camera_stream import StreamParameters
+from blue_ball import CENTERS, Matchset, ball_picture
+from flight_process import FlightProcess
+from matchset.media.camera_stream import StreamParameters
 from mjpeg_server import Image, MjpegServer
 
 RATE = 120.0  # pictures per second, so that a few dozen do not take a second
@@ -142,7 +142,7 @@ def test_an_address_that_is_no_stream_is_one_line(
     answer: bad_servers.Answer,
 ) -> None:
     hasty = StreamParameters(first_picture_s=0.3, answer_s=1.0)
-    monkeypatch.setattr("matchset.image.camera_stream.DEFAULT", hasty)
+    monkeypatch.setattr("matchset.media.camera_stream.DEFAULT", hasty)
     options = {
         "track": BLUE,
         "learn": (),

@@ -4,9 +4,9 @@ import shlex
 from pathlib import Path
 
 import pytest
-from blue_ball import CENTERS, RADIUS, Matchset, ball_picture
 
 import bags
+from blue_ball import CENTERS, RADIUS, Matchset, ball_picture
 from matchset.app.track.rows import read_tracks
 
 START = 1_700_000_000 * bags.NANO

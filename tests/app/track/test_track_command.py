@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 import pytest
 from benchmarks.clicks.scenes import draw
-from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 
+from blue_ball import CENTERS, RADIUS, SIZE, Matchset, ball_picture
 from matchset.app.track.loop import UNDECODED, RunStatistics, TrackedFrame
 from matchset.app.track.rows import read_tracks, track_row
 from matchset.image.errors import LinkError
@@ -195,7 +195,7 @@ class FakeCamera:
 def test_a_camera_that_goes_away_leaves_whole_files(
     matchset: Matchset, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("matchset.image.video.Video", FakeCamera)
+    monkeypatch.setattr("matchset.media.video.Video", FakeCamera)
     assert matchset("track", "0", "--pick", "50,60", "--print", "-o", "out", "--video", "out.webm") == 3
     captured = capsys.readouterr()
     lines = [json.loads(line) for line in captured.out.splitlines()]

@@ -8,7 +8,8 @@ import errno
 import struct
 from dataclasses import dataclass, field
 
-from matchset.links.arduino import channels, crsf
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels
 from matchset.links.arduino.messages import BIND, CONFIG, READ_CONFIG, STATUS, WRITE_CONFIG, Config
 from matchset.links.link import State
 
@@ -60,7 +61,7 @@ class FakePort:
     heard: list[list[int]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._parser, self._out = crsf.Parser(), bytearray()
+        self._parser, self._out = crsf.CrsfParser(), bytearray()
         self._tick, self._age, self._status_age = 0, 16384, 0
         self._lows = self._bind_left = self._good = self._refused = 0
         self._sticks = self._before = self._flown = (0, 0, 0, 0)

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino import channels, crsf
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import Config
 from matchset.links.arduino.protocol import ArduinoParameters

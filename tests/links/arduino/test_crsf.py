@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from matchset.links.arduino import crsf
+from matchset.links import crsf_frame as crsf
 
 CHANNELS = st.lists(st.integers(crsf.CHANNEL_LOW, crsf.CHANNEL_HIGH), min_size=16, max_size=16)
 
@@ -36,7 +36,7 @@ def test_a_frame_that_is_too_long_is_refused() -> None:
 @given(st.lists(st.tuples(st.integers(0, 255), st.binary(max_size=60)), max_size=5), st.integers(1, 40))
 def test_frames_are_found_however_they_are_cut(frames: list[tuple[int, bytes]], step: int) -> None:
     stream = b"".join(crsf.frame(kind, payload) for kind, payload in frames)
-    parser, found = crsf.Parser(), []
+    parser, found = crsf.CrsfParser(), []
     for start in range(0, len(stream), step):
         found += parser.feed(stream[start : start + step])
     assert found == frames
@@ -45,7 +45,7 @@ def test_frames_are_found_however_they_are_cut(frames: list[tuple[int, bytes]], 
 
 @given(st.binary(max_size=300))
 def test_no_bytes_upset_the_parser_and_it_finds_what_follows(noise: bytes) -> None:
-    parser = crsf.Parser()
+    parser = crsf.CrsfParser()
     parser.feed(noise)
     good = crsf.frame(0x16, crsf.pack_channels([992] * 16))
     found = parser.feed(bytes(64) + good + bytes(64))
@@ -57,7 +57,7 @@ def test_every_single_bit_error_is_noticed() -> None:
     for bit in range(8 * len(good)):
         broken = bytearray(good)
         broken[bit // 8] ^= 1 << bit % 8
-        assert crsf.Parser().feed(bytes(broken)) == []
+        assert crsf.CrsfParser().feed(bytes(broken)) == []
 
 
 @given(st.binary(max_size=40))
@@ -74,9 +74,9 @@ def test_the_table_computes_the_polynomial(data: bytes) -> None:
 def test_a_good_frame_within_a_broken_one_is_found() -> None:
     good = crsf.frame(0x16, crsf.pack_channels([992] * 16))
     for cut in range(1, len(good)):
-        parser = crsf.Parser()
+        parser = crsf.CrsfParser()
         assert parser.feed(good[:cut] + good + bytes(64)) == [(0x16, good[3:-1])], cut
-    parser = crsf.Parser()
+    parser = crsf.CrsfParser()
     assert parser.feed(bytes([crsf.SYNC, len(good), 0]) + good) == [(0x16, good[3:-1])]
     assert parser.bad == 1
 
@@ -84,16 +84,16 @@ def test_a_good_frame_within_a_broken_one_is_found() -> None:
 def test_the_longest_and_the_shortest_frame_are_found_and_no_others_are_waited_for() -> None:
     longest, shortest = crsf.frame(0xE0, bytes(range(60))), crsf.frame(0xE2)
     assert (len(longest), len(shortest)) == (64, 4)
-    assert crsf.Parser().feed(longest + shortest) == [(0xE0, bytes(range(60))), (0xE2, b"")]
+    assert crsf.CrsfParser().feed(longest + shortest) == [(0xE0, bytes(range(60))), (0xE2, b"")]
     for length in (0, 1, 63, 64, 255):
-        parser = crsf.Parser()
+        parser = crsf.CrsfParser()
         assert parser.feed(bytes([crsf.SYNC, length, 0]) + shortest) == [(0xE2, b"")], length
         assert parser.bad == 0
 
 
 def test_a_frame_is_found_with_its_last_byte_and_what_follows_is_kept() -> None:
     one, two = crsf.frame(0xE2), crsf.frame(0xE4, b"BIND")
-    parser = crsf.Parser()
+    parser = crsf.CrsfParser()
     assert parser.feed(one[:-1]) == []
     assert parser.feed(one[-1:] + two[:3]) == [(0xE2, b"")]
     assert parser.feed(two[3:]) == [(0xE4, b"BIND")]
@@ -119,7 +119,7 @@ def test_the_published_checksum() -> None:
 
 def test_a_checksum_like_a_first_byte_begins_no_frame() -> None:
     good = next(each for each in (crsf.frame(0xE2, bytes([byte])) for byte in range(256)) if each[-1] == crsf.SYNC)
-    parser = crsf.Parser()
+    parser = crsf.CrsfParser()
     spurious = crsf.frame(0xE4, b"BIND")[1:]  # with the checksum before it, it would be a frame
     assert parser.feed(good + spurious + good) == [(0xE2, good[3:-1])] * 2
     assert parser.bad == 0

@@ -7,9 +7,11 @@ import pytest
 from fakes import FakePort
 
 from matchset.control.command import Command
-from matchset.links.arduino import channels, crsf
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels
 from matchset.links.arduino.arduino_link import ArduinoLink
-from matchset.links.simulated import FPS, SimulatedChain, SimulationParameters
+from matchset.links.simulated import SimulatedChain
+from matchset.links.simulation_parameters import FPS, SimulationParameters
 
 FLIP = 6  # which channel, from 0
 

@@ -13,7 +13,7 @@ from fakes import STATES, Clock
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino import crsf
+from matchset.links import crsf_frame as crsf
 from matchset.links.arduino.arduino_link import ArduinoLink
 from matchset.links.arduino.messages import STATUS
 
@@ -39,7 +39,7 @@ class ScriptedPort:
         self.out += crsf.frame(STATUS, struct.pack(">BBBBBHHBHHBBbbb", 1, 1, 0, *values, *[0] * 5))
 
     def write(self, data: bytes) -> None:
-        self.frames += [crsf.unpack_channels(payload) for _, payload in crsf.Parser().feed(data)]
+        self.frames += [crsf.unpack_channels(payload) for _, payload in crsf.CrsfParser().feed(data)]
         if self.answers:
             self.say("armed" if self.answers == "as asked" and self.frames[-1][4] > 1500 else "locked")
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
-from matchset.links.arduino.serial_port import SerialPort
+from matchset.links.serial_port import SerialPort
 
 FRAME = bytes(26)
 

@@ -57,8 +57,8 @@ def words_of(before: str) -> tuple[str, ...]:
 MOTORS = """
 import functools
 import sys
-from matchset.app import cli
-from matchset.app.radio import stick_test
+from matchset import cli
+from matchset.flight.radio import stick_test
 
 stick_test.MotorTestParameters = functools.partial(stick_test.MotorTestParameters, min_countdown=1)
 sys.argv[1:] = ["radio", "test-sticks", "--arm", "--countdown", "1", sys.argv[1]]

@@ -8,16 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from matchset.control.command import Command
-from matchset.links.arduino import crsf
+from matchset.links import crsf_frame as crsf
 from matchset.links.crsf import telemetry
 from matchset.links.crsf.sticks import channels, on_air
 from matchset.links.crsf.telemetry import (
-    Attitude,
     Battery,
+    CrsfAttitude,
     Device,
     FlightMode,
+    FrameTiming,
     LinkStatistics,
-    Timing,
     decode,
 )
 from radio_modules import channels_of, flight_mode, link_statistics, message, timing
@@ -26,7 +26,7 @@ STICK = st.floats(-1.0, 1.0)
 
 
 def read(data: bytes) -> list[tuple[int, bytes]]:
-    return crsf.Parser(telemetry.ADDRESSES).feed(data)
+    return crsf.CrsfParser(telemetry.ADDRESSES).feed(data)
 
 
 def only(data: bytes) -> telemetry.Message | None:
@@ -85,10 +85,12 @@ def test_each_message_is_read() -> None:
     assert only(link_statistics(97, 61, -5)) == LinkStatistics(rssi=-61, quality=97, snr=-5, quality_back=99)
     battery = message(0x08, struct.pack(">HHBHB", 38, 52, 1, 2, 80))
     assert only(battery) == Battery(voltage=3.8, current=5.2, used=65.538, left=0.8)
-    assert only(message(0x1E, struct.pack(">hhh", -100, 200, 31415))) == Attitude(roll=0.02, pitch=-0.01, yaw=3.1415)
+    assert only(message(0x1E, struct.pack(">hhh", -100, 200, 31415))) == CrsfAttitude(
+        roll=0.02, pitch=-0.01, yaw=3.1415
+    )
     assert only(flight_mode("ANGL*")) == FlightMode("ANGL*")
     found = only(timing(0.004, -0.0005))
-    assert isinstance(found, Timing)
+    assert isinstance(found, FrameTiming)
     assert found.interval == pytest.approx(0.004)
     assert found.early == pytest.approx(-0.0005)
     name = b"\xea\xeeBench TX\0ELRS" + bytes(4) + bytes((0, 3, 5, 2)) + b"\x10\0"
@@ -141,7 +143,7 @@ def test_no_payload_upsets_the_decoder(kind: int, payload: bytes) -> None:
 
 @given(st.binary(max_size=400), st.integers(1, 64))
 def test_no_noise_hides_what_follows_it(noise: bytes, step: int) -> None:
-    parser, found = crsf.Parser(telemetry.ADDRESSES), []
+    parser, found = crsf.CrsfParser(telemetry.ADDRESSES), []
     stream = noise + bytes([1]) * 64 + link_statistics(88) + bytes([1]) * 64
     for begin in range(0, len(stream), step):
         found += parser.feed(stream[begin : begin + step])
@@ -150,7 +152,7 @@ def test_no_noise_hides_what_follows_it(noise: bytes, step: int) -> None:
 
 @given(st.binary(min_size=1, max_size=200))
 def test_every_byte_belongs_to_a_frame_or_is_counted(noise: bytes) -> None:
-    parser = crsf.Parser(telemetry.ADDRESSES)
+    parser = crsf.CrsfParser(telemetry.ADDRESSES)
     end = bytes([1]) * 70  # no frame begins with it, and it ends all that noise began
     frames = parser.feed(noise + end)
     assert parser.skipped + sum(len(payload) + 4 for _, payload in frames) in (len(noise) + 69, len(noise) + 70)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 from scipy.spatial.transform import Rotation
 
-from matchset.links.mavlink.axes import FRD_OF_RDF, CameraMount, level_turn, quaternion
+from matchset.links.mavlink.axes import FRD_OF_RDF, CameraAxes, level_turn, quaternion
 from matchset.links.mavlink.estimates import (
     landing_target,
     odometry_of_ball,
@@ -18,15 +18,15 @@ from matchset.links.mavlink.estimates import (
     velocity_target,
 )
 from matchset.links.mavlink.messages import BY_NAME
-from matchset.links.mavlink.telemetry import Attitude
+from matchset.links.mavlink.telemetry import AutopilotAttitude
 from matchset.localization.pose import Pose
 
 Floats = npt.NDArray[np.float64]
-AHEAD = CameraMount()
+AHEAD = CameraAxes()
 MOUNTS = [
     AHEAD,
-    CameraMount(pitch=-0.5, yaw=0.7, roll=0.2, forward=0.1, right=-0.04, down=0.03),
-    CameraMount(pitch=-math.pi / 2),
+    CameraAxes(pitch=-0.5, yaw=0.7, roll=0.2, forward=0.1, right=-0.04, down=0.03),
+    CameraAxes(pitch=-math.pi / 2),
 ]
 
 
@@ -70,7 +70,7 @@ def test_quaternions_are_those_of_scipy_with_w_first(seed: int) -> None:
 
 
 def test_a_camera_that_looks_down_sees_what_is_below() -> None:
-    down = CameraMount(pitch=-math.pi / 2, forward=0.1)
+    down = CameraAxes(pitch=-math.pi / 2, forward=0.1)
     values = landing_target(pose((0.0, 0.0, 2.0)), down, 0.28, 5.0)
     assert np.allclose(position_of(values), (0.1, 0.0, 2.0))
     assert (values["frame"], values["position_valid"], values["time_usec"]) == (12, 1, 5_000_000)
@@ -114,7 +114,7 @@ def test_a_camera_on_the_vehicle_knows_where_it_is_from_the_ball() -> None:
 
 
 @pytest.mark.parametrize("mount", MOUNTS)
-def test_both_views_of_one_scene_agree(mount: CameraMount) -> None:
+def test_both_views_of_one_scene_agree(mount: CameraAxes) -> None:
     """The ball's place as seen and the camera's place as the ball sees it are each other's inverse."""
     seen = pose((0.3, -0.4, 2.5), Rotation.from_euler("xyz", (0.2, 2.8, -0.1)))
     ball = odometry_of_ball(seen, mount, 0.0, 1.0)  # the camera's vehicle as the reference
@@ -139,7 +139,7 @@ def moved(seen: Pose, error: Floats) -> Pose:
 
 @pytest.mark.parametrize("mount", MOUNTS)
 @pytest.mark.parametrize("view", ["ball", "camera"])
-def test_the_covariance_is_that_of_small_errors(mount: CameraMount, view: str) -> None:
+def test_the_covariance_is_that_of_small_errors(mount: CameraAxes, view: str) -> None:
     seen = pose((0.3, -0.4, 2.5), Rotation.from_euler("xyz", (0.2, 2.8, -0.1)))
 
     def values(each: Pose) -> Any:
@@ -157,7 +157,7 @@ def test_the_covariance_is_that_of_small_errors(mount: CameraMount, view: str) -
 
 
 @pytest.mark.parametrize("mount", MOUNTS)
-def test_a_target_has_its_standard_deviations(mount: CameraMount) -> None:
+def test_a_target_has_its_standard_deviations(mount: CameraAxes) -> None:
     seen = pose((0.3, -0.4, 2.5), Rotation.from_euler("xyz", (0.2, 2.8, -0.1)))
     values = target_relative(seen, mount, None, 2.0)
     turned = mount.rotation.as_matrix() @ FRD_OF_RDF
@@ -172,7 +172,7 @@ def test_a_target_has_its_standard_deviations(mount: CameraMount) -> None:
 
 
 def test_a_target_s_place_in_north_east_down_follows_from_the_attitude() -> None:
-    attitude = Attitude(2.0, 0.1, -0.2, 1.3)
+    attitude = AutopilotAttitude(2.0, 0.1, -0.2, 1.3)
     values = target_relative(pose((0.3, -0.4, 2.5)), AHEAD, attitude, 2.0)
     w, x, y, z = values["q_sensor"]
     north = Rotation.from_quat((x, y, z, w)).apply(position_of(values))
@@ -191,7 +191,7 @@ def test_a_velocity_ignores_all_else() -> None:
 
 def test_a_mount_is_finite() -> None:
     with pytest.raises(ValueError, match="pitch of a camera's mount must be finite, got nan"):
-        CameraMount(pitch=math.nan)
+        CameraAxes(pitch=math.nan)
 
 
 def test_every_message_of_a_pose_packs() -> None:

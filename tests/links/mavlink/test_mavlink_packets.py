@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from matchset.links.mavlink.checksum import accumulate
-from matchset.links.mavlink.message import SIZES, Field, Message
+from matchset.links.mavlink.message import SIZES, Field, MavlinkMessage
 from matchset.links.mavlink.messages import BY_NAME, MESSAGES
-from matchset.links.mavlink.packet import Packet, Parser, Writer
+from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, Writer
 
 FILE = Path(__file__).with_name("pymavlink_vectors.jsonl")
 VECTORS = [json.loads(line) for line in FILE.read_text(encoding="utf-8").splitlines()]
@@ -48,7 +48,7 @@ def test_every_message_has_vectors() -> None:
 
 
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda each: each.name)
-def test_the_byte_that_checks_the_fields(message: Message) -> None:
+def test_the_byte_that_checks_the_fields(message: MavlinkMessage) -> None:
     extras = {vector["extra"] for vector in VECTORS if vector["name"] == message.name}
     assert extras == {message.crc_extra}
 
@@ -60,7 +60,7 @@ def as_lists(values: dict[str, Any]) -> dict[str, Any]:
 @pytest.mark.parametrize("vector", VECTORS, ids=lambda each: each["name"])
 def test_packets_of_pymavlink_are_read_and_written_alike(vector: dict[str, Any]) -> None:
     theirs = bytes.fromhex(vector["packet"])
-    (packet,) = Parser().feed(theirs)
+    (packet,) = MavlinkParser().feed(theirs)
     assert (packet.system, packet.component, packet.message.name) == (7, 9, vector["name"])
     assert as_lists(packet.values) == vector["values"]
     writer = Writer(7, 9)
@@ -89,9 +89,9 @@ def value(field: Field) -> st.SearchStrategy[Any]:
 @settings(max_examples=25)  # of each of so many messages
 @given(st.data())
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda each: each.name)
-def test_values_come_back(message: Message, data: st.DataObject) -> None:
+def test_values_come_back(message: MavlinkMessage, data: st.DataObject) -> None:
     values = data.draw(st.fixed_dictionaries({field.name: value(field) for field in message.fields}))
-    (packet,) = Parser().feed(Writer(1, 2).write(message.name, values))
+    (packet,) = MavlinkParser().feed(Writer(1, 2).write(message.name, values))
     assert packet[:3] == (1, 2, message)
     for name, was in values.items():
         assert repr(packet.values[name]) == repr(was)  # NaN is no NaN's equal
@@ -128,7 +128,7 @@ def some_packets(count: int) -> list[bytes]:
 @given(st.integers(1, 300), st.integers(1, 64))
 def test_packets_are_found_however_they_are_cut(count: int, step: int) -> None:
     stream = b"".join(some_packets(count))
-    parser, found = Parser(), []
+    parser, found = MavlinkParser(), []
     for start in range(0, len(stream), step):
         found += parser.feed(stream[start : start + step])
     assert len(found) == parser.received == count
@@ -137,7 +137,7 @@ def test_packets_are_found_however_they_are_cut(count: int, step: int) -> None:
 
 @given(st.binary(max_size=400))
 def test_no_bytes_upset_the_parser_and_it_finds_what_follows(noise: bytes) -> None:
-    parser = Parser()
+    parser = MavlinkParser()
     parser.feed(noise)
     found = parser.feed(bytes(300) + Writer(1, 1).write("HEARTBEAT", HEART) + bytes(300))
     assert any(packet.values == {**dict.fromkeys(packet.values, 0), **HEART} for packet in found)
@@ -148,7 +148,7 @@ def test_damaged_packets_are_never_read_as_others(data: st.DataObject) -> None:
     good = bytearray(Writer(1, 1).write("ATTITUDE", {"roll": 0.5, "yawspeed": -1.0}))
     for _ in range(data.draw(st.integers(1, 3))):
         good[data.draw(st.integers(0, len(good) - 1))] ^= 1 << data.draw(st.integers(0, 7))
-    found = Parser().feed(bytes(good))
+    found = MavlinkParser().feed(bytes(good))
     assert not found or found[0].values["roll"] == 0.5
 
 
@@ -157,11 +157,11 @@ def test_every_single_bit_error_is_noticed() -> None:
     for bit in range(8 * len(good)):
         broken = bytearray(good)
         broken[bit // 8] ^= 1 << bit % 8
-        assert Parser().feed(bytes(broken)) == []
+        assert MavlinkParser().feed(bytes(broken)) == []
 
 
 def test_lost_packets_are_counted_and_late_ones_are_not() -> None:
-    parser, packets = Parser(), some_packets(600)
+    parser, packets = MavlinkParser(), some_packets(600)
     for number, packet in enumerate(packets):
         if number % 10 != 5:
             parser.feed(packet)
@@ -171,7 +171,7 @@ def test_lost_packets_are_counted_and_late_ones_are_not() -> None:
 
 
 def test_senders_are_counted_apart() -> None:
-    parser = Parser()
+    parser = MavlinkParser()
     for system in (1, 2):
         writer = Writer(system, 1)
         writer.write("HEARTBEAT", {})
@@ -186,7 +186,7 @@ def unknown(number: int, payload: bytes = b"\xfd\x01\x02") -> bytes:
 
 
 def test_messages_that_are_not_in_the_table_are_skipped_and_counted() -> None:
-    writer, parser = Writer(1, 1), Parser()
+    writer, parser = Writer(1, 1), MavlinkParser()
     packets = [writer.write("HEARTBEAT", HEART) for _ in range(4)]
     found = parser.feed(packets[0] + unknown(1) + packets[2] + packets[3])
     assert len(found) == 3
@@ -196,7 +196,7 @@ def test_messages_that_are_not_in_the_table_are_skipped_and_counted() -> None:
 def test_an_unknown_message_amid_noise_hides_nothing() -> None:
     noise = unknown(0)[:10]  # promises three bytes, and a heartbeat follows
     heart = Writer(1, 1).write("HEARTBEAT", HEART)
-    assert len(Parser().feed(noise + heart + heart)) == 2
+    assert len(MavlinkParser().feed(noise + heart + heart)) == 2
 
 
 def test_a_signed_packet_is_read_and_marked() -> None:
@@ -204,21 +204,21 @@ def test_a_signed_packet_is_read_and_marked() -> None:
     body = plain[1:2] + b"\x01" + plain[3:-2]
     crc = accumulate(bytes([BY_NAME["HEARTBEAT"].crc_extra]), accumulate(body))
     signed = b"\xfd" + body + crc.to_bytes(2, "little") + bytes(13)
-    found = Parser().feed(signed + plain)
+    found = MavlinkParser().feed(signed + plain)
     assert [packet.signed for packet in found] == [True, False]
 
 
 def test_a_flag_that_nobody_knows_makes_it_another_format() -> None:
     plain = bytearray(Writer(1, 1).write("HEARTBEAT", HEART))
     plain[2] = 0x02
-    assert Parser().feed(bytes(plain)) == []
+    assert MavlinkParser().feed(bytes(plain)) == []
 
 
 def test_a_heartbeat_of_the_old_version_is_noticed() -> None:
     payload = struct.pack("<IBBBBB", 0, 2, 3, 81, 4, 3)
     body = bytes([9, 0, 1, 1, 0]) + payload
     crc = accumulate(bytes([50]), accumulate(body))
-    parser = Parser()
+    parser = MavlinkParser()
     assert parser.feed(b"\xfe" + body + crc.to_bytes(2, "little")) == []
     assert parser.old == 1
 
@@ -240,6 +240,6 @@ def test_numbers_go_on_from_zero_after_255() -> None:
 
 
 def test_a_packet_is_a_value() -> None:
-    assert Packet(1, 1, MESSAGES[0], {}).signed is False
+    assert MavlinkPacket(1, 1, MESSAGES[0], {}).signed is False
     attitude = BY_NAME["ATTITUDE"]
     assert math.isnan(attitude.unpack(attitude.pack({"roll": math.nan}))["roll"])

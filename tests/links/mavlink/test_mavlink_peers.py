@@ -10,7 +10,7 @@ import pytest
 
 from matchset.links.mavlink.message import SIZES, Field
 from matchset.links.mavlink.messages import MESSAGES
-from matchset.links.mavlink.packet import Parser, Writer
+from matchset.links.mavlink.packet import MavlinkParser, Writer
 
 ROOT = Path(__file__).resolve().parents[3]
 PEERS = ROOT / ".mavlink"
@@ -63,6 +63,6 @@ def test_what_pymavlink_sends_is_read() -> None:
     sent = messages()
     packets = pymavlink("pack", [json.dumps(each) for each in sent])
     for line, each in zip(packets, sent, strict=True):
-        (packet,) = Parser().feed(bytes.fromhex(line))
+        (packet,) = MavlinkParser().feed(bytes.fromhex(line))
         values = {name: list(value) if isinstance(value, tuple) else value for name, value in packet.values.items()}
         assert (packet.message.name, values) == (each["name"], each["values"])

@@ -19,11 +19,11 @@ from scipy.spatial.transform import Rotation
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
 from matchset.links.mavlink.address import Address
-from matchset.links.mavlink.axes import CameraMount
+from matchset.links.mavlink.axes import CameraAxes
 from matchset.links.mavlink.client import MavlinkParameters
 from matchset.links.mavlink.estimates import landing_target, odometry_of_ball
 from matchset.links.mavlink.mavlink_link import MavlinkLink
-from matchset.links.mavlink.packet import Parser, Writer
+from matchset.links.mavlink.packet import MavlinkParser, Writer
 from matchset.links.mavlink.ports import UdpPort
 from matchset.localization.pose import Pose
 
@@ -41,7 +41,7 @@ class NamedPort(UdpPort):
         return [(sender, self._named(data)) for sender, data in super().read()]
 
     def _named(self, data: bytes) -> bytes:
-        found = Parser().feed(data)
+        found = MavlinkParser().feed(data)
         if len(found) != 1 or found[0].message.name != "HEARTBEAT":
             return data
         packet = found[0]
@@ -175,7 +175,7 @@ def test_poses_are_read_alike(flown: tuple[MavlinkLink, Vehicle]) -> None:
     seen = Pose(
         position=np.array((0.3, -0.4, 2.5)), rotation_matrix=turn, covariance=np.eye(6), observed="full", time=1.0
     )
-    mount = CameraMount(pitch=-0.5)
+    mount = CameraAxes(pitch=-0.5)
     odometry = odometry_of_ball(seen, mount, 0.0, 7.0)
     target = landing_target(seen, mount, 0.28, 7.0)
     until(link, lambda: {"listening": True} in vehicle.told)

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from fake_tello import FakeTello
 
-from matchset.app.flight.config import read_flight
-from matchset.app.flight.linked.vehicle_kind import for_links
+from matchset.flight.chain.config import read_flight
+from matchset.flight.linked.vehicle_kind import for_links
 from matchset.links import connect
 from matchset.links.tello.tello_client import STATES, VIDEO, TelloParameters, parse_tello
 from matchset.links.tello.tello_link import TelloLink

@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 import matchset as ms
-from matchset.links.simulated import SimulationParameters
+from matchset.links.simulation_parameters import SimulationParameters
 from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.conditions.exposures import Exposures, half_exposure
 from matchset.sim.world import RATE

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from matchset.camera.camera_model import CameraModel
-from matchset.links.simulated import STEPS_PER_FRAME
+from matchset.links.simulation_parameters import STEPS_PER_FRAME
 from matchset.sim.conditions.outline_noise import EXACT, PICTURE, Deviates, OutlineNoise, deviates, slip
-from matchset.sim.conditions.outlines import Outline, OutlineCameras
+from matchset.sim.conditions.outlines import BallOutline, OutlineCameras
 from matchset.sim.world import ChainParameters, World
 
 CAMERA = CameraModel(width=640, height=480, fx=320.0, fy=320.0, cx=319.5, cy=239.5)
@@ -47,14 +47,14 @@ def test_an_outline_depends_on_seed_follower_and_picture_only() -> None:
     for (who, step), seen in reversed(forward.items()):
         second.outline_beyond(0, step)
         again = second.outline(who, step)
-        assert isinstance(seen, Outline)
-        assert isinstance(again, Outline)
+        assert isinstance(seen, BallOutline)
+        assert isinstance(again, BallOutline)
         np.testing.assert_array_equal(again.points, seen.points)
         np.testing.assert_array_equal(again.marker, seen.marker)
     assert deviates(3, 1, 0, 160).lasting != deviates(3, 1, 1, 160).lasting
     seen, another = first.outline(0, 480), other.outline(0, 480)
-    assert isinstance(seen, Outline)
-    assert isinstance(another, Outline)
+    assert isinstance(seen, BallOutline)
+    assert isinstance(another, BallOutline)
     assert abs(seen.radius - another.radius) > 1e-3
 
 
@@ -63,7 +63,7 @@ def test_with_zeros_nothing_is_off() -> None:
     assert EXACT.point_deviation(20.0) == 0.0
     views = chain(noise=EXACT)
     seen = views.outline(0, 480)
-    assert isinstance(seen, Outline)
+    assert isinstance(seen, BallOutline)
     assert seen.marker is not None
     poses = views.world.poses(480)
     view = views.viewpoint(poses[0])
@@ -118,8 +118,8 @@ def test_wrong_outlines_come_beyond_their_speed_alone_and_more_often_the_faster(
 def test_the_way_is_that_between_the_middles_of_two_pictures() -> None:
     views = chain(noise=EXACT)
     before, seen = views.outline(1, 160 - PICTURE), views.outline(1, 160)  # it hangs on a rope and swings
-    assert isinstance(before, Outline)
-    assert isinstance(seen, Outline)
+    assert isinstance(before, BallOutline)
+    assert isinstance(seen, BallOutline)
     assert float(np.hypot(*seen.way)) > 0.3
     np.testing.assert_allclose(seen.way, seen.middle - before.middle, atol=0.02)
 
@@ -128,12 +128,12 @@ def test_markers_are_missed_as_often_as_told_while_the_ball_moves(monkeypatch: p
     views = chain(noise=msgspec.structs.replace(EXACT, marker_missed=0.05))
     monkeypatch.setattr(views, "_way", lambda *_: FAST)
     seen = [views.outline(who, step) for who in (0, 1) for step in range(PICTURE, 481, PICTURE)]
-    missed = [isinstance(each, Outline) and each.marker is None for each in seen]
+    missed = [isinstance(each, BallOutline) and each.marker is None for each in seen]
     assert np.mean(missed) == pytest.approx(0.45, abs=0.15)
 
 
 def test_what_is_claimed_is_larger_along_the_motion() -> None:
-    seen = Outline(np.zeros((24, 2)), np.zeros(2), RADIUS, None, np.array((0.0, 10.0)))
+    seen = BallOutline(np.zeros((24, 2)), np.zeros(2), RADIUS, None, np.array((0.0, 10.0)))
     ball, markers = seen.tracks(1.0, NOISE)
     assert markers == ()
     assert ball.field_offset == (0.0, -5.0)  # half the way

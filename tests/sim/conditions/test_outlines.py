@@ -12,7 +12,7 @@ from matchset.localization.localizer import Localizer
 from matchset.localization.pose import Pose
 from matchset.sim.conditions.conditions import Conditions
 from matchset.sim.conditions.outline_noise import EXACT, OutlineNoise
-from matchset.sim.conditions.outlines import Outline, OutlineCameras
+from matchset.sim.conditions.outlines import BallOutline, OutlineCameras
 from matchset.sim.world import ChainParameters, World
 from matchset.tracking.track import Lost
 
@@ -30,7 +30,7 @@ def cameras(
 
 def located(views: OutlineCameras, localizer: Localizer, step: int = 0) -> Pose:
     seen = views.outline(0, step)
-    assert isinstance(seen, Outline)
+    assert isinstance(seen, BallOutline)
     pose = localizer.update(*seen.tracks(1.0, views.noise))
     assert isinstance(pose, Pose)
     return pose
@@ -113,7 +113,7 @@ def test_the_next_but_one_ball_is_seen_beside_the_neighbors_and_not_where_that_h
     view = views.viewpoint(poses[0])
     near, far = (view.from_room @ (poses[k].ball - view.position) for k in (1, 2))
     seen = views.outline_beyond(0, 0)
-    assert isinstance(seen, Outline)
+    assert isinstance(seen, BallOutline)
     assert seen.marker is None
     assert 0.3 * views.noise.points <= len(seen.points) < views.noise.points  # a part of it
     assert seen.middle == pytest.approx(CAMERA.project(far[np.newaxis])[0], abs=3.0)

@@ -9,7 +9,7 @@ from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import bar_over, bar_width, board_over, visible_share
 from matchset.sim.clips.truth import SphereOutline, sphere_outline
 from matchset.sim.rendering.renderer import draw_balloon, draw_occluder
-from matchset.sim.rendering.shutter import Rows
+from matchset.sim.rendering.shutter import ShutterRows
 
 CAMERA = CameraModel.from_fov(640, 480, 1.07)
 BALLOON = Balloon()
@@ -19,11 +19,11 @@ def blank(value: float = 0.0) -> npt.NDArray[np.float32]:
     return np.full((CAMERA.height, CAMERA.width, 3), value, np.float32)
 
 
-def coverage(positions: object, rows: Rows | None = None) -> npt.NDArray[np.float64]:
+def coverage(positions: object, rows: ShutterRows | None = None) -> npt.NDArray[np.float64]:
     """Coverage of each pixel, from the same ball over black and over white."""
     black, white = blank(), blank(255.0)
     for picture in (black, white):
-        draw_balloon(picture, CAMERA, BALLOON, positions, rows=rows or Rows())  # type: ignore[arg-type]
+        draw_balloon(picture, CAMERA, BALLOON, positions, rows=rows or ShutterRows())  # type: ignore[arg-type]
     covered: npt.NDArray[np.float64] = 1.0 - (white - black)[..., 0].astype(float) / 255.0
     return covered
 
@@ -56,7 +56,7 @@ def test_motion_blur_is_the_mean_of_the_sub_exposures() -> None:
 def test_a_field_touches_only_its_own_rows() -> None:
     whole, upper, lower = (
         coverage([(0.1, 0.1, 1.2)]),
-        *(coverage([(0.1, 0.1, 1.2)], Rows(start, 2)) for start in (0, 1)),
+        *(coverage([(0.1, 0.1, 1.2)], ShutterRows(start, 2)) for start in (0, 1)),
     )
     assert not upper[1::2].any()
     assert not lower[0::2].any()

@@ -12,15 +12,15 @@ from urllib.parse import parse_qsl, urlencode
 
 import msgspec
 
-from matchset.app.closing import Closing
 from matchset.app.locate.loop import LocatedFrame
 from matchset.links.mavlink import estimates
 from matchset.links.mavlink.address import parse_address
-from matchset.links.mavlink.axes import CameraMount
+from matchset.links.mavlink.axes import CameraAxes
 from matchset.links.mavlink.client import AutopilotClient, MavlinkParameters
 from matchset.links.mavlink.message import Values
-from matchset.links.mavlink.ports import Port, open_port
+from matchset.links.mavlink.ports import MavlinkPort, open_port
 from matchset.localization.pose import Pose
+from matchset.media.closing import Closing
 from matchset.tracking.track import Lost
 
 Kind = Literal["odometry-ball", "odometry-camera", "landing-target", "target-relative"]
@@ -42,7 +42,7 @@ class PublishParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
         ``odometry-ball``: the ball is on the vehicle, the camera stands on the ground. ``odometry-camera``: the camera
         is on the vehicle, the ball stands on the ground. ``landing-target`` (ArduPilot), ``target-relative`` (PX4): the
         camera is on the vehicle, the ball anywhere.
-    mount : CameraMount
+    mount : CameraAxes
         How the camera sits or stands.
     marker_heading : float
         Where marker 0 faces on a vehicle that carries the ball, rad, clockwise from its front: half a turn, to its
@@ -52,7 +52,7 @@ class PublishParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     """
 
     kind: Kind = "odometry-ball"
-    mount: CameraMount = CameraMount()
+    mount: CameraAxes = CameraAxes()
     marker_heading: float = math.pi
     diameter: float = 0.28
 
@@ -97,7 +97,7 @@ def parse_publisher(text: str, diameter: float = PublishParameters().diameter) -
     uri = where + (f"?{urlencode(given)}" if given else "")
     parse_address(uri)
     heading = numbers.pop("marker", PublishParameters().marker_heading)
-    mount = CameraMount(**numbers)
+    mount = CameraAxes(**numbers)
     as_asked: Any = kind  # checked by the struct
     return uri, PublishParameters(kind=as_asked, mount=mount, marker_heading=heading, diameter=diameter)
 
@@ -128,7 +128,7 @@ class PosePublisher(Closing):
     uri : str
         See `matchset.links.mavlink.address`.
     parameters : PublishParameters, optional
-    port : Port, optional
+    port : MavlinkPort, optional
         Used instead of the port that the URI names.
     clock, sleep : callables
         The time, s, and a function that waits; tests replace them.
@@ -148,7 +148,7 @@ class PosePublisher(Closing):
         self,
         uri: str,
         parameters: PublishParameters | None = None,
-        port: Port | None = None,
+        port: MavlinkPort | None = None,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:

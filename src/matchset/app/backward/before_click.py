@@ -9,10 +9,10 @@ from matchset.app.backward.follow_back import follow_back
 from matchset.app.backward.known_answers import KnownAnswers
 from matchset.app.cli_options import ShownOptions, TargetOptions
 from matchset.app.exit_codes import StopRequest
-from matchset.app.live.files.frame_list import StampedVideo
-from matchset.app.pictures.part import Part
-from matchset.app.track.target_options import LearnedTarget
-from matchset.image.video import Video
+from matchset.app.pictures.part import VideoPart
+from matchset.app.target.target_options import LearnedTarget
+from matchset.media.frame_list import StampedVideo
+from matchset.media.video import Video
 from matchset.tracking.tracker import Tracker
 
 NO_WAY_BACK = "a live source has no way back: the rows begin in the frame of the click"
@@ -60,7 +60,7 @@ def before_click(
         return None
     if target.frame == 0:
         return None
-    part = Part.parse(options.shown.start, options.shown.end)
+    part = VideoPart.parse(options.shown.start, options.shown.end)
     begin = functools.partial(make, target.color, start=target.start)
     opened = functools.partial(StampedVideo.of, video)
     return follow_back(opened, target.frame, begin, part, stop)

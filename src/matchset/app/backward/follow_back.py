@@ -6,19 +6,19 @@ import time
 from collections.abc import Callable
 
 from matchset.app.backward.known_answers import KnownAnswers
-from matchset.app.backward.mirrored import Follower, MirroredTracker
+from matchset.app.backward.mirrored import FrameFollower, MirroredTracker
 from matchset.app.exit_codes import StopRequest
-from matchset.app.live.files.exact_reader import ExactReader
-from matchset.app.live.files.frame_list import FrameList, StampedVideo
-from matchset.app.pictures.part import Part
+from matchset.app.pictures.part import VideoPart
 from matchset.app.progress import progress_bar
+from matchset.media.exact_reader import ExactReader
+from matchset.media.frame_list import FrameList, StampedVideo
 
 
 def follow_back(
     open_video: Callable[[], StampedVideo],
     click: int,
-    make: Callable[[], Follower],
-    part: Part,
+    make: Callable[[], FrameFollower],
+    part: VideoPart,
     stop: StopRequest,
 ) -> KnownAnswers | None:
     """Follow a target from the frame of a click back to the first one that is used.
@@ -34,7 +34,7 @@ def follow_back(
         Index of the frame of the click.
     make : callable
         Makes the tracker, which begins at the click.
-    part : Part
+    part : VideoPart
         Which frames are used.
     stop : StopRequest
         Checked after each frame.
@@ -66,7 +66,7 @@ def follow_back(
 
 
 def _frames_to(
-    open_video: Callable[[], StampedVideo], click: int, part: Part, stop: StopRequest
+    open_video: Callable[[], StampedVideo], click: int, part: VideoPart, stop: StopRequest
 ) -> tuple[FrameList, int | None]:
     """Read a file up to a click; return its frames, and the place of the first one used, None if none is before."""
     frames, first, start = FrameList(), None, 0.0

@@ -8,7 +8,7 @@ from matchset.image.frame import Frame
 from matchset.tracking.track import Lost, Track
 
 
-class Follower(Protocol):
+class FrameFollower(Protocol):
     """What tracks a shape from frame to frame, each later than the one before."""
 
     def update(self, frame: Frame) -> Track[Any] | Lost[Any]:
@@ -26,11 +26,11 @@ class MirroredTracker:
 
     Parameters
     ----------
-    tracker : Follower
+    tracker : FrameFollower
         That has seen no frame.
     """
 
-    def __init__(self, tracker: Follower) -> None:
+    def __init__(self, tracker: FrameFollower) -> None:
         self._tracker = tracker
         self._twice: float | None = None  # twice the time at which it is mirrored, s
 

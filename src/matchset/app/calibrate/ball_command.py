@@ -10,12 +10,12 @@ from typing import Any
 import msgspec
 
 from matchset.app.calibrate.board_command import camera_file
-from matchset.app.calibrate.command import CalibrateOptions
+from matchset.app.calibrate.options import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import StillInterval, still_intervals
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
 from matchset.app.progress import InstructionLine, progress_bar
-from matchset.app.track.target_options import (
+from matchset.app.target.target_options import (
     LearnedTarget,
     check_target_options,
     target_for,
@@ -23,7 +23,7 @@ from matchset.app.track.target_options import (
 )
 from matchset.camera.ball_focal_length import BallFocal, HeldBall, focal_from_ball
 from matchset.image.frame import Frame
-from matchset.image.video import Video
+from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker

@@ -8,8 +8,8 @@ from PIL import Image
 
 from matchset.app.calibrate.board_sheet import PAPERS, as_pdf, as_svg, board_sheet
 from matchset.app.calibrate.board_views import BoardViews, look_for_board
-from matchset.app.calibrate.command import BoardOptions, CalibrateOptions
 from matchset.app.calibrate.coverage_picture import coverage_picture
+from matchset.app.calibrate.options import BoardOptions, CalibrateOptions
 from matchset.app.cli_options import TurnOptions
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note, print_warnings
@@ -19,7 +19,7 @@ from matchset.camera.calibrate import Calibration, calibrate
 from matchset.camera.calibration_report import CalibrationReport, grade_calibration
 from matchset.camera.view_selection import select_views
 from matchset.image.files.whole_file import write_whole
-from matchset.image.video import Video
+from matchset.media.video import Video
 
 _DPI = 300.0  # format: resolution of the printed board, pixels per inch
 _INCH = 0.0254  # theorem: meters in an inch, by definition

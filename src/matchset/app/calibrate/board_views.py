@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from matchset.app.exit_codes import StopRequest
 from matchset.app.progress import InstructionLine, progress_bar
-from matchset.camera.board import Board, BoardFinder, View
+from matchset.camera.board import Board, BoardFinder, BoardView
 from matchset.camera.calibration_report import covered_cells, unseen_corners
 from matchset.camera.view_selection import select_views
-from matchset.image.video import Video
+from matchset.media.video import Video
 from matchset.tracking.track import Lost
 
 
@@ -52,7 +52,7 @@ class BoardViews(msgspec.Struct):
     ----------
     frames : int
         Frames that were searched.
-    views : list of View
+    views : list of BoardView
         The board in those that show it.
     picture : ndarray of shape (h, w, 3) or (h, w), uint8, or None
         The last of these frames.
@@ -61,7 +61,7 @@ class BoardViews(msgspec.Struct):
     """
 
     frames: int = 0
-    views: list[View] = msgspec.field(default_factory=list)
+    views: list[BoardView] = msgspec.field(default_factory=list)
     picture: npt.NDArray[np.uint8] | None = None
     without: deque[npt.NDArray[np.uint8]] = msgspec.field(default_factory=lambda: deque(maxlen=PARAMETERS.kept))
 
@@ -93,7 +93,7 @@ def look_for_board(video: Video, board: Board, stop: StopRequest, quiet: bool = 
                 if isinstance(view, Lost) and seen.frames % PARAMETERS.kept_each == 0:
                     seen.without.append(frame.image)
                 seen.frames += 1
-                if isinstance(view, View):
+                if isinstance(view, BoardView):
                     seen.views.append(view)
                     seen.picture = frame.image
             if isinstance(display, InstructionLine):
@@ -113,7 +113,7 @@ class Advice(NamedTuple):
 
     Attributes
     ----------
-    different : list of View
+    different : list of BoardView
         The views that a calibration would use.
     share : float
         Of the picture that they cover, 0 ... 1.
@@ -122,18 +122,18 @@ class Advice(NamedTuple):
     enough : bool
     """
 
-    different: list[View]
+    different: list[BoardView]
     share: float
     words: str
     enough: bool
 
 
-def advise(views: list[View], width: int, height: int) -> Advice:
+def advise(views: list[BoardView], width: int, height: int) -> Advice:
     """Say which views are still missing.
 
     Parameters
     ----------
-    views : list of View
+    views : list of BoardView
         All so far.
     width, height : int
         Size of the picture, px.
@@ -153,7 +153,7 @@ def advise(views: list[View], width: int, height: int) -> Advice:
     return Advice(different, share, "enough", True)
 
 
-def instruction(views: list[View], width: int, height: int) -> tuple[str, bool]:
+def instruction(views: list[BoardView], width: int, height: int) -> tuple[str, bool]:
     """Return one line for the display, and whether it is enough; see `advise`."""
     advice = advise(views, width, height)
     if advice.enough:

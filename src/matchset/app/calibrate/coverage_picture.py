@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.drawing.text import draw_text, text_width
-from matchset.camera.board import View
+from matchset.camera.board import BoardView
 from matchset.camera.calibration_report import CalibrationReport, covered_cells
 
 Picture = npt.NDArray[np.uint8]
@@ -21,7 +21,7 @@ _UNSEEN_SHARE, _PICTURE_SHARE = 0.30, 0.35  # format: how strong the colors of t
 
 
 def coverage_picture(
-    picture: Picture, views: list[View], report: CalibrationReport | None, refused: str = ""
+    picture: Picture, views: list[BoardView], report: CalibrationReport | None, refused: str = ""
 ) -> Picture:
     """Draw the board's corners over a pale picture, colored where the board never was, with the report below.
 
@@ -29,7 +29,7 @@ def coverage_picture(
     ----------
     picture : ndarray of shape (h, w, 3) or (h, w), uint8
         One of the pictures.
-    views : list of View
+    views : list of BoardView
         Those that were used.
     report : CalibrationReport or None
         The report on the calibration; None if it was refused.
@@ -46,14 +46,14 @@ def coverage_picture(
     return np.vstack((_title(framed.shape[1], len(views)), framed, _report_lines(framed.shape[1], report, refused)))
 
 
-def coverage_map(picture: Picture, views: list[View]) -> Picture:
+def coverage_map(picture: Picture, views: list[BoardView]) -> Picture:
     """Draw the same without words.
 
     Parameters
     ----------
     picture : ndarray of shape (h, w, 3) or (h, w), uint8
         One of the pictures.
-    views : list of View
+    views : list of BoardView
         Those that were used.
 
     Returns

@@ -11,14 +11,14 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.calibrate.command import CalibrateOptions
+from matchset.app.calibrate.options import CalibrateOptions
 from matchset.app.calibrate.still_ball import PARAMETERS as STILL
 from matchset.app.calibrate.still_ball import still_intervals
 from matchset.app.cli_options import TurnOptions
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest, print_error, print_note
 from matchset.app.progress import InstructionLine
 from matchset.app.run_folder import output_file, output_folder
-from matchset.app.track.target_options import load_color
+from matchset.app.target.target_options import load_color
 from matchset.camera.camera_model import CameraModel
 from matchset.control.mount.mount_fit import (
     FittedMount,
@@ -31,11 +31,11 @@ from matchset.control.mount.mount_fit import (
 from matchset.control.mount.mount_fit import marker_place as place_of_marker
 from matchset.image.color import ColorModel
 from matchset.image.files.whole_file import write_whole
-from matchset.image.video import Video
 from matchset.localization.ball_target import BALLOON, BallTarget
 from matchset.localization.localizer import Localizer
 from matchset.localization.markers.marker_tracker import MarkerTracker
 from matchset.localization.pose import Pose
+from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.track import Track
 from matchset.tracking.tracker import Tracker

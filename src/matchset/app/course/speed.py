@@ -12,7 +12,7 @@ AT_ONCE = 4096  # format: frames whose parabolas are fitted together, for the me
 COEFFICIENTS = 3  # theorem: of a parabola
 
 
-class SpeedParameters(msgspec.Struct, frozen=True):
+class CourseSpeedParameters(msgspec.Struct, frozen=True):
     """Over which measurements a speed is taken.
 
     Parameters
@@ -29,10 +29,10 @@ class SpeedParameters(msgspec.Struct, frozen=True):
     least: int = 5
 
 
-PARAMETERS = SpeedParameters()
+PARAMETERS = CourseSpeedParameters()
 
 
-def speed_of(course: Course, parameters: SpeedParameters = PARAMETERS) -> Floats:
+def speed_of(course: Course, parameters: CourseSpeedParameters = PARAMETERS) -> Floats:
     """Estimate the speed of a place, frame by frame.
 
     In each stretch in which it was found without a gap a parabola is fitted to every coordinate by least squares, over
@@ -42,7 +42,7 @@ def speed_of(course: Course, parameters: SpeedParameters = PARAMETERS) -> Floats
     Parameters
     ----------
     course : Course
-    parameters : SpeedParameters, optional
+    parameters : CourseSpeedParameters, optional
 
     Returns
     -------
@@ -57,7 +57,7 @@ def speed_of(course: Course, parameters: SpeedParameters = PARAMETERS) -> Floats
     return speed
 
 
-def local_slope(time: Floats, values: Floats, parameters: SpeedParameters = PARAMETERS) -> Floats:
+def local_slope(time: Floats, values: Floats, parameters: CourseSpeedParameters = PARAMETERS) -> Floats:
     """Fit a parabola around each time and return its slope there.
 
     Parameters
@@ -65,7 +65,7 @@ def local_slope(time: Floats, values: Floats, parameters: SpeedParameters = PARA
     time : ndarray of shape (n,), float64
         Increasing, n >= 2, s.
     values : ndarray of shape (n, k), float64
-    parameters : SpeedParameters, optional
+    parameters : CourseSpeedParameters, optional
 
     Returns
     -------
@@ -87,7 +87,7 @@ def local_slope(time: Floats, values: Floats, parameters: SpeedParameters = PARA
     return slope
 
 
-def _windows(time: Floats, parameters: SpeedParameters) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def _windows(time: Floats, parameters: CourseSpeedParameters) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """First measurement of each time's window, and the one after its last."""
     n, half = len(time), 0.5 * parameters.window * (1.0 + 1e-9)
     middle = 0.5 * (time[0] + time[-1])
@@ -115,6 +115,6 @@ def _fitted(
     return found
 
 
-def window_words(parameters: SpeedParameters = PARAMETERS) -> str:
+def window_words(parameters: CourseSpeedParameters = PARAMETERS) -> str:
     """Say how the speed was taken."""
     return f"slope of a parabola over {1000.0 * parameters.window:g} ms, {parameters.least} frames at least"

@@ -296,7 +296,7 @@ def svg_of(figure: Figure, name: str, inside: bool = False) -> str:
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'<g id="[^"]*">', "<g>", svg)
+    svg = re.sub(r'<g id="[\w.]+_\d+">', "<g>", svg)  # numbered by Matplotlib
     svg = re.sub(r'\b(id="|url\(#|xlink:href="#)', rf"\g<1>{name}-", svg)
     for number, color in enumerate(DARK):
         svg = svg.replace(color, f"var(--plot-{number})")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import cv2
 
-from matchset.image.capture import opencv_name
+from matchset.media.capture import opencv_name
 from matchset.sim.clips.clip import Clip
 from matchset.sim.clips.truth import ClipTruth
 

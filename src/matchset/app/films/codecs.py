@@ -12,16 +12,16 @@ if TYPE_CHECKING:  # the endings of names are checked before anything heavy is l
 Picture: TypeAlias = "npt.NDArray[np.uint8]"
 
 
-class Codec(msgspec.Struct, frozen=True):
+class FilmCodec(msgspec.Struct, frozen=True):
     """A video codec: its FourCC, and its usual name."""
 
     fourcc: str
     name: str
 
 
-MPEG4 = Codec("mp4v", "MPEG-4")
-VP8 = Codec("VP80", "VP8")
-MJPEG = Codec("MJPG", "Motion JPEG")
+MPEG4 = FilmCodec("mp4v", "MPEG-4")
+VP8 = FilmCodec("VP80", "VP8")
+MJPEG = FilmCodec("MJPG", "Motion JPEG")
 CODECS = {".mp4": (MPEG4,), ".webm": (VP8,), ".avi": (MJPEG,)}
 """OpenCV's codecs by file extension, best first. Its wheels write no H.264, and their VP9 takes a second a picture."""
 EVEN = 2  # format: width and height of H.264 with 4:2:0 chroma are multiples of this
@@ -37,7 +37,7 @@ def check_animation(path: Path) -> None:
         raise ValueError(f"an animated picture's name must end in {' or '.join(ANIMATIONS)}, got {str(path)!r}")
 
 
-def codecs_for(path: Path) -> tuple[Codec, ...]:
+def codecs_for(path: Path) -> tuple[FilmCodec, ...]:
     """Return the codecs to try for a file's extension; ValueError if there are none."""
     try:
         return CODECS[path.suffix.lower()]

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import cv2
 
-from matchset.app.films.codecs import MJPEG, MPEG4, VP8, Codec, Film, Picture, codecs_for
+from matchset.app.films.codecs import MJPEG, MPEG4, VP8, Film, FilmCodec, Picture, codecs_for
 from matchset.app.films.noise_smoother import NoiseSmoother
-from matchset.image.capture import hushed, opencv_name
+from matchset.media.capture import hushed, opencv_name
 from matchset.numeric.extras import advice
 
 MPEG4_NOTE = (
@@ -124,7 +124,7 @@ def _name_in_utf8(path: Path) -> Iterator[str]:
         yield name
 
 
-def _open(film: Film, codecs: tuple[Codec, ...]) -> tuple[cv2.VideoWriter, Codec]:
+def _open(film: Film, codecs: tuple[FilmCodec, ...]) -> tuple[cv2.VideoWriter, FilmCodec]:
     for codec in codecs:
         rate = _ENCODING_FPS if codec is VP8 else film.fps
         with hushed, _silent_stderr():

@@ -1,4 +1,4 @@
-"""The annotated video: `Recorder` writes it in a thread, while the next frames are tracked."""
+"""The annotated video: `FilmWriter` writes it in a thread, while the next frames are tracked."""
 
 import queue
 import threading
@@ -7,12 +7,12 @@ from pathlib import Path
 
 import msgspec
 
-from matchset.app.closing import Closing
 from matchset.app.disk import SPACE, FreeSpace, SpaceParameters, UnfinishedFileError, name_beside
 from matchset.app.films.codecs import Encoder, Film, Picture, codecs_for
 from matchset.app.films.ffmpeg_encoder import has_ffmpeg, open_ffmpeg_encoder
 from matchset.app.films.opencv_encoder import OpencvEncoder, count_pictures
 from matchset.app.films.pyav_encoder import open_pyav_encoder
+from matchset.media.closing import Closing
 from matchset.numeric.copies import NotCopied
 
 
@@ -21,7 +21,7 @@ def quick_ending() -> str:
     return ".mp4" if find_spec("av") is not None or has_ffmpeg() else ".webm"
 
 
-class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
+class FilmWriterParameters(msgspec.Struct, frozen=True, kw_only=True):
     """How films are written.
 
     Parameters
@@ -40,7 +40,7 @@ class RecorderParameters(msgspec.Struct, frozen=True, kw_only=True):
     small: bool = False
 
 
-class Recorder(NotCopied, Closing):
+class FilmWriter(NotCopied, Closing):
     """Writes a video in its own thread, since encoding a frame takes longer than tracking one.
 
     A film that exists is overwritten by `close`; one without a picture is removed. If the disk is full, or nearly, the
@@ -57,7 +57,7 @@ class Recorder(NotCopied, Closing):
         Width and height of the pictures, px.
     live : bool
         Whether the frames come from a camera, which does not wait.
-    parameters : RecorderParameters, optional
+    parameters : FilmWriterParameters, optional
 
     Attributes
     ----------
@@ -76,11 +76,11 @@ class Recorder(NotCopied, Closing):
         fps: float,
         size: tuple[int, int],
         live: bool = False,
-        parameters: RecorderParameters | None = None,
+        parameters: FilmWriterParameters | None = None,
     ) -> None:
         codecs_for(path)
         self.path, self._size, self._beside = path, size, name_beside(path)
-        parameters = parameters or RecorderParameters()
+        parameters = parameters or FilmWriterParameters()
         # OpenCV reports a file without write permission as a codec that cannot be opened.
         try:
             self._beside.open("wb").close()

@@ -12,18 +12,18 @@ import numpy as np
 
 from matchset.app.guidance.large_frames import reduced, rescaled
 from matchset.app.guidance.separation import separate
-from matchset.app.track.frame_picker import PARAMETERS as PICKER
-from matchset.app.track.frame_picker import is_black, lit_frame_at
+from matchset.app.target.frame_picker import PARAMETERS as PICKER
+from matchset.app.target.frame_picker import is_black, lit_frame_at
 from matchset.image.candidates import Candidate, find_candidates
 from matchset.image.circle_score import SCORE
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.image.video import Video
+from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.detection import detect
 
 
-class ChoiceParameters(msgspec.Struct, frozen=True):
+class BallChoiceParameters(msgspec.Struct, frozen=True):
     """How the ball is chosen among ball-like circles.
 
     Chosen by hand on four real clips; docs/log/search.md#learn-chooses has the figures of these
@@ -66,7 +66,7 @@ class ChoiceParameters(msgspec.Struct, frozen=True):
     unseen: float = 0.02
 
 
-PARAMETERS = ChoiceParameters()
+PARAMETERS = BallChoiceParameters()
 
 
 class Choice(msgspec.Struct, frozen=True):

@@ -9,11 +9,11 @@ import msgspec
 
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import print_note
-from matchset.app.guidance.next_command import Run, next_command
+from matchset.app.guidance.next_command import FailedRun, next_command
 from matchset.app.guidance.rejected import RejectedOutline, best_rejected
-from matchset.app.guidance.why_picture import Shown, covered, percent, why_picture
+from matchset.app.guidance.why_picture import DrawnEvidence, covered, percent, why_picture
 from matchset.app.progress import announce_if_slow
-from matchset.app.track.target_options import LearnedTarget, RefusedClickError
+from matchset.app.target.target_options import LearnedTarget, RefusedClickError
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
 
@@ -63,13 +63,13 @@ class Explainer:
 
     Parameters
     ----------
-    run : Run
+    run : FailedRun
         The command.
     target : LearnedTarget
         What was looked for.
     """
 
-    def __init__(self, run: Run, target: LearnedTarget) -> None:
+    def __init__(self, run: FailedRun, target: LearnedTarget) -> None:
         self._run, self._target = run, target
         self._lost: Frame | None = None
         self._first: Frame | None = None
@@ -103,7 +103,7 @@ class Explainer:
             rejected = best_rejected(image, self._run.family, color, click)
             words = _words(self._lost, self._reason, color, rejected)
             picture = why_picture(
-                f"frame {self._lost.index}", image, color, Shown(rejected and rejected.shape, click), words
+                f"frame {self._lost.index}", image, color, DrawnEvidence(rejected and rejected.shape, click), words
             )
             write_picture(folder / WHY, picture)
             advice = next_command(self._run, self._lost)
@@ -120,10 +120,10 @@ class Explainer:
             print_note(f"{where}; {doubt} (--pick X,Y)")
 
 
-def explain_refused_click(refused: RefusedClickError, run: Run, folder: Path) -> None:
+def explain_refused_click(refused: RefusedClickError, run: FailedRun, folder: Path) -> None:
     """Write `why.png` for a click whose color was refused, and what to do next to stderr."""
     words = [f"frame {refused.frame.index}: {refused}"]
-    shown = Shown(None, refused.click)
+    shown = DrawnEvidence(None, refused.click)
     write_picture(folder / WHY, why_picture(f"frame {refused.frame.index}", refused.frame.image, None, shown, words))
     _print([], folder / WHY, next_command(run, refused.frame), sys.stderr)
 

@@ -11,12 +11,12 @@ from matchset.app.guidance.as_typed import program
 from matchset.app.guidance.choice import choose
 from matchset.image.color import ColorModel
 from matchset.image.frame import Frame
-from matchset.image.video import Video
+from matchset.media.video import Video
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 
 
-class Run(msgspec.Struct, frozen=True):
+class FailedRun(msgspec.Struct, frozen=True):
     """The command that has found nothing.
 
     Parameters
@@ -83,14 +83,14 @@ def shell_command(*words: str) -> str:
     return f"{program()} {shlex.join(words)}"
 
 
-def next_command(run: Run, lost: Frame | None) -> tuple[str, str]:
+def next_command(run: FailedRun, lost: Frame | None) -> tuple[str, str]:
     """Choose what to type after a run that has found nothing.
 
     A click that is followed in its own frame is proposed where there is one; otherwise the grid of `learn`.
 
     Parameters
     ----------
-    run : Run
+    run : FailedRun
         The run.
     lost : Frame or None
         A frame in which nothing was found.

@@ -20,7 +20,7 @@ _PAPER, _INK, _PALE = (255, 255, 255), (60, 60, 60), (120, 120, 120)  # geometry
 _SHIFT = 4  # format: OpenCV draws at 1/16 px
 
 
-class Shown(msgspec.Struct, frozen=True):
+class DrawnEvidence(msgspec.Struct, frozen=True):
     """What is drawn into both pictures.
 
     Parameters
@@ -35,7 +35,9 @@ class Shown(msgspec.Struct, frozen=True):
     click: tuple[float, float] | None = None
 
 
-def why_picture(title: str, image: Picture, color: ColorModel | None, shown: Shown, words: Sequence[str]) -> Picture:
+def why_picture(
+    title: str, image: Picture, color: ColorModel | None, shown: DrawnEvidence, words: Sequence[str]
+) -> Picture:
     """Put a picture of a failure together.
 
     Parameters
@@ -46,7 +48,7 @@ def why_picture(title: str, image: Picture, color: ColorModel | None, shown: Sho
         The frame.
     color : ColorModel or None
         What was looked for; None where no color could be learned, then there is no mask.
-    shown : Shown
+    shown : DrawnEvidence
         What is drawn into it.
     words : sequence of str
         Sentences, below the pictures; long ones are wrapped.
@@ -83,7 +85,7 @@ def masked(image: Picture, color: ColorModel) -> Picture:
     return np.where(color.mask(image)[..., None] > 0, plain, plain // 6).astype(np.uint8)
 
 
-def _tile(title: str, picture: Picture, shown: Shown) -> Picture:
+def _tile(title: str, picture: Picture, shown: DrawnEvidence) -> Picture:
     """Scale a picture, draw into it, and write its title above."""
     height, width = picture.shape[:2]
     scale = min(_MOST_PX / max(height, width), max(_LEAST_PX / width, 1.0))

@@ -10,19 +10,26 @@ from matchset.app.backward.before_click import before_click
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
-from matchset.app.guidance.next_command import Run, kept_options
+from matchset.app.guidance.next_command import FailedRun, kept_options
 from matchset.app.locate.annotate_pose import PosePainter
-from matchset.app.locate.command import LocateOptions
 from matchset.app.locate.loop import LocatedFrame, Locator, PathLog, locate_frames
-from matchset.app.locate.options import ball_target, ball_tracker, camera_for, load_camera, locator_of, targets_for
+from matchset.app.locate.options import LocateOptions
 from matchset.app.locate.rows import pose_table
-from matchset.app.pictures.part import Part
-from matchset.app.pictures.run_pictures import RunPictures, Wanted
+from matchset.app.locate.what_options_name import (
+    ball_target,
+    ball_tracker,
+    camera_for,
+    load_camera,
+    locator_of,
+    targets_for,
+)
+from matchset.app.pictures.part import VideoPart
+from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.progress import announce_if_slow
 from matchset.app.run_folder import output_folder
+from matchset.app.target.target_options import RefusedClickError
 from matchset.app.track.loop import RunStatistics, print_summary
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
-from matchset.app.track.target_options import RefusedClickError
 from matchset.camera.camera_model import CameraModel
 from matchset.localization.ball_target import BallTarget
 from matchset.localization.localizer import left_out
@@ -69,8 +76,8 @@ def run_locate(options: LocateOptions) -> int:
         folder = output_folder(options.out, "locate", options.force)
         statistics, path, explainer = RunStatistics(), PathLog(), Explainer(command, target)
         painter = PosePainter(camera, ball.radius, options.marker.given)
-        outputs = _outputs(options, Wanted.of(options, "locate", folder, video), painter, path)
-        part = Part.parse(options.shown.start, options.shown.end)
+        outputs = _outputs(options, WantedPictures.of(options, "locate", folder, video), painter, path)
+        part = VideoPart.parse(options.shown.start, options.shown.end)
         out = sys.stderr if options.to_stdout else sys.stdout
         try:
             used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
@@ -106,14 +113,16 @@ def _say_left_out(camera: CameraModel, ball: BallTarget, out: TextIO) -> None:
         print(f"{left_out(camera, ball)}: say how large they are by {' and '.join(missing)}", file=out)
 
 
-def _command(options: LocateOptions, live: bool) -> Run:
+def _command(options: LocateOptions, live: bool) -> FailedRun:
     """Describe the command for what is said where nothing was found."""
     kept = kept_options(options, _KEPT) + kept_options(options.marker, _KEPT_MARKER)
     clicked = options.target.pick or ""
-    return Run("locate", options.source, options.topic, clicked=clicked, kept=kept, live=live, view=options.view)
+    return FailedRun("locate", options.source, options.topic, clicked=clicked, kept=kept, live=live, view=options.view)
 
 
-def _outputs(options: LocateOptions, wanted: Wanted, painter: PosePainter, path: PathLog) -> Outputs[LocatedFrame]:
+def _outputs(
+    options: LocateOptions, wanted: WantedPictures, painter: PosePainter, path: PathLog
+) -> Outputs[LocatedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
     table, latency = pose_table(wanted.folder, options.jsonl), latency_table(wanted.folder)
     pictures = RunPictures(wanted, painter.size, painter.paint, path)

@@ -8,8 +8,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from matchset.app.closing import Closing
-from matchset.app.films.video_writer import Recorder, RecorderParameters
+from matchset.app.films.video_writer import FilmWriter, FilmWriterParameters
+from matchset.media.closing import Closing
 
 Picture = npt.NDArray[np.uint8]
 
@@ -71,7 +71,7 @@ class RunFilm(Closing):
         width, height = (max(2 * round(0.5 * scale * side), 2) for side in size)
         self._size = size if scale == 1.0 else (width, height)
         self._given = size
-        self._recorder = Recorder(path, fps, self._size, live, RecorderParameters(small=small))
+        self._recorder = FilmWriter(path, fps, self._size, live, FilmWriterParameters(small=small))
         self.note, self.ending = self._recorder.note, ""
 
     def write(self, picture: Picture) -> None:

@@ -1,4 +1,4 @@
-"""A part of a video: `--start` and `--end`, as frames or seconds (`Part`)."""
+"""A part of a video: `--start` and `--end`, as frames or seconds (`VideoPart`)."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -41,7 +41,7 @@ def parse_moment(text: str | None, option: str) -> Moment | None:
     return Moment(int(found[1]), None) if found[1] is not None else Moment(None, float(found[2]))
 
 
-class Part(msgspec.Struct, frozen=True):
+class VideoPart(msgspec.Struct, frozen=True):
     """From where to where a video is used.
 
     Parameters
@@ -54,7 +54,7 @@ class Part(msgspec.Struct, frozen=True):
     end: Moment | None = None
 
     @classmethod
-    def parse(cls, start: str | None, end: str | None) -> "Part":
+    def parse(cls, start: str | None, end: str | None) -> "VideoPart":
         """Read both options; ValueError if the end is not after the start."""
         part = cls(parse_moment(start, "--start"), parse_moment(end, "--end"))
         for name in ("frame", "seconds"):

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.app.cli_options import ShownOptions
-from matchset.app.closing import Closing, close_all
 from matchset.app.course.log import Course
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.films.video_writer import quick_ending
@@ -19,7 +18,8 @@ from matchset.app.pictures.film import PARAMETERS, RunFilm
 from matchset.app.pictures.summary import Summary
 from matchset.app.run_folder import output_file
 from matchset.image.frame import Frame
-from matchset.image.video import Video
+from matchset.media.closing import Closing, close_all
+from matchset.media.video import Video
 from matchset.tracking.track import Lost, Track
 
 Picture = npt.NDArray[np.uint8]
@@ -87,7 +87,7 @@ class RunOptions(Protocol):
         ...
 
 
-class Wanted(msgspec.Struct, frozen=True):
+class WantedPictures(msgspec.Struct, frozen=True):
     """Which pictures are asked for.
 
     Parameters
@@ -129,7 +129,7 @@ class Wanted(msgspec.Struct, frozen=True):
     small: bool = False
 
     @classmethod
-    def of(cls, options: RunOptions, name: str, folder: Path, video: Video) -> "Wanted":
+    def of(cls, options: RunOptions, name: str, folder: Path, video: Video) -> "WantedPictures":
         """Take what the options of a command ask for, of a video that is open."""
         return cls(
             folder,
@@ -149,7 +149,7 @@ class RunPictures(Closing, Generic[Drawn]):
 
     Parameters
     ----------
-    wanted : Wanted
+    wanted : WantedPictures
     size : tuple of two ints
         Of the annotated pictures, px.
     paint : callable
@@ -165,7 +165,7 @@ class RunPictures(Closing, Generic[Drawn]):
 
     def __init__(
         self,
-        wanted: Wanted,
+        wanted: WantedPictures,
         size: tuple[int, int],
         paint: Callable[[Frame, Drawn], Picture],
         log: CourseLog | None = None,

@@ -14,7 +14,7 @@ from matchset.app.drawing.annotate import Color
 from matchset.app.drawing.draw import Found, answers_of, draw
 from matchset.app.drawing.trail import TrailParameters
 from matchset.app.films.codecs import codecs_for
-from matchset.app.films.video_writer import Recorder
+from matchset.app.films.video_writer import FilmWriter
 from matchset.app.pictures.run_pictures import DEFAULT_FPS
 from matchset.image.frame import Frame, Picture
 from matchset.numeric.arguments import check_number
@@ -80,7 +80,7 @@ def write_video(
         raise ValueError(f"fps must be positive, got {rate}")
     drawn = _drawn(itertools.chain(beginning, pictures), tracks, trail, colors)
     first = next(drawn)
-    with Recorder(target, float(rate), (first.shape[1], first.shape[0])) as recorder:
+    with FilmWriter(target, float(rate), (first.shape[1], first.shape[0])) as recorder:
         if recorder.note:
             warnings.warn(recorder.note, stacklevel=2)
         for picture in itertools.chain([first], drawn):

@@ -3,31 +3,11 @@
 This module is loaded for every `matchset --help`; the functions import what they need.
 """
 
-from pathlib import Path
-from typing import Annotated
-
-import msgspec
-import typer
-
 from matchset.app.cli_options import (
-    AnnotatedVideo,
-    Folder,
-    Force,
-    Fps,
-    GrayTargetOptions,
-    Params,
-    Points,
-    ReadingNumber,
-    ShapeName,
-    ShownOptions,
-    SilenceOptions,
-    Source,
-    Topic,
-    ToStdout,
-    ViewOptions,
     shape_file,
 )
 from matchset.app.exit_codes import EXIT_CODES, FOUND
+from matchset.app.track.options import DemoOptions, LearnOptions, ParamsOptions, ScoreOptions, TrackOptions
 
 TRACK_EPILOG = f"""
 [bold]Examples[/bold]
@@ -53,26 +33,6 @@ frame, time, found, the shape's parameters (x, y, radius), their standard deviat
 
 {EXIT_CODES}
 """
-
-
-class TrackOptions(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `matchset track`."""
-
-    source: Source
-    topic: Topic = None
-    view: ViewOptions = ViewOptions()
-    target: GrayTargetOptions = GrayTargetOptions()
-    shape: ShapeName = "circle"
-    video: AnnotatedVideo = None
-    shown: ShownOptions = ShownOptions()
-    out: Folder = None
-    jsonl: Annotated[bool, typer.Option("--jsonl", help="Write tracks.jsonl too.")] = False
-    to_stdout: ToStdout = False
-    force: Force = False
-    points: Points = 64
-    params: Params = None
-    fps: Fps = None
-    silence: SilenceOptions = SilenceOptions()
 
 
 def track(options: TrackOptions) -> int:
@@ -103,33 +63,6 @@ LEARN_EPILOG = f"""
 
 {EXIT_CODES}
 """
-
-
-class LearnOptions(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `matchset learn`."""
-
-    source: Source
-    topic: Topic = None
-    view: ViewOptions = ViewOptions()
-    frame: Annotated[
-        int | None,
-        typer.Option(min=0, help="The frame to look at; without it one that shows a ball is chosen."),
-    ] = None
-    pick: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y[@FRAME]", help="A pixel on the ball: learn its color and save it."),
-    ] = None
-    reading: ReadingNumber = 1
-    marker: Annotated[bool, typer.Option("--marker", help="The --pick lies on a ball's marker: learn that spot.")] = (
-        False
-    )
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", metavar="FILE", help="The color file (.npz); without a pick, the picture."),
-    ] = None
-    shape: ShapeName = "circle"
-    force: Force = False
-    silence: SilenceOptions = SilenceOptions()
 
 
 def learn(options: LearnOptions) -> int:
@@ -168,33 +101,12 @@ its second difference. Both need truth in consecutive frames; where there is non
 """
 
 
-class ScoreOptions(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `matchset score`."""
-
-    tracks: Annotated[Path, typer.Argument(help="tracks.csv of 'matchset track'.")]
-    truth: Annotated[Path, typer.Argument(help="Truth: video,frame,x,y,r,visible,method.")]
-    as_json: Annotated[bool, typer.Option("--json", help="Print one line of JSON.")] = False
-    start: Annotated[int, typer.Option("--from", min=0, metavar="FRAME", help="Score from this frame on.")] = 0
-    video: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Which video's rows, if the truth holds several.")
-    ] = None
-
-
 def score(options: ScoreOptions) -> int:
     """Measure tracks against the truth."""
     from matchset.app.track.score import score_files
 
     score_files(options.tracks, options.truth, options.start, options.video, options.as_json)
     return FOUND
-
-
-class DemoOptions(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `matchset demo`."""
-
-    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Folder for what it writes.")] = None
-    frames: Annotated[int, typer.Option(min=10, max=100_000, help="Length of the clip.")] = 300
-    shape: ShapeName = "circle"
-    force: Force = False
 
 
 def demo(options: DemoOptions) -> int:
@@ -217,12 +129,6 @@ PARAMS_EPILOG = """
 
 A file may hold some of them only; the others have their defaults.
 """
-
-
-class ParamsOptions(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `matchset params`."""
-
-    params: Params = None
 
 
 def params(options: ParamsOptions) -> int:

@@ -20,15 +20,15 @@ from matchset.app.drawing.contact_sheet import WIDTH_PX, SheetFrame, contact_she
 from matchset.app.drawing.picture_file import write_picture
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.next_command import shell_command
-from matchset.app.pictures.run_pictures import RunPictures, Wanted
+from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.progress import announce_if_slow, progress_bar
 from matchset.app.run_folder import output_folder
-from matchset.app.track.command import DemoOptions
+from matchset.app.target.shape_option import parse_shape
 from matchset.app.track.loop import RunStatistics, TrackedFrame, computing_lines, follow
+from matchset.app.track.options import DemoOptions
 from matchset.app.track.outputs import Outputs
 from matchset.app.track.rows import TrackRow, track_table
 from matchset.app.track.score import TRUTH_COLUMNS, Score, TruthRow, circles, error_px, print_score, score
-from matchset.app.track.shape_option import parse_shape
 from matchset.image.color import ColorModel
 from matchset.image.files.whole_file import write_whole
 from matchset.image.frame import Frame
@@ -152,7 +152,7 @@ def _write_demo(
 def _outputs(clip: Clip | ShapeClip, folder: Path, family: type[Any], log: ShapeLog) -> Outputs[TrackedFrame]:
     """Begin the files of the demonstration; the sheet of a shape that is no circle is the summary of the run."""
     table = track_table(folder / "tracks.csv", family.parameters)
-    wanted = Wanted(
+    wanted = WantedPictures(
         folder,
         "demo",
         "One click, then every frame",

@@ -13,14 +13,14 @@ from matchset.app.guidance.candidate_tiles import candidate_tiles, mask_picture
 from matchset.app.guidance.choice import Choice, choose
 from matchset.app.guidance.explain import PARAMETERS, explain_refused_click
 from matchset.app.guidance.large_frames import reduced, rescaled
-from matchset.app.guidance.next_command import Run, shell_command
+from matchset.app.guidance.next_command import FailedRun, shell_command
 from matchset.app.guidance.why_picture import covered, percent
 from matchset.app.run_folder import output_file, output_folder
-from matchset.app.track.command import LearnOptions
-from matchset.app.track.frame_picker import lit_frame_at
+from matchset.app.target.frame_picker import lit_frame_at
+from matchset.app.target.shape_option import parse_shape
+from matchset.app.target.target_options import RefusedClickError, color_at, parse_pick, taken_words
 from matchset.app.track.grid_picture import grid_picture
-from matchset.app.track.shape_option import parse_shape
-from matchset.app.track.target_options import RefusedClickError, color_at, parse_pick, taken_words
+from matchset.app.track.options import LearnOptions
 from matchset.image.candidates import Candidate
 from matchset.image.circle_score import SCORE
 from matchset.image.color import ColorModel
@@ -49,7 +49,7 @@ def learn_color(options: LearnOptions) -> int:
         color = color_at(frame, x, y, options.reading, family is Circle, options.marker)
     except RefusedClickError as refused:
         clicked = f"{x:g},{y:g}@{frame.index}"
-        run = Run("learn", options.source, options.topic, family, clicked, live=live, view=options.view)
+        run = FailedRun("learn", options.source, options.topic, family, clicked, live=live, view=options.view)
         explain_refused_click(refused, run, output_folder(None, "learn"))
         raise
     path = (

@@ -11,11 +11,11 @@ from typing import Any, Protocol, TextIO
 import msgspec
 
 from matchset.app.exit_codes import StopRequest, print_warnings
+from matchset.app.target.target_options import LearnedTarget
 from matchset.app.timing.durations import Durations, ms_text
 from matchset.app.track.rows import TrackRow, track_row
-from matchset.app.track.target_options import LearnedTarget
 from matchset.image.frame import Frame
-from matchset.image.video import Video
+from matchset.media.video import Video
 from matchset.tracking.track import Lost, Track
 from matchset.tracking.tracker import Tracker
 

@@ -9,13 +9,13 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
-from matchset.app.closing import Closing, close_all
 from matchset.app.exit_codes import discard_stdout
 from matchset.app.pictures.run_pictures import RunPictures
 from matchset.app.progress import display_for
 from matchset.app.tables import Column, RowWriter, json_line
 from matchset.app.track.loop import CountedFrame, RunStatistics
-from matchset.image.video import Video
+from matchset.media.closing import Closing, close_all
+from matchset.media.video import Video
 
 Answered = TypeVar("Answered", bound=CountedFrame)
 """One frame of a run with its answer, such as a `TrackedFrame`."""

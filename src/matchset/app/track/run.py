@@ -14,17 +14,17 @@ from matchset.app.course.log import ShapeLog
 from matchset.app.drawing.annotate import TrackPainter
 from matchset.app.exit_codes import FOUND, NOT_FOUND, StopRequest
 from matchset.app.guidance.explain import Explainer, explain_refused_click
-from matchset.app.guidance.next_command import Run, kept_options
+from matchset.app.guidance.next_command import FailedRun, kept_options
 from matchset.app.parameters_file import tracker_parameters
-from matchset.app.pictures.part import Part
-from matchset.app.pictures.run_pictures import RunPictures, Wanted
+from matchset.app.pictures.part import VideoPart
+from matchset.app.pictures.run_pictures import RunPictures, WantedPictures
 from matchset.app.run_folder import output_folder
-from matchset.app.track.command import TrackOptions
+from matchset.app.target.shape_option import parse_shape
+from matchset.app.target.target_options import RefusedClickError, check_target_options, target_for
 from matchset.app.track.loop import RunStatistics, TrackedFrame, follow, print_summary, trackers_for
+from matchset.app.track.options import TrackOptions
 from matchset.app.track.outputs import Outputs, latency_table, write_frames
 from matchset.app.track.rows import track_table
-from matchset.app.track.shape_option import parse_shape
-from matchset.app.track.target_options import RefusedClickError, check_target_options, target_for
 from matchset.shapes.circle import Circle
 from matchset.tracking.tracker import Tracker
 
@@ -47,8 +47,7 @@ def run_track(options: TrackOptions) -> int:
     with StopRequest() as stop, silence.open(options.source, options.fps, options.topic, view) as video:
         command = _command(options, family, video.live)
         try:
-            wanted = msgspec.structs.replace(options.target, ball=family is Circle)
-            target, taken = target_for(video, wanted)
+            target, taken = target_for(video, msgspec.structs.replace(options.target, ball=family is Circle))
         except RefusedClickError as refused:
             explain_refused_click(refused, command, output_folder(options.out, "track", options.force))
             raise
@@ -62,9 +61,10 @@ def run_track(options: TrackOptions) -> int:
         files = list(tables)
         try:
             log = ShapeLog(family)
-            outputs = _outputs(options, Wanted.of(options, "track", folder, video), (video.width, video.height), log)
+            wanted_pictures = WantedPictures.of(options, "track", folder, video)
+            outputs = _outputs(options, wanted_pictures, (video.width, video.height), log)
             files = [*tables, *outputs.pictures.files]
-            part = Part.parse(options.shown.start, options.shown.end)
+            part = VideoPart.parse(options.shown.start, options.shown.end)
             used = part.of(itertools.chain(taken, video.until(lambda: bool(stop))))
             frames = follow(used, tracker_at, gaps=not video.live, stop=stop, whole=part.start is None)
             frames = frames if before is None else before.timed(frames)
@@ -81,7 +81,9 @@ def run_track(options: TrackOptions) -> int:
     return FOUND if statistics.found else NOT_FOUND
 
 
-def _outputs(options: TrackOptions, wanted: Wanted, size: tuple[int, int], log: ShapeLog) -> Outputs[TrackedFrame]:
+def _outputs(
+    options: TrackOptions, wanted: WantedPictures, size: tuple[int, int], log: ShapeLog
+) -> Outputs[TrackedFrame]:
     """Begin the files of the run; the tables first, for a film that was begun must be closed."""
     folder, family = wanted.folder, log.family
     table = track_table(folder / "tracks.csv", family.parameters, folder / "tracks.jsonl" if options.jsonl else None)
@@ -96,8 +98,8 @@ def _outputs(options: TrackOptions, wanted: Wanted, size: tuple[int, int], log: 
     return Outputs(table, pictures, latency)
 
 
-def _command(options: TrackOptions, family: type[Any], live: bool) -> Run:
+def _command(options: TrackOptions, family: type[Any], live: bool) -> FailedRun:
     """Describe the command for what is said where nothing was found."""
     clicked = options.target.pick or ""
     kept = kept_options(options, _KEPT)
-    return Run("track", options.source, options.topic, family, clicked, kept, live, options.view)
+    return FailedRun("track", options.source, options.topic, family, clicked, kept, live, options.view)

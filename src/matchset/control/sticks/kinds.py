@@ -1,39 +1,40 @@
-"""What the sticks of a follower's vehicle mean, and how it is known that it flies: `sticks_for`, `kind_of`."""
+"""What the sticks of a follower's vehicle mean, and how it is known that it flies: `sticks_for`, `lift_off_of`."""
 
-from typing import TYPE_CHECKING
-
-from matchset.control.learned.thrust_estimator import ThrustEstimator
+from matchset.control.learned.thrust_estimator import ThrustEstimator, ThrustEstimatorParameters
 from matchset.control.sticks.angle_sticks import AngleSticks, Sticks
-from matchset.control.sticks.ego_parameters import GRAVITY
+from matchset.control.sticks.ego_parameters import GRAVITY, EgoMotionParameters
 from matchset.control.sticks.speed_sticks import SpeedSticks, TakeOff
 
-if TYPE_CHECKING:
-    from matchset.control.follower import FollowerParameters
 
-
-def sticks_for(follower: "FollowerParameters") -> Sticks:
+def sticks_for(model: EgoMotionParameters, min_tilt_cosine: float) -> Sticks:
     """Make what turns speeds or accelerations into sticks.
 
     Parameters
     ----------
-    follower : FollowerParameters
-        As in use.
+    model : EgoMotionParameters
+        The vehicle, as the follower takes it to be.
+    min_tilt_cosine : float
+        As `FollowerParameters.min_tilt_cosine`.
     """
-    model = follower.ego_motion
-    return SpeedSticks(model) if model.speed_commands else AngleSticks(model, follower.min_tilt_cosine)
+    return SpeedSticks(model) if model.speed_commands else AngleSticks(model, min_tilt_cosine)
 
 
-def kind_of(follower: "FollowerParameters") -> tuple[Sticks, ThrustEstimator | TakeOff]:
-    """Make what turns speeds or accelerations into sticks, and what knows of thrust and lift-off.
+def lift_off_of(
+    model: EgoMotionParameters, hover_throttle: float, takeoff: float, parameters: ThrustEstimatorParameters
+) -> ThrustEstimator | TakeOff:
+    """Make what knows of thrust and lift-off.
 
     Parameters
     ----------
-    follower : FollowerParameters
-        As in use.
+    model : EgoMotionParameters
+        The vehicle, as the follower takes it to be.
+    hover_throttle : float
+        The throttle that hovers, as far as is known.
+    takeoff : float
+        As `speeds.takeoff_duration` of the follower.
+    parameters : ThrustEstimatorParameters
     """
-    model, hover = follower.ego_motion, follower.hover_throttle
     if model.speed_commands:
-        return sticks_for(follower), TakeOff(model.delay, follower.speeds.takeoff_duration)
+        return TakeOff(model.delay, takeoff)
     gravity = GRAVITY / model.effective_mass_ratio
-    thrust = ThrustEstimator(hover, gravity, model.delay, model.lift_lag, follower.thrust_estimator)
-    return sticks_for(follower), thrust
+    return ThrustEstimator(hover_throttle, gravity, model.delay, model.lift_lag, parameters)

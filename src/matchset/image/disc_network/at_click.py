@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from matchset.image.disc_network.mean_disc import are_same, mean_disc
-from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
+from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.patch_format import Circle3, Image
 
 
@@ -25,7 +25,7 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
         Radii of the first and the last circle around the click: px, and as a share of the longer side of the picture.
     growth : float
         By which factor these circles grow: less finds more, and takes longer.
-    follow : FollowParameters
+    follow : NetworkFollowParameters
         How the network is led from them.
     holds : float
         How far from its center the click may be, in radii.
@@ -56,7 +56,7 @@ class BallAtClickParameters(msgspec.Struct, frozen=True):
     smallest: float = 4.0
     largest: float = 0.35
     growth: float = 1.35
-    follow: FollowParameters = FollowParameters(most_step=0.35)
+    follow: NetworkFollowParameters = NetworkFollowParameters(most_step=0.35)
     holds: float = 1.02
     larger: float = 3.0
     sure: float = -3.0

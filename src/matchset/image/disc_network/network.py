@@ -35,7 +35,7 @@ FILE = Path(__file__).resolve().parent / "weights.npz"
 ALL_LOOKS = 1_000_000  # format: where nobody counts them
 
 
-class FollowParameters(msgspec.Struct, frozen=True):
+class NetworkFollowParameters(msgspec.Struct, frozen=True):
     """How the network is led to a ball; chosen by hand.
 
     Parameters
@@ -65,7 +65,7 @@ class FollowParameters(msgspec.Struct, frozen=True):
     unrest: float = 1.4
 
 
-class Seen(NamedTuple):
+class NetworkEvidence(NamedTuple):
     """What the network sees around a circle.
 
     Attributes
@@ -170,7 +170,7 @@ class DiscNetwork:
             )
         return self._memories.memory
 
-    def see(self, patch: Patch) -> Seen:
+    def see(self, patch: Patch) -> NetworkEvidence:
         """Say what a patch shows.
 
         Parameters
@@ -181,13 +181,13 @@ class DiscNetwork:
         memory = self._memory()
         memory.patch[...] = patch
         log_odds = look.see(self._weights, memory)
-        return Seen(memory.step.copy(), memory.precision.copy(), log_odds)
+        return NetworkEvidence(memory.step.copy(), memory.precision.copy(), log_odds)
 
     def lead(
         self,
         image: Image,
         starts: Sequence[Circle3],
-        limits: FollowParameters,
+        limits: NetworkFollowParameters,
         known: Colors | None = None,
         looks: int = ALL_LOOKS,
     ) -> tuple[list[Disc | None], int]:
@@ -199,7 +199,7 @@ class DiscNetwork:
             BGR or gray.
         starts : sequence of (x, y, radius)
             px.
-        limits : FollowParameters
+        limits : NetworkFollowParameters
         known : Colors, optional
             Colors of the ball, from another picture: see `colors_of`.
         looks : int
@@ -227,7 +227,7 @@ class DiscNetwork:
         return [_disc_of(row) for row in rows], taken
 
     def follow(
-        self, image: Image, start: Circle3, limits: FollowParameters, known: Colors | None = None
+        self, image: Image, start: Circle3, limits: NetworkFollowParameters, known: Colors | None = None
     ) -> Disc | None:
         """Go from one circle to the ball's; see `lead`."""
         return self.lead(image, [start], limits, known)[0][0]

@@ -17,8 +17,8 @@ from matchset.image.errors import LinkError
 from matchset.links.arduino import channels, messages
 from matchset.links.arduino.messages import Config, Report, Result
 from matchset.links.arduino.protocol import ArduinoParameters, FirmwareClient
-from matchset.links.arduino.serial_port import Port, SerialPort
 from matchset.links.link import Link, LinkStatus
+from matchset.links.serial_port import Port, SerialPort
 from matchset.numeric.copies import NotCopied
 
 SCHEME = "serial://"

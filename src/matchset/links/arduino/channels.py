@@ -5,7 +5,7 @@ firmware sends back; the others stay at the center.
 """
 
 from matchset.control.command import Command
-from matchset.links.arduino.crsf import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
+from matchset.links.crsf_frame import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
 
 FRAME_NUMBERS = 1024  # format: frames are numbered modulo this
 

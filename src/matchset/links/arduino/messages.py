@@ -24,7 +24,7 @@ from typing import Literal, get_args
 import msgspec
 
 from matchset.image.errors import LinkError
-from matchset.links.arduino import crsf
+from matchset.links import crsf_frame as crsf
 from matchset.links.link import State
 
 PROTOCOL = 1  # format: version of these messages

@@ -7,10 +7,11 @@ import msgspec
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino import channels, crsf, messages
+from matchset.links import crsf_frame as crsf
+from matchset.links.arduino import channels, messages
 from matchset.links.arduino.messages import Config, Report, Result
-from matchset.links.arduino.serial_port import Port
 from matchset.links.link import State
+from matchset.links.serial_port import Port
 
 GROUNDED = ("binding", "locked", "failsafe")  # format: states in which the motors are off
 
@@ -98,7 +99,7 @@ class FirmwareClient:
         self.round_trip: float | None = None
         self.refused = self.broken = False
         self._port, self._clock, self._sleep = port, clock, sleep
-        self._parser = crsf.Parser()
+        self._parser = crsf.CrsfParser()
         self._pending: dict[int, tuple[float, bool]] = {}  # frame number: when it was sent, arm switch
         self._config: tuple[Result, Config] | None = None
         self._report: Report | None = None

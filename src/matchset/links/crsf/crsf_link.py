@@ -10,12 +10,12 @@ import msgspec
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino.serial_port import Port, SerialPort
 from matchset.links.crsf.parameters import SCHEME, parse_uri
 from matchset.links.crsf.radio_module import RadioModule
 from matchset.links.crsf.sticks import channels, on_air
-from matchset.links.crsf.telemetry import Attitude, Battery, Device, FlightMode, LinkStatistics, Telemetry
+from matchset.links.crsf.telemetry import Battery, CrsfAttitude, CrsfTelemetry, Device, FlightMode, LinkStatistics
 from matchset.links.link import Link, LinkStatus, State
+from matchset.links.serial_port import Port, SerialPort
 from matchset.numeric.copies import NotCopied
 
 
@@ -74,13 +74,13 @@ class CrsfLink(NotCopied, Link):
             raise
 
     @property
-    def news(self) -> Telemetry:
+    def news(self) -> CrsfTelemetry:
         """What the vehicle and the module said last; never waits."""
         latest = self.module.latest
-        return Telemetry(
+        return CrsfTelemetry(
             link=latest(LinkStatistics),
             battery=latest(Battery),
-            attitude=latest(Attitude),
+            attitude=latest(CrsfAttitude),
             mode=latest(FlightMode),
             module=latest(Device),
             age=self.module.vehicle_age,
@@ -230,7 +230,7 @@ class CrsfLink(NotCopied, Link):
             return f"{what}: its mode is {mode.text!r}"
         return ""
 
-    def _warnings(self, news: Telemetry) -> list[str]:
+    def _warnings(self, news: CrsfTelemetry) -> list[str]:
         words = []
         if news.link is not None and news.link.quality < self.parameters.poor_quality:
             words.append(f"the vehicle hears only {news.link.quality} % of the packets")

@@ -9,20 +9,20 @@ from typing import NamedTuple, TypeVar
 
 from matchset.control.command import Command
 from matchset.image.errors import LinkError
-from matchset.links.arduino import crsf
-from matchset.links.arduino.serial_port import Port
+from matchset.links import crsf_frame as crsf
 from matchset.links.crsf import telemetry
 from matchset.links.crsf.frame_timer import FrameTimer
 from matchset.links.crsf.parameters import CrsfParameters
 from matchset.links.crsf.sticks import channels
 from matchset.links.link import State
+from matchset.links.serial_port import Port
 
 PING_PERIOD = 1.0  # format: s between questions for the name of the module
 FRAME_BITS = 260  # format: of a frame of channels, 26 bytes with start and stop bit each
 _T = TypeVar("_T", bound=telemetry.Message)
 
 
-class Wanted(NamedTuple):
+class WantedCommand(NamedTuple):
     """What the caller wants to be sent, and since when, s."""
 
     command: Command
@@ -66,13 +66,13 @@ class RadioModule:
         self.ended: State | None = None
         self._endings: tuple[State | None, int] = None, 0  # what the last messages say of the flight, how many alike
         self._port, self._clock = port, clock
-        self._parser = crsf.Parser(telemetry.ADDRESSES)
+        self._parser = crsf.CrsfParser(telemetry.ADDRESSES)
         self._latest: dict[type, tuple[telemetry.Message, float]] = {}
         self._pinged_at = self._resumed_at = now = clock()
         shortest = max(parameters.shortest, FRAME_BITS / parameters.baud)
         period = max(1.0 / parameters.rate, shortest)
         self.timer = FrameTimer(period, shortest, parameters.longest, parameters.step, now)
-        self._wanted = Wanted(Command(), False, now)
+        self._wanted = WantedCommand(Command(), False, now)
         self._heard_at: float | None = None
         self._vehicle_at: float | None = None
         self._quiet_from = math.inf
@@ -134,7 +134,7 @@ class RadioModule:
         if self._quiet_from <= now:
             self._resumed_at = now
         self._quiet_from = math.inf
-        self._wanted = Wanted(command, armed, now)
+        self._wanted = WantedCommand(command, armed, now)
 
     def watch(self, watched: bool) -> None:
         """Look whether the flight controller ends the flight, or no longer."""
@@ -245,7 +245,7 @@ class RadioModule:
         answers = isinstance(message, telemetry.LinkStatistics) and message.quality > 0
         if answers or kind in telemetry.FROM_VEHICLE:
             self._vehicle_at = now
-        if isinstance(message, telemetry.Timing):
+        if isinstance(message, telemetry.FrameTiming):
             self.timer.correct(message.interval, message.early)
         if isinstance(message, telemetry.FlightMode) and self._watched:
             state: State | None = "failsafe" if message.failsafe else "locked" if message.disarmed else None

@@ -1,7 +1,7 @@
 """A command as the sixteen channels of a transmitter: roll, pitch, throttle, yaw, and the arm switch."""
 
 from matchset.control.command import Command
-from matchset.links.arduino.crsf import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
+from matchset.links.crsf_frame import CHANNEL_CENTER, CHANNEL_COUNT, CHANNEL_HIGH, CHANNEL_LOW
 
 ROLL, PITCH, THROTTLE, YAW = 0, 1, 2, 3  # format: order of the channels, AETR
 _HALF, _WHOLE = CHANNEL_HIGH - CHANNEL_CENTER, CHANNEL_HIGH - CHANNEL_LOW

@@ -64,7 +64,7 @@ class Battery(msgspec.Struct, frozen=True):
     left: float
 
 
-class Attitude(msgspec.Struct, frozen=True):
+class CrsfAttitude(msgspec.Struct, frozen=True):
     """Attitude by the flight controller, rad: roll to the right, nose up, clockwise seen from above."""
 
     roll: float
@@ -104,7 +104,7 @@ class FlightMode(msgspec.Struct, frozen=True):
         return self.text.rstrip("*!?") in _RATE_MODES
 
 
-class Timing(msgspec.Struct, frozen=True):
+class FrameTiming(msgspec.Struct, frozen=True):
     """When the module wants frames: its interval, and by how much the last one came too early, s."""
 
     interval: float
@@ -118,18 +118,18 @@ class Device(msgspec.Struct, frozen=True):
     version: str
 
 
-class Telemetry(msgspec.Struct, frozen=True):
+class CrsfTelemetry(msgspec.Struct, frozen=True):
     """What was said last; None where nothing came, age of the last news of the vehicle in s."""
 
     link: LinkStatistics | None
     battery: Battery | None
-    attitude: Attitude | None
+    attitude: CrsfAttitude | None
     mode: FlightMode | None
     module: Device | None
     age: float
 
 
-Message = LinkStatistics | Battery | Attitude | FlightMode | Timing | Device
+Message = LinkStatistics | Battery | CrsfAttitude | FlightMode | FrameTiming | Device
 
 _LINK, _BATTERY, _TIMING = struct.Struct(">BBBbBBBBBb"), struct.Struct(">HHBHB"), struct.Struct(">BBBIi")
 
@@ -151,7 +151,7 @@ def decode(kind: int, payload: bytes) -> Message | None:
             return Battery(voltage / 10, current / 10, (high << 16 | low) / 1000, _percent(left) / 100)
         if kind == ATTITUDE:
             pitch, roll, yaw = struct.unpack(">hhh", payload)
-            return Attitude(roll / 1e4, pitch / 1e4, yaw / 1e4)
+            return CrsfAttitude(roll / 1e4, pitch / 1e4, yaw / 1e4)
     except struct.error:
         raise ValueError(f"a frame of type {kind:02x} has no {len(payload)} bytes") from None
     if kind == FLIGHT_MODE:
@@ -193,11 +193,11 @@ def _text(payload: bytes) -> tuple[str, bytes]:
     return text.decode("ascii"), rest
 
 
-def _timing(payload: bytes) -> Timing:
+def _timing(payload: bytes) -> FrameTiming:
     if len(payload) != _TIMING.size:
         raise ValueError(f"a frame of type {TIMING:02x} has no {len(payload)} bytes")
     *_, interval, early = _TIMING.unpack(payload)
-    return Timing(interval * TICK, early * TICK)
+    return FrameTiming(interval * TICK, early * TICK)
 
 
 def _device(payload: bytes) -> Device:

@@ -23,7 +23,7 @@ Floats = npt.NDArray[np.float64]
 FRD_OF_RDF: Floats = np.array(((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
 
 
-class CameraMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class CameraAxes(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How a camera sits on a vehicle, or stands on the ground.
 
     Parameters

@@ -9,9 +9,9 @@ from matchset.image.errors import LinkError
 from matchset.links.mavlink.address import Address
 from matchset.links.mavlink.autopilots import Autopilot, autopilot_of
 from matchset.links.mavlink.message import Values
-from matchset.links.mavlink.packet import Packet, Parser, Writer
-from matchset.links.mavlink.ports import Port
-from matchset.links.mavlink.telemetry import Telemetry
+from matchset.links.mavlink.packet import MavlinkPacket, MavlinkParser, Writer
+from matchset.links.mavlink.ports import MavlinkPort
+from matchset.links.mavlink.telemetry import AutopilotTelemetry
 
 STATION, ONBOARD = 6, 18  # format: MAV_TYPE of a ground station, of a computer on board
 NO_AUTOPILOT, ACTIVE, VERSION = 8, 4, 3  # format: of a heartbeat: MAV_AUTOPILOT, MAV_STATE, MAVLink
@@ -81,7 +81,7 @@ class AutopilotClient:
         Name of the link in error messages.
     address : Address
         Which vehicle is meant, and who we are.
-    port : Port
+    port : MavlinkPort
     parameters : MavlinkParameters
     clock, sleep : callables
         The time, s, and a function that waits.
@@ -93,7 +93,7 @@ class AutopilotClient:
     autopilot : Autopilot
     kind : int
         Type of the vehicle, MAV_TYPE.
-    telemetry : Telemetry
+    telemetry : AutopilotTelemetry
     stations : set of int
         Numbers of the other ground stations that are heard.
     round_trip : float or None
@@ -108,7 +108,7 @@ class AutopilotClient:
         self,
         name: str,
         address: Address,
-        port: Port,
+        port: MavlinkPort,
         parameters: MavlinkParameters,
         clock: Callable[[], float],
         sleep: Callable[[float], None],
@@ -116,14 +116,14 @@ class AutopilotClient:
         self.name, self.address, self.parameters = name, address, parameters
         self.system = self.component = self.kind = 0
         self.autopilot: Autopilot = autopilot_of(0)
-        self.telemetry, self.stations = Telemetry(), set[int]()
+        self.telemetry, self.stations = AutopilotTelemetry(), set[int]()
         self.round_trip: float | None = None
         self.clock_offset: float | None = None
         self.broken = False
         self._port, self._clock, self._sleep = port, clock, sleep
         self._writer = Writer(address.system, STATION_COMPONENT)
         self._type = STATION
-        self._parsers: dict[str, Parser] = {}
+        self._parsers: dict[str, MavlinkParser] = {}
         self._hearts: dict[tuple[int, str], tuple[int, Values]] = {}  # vehicle and sender: component, heartbeat
         self._beat_at: float | None = None
         self._asked_at, self._best_trip = 0, float("inf")
@@ -189,7 +189,7 @@ class AutopilotClient:
         except OSError as error:
             raise self._gone(error) from error
         for sender, data in arrived:
-            for packet in self._parsers.setdefault(sender, Parser()).feed(data):
+            for packet in self._parsers.setdefault(sender, MavlinkParser()).feed(data):
                 self._note(packet, sender)
         now = self._clock()
         if self._beat_at is None or now - self._beat_at >= self.parameters.heartbeat_period:
@@ -199,7 +199,7 @@ class AutopilotClient:
             if self.system:
                 self.write("TIMESYNC", {"ts1": self._asked_at})
 
-    def check(self) -> Telemetry:
+    def check(self) -> AutopilotTelemetry:
         """Receive, and return what the autopilot said; never waits.
 
         Raises
@@ -295,7 +295,7 @@ class AutopilotClient:
         """Close the port."""
         self._port.close()
 
-    def _note(self, packet: Packet, sender: str) -> None:
+    def _note(self, packet: MavlinkPacket, sender: str) -> None:
         name, values, now = packet.message.name, packet.values, self._clock()
         if name == "HEARTBEAT" and values["autopilot"] == NO_AUTOPILOT:
             if values["type"] == STATION:

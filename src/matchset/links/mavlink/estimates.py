@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from matchset.links.mavlink.axes import FRD_OF_RDF, CameraMount, level_turn, quaternion
+from matchset.links.mavlink.axes import FRD_OF_RDF, CameraAxes, level_turn, quaternion
 from matchset.links.mavlink.message import Values
-from matchset.links.mavlink.telemetry import Attitude
+from matchset.links.mavlink.telemetry import AutopilotAttitude
 from matchset.localization.pose import UNOBSERVED_VARIANCE, Pose
 
 Floats = npt.NDArray[np.float64]
@@ -28,14 +28,14 @@ NO_TURN = (1.0, 0.0, 0.0, 0.0)  # format: quaternion of no rotation
 MICRO = 1e6  # format: time stamps are in microseconds
 
 
-def odometry_of_ball(pose: Pose, mount: CameraMount, marker_heading: float, time: float) -> Values:
+def odometry_of_ball(pose: Pose, mount: CameraAxes, marker_heading: float, time: float) -> Values:
     """ODOMETRY of a vehicle that carries the ball, before a camera that stands still.
 
     Parameters
     ----------
     pose : Pose
         Of the ball; where its rotation was not observed the attitude is NaN.
-    mount : CameraMount
+    mount : CameraAxes
         How the camera stands: the reference is level, below its axis, with its origin where the mount says.
     marker_heading : float
         Where marker 0 faces on the vehicle, rad, clockwise from its front: pi, to the back, in the paper.
@@ -56,7 +56,7 @@ def odometry_of_ball(pose: Pose, mount: CameraMount, marker_heading: float, time
     return _odometry(position, attitude, covariance, time)
 
 
-def odometry_of_camera(pose: Pose, mount: CameraMount, time: float) -> Values | None:
+def odometry_of_camera(pose: Pose, mount: CameraAxes, time: float) -> Values | None:
     """ODOMETRY of a vehicle that carries the camera, before a ball that stands still.
 
     The reference is at the ball: forward as marker 0 faces, right, down.
@@ -65,7 +65,7 @@ def odometry_of_camera(pose: Pose, mount: CameraMount, time: float) -> Values | 
     ----------
     pose : Pose
         Of the ball.
-    mount : CameraMount
+    mount : CameraAxes
         How the camera sits on the vehicle.
     time : float
         When the picture was taken, s, on our clock.
@@ -85,14 +85,14 @@ def odometry_of_camera(pose: Pose, mount: CameraMount, time: float) -> Values | 
     return _odometry(-to_ball @ arm, attitude, parts @ pose.covariance @ parts.T, time)
 
 
-def landing_target(pose: Pose, mount: CameraMount, diameter: float, time: float) -> Values:
+def landing_target(pose: Pose, mount: CameraAxes, diameter: float, time: float) -> Values:
     """LANDING_TARGET: the ball as the vehicle sees it, forward, right, down.
 
     Parameters
     ----------
     pose : Pose
         Of the ball.
-    mount : CameraMount
+    mount : CameraAxes
         How the camera sits on the vehicle.
     diameter : float
         Of the ball, m.
@@ -120,16 +120,16 @@ def landing_target(pose: Pose, mount: CameraMount, diameter: float, time: float)
     }
 
 
-def target_relative(pose: Pose, mount: CameraMount, attitude: Attitude | None, time: float) -> Values:
+def target_relative(pose: Pose, mount: CameraAxes, attitude: AutopilotAttitude | None, time: float) -> Values:
     """TARGET_RELATIVE: the ball as the vehicle sees it, forward, right, down, with standard deviations.
 
     Parameters
     ----------
     pose : Pose
         Of the ball.
-    mount : CameraMount
+    mount : CameraAxes
         How the camera sits on the vehicle.
-    attitude : Attitude or None
+    attitude : AutopilotAttitude or None
         Of the vehicle when the picture was taken; None if it is not known.
     time : float
         When the picture was taken, s, on our clock.

@@ -15,8 +15,8 @@ from matchset.links.link import Link, LinkStatus, State
 from matchset.links.mavlink.address import parse_address
 from matchset.links.mavlink.autopilots import COPTERS
 from matchset.links.mavlink.client import AutopilotClient, MavlinkParameters
-from matchset.links.mavlink.ports import Port, open_port
-from matchset.links.mavlink.telemetry import Telemetry
+from matchset.links.mavlink.ports import MavlinkPort, open_port
+from matchset.links.mavlink.telemetry import AutopilotTelemetry
 from matchset.numeric.copies import NotCopied
 
 FULL = 1000  # format: of a stick in MANUAL_CONTROL
@@ -44,7 +44,7 @@ class MavlinkLink(NotCopied, Link):
     ----------
     uri : str
         See `matchset.links.mavlink.address`.
-    port : Port, optional
+    port : MavlinkPort, optional
         Used instead of the port that the URI names.
     parameters : MavlinkParameters, optional
     clock, sleep : callables
@@ -68,7 +68,7 @@ class MavlinkLink(NotCopied, Link):
     def __init__(
         self,
         uri: str,
-        port: Port | None = None,
+        port: MavlinkPort | None = None,
         parameters: MavlinkParameters | None = None,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
@@ -190,7 +190,7 @@ class MavlinkLink(NotCopied, Link):
             raise LinkError(f"{self.uri}: {client.autopilot.name} is {words}")
         return mode
 
-    def _follow(self, told: Telemetry) -> None:
+    def _follow(self, told: AutopilotTelemetry) -> None:
         """Disarm when the autopilot has disarmed or flies in another mode."""
         if self._armed and not (told.armed and told.mode == self._mode):
             mode = self.client.autopilot.mode_name(told.mode)
@@ -201,13 +201,13 @@ class MavlinkLink(NotCopied, Link):
         if self._is_disarmed(told) and not self._arming:
             self._ours = self._cut = False
 
-    def _state(self, told: Telemetry) -> State:
+    def _state(self, told: AutopilotTelemetry) -> State:
         self._follow(told)
         if self._end or (self._cut and told.armed):
             return "failsafe"
         return "armed" if told.armed else "locked"
 
-    def _warnings(self, told: Telemetry) -> tuple[str, ...]:
+    def _warnings(self, told: AutopilotTelemetry) -> tuple[str, ...]:
         """Return all that a pilot must read, in words."""
         now, p = self._clock(), self.parameters
         found = list(told.said_since(now - p.timeout))
@@ -272,7 +272,7 @@ class MavlinkLink(NotCopied, Link):
                 self._send(Command())
             self._sleep(p.frame_period)
 
-    def _is_disarmed(self, told: Telemetry) -> bool:
+    def _is_disarmed(self, told: AutopilotTelemetry) -> bool:
         """Whether a heartbeat says so that came since the last change."""
         return not told.armed and (told.heart_at or 0.0) >= self._changed_at
 

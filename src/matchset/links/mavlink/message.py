@@ -1,4 +1,4 @@
-"""What a MAVLink message consists of, from which it is packed, parsed, checked and documented: `Message`, `Field`.
+"""What a MAVLink message consists of, from which it is packed, parsed and documented: `MavlinkMessage`, `Field`.
 
 A payload holds the fields with the largest type first, otherwise in their order; extension fields follow in their
 order (MAVLink's guide, "Packet Serialization"). Numbers are little-endian. MAVLink 2 leaves out zero bytes at the end
@@ -70,7 +70,7 @@ class Field(msgspec.Struct, frozen=True):
         return self.base == "char"
 
 
-class Message(msgspec.Struct, frozen=True, dict=True):
+class MavlinkMessage(msgspec.Struct, frozen=True, dict=True):
     """A message and all its fields, in the order of MAVLink's definitions.
 
     Attributes

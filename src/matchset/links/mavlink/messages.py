@@ -3,9 +3,9 @@
 Names, types, units and numbers are those of MAVLink's definitions (`common.xml`; TARGET_RELATIVE: `development.xml`).
 """
 
-from matchset.links.mavlink.message import Field, Message
+from matchset.links.mavlink.message import Field, MavlinkMessage
 
-HEARTBEAT = Message(
+HEARTBEAT = MavlinkMessage(
     0,
     "HEARTBEAT",
     "sent once a second; from the autopilot: its kind, whether it is armed, and its mode",
@@ -19,7 +19,7 @@ HEARTBEAT = Message(
     ),
 )
 
-SYS_STATUS = Message(
+SYS_STATUS = MavlinkMessage(
     1,
     "SYS_STATUS",
     "battery and health of the autopilot",
@@ -43,7 +43,7 @@ SYS_STATUS = Message(
     ),
 )
 
-PARAM_REQUEST_READ = Message(
+PARAM_REQUEST_READ = MavlinkMessage(
     20,
     "PARAM_REQUEST_READ",
     "asks for the settings that decide what silence does",
@@ -55,7 +55,7 @@ PARAM_REQUEST_READ = Message(
     ),
 )
 
-PARAM_VALUE = Message(
+PARAM_VALUE = MavlinkMessage(
     22,
     "PARAM_VALUE",
     "the answer",
@@ -68,7 +68,7 @@ PARAM_VALUE = Message(
     ),
 )
 
-ATTITUDE = Message(
+ATTITUDE = MavlinkMessage(
     30,
     "ATTITUDE",
     "the autopilot's estimate of its attitude; asked for 20 times a second",
@@ -83,7 +83,7 @@ ATTITUDE = Message(
     ),
 )
 
-MANUAL_CONTROL = Message(
+MANUAL_CONTROL = MavlinkMessage(
     69,
     "MANUAL_CONTROL",
     "the sticks, with every command",
@@ -107,7 +107,7 @@ MANUAL_CONTROL = Message(
     ),
 )
 
-COMMAND_LONG = Message(
+COMMAND_LONG = MavlinkMessage(
     76,
     "COMMAND_LONG",
     "arm and disarm (400), choose a mode (176), ask for a message's rate (511)",
@@ -120,7 +120,7 @@ COMMAND_LONG = Message(
     ),
 )
 
-COMMAND_ACK = Message(
+COMMAND_ACK = MavlinkMessage(
     77,
     "COMMAND_ACK",
     "the autopilot's answer to a command",
@@ -134,7 +134,7 @@ COMMAND_ACK = Message(
     ),
 )
 
-SET_POSITION_TARGET_LOCAL_NED = Message(
+SET_POSITION_TARGET_LOCAL_NED = MavlinkMessage(
     84,
     "SET_POSITION_TARGET_LOCAL_NED",
     "a velocity to fly at, in GUIDED or OFFBOARD mode",
@@ -158,7 +158,7 @@ SET_POSITION_TARGET_LOCAL_NED = Message(
     ),
 )
 
-TIMESYNC = Message(
+TIMESYNC = MavlinkMessage(
     111,
     "TIMESYNC",
     "both clocks compared, once a second; the autopilot's questions are answered",
@@ -168,7 +168,7 @@ TIMESYNC = Message(
     ),
 )
 
-BATTERY_STATUS = Message(
+BATTERY_STATUS = MavlinkMessage(
     147,
     "BATTERY_STATUS",
     "charge of the battery",
@@ -190,7 +190,7 @@ BATTERY_STATUS = Message(
     ),
 )
 
-LANDING_TARGET = Message(
+LANDING_TARGET = MavlinkMessage(
     149,
     "LANDING_TARGET",
     "the ball as the vehicle's camera sees it, for ArduPilot's precision landing",
@@ -212,7 +212,7 @@ LANDING_TARGET = Message(
     ),
 )
 
-STATUSTEXT = Message(
+STATUSTEXT = MavlinkMessage(
     253,
     "STATUSTEXT",
     "what the autopilot says in words: why it does not arm",
@@ -224,7 +224,7 @@ STATUSTEXT = Message(
     ),
 )
 
-ODOMETRY = Message(
+ODOMETRY = MavlinkMessage(
     331,
     "ODOMETRY",
     "where the vehicle is, with covariance, for the autopilot's own estimator",
@@ -250,7 +250,7 @@ ODOMETRY = Message(
     ),
 )
 
-TARGET_RELATIVE = Message(
+TARGET_RELATIVE = MavlinkMessage(
     511,
     "TARGET_RELATIVE",
     "the ball as the vehicle's camera sees it, with standard deviations, for PX4 1.18",

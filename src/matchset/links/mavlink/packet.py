@@ -1,4 +1,4 @@
-"""MAVLink 2 packets: `Writer` makes them, `Parser` finds them in a stream of bytes.
+"""MAVLink 2 packets: `Writer` makes them, `MavlinkParser` finds them in a stream of bytes.
 
 A packet is ``FD | n | flags that must be understood | other flags | sequence number | system | component | message id,
 3 bytes | n bytes of payload | CRC, 2 bytes``, after a signed one 13 bytes of signature. The CRC covers all after FD and
@@ -8,7 +8,7 @@ then the message's CRC_EXTRA. Signatures are neither made nor checked.
 from typing import NamedTuple
 
 from matchset.links.mavlink.checksum import accumulate
-from matchset.links.mavlink.message import Message, Values
+from matchset.links.mavlink.message import MavlinkMessage, Values
 from matchset.links.mavlink.messages import BY_ID, BY_NAME, HEARTBEAT
 
 MARK, OLD_MARK = 0xFD, 0xFE  # format: first byte of a packet of MAVLink 2, of MAVLink 1
@@ -18,14 +18,14 @@ NUMBERS = 256  # format: sequence numbers are modulo this
 LATE = 128  # format: a sequence number that is farther ahead than this is one that came late
 
 
-class Packet(NamedTuple):
+class MavlinkPacket(NamedTuple):
     """A packet that arrived whole.
 
     Attributes
     ----------
     system, component : int
         Who sent it.
-    message : Message
+    message : MavlinkMessage
     values : dict
         By the names of the message's fields.
     signed : bool
@@ -34,7 +34,7 @@ class Packet(NamedTuple):
 
     system: int
     component: int
-    message: Message
+    message: MavlinkMessage
     values: Values
     signed: bool = False
 
@@ -87,7 +87,7 @@ class Writer:
         return bytes([MARK]) + body + checksum(body, message.crc_extra)
 
 
-class Parser:
+class MavlinkParser:
     """Finds packets in a stream of bytes, and synchronizes again after noise.
 
     A message that is not in `messages.MESSAGES` cannot be checked. It is skipped as a whole if another packet, or
@@ -110,10 +110,10 @@ class Parser:
         self._numbers: dict[tuple[int, int], int] = {}
         self.received = self.lost = self.bad = self.unknown = self.old = 0
 
-    def feed(self, data: bytes) -> list[Packet]:
+    def feed(self, data: bytes) -> list[MavlinkPacket]:
         """Add the next bytes of the stream; returns every packet that is complete now."""
         self._bytes += data
-        found: list[Packet] = []
+        found: list[MavlinkPacket] = []
         start, stream = 0, self._bytes
         while start < len(stream):
             if stream[start] not in (MARK, OLD_MARK):
@@ -136,7 +136,7 @@ class Parser:
         signature = SIGNATURE if stream[start + 2] & SIGNED else 0
         return start + HEADER + stream[start + 1] + CRC_BYTES + signature
 
-    def _read(self, start: int, end: int, found: list[Packet]) -> int:
+    def _read(self, start: int, end: int, found: list[MavlinkPacket]) -> int:
         """Read what may be a packet; returns where to read on."""
         data = bytes(self._bytes[start:end])
         if data[0] == OLD_MARK:
@@ -158,7 +158,7 @@ class Parser:
             return start + 1
         self._count(data)
         signed = bool(data[2] & SIGNED)
-        found.append(Packet(data[5], data[6], message, message.unpack(data[HEADER:body]), signed))
+        found.append(MavlinkPacket(data[5], data[6], message, message.unpack(data[HEADER:body]), signed))
         return end
 
     def _count(self, data: bytes) -> None:

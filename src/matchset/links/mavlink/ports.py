@@ -6,13 +6,13 @@ import socket
 from typing import Protocol
 
 from matchset.image.errors import LinkError
-from matchset.links.arduino.serial_port import SerialPort
 from matchset.links.datagrams import arrived, quiet
 from matchset.links.mavlink.address import Address
+from matchset.links.serial_port import SerialPort
 from matchset.numeric.copies import NotCopied
 
 
-class Port(Protocol):
+class MavlinkPort(Protocol):
     """The contract of a port. `write` and `read` raise `OSError` when the device is gone."""
 
     def write(self, data: bytes) -> None:
@@ -136,7 +136,7 @@ class SerialLine:
             self._port.close()
 
 
-def open_port(address: Address) -> Port:
+def open_port(address: Address) -> MavlinkPort:
     """Open the port of an address.
 
     Raises

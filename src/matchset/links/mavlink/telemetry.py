@@ -1,4 +1,4 @@
-"""What an autopilot says, kept: `Telemetry`. It knows no port; a packet and the time go in."""
+"""What an autopilot says, kept: `AutopilotTelemetry`. It knows no port; a packet and the time go in."""
 
 import itertools
 import struct
@@ -31,7 +31,7 @@ class Text(NamedTuple):
     words: str
 
 
-class Attitude(NamedTuple):
+class AutopilotAttitude(NamedTuple):
     """The autopilot's estimate of its attitude, rad: right side down, nose up, clockwise from north; and when, s."""
 
     time: float
@@ -40,7 +40,7 @@ class Attitude(NamedTuple):
     yaw: float
 
 
-class Telemetry:
+class AutopilotTelemetry:
     """The newest of what an autopilot said.
 
     Attributes
@@ -53,7 +53,7 @@ class Telemetry:
         The last ones, oldest first.
     acks : dict of int to tuple
         Number of a command: when its last answer came, s, and the answer.
-    attitude : Attitude or None
+    attitude : AutopilotAttitude or None
     integers_as_bytes : bool
         Whether a parameter that is an integer comes as its bytes, as PX4 sends it.
     voltage : float or None
@@ -72,7 +72,7 @@ class Telemetry:
         self.heart: Values = {}
         self.texts: deque[Text] = deque(maxlen=KEPT)
         self.acks: dict[int, tuple[float, int]] = {}
-        self.attitude: Attitude | None = None
+        self.attitude: AutopilotAttitude | None = None
         self.voltage: float | None = None
         self.charge: float | None = None
         self.battery_state = ""
@@ -108,7 +108,7 @@ class Telemetry:
             case "PARAM_VALUE":
                 self.settings[values["param_id"]] = self._setting(values)
             case "ATTITUDE":
-                self.attitude = Attitude(now, values["roll"], values["pitch"], values["yaw"])
+                self.attitude = AutopilotAttitude(now, values["roll"], values["pitch"], values["yaw"])
             case "SYS_STATUS":
                 if values["voltage_battery"] != UNKNOWN_VOLTAGE:
                     self.voltage = values["voltage_battery"] / 1e3

@@ -23,7 +23,7 @@ from matchset.sim.rendering.capsules import draw_capsules
 from matchset.sim.rendering.coverage import Pinhole
 from matchset.sim.rendering.painted_ball import draw_painted_ball
 from matchset.sim.rendering.renderer import Light, Picture, draw_occluder
-from matchset.sim.rendering.shutter import Rows, bands, channel_gain, fields, read_out, sub_exposures
+from matchset.sim.rendering.shutter import ShutterRows, bands, channel_gain, fields, read_out, sub_exposures
 from matchset.sim.scene.grass import grass
 from matchset.sim.scene.scene import Scene, viewpoint
 
@@ -343,7 +343,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
                 at = time + read_out(y, self.height, self.digital.readout)
         return at
 
-    def _draw_rows(self, picture: Picture, rows: Rows, time: float, index: int) -> None:
+    def _draw_rows(self, picture: Picture, rows: ShutterRows, time: float, index: int) -> None:
         """Draw the ball over rows of a picture: at once, or band after band as a rolling shutter exposes them."""
         readout = self.digital.readout
         if readout <= 0.0:
@@ -357,7 +357,7 @@ class Clip(msgspec.Struct, frozen=True, kw_only=True):
             if not (alone and (above or (below and self.hand <= 0.0))):  # nothing of the hand is above the ball
                 self._draw_ball(picture[top:bottom], rows, time + late, index, top)
 
-    def _draw_ball(self, picture: Picture, rows: Rows, time: float, index: int, top: int = 0) -> None:
+    def _draw_ball(self, picture: Picture, rows: ShutterRows, time: float, index: int, top: int = 0) -> None:
         """Draw the ball and what hides it, over one exposure; the picture begins with row `top`."""
         begin, end = self._outline(time - self.exposure / 2.0), self._outline(time + self.exposure / 2.0)
         smear = math.hypot(end.x - begin.x, end.y - begin.y) + abs(end.a - begin.a)

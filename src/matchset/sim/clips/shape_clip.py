@@ -14,7 +14,7 @@ from matchset.sim.analog_link import PRESETS, degrade
 from matchset.sim.clips.trajectory import BallTrajectory
 from matchset.sim.rendering.coverage import draw_polygon
 from matchset.sim.rendering.renderer import Picture
-from matchset.sim.rendering.shutter import Rows, fields, sub_exposures
+from matchset.sim.rendering.shutter import ShutterRows, fields, sub_exposures
 from matchset.sim.scene.scene import Scene, viewpoint
 
 Array = npt.NDArray[np.float64]
@@ -203,7 +203,7 @@ class ShapeClip(msgspec.Struct, frozen=True, kw_only=True):
             seed=self.seed,
         )
 
-    def _draw(self, picture: Picture, rows: Rows, time: float) -> None:
+    def _draw(self, picture: Picture, rows: ShutterRows, time: float) -> None:
         """Draw the shape and what hides it, over one exposure."""
         begin, end = self.outline(time - 0.5 * self.exposure), self.outline(time + 0.5 * self.exposure)
         times = sub_exposures(time, self.exposure, float(np.abs(end - begin).max()))

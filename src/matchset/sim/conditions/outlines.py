@@ -21,7 +21,7 @@ Floats = npt.NDArray[np.float64]
 NEXT, BEYOND = 0x0071, 0x0072  # format: whose deviates: the next ball's and the next-but-one's
 
 
-class Outline(NamedTuple):
+class BallOutline(NamedTuple):
     """A ball in a picture.
 
     Attributes
@@ -81,7 +81,7 @@ class OutlineCameras(WorldViews):
         self._weights = self.noise.lasting_weights()
         self._lasts = max(len(self._weights), self.noise.burst_pictures, self.noise.wrong_pictures)
 
-    def outline(self, who: int, step: int) -> Outline | Lost[Circle]:
+    def outline(self, who: int, step: int) -> BallOutline | Lost[Circle]:
         """Find the neighbor's ball in a picture.
 
         Parameters
@@ -114,9 +114,9 @@ class OutlineCameras(WorldViews):
                 ball, -(view.from_room @ self.marked(neighbor.rotation))[:, 2], drawn.marker
             )
         points, middle, radius = self._noisy(points, points, way, 1.0, self._history(NEXT, who, step))
-        return Outline(points, middle, radius, marker, way)
+        return BallOutline(points, middle, radius, marker, way)
 
-    def outline_beyond(self, who: int, step: int) -> Outline | Lost[Circle]:
+    def outline_beyond(self, who: int, step: int) -> BallOutline | Lost[Circle]:
         """Find the next-but-one ball in a picture, without its marker: the neighbor's ball hides a part of it.
 
         Parameters
@@ -145,7 +145,7 @@ class OutlineCameras(WorldViews):
         worse = math.sqrt(self.noise.points / len(points)) * math.sqrt(ball @ ball) / middle
         way, history = self._way(who, 2, step, ball), self._history(BEYOND, who, step)
         points, center, size = self._noisy(points, self._seen(edge), way, worse, history)
-        return Outline(points, center, size, None, way)
+        return BallOutline(points, center, size, None, way)
 
     def _noisy(
         self, points: Floats, whole: Floats, way: Floats, worse: float, history: list[Deviates]

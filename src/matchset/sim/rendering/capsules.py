@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
-from matchset.sim.rendering.shutter import ALL_ROWS, Rows
+from matchset.sim.rendering.shutter import ALL_ROWS, ShutterRows
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]
@@ -32,7 +32,7 @@ class Capsule(NamedTuple):
 
 
 def draw_capsules(
-    picture: Picture, exposures: list[list[Capsule]], color: npt.ArrayLike, rows: Rows = ALL_ROWS
+    picture: Picture, exposures: list[list[Capsule]], color: npt.ArrayLike, rows: ShutterRows = ALL_ROWS
 ) -> None:
     """Blend capsules over some rows of a picture, one after the other, in place.
 
@@ -44,7 +44,7 @@ def draw_capsules(
         The capsules in each sub-exposure.
     color : array_like of shape (3,)
         BGR, where light falls straight on them.
-    rows : Rows
+    rows : ShutterRows
         Which rows to draw.
     """
     skin = np.asarray(color, np.float64)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from matchset.numeric.jit import kernel
 from matchset.numeric.record import Block, record_dtype
-from matchset.sim.rendering.shutter import ALL_ROWS, Rows
+from matchset.sim.rendering.shutter import ALL_ROWS, ShutterRows
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]
@@ -199,7 +199,7 @@ def draw_sphere(
     picture : (h, w, 3), written
         BGR, 0 ... 255.
     rows : (int, int)
-        The first, and the distance from one to the next, see `Rows`.
+        The first, and the distance from one to the next, see `ShutterRows`.
     lens : Pinhole
     spheres : (n,) of `Sphere`
         One for each sub-exposure.
@@ -343,7 +343,7 @@ def polygon_coverage(corners: Array, left: int, right: int, rows: npt.NDArray[np
     return found
 
 
-def draw_polygon(picture: Picture, outlines: list[Array], color: npt.ArrayLike, rows: Rows = ALL_ROWS) -> None:
+def draw_polygon(picture: Picture, outlines: list[Array], color: npt.ArrayLike, rows: ShutterRows = ALL_ROWS) -> None:
     """Blend a convex polygon over some rows of a picture, in place.
 
     Parameters
@@ -354,7 +354,7 @@ def draw_polygon(picture: Picture, outlines: list[Array], color: npt.ArrayLike, 
         Its corners in each sub-exposure, px.
     color : array_like of shape (3,) or (h, w, 3)
         Its color, or the picture that shows inside it.
-    rows : Rows
+    rows : ShutterRows
         Which rows to draw.
     """
     height, width = picture.shape[:2]

@@ -15,7 +15,7 @@ from matchset.sim.clips.balloon import Balloon
 from matchset.sim.rendering.coverage import Pinhole
 from matchset.sim.rendering.patterns import pattern_share
 from matchset.sim.rendering.renderer import Array, Light, Picture, draw_at
-from matchset.sim.rendering.shutter import ALL_ROWS, Rows
+from matchset.sim.rendering.shutter import ALL_ROWS, ShutterRows
 
 BLACK = (0.0, 0.0, 0.0)  # format: BGR
 
@@ -52,7 +52,7 @@ def draw_painted_ball(
     balloon: Balloon,
     positions: Array,
     turn: float,
-    look: tuple[Light, Rows] = (Light(), ALL_ROWS),
+    look: tuple[Light, ShutterRows] = (Light(), ALL_ROWS),
 ) -> None:
     """Draw a ball with its pattern and its shadow over a picture, in place; without either as `draw_balloon`.
 
@@ -78,7 +78,7 @@ def draw_painted_ball(
     if left >= right or top >= bottom:
         return
     window = Pinhole(window.fx, window.fy, window.cx - left, window.cy - top)
-    own = Rows((rows.start - top) % rows.step, rows.step)
+    own = ShutterRows((rows.start - top) % rows.step, rows.step)
     part = picture[top:bottom, left:right]
 
     def drawn(color: tuple[float, float, float] | None) -> Picture:

@@ -14,7 +14,7 @@ from matchset.numeric.record import Block, fields, new_block
 from matchset.sim.clips.balloon import Balloon
 from matchset.sim.clips.occluder import Occluder
 from matchset.sim.rendering.coverage import BAR, SHADING, SPHERE, Pinhole, draw_bars, draw_sphere
-from matchset.sim.rendering.shutter import ALL_ROWS, Rows
+from matchset.sim.rendering.shutter import ALL_ROWS, ShutterRows
 
 Picture = npt.NDArray[np.float32]
 Array = npt.NDArray[np.float64]
@@ -54,7 +54,7 @@ def draw_balloon(
     balloon: Balloon,
     positions: npt.ArrayLike,
     light: Light | None = None,
-    rows: Rows = ALL_ROWS,
+    rows: ShutterRows = ALL_ROWS,
 ) -> None:
     """Draw a balloon over a picture, in place.
 
@@ -74,7 +74,7 @@ def draw_balloon(
         Centers of the balloon in the camera frame, m, equally spaced in time.
     light : Light, optional
         Where light comes from.
-    rows : Rows
+    rows : ShutterRows
         Which rows to draw.
 
     Raises
@@ -97,7 +97,7 @@ def draw_at(
     balloon: Balloon,
     centers: Array,
     light: Light | None = None,
-    rows: Rows = ALL_ROWS,
+    rows: ShutterRows = ALL_ROWS,
 ) -> None:
     """Draw a balloon over a part of a pinhole camera's picture; otherwise as `draw_balloon`."""
     shading = ball_shading(balloon, light if light is not None else Light(), centers.mean(axis=0))
@@ -112,7 +112,7 @@ def draw_at(
     draw_sphere(picture, (rows.start, rows.step), window, spheres, shading, more)
 
 
-def draw_occluder(picture: Picture, occluders: list[Occluder], rows: Rows = ALL_ROWS) -> None:
+def draw_occluder(picture: Picture, occluders: list[Occluder], rows: ShutterRows = ALL_ROWS) -> None:
     """Draw a bar or board over a picture, in place; several places of it are the sub-exposures of its motion.
 
     Parameters
@@ -121,7 +121,7 @@ def draw_occluder(picture: Picture, occluders: list[Occluder], rows: Rows = ALL_
         BGR, 0 ... 255; changed.
     occluders : list of Occluder
         Where it is in each sub-exposure; the first one gives the color.
-    rows : Rows
+    rows : ShutterRows
         Which rows to draw.
     """
     bars = np.array(

@@ -36,7 +36,7 @@ class ShutterParameters(msgspec.Struct, frozen=True, kw_only=True):
 PARAMETERS = ShutterParameters()
 
 
-class Rows(msgspec.Struct, frozen=True):
+class ShutterRows(msgspec.Struct, frozen=True):
     """The rows of a picture that are exposed together: start, start + step, ...
 
     Parameters
@@ -49,10 +49,10 @@ class Rows(msgspec.Struct, frozen=True):
     step: int = 1
 
 
-ALL_ROWS = Rows()
+ALL_ROWS = ShutterRows()
 
 
-def fields(index: int, interlaced: bool) -> list[tuple[Rows, float]]:
+def fields(index: int, interlaced: bool) -> list[tuple[ShutterRows, float]]:
     """Rows that are exposed together, and the middle of their exposure.
 
     Parameters
@@ -69,8 +69,8 @@ def fields(index: int, interlaced: bool) -> list[tuple[Rows, float]]:
         The time is in frames.
     """
     if not interlaced:
-        return [(Rows(), float(index))]
-    return [(Rows(0, 2), index - 0.25), (Rows(1, 2), index + 0.25)]
+        return [(ShutterRows(), float(index))]
+    return [(ShutterRows(0, 2), index - 0.25), (ShutterRows(1, 2), index + 0.25)]
 
 
 def read_out(y: float, height: int, readout: float) -> float:

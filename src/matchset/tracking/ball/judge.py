@@ -16,7 +16,7 @@ from matchset.image.click_region import disc_mask
 from matchset.image.color import ColorModel
 from matchset.image.disc_network.lab import lab_of
 from matchset.image.disc_network.mean_disc import mean_disc
-from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
+from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.patch_format import Circle3, Colors
 from matchset.image.disc_network.polar_patch import colors_of
 
@@ -40,7 +40,7 @@ class NetworkParameters(msgspec.Struct, frozen=True):
     looks : int
         How many looks of the network a picture may cost: a budget of work, not of time, so that a replay is the same
         bit for bit. What does not fit is looked at in the next picture. More finds a lost ball sooner.
-    follow, search : FollowParameters
+    follow, search : NetworkFollowParameters
         How it is led to a ball, and how from places where one is looked for.
     moved : float
         Farthest way from where it began, sum of the changes of x, y and radius in radii: beyond, it is led elsewhere.
@@ -95,8 +95,8 @@ class NetworkParameters(msgspec.Struct, frozen=True):
 
     used: bool = True
     looks: int = 12
-    follow: FollowParameters = FollowParameters(rounds=5, still=0.3)
-    search: FollowParameters = FollowParameters(rounds=5, still=0.3, hopeless=-2.0)
+    follow: NetworkFollowParameters = NetworkFollowParameters(rounds=5, still=0.3)
+    search: NetworkFollowParameters = NetworkFollowParameters(rounds=5, still=0.3, hopeless=-2.0)
     moved: float = 1.0
     inflation: float = 4.0
     same: float = 0.5

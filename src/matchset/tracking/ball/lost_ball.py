@@ -18,7 +18,7 @@ import numpy.typing as npt
 from matchset.fitting.soft_region import SoftRegionParameters, find_soft_region
 from matchset.fitting.validation import Prior
 from matchset.image.color import ColorModel
-from matchset.image.disc_network.network import Disc, DiscNetwork, FollowParameters
+from matchset.image.disc_network.network import Disc, DiscNetwork, NetworkFollowParameters
 from matchset.image.disc_network.polar_patch import colors_of
 from matchset.numeric.jit import collection_paused
 from matchset.shapes.shape import Shape
@@ -44,7 +44,7 @@ def precompile_ball() -> None:
     image, circle = np.zeros((SMALL, SMALL, 3), np.uint8), (0.5 * SMALL, 0.5 * SMALL, 0.25 * SMALL)
     cv2.circle(image, (SMALL // 2, SMALL // 2), SMALL // 4, (255, 255, 255), -1)
     known = colors_of(image, circle)
-    DiscNetwork.packaged().lead(image, [circle], FollowParameters(), known)
+    DiscNetwork.packaged().lead(image, [circle], NetworkFollowParameters(), known)
     find_soft_region(image, circle, SoftRegionParameters())
     DiscSearch(DiscSearchParameters()).about(image, np.array((100.0, 0.0, 0.0)), Gate(*circle), float(SMALL))
 

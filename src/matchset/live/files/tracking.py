@@ -1,0 +1,352 @@
+"""Follows targets through a whole file in the background, from their clicks forward and backward: `FileTracking`."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+import msgspec
+
+from matchset.app.timing.durations import ShownTimes
+from matchset.camera.camera_model import CameraModel
+from matchset.image.frame import Frame
+from matchset.live.files.file_target import FileTarget
+from matchset.live.files.messages import Correct
+from matchset.live.files.run import TrackingRun
+from matchset.live.files.trials import Trial, Trials
+from matchset.live.targets.clicks import AGAIN, CROWDED, NEWER, Clicks
+from matchset.live.targets.messages import Diameter, Drop, FieldOfView, Hold, Marker, Outline, Pick, Reread
+from matchset.live.targets.placing import ball_of, camera_of
+from matchset.live.targets.target import Target
+from matchset.live.targets.waiting import WaitingWishes
+from matchset.localization.ball_target import BallTarget
+from matchset.media.closing import Closing
+from matchset.media.exact_reader import ExactReader, InterruptedReadingError
+from matchset.media.frame_list import FrameList
+
+Asked = Pick | Outline | Hold | Correct | Drop | Reread | Diameter | Marker | FieldOfView
+
+
+class TrackingParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How a file is tracked in the background.
+
+    Parameters
+    ----------
+    targets : int
+        At most; each keeps 2 kB of answers a frame. Chosen by hand: a list that fits on a screen.
+    wishes : int
+        Clicks that wait at most; more are refused.
+    rate_over : float
+        Over what time the rate is taken, s. Chosen by hand: figures that can be read.
+    """
+
+    targets: int = 8
+    wishes: int = 64
+    rate_over: float = 1.0
+
+
+class ClickedPictures(Protocol):
+    """Where the pictures are seen in which somebody clicks."""
+
+    def place_of(self, sequence: int) -> int:
+        """Return the place of the frame that a picture with this number showed; ValueError if there was none."""
+        ...
+
+    def frame_of(self, sequence: int) -> Frame | None:
+        """Return that frame, where it is there without reading."""
+        ...
+
+
+class FileTracking(Closing):
+    """Follows targets in a thread of its own; the newest click first.
+
+    Parameters
+    ----------
+    reader : ExactReader
+        For this thread alone.
+    frames : FrameList
+    shown : ClickedPictures
+    note : callable
+        Told what a person should know.
+    parameters : TrackingParameters, optional
+
+    Attributes
+    ----------
+    targets : dict of int to FileTarget
+        Replaced, never changed, so any thread may look.
+    camera : CameraModel or None
+    clicks : Clicks
+        Told what became of each click.
+    calm : threading.Event
+        Cleared while a click waits for its answer: what reads ahead lets it have the processor.
+    answered : callable
+        Called in the thread when a first click was tried; told whether something was found there.
+    version : int
+        Changes whenever something else is known.
+    """
+
+    def __init__(
+        self,
+        reader: ExactReader,
+        frames: FrameList,
+        shown: ClickedPictures,
+        note: Callable[[str], None],
+        parameters: TrackingParameters | None = None,
+    ) -> None:
+        self._reader, self._frames, self._shown, self._note = reader, frames, shown, note
+        self._parameters = parameters or TrackingParameters()
+        self.clicks, self._trials = Clicks(note), Trials()
+        self.calm = threading.Event()
+        self.calm.set()
+        self.answered: Callable[[bool], None] = lambda _: None
+        self.targets: dict[int, FileTarget] = {}
+        self.camera: CameraModel | None = None
+        self.size = (0, 0)
+        self._changes = self._numbers = 0
+        self._runs: list[TrackingRun] = []
+        self._done: deque[float] = deque()
+        self._computing = ShownTimes()
+        self._wishes: WaitingWishes[Asked] = WaitingWishes(self._parameters.wishes)
+        self._stop, self._news, self._urgent = threading.Event(), threading.Event(), threading.Event()
+        reader.interrupted = self._urgent.is_set
+        self._thread = threading.Thread(target=self._run, name="matchset file", daemon=True)
+        self._thread.start()
+
+    def ask(self, wish: Asked) -> None:
+        """Ask for something; done before the next frame. What cannot be done is a note on the page."""
+        given_up = self._wishes.put(wish)
+        if given_up is not None:
+            self._note(CROWDED)
+            if isinstance(given_up, Pick | Outline):
+                self.clicks.turn_away(given_up, CROWDED)
+        if given_up is wish:
+            return
+        if isinstance(wish, Pick | Outline | Correct | Drop | Reread):  # who clicks waits for no long reading
+            self._urgent.set()
+        if isinstance(wish, Pick | Outline):
+            self.calm.clear()
+        self._news.set()
+
+    @property
+    def version(self) -> int:
+        """Changes whenever something else is known."""
+        return self._changes + sum(target.version for target in self.targets.values())
+
+    @property
+    def rate(self) -> float | None:
+        """Frames per second that are tracked now; None while nothing is."""
+        over, now = self._parameters.rate_over, time.monotonic()
+        recent = [done for done in list(self._done) if done > now - over]
+        return len(recent) / over if self.busy and recent else None
+
+    @property
+    def computing(self) -> dict[str, float]:
+        """What a frame took so far, ms: median, mean, percentile_95, worst; empty before the first."""
+        return self._computing.in_ms
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is being tracked."""
+        return bool(self._runs) or len(self._wishes) > 0
+
+    def reach(self, place: int) -> int | None:
+        """Return up to which frame all is known that is being tracked forward past a place; None: to the end.
+
+        From a place that the tracking has not reached yet, a person has gone there to look for something: None, too.
+        """
+        ways = [run for run in list(self._runs) if not run.backward]
+        known = [max(run.place - 1, run.click) for run in ways if run.click <= place]
+        return min((each for each in known if each >= place), default=None)
+
+    def close(self) -> None:
+        """End the thread."""
+        for event in (self._stop, self._urgent, self._news, self.calm):
+            event.set()
+        self._thread.join()
+        self._reader.close()
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            self._grant()
+            run = self._next_run()
+            if run is None or run.target.number not in self._trials:
+                self.calm.set()
+            if run is None:
+                self._news.wait(0.05 if self._runs or not self._frames.complete else None)
+                self._news.clear()
+                continue
+            try:
+                run.step()
+            except InterruptedReadingError:
+                continue
+            except (ValueError, OSError) as error:
+                self._fail(run, str(error))
+                continue
+            self._count(run)
+
+    def _fail(self, run: TrackingRun, words: str) -> None:
+        """End a run whose frames cannot be read."""
+        self._runs.remove(run)
+        if run.target.known:
+            self._note(words)
+        else:
+            self._refuse(run.target, words)
+
+    def _next_run(self) -> TrackingRun | None:
+        """Return the run that goes on: of a click that waits for its answer, else of the newest; others are removed."""
+        over = [run for run in self._runs if run.over(self._frames)]
+        self._runs = [run for run in self._runs if run not in over]
+        for run in over:
+            if run.target.number in self._trials and not run.backward:
+                self._refuse(run.target, f"no {run.target.shape} was found there up to the end of the video. {AGAIN}")
+        ready = [run for run in reversed(self._runs) if run.place < len(self._frames)]
+        trials = (run for run in ready if run.target.number in self._trials and not run.backward)
+        return next(trials, ready[0] if ready else None)
+
+    def _count(self, run: TrackingRun) -> None:
+        self._computing.add(run.seconds)
+        self._done.append(now := time.monotonic())
+        while self._done[0] < now - self._parameters.rate_over:
+            self._done.popleft()
+        if run.target.number in self._trials and not run.backward:
+            self._judge(run)
+
+    def _judge(self, run: TrackingRun) -> None:
+        """End the trial of a target: it is found where it was clicked, or later, or the click was on nothing."""
+        words = self._trials.verdict(run)
+        if words:
+            self._refuse(run.target, words)
+        elif words is not None:
+            self.clicks.accept(self._trials.pop(run.target.number).begin)
+            self._tell(True)
+
+    def _refuse(self, target: FileTarget, words: str) -> None:
+        """Follow a target no more, and say why."""
+        trial = self._trials.get(target.number)
+        self._forget(target)
+        if trial is None:
+            self._note(words)
+        else:
+            self.clicks.refuse(trial.begin, words)
+        self._tell(False)
+
+    def _tell(self, found: bool) -> None:
+        """Say that a click is answered, unless another one waits for that."""
+        if found or not (self._trials or len(self._wishes)):
+            self.answered(found)
+
+    def _grant(self) -> None:
+        """Do what was asked for."""
+        if not self._stop.is_set():
+            self._urgent.clear()
+        while not self._stop.is_set():
+            wish = self._wishes.take()
+            if wish is None:
+                return
+            try:
+                self._do(wish)
+            except InterruptedReadingError:  # a newer click: this one gives way
+                self._turn_away(wish, NEWER)
+            except ValueError as error:
+                self._note(str(error))
+                self._turn_away(wish, str(error))
+            self._changes += 1
+
+    def _turn_away(self, wish: Asked, words: str) -> None:
+        if isinstance(wish, Pick | Outline):
+            self.clicks.turn_away(wish, words)
+            self._tell(False)
+
+    def _do(self, wish: Asked) -> None:
+        if isinstance(wish, Pick | Outline):
+            self._begin(wish)
+        elif isinstance(wish, Hold):
+            self._shown.place_of(wish.sequence)  # every frame of a video can be read again
+        elif isinstance(wish, FieldOfView):
+            self.use(camera_of(wish, *self.size))
+        else:
+            target = self._target(wish.target)
+            if isinstance(wish, Correct):
+                self._correct(target, wish)
+            elif isinstance(wish, Drop):
+                self._forget(target)
+            elif isinstance(wish, Diameter):
+                target.locate(self.camera, ball_of(wish))
+            elif isinstance(wish, Reread):
+                self._reread(target, wish)
+            else:
+                raise ValueError("markers are looked for in a camera's pictures, not in a video: matchset locate does")
+
+    def use(self, camera: CameraModel | None) -> None:
+        """Take another camera model; from any thread."""
+        self.camera = camera
+        self._changes += 1
+        for target in self.targets.values():
+            target.locate(camera, target.ball)
+
+    def _target(self, number: int) -> FileTarget:
+        found = self.targets.get(number)
+        if found is None:
+            raise ValueError(f"there is no target {number} any more")
+        return found
+
+    def _begin(self, wish: Pick | Outline) -> None:
+        """Begin a target; those that were tried in vain so far give way to it."""
+        for number, trial in list(self._trials.items()):
+            tried = self.targets.get(number)
+            if tried is None or tried.known:
+                self.clicks.turn_away(trial.begin, NEWER)
+                self._trials.pop(number)
+                if tried is not None:
+                    self._forget(tried)
+        if len(self.targets) >= self._parameters.targets:
+            raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
+        place, since = self._shown.place_of(wish.sequence), time.monotonic()
+        self._follow(self._numbers + 1, wish, place, None)
+        self._numbers += 1
+        self._trials[self._numbers] = Trial(wish, since)
+
+    def _follow(self, number: int, click: Pick | Outline, place: int, ball: BallTarget | None) -> None:
+        """Follow a target from its first click on, both ways."""
+        frame = self._frame(click, place)
+        made = Target(number, click, frame)
+        target = FileTarget(number, click, place)
+        target.locate(self.camera, ball)
+        target.color, target.readings = made.tracker.color.copy(), made.readings
+        self.targets = {**self.targets, number: target}
+        self._runs += [TrackingRun(target, place, backward, self._reader, frame) for backward in (True, False)]
+        self._runs[-1].begin_with(made.tracker)
+        if made.note:
+            self._note(made.note)
+
+    def _frame(self, click: Pick | Outline | Correct, place: int) -> Frame:
+        """Return the frame that was clicked: the one that is shown, else it is read."""
+        frame = self._shown.frame_of(click.sequence)
+        return self._reader.frame(place) if frame is None else frame
+
+    def _reread(self, target: FileTarget, wish: Reread) -> None:
+        """Follow something else that the first click may mean; what was found of it is forgotten, and later clicks."""
+        place = min(target.clicks)
+        click = target.clicks[place]
+        if not isinstance(click, Pick):
+            raise ValueError(f"{target.name} was not clicked: there is nothing else that it may mean")
+        self._follow(target.number, msgspec.structs.replace(click, reading=wish.reading), place, target.ball)
+        self._runs = [run for run in self._runs if run.target is not target]
+        self._changes += 1 + target.version
+
+    def _correct(self, target: FileTarget, wish: Correct) -> None:
+        place = self._shown.place_of(wish.sequence)
+        click = Pick(wish.sequence, wish.x, wish.y, target.shape)
+        frame = self._frame(wish, place)
+        Target(target.number, click, frame)  # refuses what cannot be followed
+        first = place <= min(target.clicks)
+        target.correct(wish, place)
+        ways = (True, False) if first else (False,)
+        self._runs += [TrackingRun(target, place, backward, self._reader, frame) for backward in ways]
+
+    def _forget(self, target: FileTarget) -> None:
+        self._trials.pop(target.number, None)
+        self.targets = {number: other for number, other in self.targets.items() if other is not target}
+        self._runs = [run for run in self._runs if run.target is not target]
+        self._changes += 1 + target.version

@@ -1,0 +1,289 @@
+"""All targets of a camera: they begin without holding up the pictures, and those that are nothing end (`Followed`)."""
+
+import functools
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from typing import NamedTuple
+
+import msgspec
+
+from matchset.camera.camera_model import CameraModel
+from matchset.image.frame import Frame
+from matchset.live.targets.clicks import AGAIN, NEWER, Clicks
+from matchset.live.targets.crossing import Crossing
+from matchset.live.targets.maker import Maker
+from matchset.live.targets.messages import (
+    Begin,
+    Diameter,
+    Drop,
+    FieldOfView,
+    Hold,
+    Marker,
+    Outline,
+    Pick,
+    Reread,
+    Wish,
+)
+from matchset.live.targets.placing import ball_of, camera_of
+from matchset.live.targets.target import Target, catch_up, exchange, is_beside, same_place
+from matchset.live.vision.kept_frames import KeptFrames
+from matchset.live.wire.state import TargetState
+from matchset.media.closing import Closing
+from matchset.tracking.track import Track
+
+
+class FollowedParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How many targets there are, and how long one may take to be found.
+
+    Parameters
+    ----------
+    targets : int
+        At most. More: a slower loop, most of all where they are lost. Chosen by hand: a list that fits on a screen.
+    trial : float
+        For how long something clicked may not be found before it is given up, s. Longer: a ball clicked while it is
+        hidden or blurred is still found; and clicks on nothing cost more. Chosen by hand: with what learning a color
+        takes, a wrong click is refused within a second.
+    on_trial : int
+        How many may be on trial; with one more the oldest is given up. More: a thousand clicks cost more. Chosen by
+        hand: a person clicks on one thing, then the next.
+    """
+
+    targets: int = 8
+    trial: float = 0.6
+    on_trial: int = 2
+
+
+class _Making(NamedTuple):
+    """A target that is being made, and what is to be done with it then."""
+
+    number: int
+    begin: Begin
+    frame: Frame
+    result: Future[Target]
+    later: list[Wish]
+
+
+class _Trial(NamedTuple):
+    """A target that was not found yet: what began it, time of the picture in which that was, and since when, s."""
+
+    begin: Begin
+    clicked: float
+    since: float
+
+
+class Followed(Closing):
+    """Follows what was clicked. All methods are for one thread, that of the pictures.
+
+    Parameters
+    ----------
+    kept : KeptFrames
+        The last pictures: a click names one.
+    note : callable
+        Told what a person should know.
+    parameters : FollowedParameters, optional
+    clicks : Clicks, optional
+        Told what became of each click.
+
+    Attributes
+    ----------
+    camera : CameraModel or None
+    clicks : Clicks
+    """
+
+    def __init__(
+        self,
+        kept: KeptFrames,
+        note: Callable[[str], None],
+        parameters: FollowedParameters | None = None,
+        clicks: Clicks | None = None,
+    ) -> None:
+        self.clicks = clicks or Clicks(note)
+        self._kept, self._note, self._parameters = kept, note, parameters or FollowedParameters()
+        self._targets: dict[int, Target] = {}
+        self._trials: dict[int, _Trial] = {}
+        self._making: deque[_Making] = deque()
+        self._numbers = 0
+        self._crossing = Crossing()
+        self._maker: Maker[Target] = Maker()
+        self.camera: CameraModel | None = None
+
+    def close(self) -> None:
+        """Make no targets any more."""
+        self._maker.close()
+
+    @property
+    def targets(self) -> Sequence[Target]:
+        """What is followed."""
+        return list(self._targets.values())
+
+    def target(self, number: int) -> Target:
+        """Return a target by its number.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        found = self._targets.get(number)
+        if found is None:
+            raise ValueError(f"there is no target {number} any more")
+        return found
+
+    def do(self, wish: Wish) -> None:
+        """Do what was asked for.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be done.
+        """
+        making = next((made for made in self._making if made.number == getattr(wish, "target", None)), None)
+        if isinstance(wish, Pick | Outline):
+            self._try(wish)
+        elif isinstance(wish, Hold):
+            self._kept.hold(wish.sequence)
+        elif making is not None:
+            making.later.append(wish)
+        elif isinstance(wish, Drop):
+            self.target(wish.target)
+            self._forget(wish.target)
+        elif isinstance(wish, Reread):
+            self._reread(wish)
+        elif isinstance(wish, Diameter):
+            self.target(wish.target).locate(self.camera, ball_of(wish))
+        elif isinstance(wish, Marker):
+            frame = self._kept.since(wish.sequence)[0]
+            self.target(wish.target).mark(frame, wish.x, wish.y, wish.meters)
+        elif isinstance(wish, FieldOfView):
+            self._view(wish)
+
+    def locate(self, camera: CameraModel | None) -> None:
+        """Take another camera model."""
+        self.camera = camera
+        for each in self._targets.values():
+            each.locate(camera, each.ball)
+
+    def clear(self) -> None:
+        """Forget all targets."""
+        for begin in (*(made.begin for made in self._making), *(trial.begin for trial in self._trials.values())):
+            self.clicks.turn_away(begin, "the pictures are others now: click again")
+        self._targets.clear()
+        self._trials.clear()
+        self._making.clear()
+
+    def restart(self) -> None:
+        """Take note that the source begins anew: where targets were says nothing any more."""
+        for each in self._targets.values():
+            each.tracker.restart()
+
+    def update(self, frame: Frame) -> list[TargetState]:
+        """Follow all into a frame."""
+        self._take_made()
+        states = {number: target.update(frame) for number, target in self._targets.items()}
+        for number in list(self._trials):
+            self._judge(number, frame, states)
+        self._part(frame, states)
+        for number in self._trials:
+            states[number] = msgspec.structs.replace(states[number], pending=True, reason="finding it ...")
+        return [states[number] for number in self._targets]
+
+    def _part(self, frame: Frame, states: dict[int, TargetState]) -> None:
+        """Of two targets that were found on one ball one is hidden; it is looked for where it should come out."""
+        known = {number: state for number, state in states.items() if number not in self._trials}
+        meeting = self._crossing.meet(known, frame.time)
+        for one, other in meeting.exchanged:
+            states[one], states[other] = exchange(self._targets[one], self._targets[other], frame)
+        for number, stays in meeting.hidden.items():
+            lost_for, at = self._crossing.since(number, frame.time), self._crossing.expected(number, frame.time)
+            states[number] = self._targets[number].hidden_behind(self._targets[stays].name, lost_for, at)
+
+    def _view(self, wish: FieldOfView) -> None:
+        newest = self._kept.newest
+        if newest is None:
+            raise ValueError("there is no picture yet whose field of view could be told")
+        height, width = newest.image.shape[:2]
+        self.locate(camera_of(wish, width, height))
+
+    def _try(self, begin: Begin) -> None:
+        """Begin a target; a page hears why that cannot be."""
+        try:
+            self._begin(begin)
+        except ValueError as error:
+            self.clicks.turn_away(begin, str(error))
+            raise
+
+    def _begin(self, begin: Begin) -> None:
+        """Make a target in the background: its color is learned, and perhaps something is compiled."""
+        frame = self._kept.since(begin.sequence)[0]
+        while len(self._trials) >= self._parameters.on_trial:
+            number, trial = next(iter(self._trials.items()))
+            self.clicks.turn_away(trial.begin, NEWER)
+            self._forget(number)
+        if len(self._making) >= self._parameters.on_trial:  # clicks that wait give way to newer ones
+            cancelled = [made for made in self._making if made.result.cancel()]
+            for made in cancelled:
+                self.clicks.turn_away(made.begin, NEWER)
+            self._making = deque(made for made in self._making if made not in cancelled)
+        if len(self._targets) + len(self._making) >= self._parameters.targets:
+            raise ValueError(f"{self._parameters.targets} targets are enough: drop one first")
+        self._numbers += 1
+        order = functools.partial(Target, self._numbers, begin, frame)
+        self._making.append(_Making(self._numbers, begin, frame, self._maker.order(order), []))
+
+    def _reread(self, wish: Reread) -> None:
+        """Make a target anew in its place, since its click meant something else."""
+        clicked = self.target(wish.target).clicked
+        if clicked is None:
+            raise ValueError(f"{self.target(wish.target).name} was not clicked: there is nothing else that it may mean")
+        click, frame = clicked
+        meant = msgspec.structs.replace(click, reading=wish.reading)
+        order = functools.partial(Target, wish.target, meant, frame)
+        self._making.append(_Making(wish.target, meant, frame, self._maker.order(order), []))
+
+    def _take_made(self) -> None:
+        while self._making and self._making[0].result.done():
+            number, begin, frame, made, later = self._making.popleft()
+            try:
+                target = made.result()
+                before = self._targets.get(number)
+                target.locate(self.camera, None if before is None else before.ball)
+                frames = [frame, *self._kept.after(begin.sequence)]
+                catch_up(target, frames)
+                self._targets[number], self._trials[number] = target, _Trial(begin, frame.time, frames[-1].time)
+                if target.note:
+                    self._note(target.note)
+            except ValueError as error:
+                self.clicks.refuse(begin, str(error))
+                continue
+            for wish in later:
+                try:
+                    self.do(wish)
+                except ValueError as error:
+                    self._note(str(error))
+
+    def _judge(self, number: int, frame: Frame, states: dict[int, TargetState]) -> None:
+        """End the trial of a target: it is found, it is one that is followed already, or it is nothing."""
+        state, target, trial = states[number], self._targets[number], self._trials[number]
+        over = not 0.0 <= frame.time - trial.since <= self._parameters.trial
+        twin = next((each for each in states.values() if each.id != number and same_place(each, state)), None)
+        if twin is not None:
+            words = f"that is {twin.name}, which is followed already"
+        elif isinstance(target.answer, Track) and is_beside(trial.begin, target.answer, frame.time - trial.clicked):
+            words = f"the {target.shape} that was found is not where you clicked. {AGAIN}"
+        elif state.found or (over and target.seen is not None):
+            del self._trials[number]
+            self.clicks.accept(trial.begin)
+            return
+        elif over:
+            at = "({:.0f}, {:.0f})".format(*target.begun)
+            words = f"no {target.shape} at {at}: {state.reason}. {AGAIN}"
+        else:
+            return
+        self.clicks.refuse(trial.begin, words)
+        self._forget(number)
+        del states[number]
+
+    def _forget(self, number: int) -> None:
+        self._targets.pop(number, None)
+        self._trials.pop(number, None)

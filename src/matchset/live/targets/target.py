@@ -1,0 +1,265 @@
+"""Something that was clicked and is followed since: `Target`."""
+
+import math
+from typing import Any
+
+import cv2
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from matchset.app.target.shape_option import NAMES, parse_shape
+from matchset.camera.camera_model import CameraModel
+from matchset.image.color import ColorModel
+from matchset.image.frame import Frame
+from matchset.live.targets.drawn_outline import shape_along
+from matchset.live.targets.messages import Begin, Outline, Pick
+from matchset.live.targets.placing import Place, Placing
+from matchset.live.targets.told import About, found_state, lost_state
+from matchset.live.wire.state import TargetState
+from matchset.localization.ball_target import BallTarget
+from matchset.localization.markers.ball_colors import pick_marker
+from matchset.localization.pose import Pose
+from matchset.shapes.circle import Circle
+from matchset.shapes.shape import Shape, center_of, outline
+from matchset.tracking.track import Lost, Track
+from matchset.tracking.tracker import Tracker
+
+INNER = 0.5  # geometry: half-side of the square inside an outline from which its color is learned, half-widths
+Floats = npt.NDArray[np.float64]
+
+
+class Target:
+    """Follows one shape, and places it where its diameter and the camera are known.
+
+    Parameters
+    ----------
+    number : int
+        Its number on the page.
+    begin : Pick or Outline
+        What a person did.
+    frame : Frame
+        In which picture.
+
+    Attributes
+    ----------
+    ball : BallTarget or None
+        Its size; None: not known.
+    parameters : tuple of str
+        Names of the shape's parameters.
+    begun : (float, float)
+        Where it was clicked, or the middle of what was drawn, px.
+    clicked : (Pick, Frame) or None
+        The click and its picture, to read it anew.
+    readings : list of str
+        What the click may mean, the likeliest first.
+    answer : Track or Lost or None
+        The last one of its tracker.
+    seen : float or None
+        When it was found last, s.
+    pose : Pose, Lost or None
+        In the last frame; None if diameter or camera are not known.
+
+    Raises
+    ------
+    ValueError
+        If the click is outside of the picture, no color can be learned there, or there is no such shape.
+    """
+
+    def __init__(self, number: int, begin: Begin, frame: Frame) -> None:
+        if begin.shape not in NAMES.split(", "):  # a name alone: a page must not name files of this computer
+            raise ValueError(f"a shape is {NAMES}; got {begin.shape!r}")
+        family: Any = parse_shape(begin.shape)
+        given = None
+        self.clicked = (begin, frame) if isinstance(begin, Pick) else None
+        if isinstance(begin, Outline):
+            given = shape_along(family, np.reshape(begin.points[: len(begin.points) // 2 * 2], (-1, 2)))
+            self.begun = center_of(outline(given))[:2]
+            check_inside(*self.begun, *frame.image.shape[1::-1])
+            color = color_within(given, frame)
+        else:
+            self.begun = begin.x, begin.y
+            check_inside(*self.begun, *frame.image.shape[1::-1])
+            color = ColorModel.pick(frame.image, *self.begun, reading=begin.reading, ball=family is Circle)
+        self.readings = [str(each) for each in color.alternatives]
+        self.number, self.name, self.note = number, f"{begin.shape} {number}", color.note
+        self.shape, self.parameters = begin.shape, tuple(family.parameters)
+        self.ball: BallTarget | None = None
+        self.answer: Track[Any] | Lost[Any] | None = None
+        self.tracker: Tracker[Any] = Tracker(family, color, start=self.begun)
+        if given is not None:
+            self.tracker.start(given)
+        self._family, self._camera, self._placing = family, None, None
+        self._marker: tuple[ColorModel, float] | None = None
+        self.seen: float | None = None
+        self.pose: Pose | Lost[Pose] | None = None
+
+    _camera: CameraModel | None
+    _placing: Placing | None
+
+    def locate(self, camera: CameraModel | None, ball: BallTarget | None) -> None:
+        """Set what is known of camera and target; None: not known.
+
+        Parameters
+        ----------
+        camera : CameraModel or None
+        ball : BallTarget or None
+
+        Raises
+        ------
+        ValueError
+            If its marker is not smaller than it.
+        """
+        placing = None
+        if camera is not None and ball is not None:
+            placing = Placing(camera, ball, self._marker)
+        self._camera, self.ball, self._placing = camera, ball, placing
+
+    def mark(self, frame: Frame, x: float, y: float, width: float) -> None:
+        """Learn the color of its marker, at a point of a picture.
+
+        Parameters
+        ----------
+        frame : Frame
+        x, y : float
+            px
+        width : float
+            m
+
+        Raises
+        ------
+        ValueError
+            If it is no ball, or no color can be learned there.
+        """
+        if self._family is not Circle:
+            raise ValueError(f"{self.name} is no ball: only balls have markers")
+        color, before = pick_marker(frame.image, x, y), self._marker
+        joint = self.tracker.color | color
+        self._marker = color, width
+        try:
+            self.locate(self._camera, self.ball)
+        except ValueError:
+            self._marker = before
+            raise
+        tracker: Tracker[Any] = Tracker(self._family, joint, start=self.begun)
+        if isinstance(self.answer, Track):
+            tracker.start(self.answer.shape)
+        self.tracker = tracker
+
+    def update(self, frame: Frame) -> TargetState:
+        """Follow it into a frame."""
+        try:
+            answer = self.tracker.update(frame)
+        except ValueError:  # another size of the pictures, or a time that runs anew: begin anew
+            self.tracker.restart()
+            answer = self.tracker.update(frame)
+        self.answer = answer
+        return self.told(frame)
+
+    def told(self, frame: Frame) -> TargetState:
+        """Place what was found in a frame, and say it."""
+        answer = self.answer
+        if answer is None:
+            return lost_state(self._about, "not looked for yet")
+        place = Place() if self._placing is None else self._placing.place(frame, answer)
+        self.pose = place.pose
+        if isinstance(answer, Lost):
+            return self._lost(answer)
+        self.seen = answer.time
+        return found_state(self._about, answer, place)
+
+    def hidden_behind(self, name: str, lost_for: float, expected: tuple[float, float] | None) -> TargetState:
+        """Say that it is lost behind another target of its color; look for it where it is expected, px, from now on."""
+        self.pose = None
+        if isinstance(self.answer, Track) and expected is not None:
+            shape = self.answer.shape
+            x, y, _ = center_of(outline(shape))
+            if math.hypot(x - expected[0], y - expected[1]) > float(self._family.half_width(shape.state)):
+                self.tracker.restart(expected)  # nearer, it cannot be seen yet
+        return lost_state(self._about, f"hidden by {name}, which has its color", lost_for)
+
+    def without_picture(self, reason: str) -> TargetState:
+        """Say that it is lost because there is no picture."""
+        self.pose = None
+        return lost_state(self._about, reason)
+
+    @property
+    def _about(self) -> About:
+        reading = 0 if self.clicked is None else self.clicked[0].reading
+        return About(self.number, self.name, self.shape, self.ball, self.readings, reading)
+
+    def _lost(self, answer: Lost[Any]) -> TargetState:
+        since = 0.0 if self.seen is None else max(answer.time - self.seen, 0.0)
+        return lost_state(self._about, answer.reason, since, answer.predicted)
+
+
+def catch_up(target: Target, frames: list[Frame]) -> None:
+    """Follow a target through the frames since the click, so that it is where the newest one is."""
+    for frame in frames:
+        target.update(frame)
+
+
+def exchange(one: Target, other: Target, frame: Frame) -> tuple[TargetState, TargetState]:
+    """Give each of two targets what the other one followed; returns what is told of them in the same frame."""
+    one.tracker, other.tracker = other.tracker, one.tracker
+    one.answer, other.answer = other.answer, one.answer
+    return one.told(frame), other.told(frame)
+
+
+def color_within(given: Shape, frame: Frame) -> ColorModel:
+    """Learn the color inside a drawn outline; where nothing tells it from the rest, only edges count."""
+    x, y, _ = center_of(outline(given))
+    half = max(INNER * float(type(given).half_width(given.state)), 1.0)
+    try:
+        return ColorModel.learn(frame.image, (round(x - half), round(y - half), round(2 * half), round(2 * half)))
+    except ValueError:
+        color = ColorModel.edges()
+        color.note = "no color tells what was drawn from the rest: only its edges are followed, which is less sure"
+        return color
+
+
+class BesideParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """How far what is found first may be from the click that it is to answer. Both chosen by hand.
+
+    Parameters
+    ----------
+    rim : float
+        From its middle in the picture of the click, half-widths: the rim, with the room that a finger needs.
+    speed : float
+        How much farther for each second that has passed since, half-widths per second: a ball that is thrown.
+    """
+
+    rim: float = 2.0
+    speed: float = 60.0
+
+
+def is_beside(begin: Begin, answer: Track[Any], passed: float, parameters: BesideParameters | None = None) -> bool:
+    """Whether a click was too far from what was found so long after it, s: it meant something else."""
+    if isinstance(begin, Outline):
+        return False
+    limits = parameters or BesideParameters()
+    x, y = center_of(outline(answer.shape))[:2]
+    half = float(type(answer.shape).half_width(answer.shape.state))
+    return math.hypot(begin.x - x, begin.y - y) > (limits.rim + limits.speed * max(passed, 0.0)) * half
+
+
+def same_place(one: TargetState, other: TargetState) -> bool:
+    """Whether two targets are found at one place: each has its middle inside of the other."""
+    if not (one.found and other.found):
+        return False
+    pairs = ((one, other), (other, one))
+    return all(
+        cv2.pointPolygonTest(np.reshape(a.outline, (-1, 1, 2)).astype(np.float32), _middle(b), False) >= 0
+        for a, b in pairs
+    )
+
+
+def _middle(state: TargetState) -> tuple[float, float]:
+    x, y = np.reshape(state.outline, (-1, 2)).mean(axis=0).tolist()
+    return x, y
+
+
+def check_inside(x: float, y: float, width: int, height: int) -> None:
+    """Raise a ValueError if a point, px, is in no pixel of a picture of this size; the first one's middle is (0, 0)."""
+    if not (-0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5):
+        raise ValueError(f"({x:g}, {y:g}) is outside of the picture of {width} x {height} px")

@@ -1,0 +1,96 @@
+"""What a page is told of a target that is found, or lost: `found_state`, `lost_state`."""
+
+import itertools
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from matchset.live.targets.placing import Place
+from matchset.live.wire.state import TargetState
+from matchset.localization.ball_target import BallTarget
+from matchset.shapes.shape import Shape, outline
+from matchset.tracking.track import Track
+
+OUTLINE_POINTS = 72  # geometry: of an outline that a browser draws
+MARKER_POINTS = 24  # geometry: of a marker's
+TENTH = 10.0  # format: coordinates on the screen have one decimal
+
+
+class About(NamedTuple):
+    """What is told of a target in every picture.
+
+    Attributes
+    ----------
+    number : int
+    name : str
+    shape : str
+        Of which family it is.
+    ball : BallTarget or None
+        Its size; None: not known.
+    readings : sequence of str
+        What its click may mean.
+    reading : int
+        Which of these was taken, from 1.
+    """
+
+    number: int
+    name: str
+    shape: str = "circle"
+    ball: BallTarget | None = None
+    readings: Sequence[str] = ()
+    reading: int = 0
+
+
+def found_state(about: About, track: Track[Any], place: Place) -> TargetState:
+    """Return what is told of a target that is found."""
+    return TargetState(
+        about.number,
+        about.name,
+        True,
+        shape=about.shape,
+        values=track.measured(),
+        outline=flat(outline(track.shape, OUTLINE_POINTS)),
+        match_set=flat(track.match_set),
+        support=float(track.support),
+        position=dict(place.position),
+        markers=[flat(outline(marker, MARKER_POINTS)) for marker in place.markers],
+        axes=[] if place.axes is None else flat(place.axes),
+        left_out=place.left_out,
+        diameter=None if about.ball is None else about.ball.diameter,
+        diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
+        readings=list(about.readings),
+        reading=about.reading,
+    )
+
+
+def lost_state(about: About, reason: str, lost_for: float = 0.0, predicted: Shape | None = None) -> TargetState:
+    """Return what is told of a target that is lost.
+
+    Parameters
+    ----------
+    about : About
+    reason : str
+    lost_for : float
+        s
+    predicted : Shape, optional
+        Where it is expected.
+    """
+    return TargetState(
+        about.number,
+        about.name,
+        False,
+        shape=about.shape,
+        reason=reason,
+        lost_for=lost_for,
+        predicted=[] if predicted is None else flat(outline(predicted, OUTLINE_POINTS)),
+        diameter=None if about.ball is None else about.ball.diameter,
+        diameter_sigma=0.0 if about.ball is None else about.ball.diameter_sigma,
+        readings=list(about.readings),
+        reading=about.reading,
+    )
+
+
+def flat(points: Any) -> list[float]:
+    """Write points as numbers one after the other, px."""
+    return list(itertools.chain.from_iterable((np.rint(points * TENTH) / TENTH).tolist()))

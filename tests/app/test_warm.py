@@ -17,6 +17,7 @@ from matchset.shapes.quadrilateral import Quadrilateral
 from matchset.shapes.rectangle import Rectangle
 
 OTHERS = {
+    "click": "matchset.tracking.tracker.Tracker",
     "localizer": "matchset.localization.localizer.Localizer",
     "markers": "matchset.localization.markers.marker_tracker.MarkerTracker",
     "neighbors": "matchset.localization.neighbors.neighbors.Neighbors",

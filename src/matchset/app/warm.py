@@ -41,6 +41,7 @@ def groups() -> dict[str, Callable[[], object]]:
     """Name the sets of kernels, each with the function that compiles it by making and running what calls it."""
     return {
         **{name: functools.partial(_trackers, name) for name in FAMILIES},
+        "click": _click,
         "localizer": _localizer,
         "markers": _markers,
         "neighbors": _neighbors,
@@ -84,6 +85,23 @@ def _trackers(name: str) -> None:
             tracker.update(Frame(image, index / 30, index))
         Tracker(family, color, MAX_LINES)  # its workspace is laid out otherwise
         detect(Frame(image), family, color)
+
+
+def _click() -> None:
+    """Click on a disc and follow it; OpenCV then has its tables of CIE Lab, which are half of a first click's time."""
+    import cv2
+    import numpy as np
+
+    from matchset.image.color import ColorModel
+    from matchset.image.frame import Frame
+    from matchset.shapes.circle import Circle
+    from matchset.tracking.tracker import Tracker
+
+    picture = np.full((64, 64, 3), 40, np.uint8)
+    cv2.circle(picture, (32, 32), 12, (40, 90, 220), cv2.FILLED)
+    tracker = Tracker(Circle, ColorModel.pick(picture, 32, 32), start=(32.0, 32.0))
+    for index in range(3):
+        tracker.update(Frame(picture, index / 30, index))
 
 
 def _localizer() -> object:

@@ -18,7 +18,7 @@ from matchset.live.feed import Panel
 from matchset.live.wire.messages import Kernels
 from matchset.media.closing import Closing
 
-CIRCLES = ("circle", "localizer")
+CIRCLES = ("circle", "click", "localizer")
 """Sets of kernels of the first click."""
 OTHERS = (*(name for name in FAMILIES if name not in CIRCLES), "markers")
 """Sets of kernels of other shapes, and of markers."""
